@@ -1,0 +1,57 @@
+// The whole platoon in one process: the components of the nodes, joined by shared pointers.
+
+#include <ros/callback_queue.h>
+
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "stochastic_platoon/graph/channel.hpp"
+#include "stochastic_platoon/graph/configuration_parameter.hpp"
+#include "stochastic_platoon/graph/follower.hpp"
+#include "stochastic_platoon/graph/leader.hpp"
+#include "stochastic_platoon/graph/monitor.hpp"
+#include "stochastic_platoon/graph/run_component.hpp"
+
+namespace {
+
+// A queue with the one thread that serves it: each component is built on one queue, so none needs a lock.
+class Worker {
+public:
+  explicit Worker(const ros::NodeHandle& node) : node_(node) { node_.setCallbackQueue(&queue_); }
+  const ros::NodeHandle& node() const { return node_; }
+  void start() {
+    thread_ = std::thread([this] {
+      while (ros::ok()) queue_.callAvailable(ros::WallDuration(0.1));
+    });
+  }
+  void join() { thread_.join(); }
+
+private:
+  ros::CallbackQueue queue_;
+  ros::NodeHandle node_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return platoon::run_component(argc, argv, "platoon", 0, [](const ros::NodeHandle& node) {
+    const platoon::Configuration configuration = platoon::read_configuration(node);
+    Worker vehicles(node), observers(node);
+    const platoon::Channel channel(observers.node(), configuration);
+    platoon::Monitor monitor(observers.node(), configuration);
+    std::vector<std::unique_ptr<platoon::Follower>> followers;
+    for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
+      followers.push_back(std::make_unique<platoon::Follower>(vehicles.node(), configuration, i));
+    }
+    const platoon::Leader leader(vehicles.node(), configuration);
+    vehicles.start();
+    observers.start();
+    ros::spin();  // the global queue carries nothing but the signal to end
+    vehicles.join();
+    observers.join();
+    monitor.stop();
+  });
+}

@@ -1,0 +1,157 @@
+#include "stochastic_platoon/configuration/model_file.hpp"
+
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "stochastic_platoon/configuration/configuration_error.hpp"
+
+namespace platoon {
+
+namespace {
+
+// The stamps of ROS count nanoseconds.
+const Allowed kSamplePeriod{"a finite number >= 1e-9", std::numeric_limits<double>::quiet_NaN(), 1e-9};
+
+TransferFunction read_fraction(Section& section, double divisor) {
+  const Eigen::VectorXd numerator = section.numbers("numerator");
+  const Eigen::VectorXd denominator = section.numbers("denominator");
+  section.reject_unknown_keys();
+  if (denominator.cwiseAbs().maxCoeff() > 0.0) return {numerator / divisor, denominator};
+  section.reject("denominator", "all zero", "a polynomial other than 0");
+  return {numerator, Eigen::VectorXd::Ones(1)};
+}
+
+std::optional<ClosedLoop> read_given_loop(Section section, std::vector<std::string>& problems) {
+  const std::size_t before = problems.size();
+  const Eigen::MatrixXd a = section.matrix("A");
+  const Eigen::VectorXd b = section.numbers("B");
+  const Eigen::VectorXd c = section.numbers("C");
+  section.reject_unknown_keys();
+  if (problems.size() > before) return std::nullopt;
+  try {
+    return closed_loop_from(StateSpace(a, b, c.transpose()));
+  } catch (const std::invalid_argument& error) {
+    problems.push_back(std::string("closed_loop/") + error.what());
+    return std::nullopt;
+  }
+}
+
+LeaderProfile read_leader(Section section, double sample_period, std::vector<std::string>& problems) {
+  std::vector<SpeedChange> changes;
+  for (Section& entry : section.sections("speed")) {
+    const std::int64_t step = entry.integer("from_step", 0, std::int64_t{1} << 46);
+    changes.push_back({step, entry.number("value", kAnyFinite)});
+    entry.reject_unknown_keys();
+  }
+  section.reject_unknown_keys();
+  try {
+    return LeaderProfile(changes, sample_period);
+  } catch (const std::invalid_argument& error) {
+    problems.push_back(std::string("leader/speed: ") + error.what());
+    return LeaderProfile({}, 1.0);
+  }
+}
+
+InitialPosition read_initial_position(Section section) {
+  InitialPosition position;
+  position.mean = section.number("mean", kAnyFinite);
+  position.variance = section.number("variance", kNotNegative);
+  section.reject_unknown_keys();
+  return position;
+}
+
+std::optional<ClosedLoop> read_loop(Section& document, double headway, std::vector<std::string>& problems) {
+  if (document.has("closed_loop")) {
+    for (const char* key : {"plant", "controller"}) {
+      if (document.has(key))
+        document.reject(key, "given", "absent beside closed_loop, which stands in its place");
+    }
+    return read_given_loop(document.section("closed_loop"), problems);
+  }
+  const std::size_t before = problems.size();
+  Section plant_section = document.section("plant");
+  const TransferFunction plant = read_fraction(plant_section, 1.0);
+  Section controller_section = document.section("controller");
+  const bool divide = controller_section.has("divide_by_one_plus_headway") &&
+                      controller_section.boolean("divide_by_one_plus_headway");
+  const TransferFunction controller = read_fraction(controller_section, divide ? 1.0 + headway : 1.0);
+  if (problems.size() > before) return std::nullopt;
+  try {
+    return close_loop(plant, controller, headway);
+  } catch (const std::invalid_argument& error) {
+    problems.push_back(std::string("plant, controller: ") + error.what());
+    return std::nullopt;
+  }
+}
+
+nlohmann::json to_json(const Eigen::MatrixXd& matrix) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    nlohmann::json row = nlohmann::json::array();
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
+    rows.push_back(matrix.cols() == 1 ? row.front() : row);
+  }
+  return matrix.rows() == 1 ? rows.front() : rows;
+}
+
+}  // namespace
+
+std::optional<PlatoonModel> read_model(Section document, std::vector<std::string>& problems) {
+  const std::size_t before = problems.size();
+  const double headway = document.number("time_headway", kPositive);
+  const double standstill_distance = document.number("standstill_distance", kNotNegative);
+  const double sample_period = document.number("sample_period", kSamplePeriod);
+  const double noise_variance = document.number("noise_variance", kNotNegative);
+  const bool allow_unstable = document.has("allow_unstable") && document.boolean("allow_unstable");
+  const LeaderProfile leader = read_leader(document.section("leader"), sample_period, problems);
+  const InitialPosition initial = read_initial_position(document.section("initial_position"));
+  const std::optional<ClosedLoop> loop = read_loop(document, headway, problems);
+  document.reject_unknown_keys();
+  if (problems.size() == before) {
+    for (const std::string& problem : inadmissibilities(*loop, headway, allow_unstable))
+      problems.push_back(problem);
+  }
+  if (problems.size() > before) return std::nullopt;
+  return PlatoonModel{*loop,  headway, standstill_distance, sample_period, noise_variance,
+                      leader, initial, allow_unstable};
+}
+
+PlatoonModel parse_model(const YAML::Node& node) {
+  std::vector<std::string> problems;
+  const std::optional<PlatoonModel> model = read_model(Section(node, "", problems), problems);
+  if (!problems.empty()) throw ConfigurationError(problems);
+  return *model;
+}
+
+YAML::Node load_yaml(const std::string& file) {
+  try {
+    return YAML::LoadFile(file);
+  } catch (const YAML::BadFile&) {
+    throw ConfigurationError({"model: " + file + ": must be a file that can be read"});
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError({"model: " + file + ": must be YAML: " + error.what()});
+  }
+}
+
+nlohmann::json to_json(const PlatoonModel& model) {
+  nlohmann::json speed = nlohmann::json::array();
+  for (const SpeedChange& change : model.leader.changes()) {
+    speed.push_back({{"from_step", change.from_step}, {"value", change.value}});
+  }
+  const StateSpace& loop = model.loop.realization;
+  return {{"closed_loop",
+           {{"A", to_json(loop.a())},
+            {"B", to_json(Eigen::MatrixXd(loop.b()))},
+            {"C", to_json(Eigen::MatrixXd(loop.c()))}}},
+          {"time_headway", model.headway},
+          {"standstill_distance", model.standstill_distance},
+          {"sample_period", model.sample_period},
+          {"noise_variance", model.noise_variance},
+          {"leader", {{"speed", speed}}},
+          {"initial_position",
+           {{"mean", model.initial_position.mean}, {"variance", model.initial_position.variance}}},
+          {"allow_unstable", model.allow_unstable}};
+}
+
+}  // namespace platoon

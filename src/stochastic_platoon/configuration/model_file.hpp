@@ -1,0 +1,31 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/configuration/section.hpp"
+#include "stochastic_platoon/model/platoon_model.hpp"
+
+namespace platoon {
+
+/// Reads a model file (the file itself, or its copy on the parameter server): the one schema and the one set
+/// of messages. All that is wrong goes into `problems`: missing and unknown keys, wrong types, numbers that
+/// are not finite or out of range, a closed loop that is not admissible (see inadmissibilities()). Then there
+/// is no model.
+std::optional<PlatoonModel> read_model(Section document, std::vector<std::string>& problems);
+
+/// The same for a whole document. Throws ConfigurationError with all that is wrong.
+PlatoonModel parse_model(const YAML::Node& document);
+
+/// The YAML document of a file. Throws ConfigurationError when the file is missing or is not YAML.
+YAML::Node load_yaml(const std::string& file);
+
+/// The model as numbers, in the words of the model file with the closed loop as A, B, C: what a run's figures
+/// depend on.
+nlohmann::json to_json(const PlatoonModel& model);
+
+}  // namespace platoon

@@ -1,0 +1,64 @@
+#include "stochastic_platoon/configuration/run_options.hpp"
+
+#include <algorithm>
+
+namespace platoon {
+
+namespace {
+constexpr std::int64_t kMaxFollowers = 100000;
+constexpr std::int64_t kMaxCount = std::int64_t{1}
+                                   << 46;  // of realizations and steps: what the noise's counter can name
+}  // namespace
+
+std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers) {
+  std::uint64_t batch = 8192;
+  while (batch > 64 && batch * followers > (std::uint64_t{1} << 19)) batch /= 2;
+  return std::min(batch, realizations);
+}
+
+std::int64_t chosen_window(std::uint64_t batch, std::size_t followers) {
+  const std::uint64_t positions_in_flight = std::uint64_t{1} << 22;
+  const std::uint64_t per_step = std::max<std::uint64_t>(batch * followers, 1);
+  return static_cast<std::int64_t>(std::clamp<std::uint64_t>(positions_in_flight / per_step, 4, 256));
+}
+
+RunOptions read_run_options(Section section) {
+  RunOptions options;
+  options.followers = static_cast<std::size_t>(section.integer("followers", 1, kMaxFollowers));
+  options.steps = section.integer("steps", 0, kMaxCount);
+  options.realizations = static_cast<std::uint64_t>(section.integer("realizations", 1, kMaxCount));
+  options.batch = static_cast<std::uint64_t>(section.integer("batch", 0, 1 << 24));
+  options.rate = section.number("rate", kNotNegative);
+  options.seed = static_cast<std::uint64_t>(section.integer("seed", 0, INT64_MAX));
+  options.hosting = section.choice("hosting", {"processes", "one_process", "monte_carlo"});
+  options.output = section.text("output");
+  options.resume = section.boolean("resume");
+  options.launch = section.text("launch");
+  options.window = section.integer("window", 0, 1 << 20);
+  options.stall_timeout = section.number("stall_timeout", kPositive);
+  options.burn_in = section.integer("burn_in", 0, kMaxCount);
+  section.reject_unknown_keys();
+  if (options.steps == 0) options.realizations = 1;
+  if (options.batch == 0) options.batch = chosen_batch(options.realizations, options.followers);
+  options.batch = std::min(options.batch, options.realizations);
+  if (options.window == 0) options.window = chosen_window(options.batch, options.followers);
+  return options;
+}
+
+nlohmann::json to_json(const RunOptions& options) {
+  return {{"followers", options.followers},
+          {"steps", std::to_string(options.steps)},
+          {"realizations", std::to_string(options.realizations)},
+          {"batch", options.batch},
+          {"rate", options.rate},
+          {"seed", std::to_string(options.seed)},
+          {"hosting", options.hosting},
+          {"output", options.output},
+          {"resume", options.resume},
+          {"launch", options.launch},
+          {"window", options.window},
+          {"stall_timeout", options.stall_timeout},
+          {"burn_in", std::to_string(options.burn_in)}};
+}
+
+}  // namespace platoon

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "stochastic_platoon/configuration/section.hpp"
+#include "stochastic_platoon/delivery/batch_schedule.hpp"
+
+namespace platoon {
+
+/// One run of a platoon: the launch arguments in C++.
+struct RunOptions {
+  std::size_t followers;       ///< N >= 1
+  std::int64_t steps;          ///< K >= 1, or 0 for one endless batch
+  std::uint64_t realizations;  ///< R >= 1; of an endless run 1
+  std::uint64_t batch;         ///< realizations per message, >= 1
+  double rate;                 ///< steps per second of wall time; 0 = as fast as credit allows
+  std::uint64_t seed;
+  std::string hosting;   ///< "processes" or "one_process"
+  std::string output;    ///< folder for the results
+  bool resume;           ///< go on from what the folder holds
+  std::string launch;    ///< names one launch: a checkpoint of the same launch is always gone on from
+  std::int64_t window;   ///< steps that may be unacknowledged, >= 1
+  double stall_timeout;  ///< [s]
+  std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
+
+  BatchSchedule schedule() const { return {realizations, batch, steps}; }
+};
+
+/// Reads them from a section; what is wrong goes into the section's problems. batch, window: 0 = choose.
+RunOptions read_run_options(Section section);
+
+/// As one mapping for the parameter server. Numbers that may not fit XML-RPC's 32 bits are texts.
+nlohmann::json to_json(const RunOptions& options);
+
+/// Realizations per message where none are asked for: 64 kB messages, smaller for long strings so that one
+/// step of all vehicles stays near the size of the caches.
+std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers);
+
+/// Steps in flight where none are asked for: enough to keep every process busy, within about 100 MB for the
+/// whole graph.
+std::int64_t chosen_window(std::uint64_t batch, std::size_t followers);
+
+}  // namespace platoon

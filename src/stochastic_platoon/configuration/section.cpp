@@ -1,0 +1,191 @@
+#include "stochastic_platoon/configuration/section.hpp"
+
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <sstream>
+
+namespace platoon {
+
+namespace {
+
+constexpr double kUnbound = std::numeric_limits<double>::quiet_NaN();
+
+std::string shown(const YAML::Node& node) {
+  if (!node || node.IsNull()) return "(nothing)";
+  if (node.IsScalar()) return node.Scalar().empty() ? "(empty)" : node.Scalar();
+  YAML::Emitter emitter;
+  emitter << YAML::Flow << node;
+  return emitter.c_str();
+}
+
+// The whole text as a number, in the C locale; nullopt for anything else. "nan" and "inf" are not read.
+std::optional<double> parsed_number(const YAML::Node& node) {
+  if (!node.IsScalar()) return std::nullopt;
+  std::istringstream stream(node.Scalar());
+  stream.imbue(std::locale::classic());
+  double value;
+  if (!(stream >> value) || !std::isfinite(value)) return std::nullopt;
+  return (stream >> std::ws).eof() ? std::optional<double>(value) : std::nullopt;
+}
+
+std::optional<std::int64_t> parsed_integer(const YAML::Node& node) {
+  if (!node.IsScalar()) return std::nullopt;
+  std::istringstream stream(node.Scalar());
+  stream.imbue(std::locale::classic());
+  std::int64_t value;
+  if (!(stream >> value)) return std::nullopt;
+  return (stream >> std::ws).eof() ? std::optional<std::int64_t>(value) : std::nullopt;
+}
+
+std::optional<Eigen::VectorXd> parsed_numbers(const YAML::Node& node) {
+  if (!node.IsSequence() || node.size() == 0) return std::nullopt;
+  Eigen::VectorXd values(static_cast<Eigen::Index>(node.size()));
+  for (std::size_t i = 0; i < node.size(); ++i) {
+    const std::optional<double> value = parsed_number(node[i]);
+    if (!value) return std::nullopt;
+    values(static_cast<Eigen::Index>(i)) = *value;
+  }
+  return values;
+}
+
+}  // namespace
+
+const Allowed kAnyFinite{"a finite number", kUnbound, kUnbound};
+const Allowed kPositive{"a finite number > 0", 0.0, kUnbound};
+const Allowed kNotNegative{"a finite number >= 0", kUnbound, 0.0};
+
+Section::Section(const YAML::Node& node, const std::string& path, std::vector<std::string>& problems)
+    : node_(node), path_(path), problems_(problems) {
+  if (node_.IsNull() && !path.empty()) return;  // missing, and reported as such
+  if (!node_.IsMap()) {
+    problems_.push_back((path.empty() ? "the document" : path) + ": " + shown(node) +
+                        ": must be a mapping of keys");
+  }
+}
+
+bool Section::has(const std::string& key) {
+  known_.insert(key);
+  return node_.IsMap() && static_cast<const YAML::Node&>(node_)[key];
+}
+
+void Section::reject(const std::string& key, const std::string& value, const std::string& allowed) {
+  problems_.push_back(name(key) + ": " + value + ": must be " + allowed);
+}
+
+YAML::Node Section::require(const std::string& key, const std::string& allowed) {
+  known_.insert(key);
+  if (!node_.IsMap()) return {};
+  const YAML::Node value = static_cast<const YAML::Node&>(node_)[key];
+  if (!value || value.IsNull()) {
+    problems_.push_back(name(key) + ": missing: must be " + allowed);
+    return {};
+  }
+  return value;
+}
+
+double Section::number(const std::string& key, const Allowed& allowed) {
+  const YAML::Node node = require(key, allowed.text);
+  if (node.IsNull()) return 1.0;
+  const std::optional<double> value = parsed_number(node);
+  if (!value || *value <= allowed.above || *value < allowed.at_least) {
+    reject(key, shown(node), allowed.text);
+    return 1.0;
+  }
+  return *value;
+}
+
+std::int64_t Section::integer(const std::string& key, std::int64_t least, std::int64_t most) {
+  const std::string allowed = "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  const YAML::Node node = require(key, allowed);
+  if (node.IsNull()) return least;
+  const std::optional<std::int64_t> value = parsed_integer(node);
+  if (!value || *value < least || *value > most) {
+    reject(key, shown(node), allowed);
+    return least;
+  }
+  return *value;
+}
+
+bool Section::boolean(const std::string& key) {
+  const YAML::Node node = require(key, "true or false");
+  if (node.IsNull()) return false;
+  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  if (text == "true" || text == "True") return true;
+  if (text != "false" && text != "False") reject(key, shown(node), "true or false");
+  return false;
+}
+
+std::string Section::text(const std::string& key) {
+  const YAML::Node node = require(key, "a text");
+  if (node.IsNull()) return "";
+  if (!node.IsScalar()) reject(key, shown(node), "a text");
+  return node.IsScalar() ? node.Scalar() : "";
+}
+
+std::string Section::choice(const std::string& key, const std::vector<std::string>& choices) {
+  std::string allowed;
+  for (const std::string& choice : choices) allowed += (allowed.empty() ? "" : " or ") + choice;
+  const YAML::Node node = require(key, allowed);
+  if (node.IsNull()) return choices.front();
+  for (const std::string& choice : choices) {
+    if (node.IsScalar() && node.Scalar() == choice) return choice;
+  }
+  reject(key, shown(node), allowed);
+  return choices.front();
+}
+
+Eigen::VectorXd Section::numbers(const std::string& key) {
+  const std::string allowed = "a list of finite numbers";
+  const YAML::Node node = require(key, allowed);
+  if (node.IsNull()) return Eigen::VectorXd::Ones(1);
+  const std::optional<Eigen::VectorXd> values = parsed_numbers(node);
+  if (!values) reject(key, shown(node), allowed);
+  return values ? *values : Eigen::VectorXd::Ones(1);
+}
+
+Eigen::MatrixXd Section::matrix(const std::string& key) {
+  const std::string allowed = "a list of rows of finite numbers, all of one length";
+  const YAML::Node node = require(key, allowed);
+  if (node.IsNull()) return Eigen::MatrixXd::Ones(1, 1);
+  Eigen::MatrixXd values;
+  for (std::size_t i = 0; node.IsSequence() && i < node.size(); ++i) {
+    const std::optional<Eigen::VectorXd> row = parsed_numbers(node[i]);
+    if (!row || (i > 0 && row->size() != values.cols())) {
+      values.resize(0, 0);
+      break;
+    }
+    values.conservativeResize(values.rows() + 1, row->size());
+    values.bottomRows(1) = row->transpose();
+  }
+  if (values.size() > 0) return values;
+  reject(key, shown(node), allowed);
+  return Eigen::MatrixXd::Ones(1, 1);
+}
+
+Section Section::section(const std::string& key) {
+  return Section(require(key, "a mapping of keys"), name(key), problems_);
+}
+
+std::vector<Section> Section::sections(const std::string& key) {
+  const YAML::Node node = require(key, "a list of mappings");
+  if (node.IsNull()) return {};
+  if (!node.IsSequence()) reject(key, shown(node), "a list of mappings");
+  std::vector<Section> entries;
+  for (std::size_t i = 0; node.IsSequence() && i < node.size(); ++i) {
+    entries.emplace_back(node[i], name(key) + "[" + std::to_string(i) + "]", problems_);
+  }
+  return entries;
+}
+
+void Section::reject_unknown_keys() {
+  if (!node_.IsMap()) return;
+  std::string allowed;
+  for (const std::string& key : known_) allowed += (allowed.empty() ? "" : ", ") + key;
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
+    if (known_.count(key) == 0) problems_.push_back(name(key) + ": unknown key: allowed are " + allowed);
+  }
+}
+
+}  // namespace platoon

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <Eigen/Dense>
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace platoon {
+
+/// What a number may be. Bounds of NaN do not bind.
+struct Allowed {
+  std::string text;  ///< the end of the sentence "must be ..."
+  double above;      ///< exclusive lower bound
+  double at_least;   ///< inclusive lower bound
+};
+
+extern const Allowed kAnyFinite, kPositive, kNotNegative;
+
+/// Reads one mapping of a YAML document key by key and collects what is wrong with it, so that all errors are
+/// reported at once.
+///
+/// A reader returns the value, or a harmless stand-in after it has put an error in `problems`: check
+/// `problems` before the values are used. Numbers may stand in quotes: the parameter server and the command
+/// line hand on strings.
+class Section {
+public:
+  /// `path` names the section in messages, empty for the document itself.
+  Section(const YAML::Node& node, const std::string& path, std::vector<std::string>& problems);
+
+  /// Whether an optional key is given.
+  bool has(const std::string& key);
+
+  double number(const std::string& key, const Allowed& allowed);
+  std::int64_t integer(const std::string& key, std::int64_t least, std::int64_t most);
+  bool boolean(const std::string& key);
+  std::string text(const std::string& key);
+  std::string choice(const std::string& key, const std::vector<std::string>& choices);
+  /// A list of finite numbers, not empty.
+  Eigen::VectorXd numbers(const std::string& key);
+  /// A list of rows of finite numbers, all of one length, not empty.
+  Eigen::MatrixXd matrix(const std::string& key);
+  Section section(const std::string& key);
+  /// A list of mappings, which may be empty.
+  std::vector<Section> sections(const std::string& key);
+
+  /// Reports the keys that nobody asked for. Call it last.
+  void reject_unknown_keys();
+
+  /// Reports that the value at `key` is not what it must be.
+  void reject(const std::string& key, const std::string& value, const std::string& allowed);
+
+private:
+  YAML::Node require(const std::string& key, const std::string& allowed);
+  std::string name(const std::string& key) const { return path_.empty() ? key : path_ + "/" + key; }
+
+  YAML::Node node_;
+  std::string path_;
+  std::vector<std::string>& problems_;
+  std::set<std::string> known_;
+};
+
+}  // namespace platoon

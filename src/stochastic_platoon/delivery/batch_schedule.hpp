@@ -1,0 +1,37 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+namespace platoon {
+
+/// How the realizations of a run are cut into batches, and the steps of each.
+struct BatchSchedule {
+  std::uint64_t realizations;
+  std::uint64_t batch;  ///< realizations per message; the last batch may be smaller
+  std::int64_t steps;   ///< steps -1 .. steps - 1 per batch; 0 = one endless batch
+
+  bool endless() const { return steps == 0; }
+  bool is_last_step(std::int64_t step) const { return !endless() && step + 1 == steps; }
+  bool is_complete(std::uint64_t first) const { return first >= realizations; }
+  std::size_t size(std::uint64_t first) const {
+    return first < realizations ? static_cast<std::size_t>(std::min(batch, realizations - first)) : 0;
+  }
+  std::uint64_t next(std::uint64_t first) const { return first + size(first); }
+};
+
+/// The name of one message: which try, which batch, which step.
+struct Turn {
+  std::uint32_t attempt;
+  std::uint64_t first_realization;
+  std::int64_t step;
+};
+
+/// A receiver's report: all turns of this attempt up to this one have arrived, and every earlier batch is
+/// committed. step = kNothingYet: nothing of this batch so far.
+using Acknowledgement = Turn;
+constexpr std::int64_t kInitialStep = -1;
+constexpr std::int64_t kNothingYet = -2;
+
+}  // namespace platoon

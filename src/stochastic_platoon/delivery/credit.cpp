@@ -1,0 +1,116 @@
+#include "stochastic_platoon/delivery/credit.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace platoon {
+
+namespace {
+constexpr double kGrowth = 1.5;
+}
+
+Credit::Credit(const BatchSchedule& schedule, const CreditLimits& limits,
+               const std::vector<std::string>& receivers)
+    : schedule_(schedule),
+      limits_(limits),
+      first_step_patience_(limits.first_step_timeout),
+      patience_(limits.stall_timeout) {
+  for (const std::string& name : receivers) receivers_[name] = Receiver{};
+}
+
+// Steps of this attempt that the report covers. Batches but the last have equal size, so whole ones can be
+// counted.
+std::int64_t Credit::published_before(const Acknowledgement& report) const {
+  if (report.first_realization < start_) return 0;
+  const auto batches =
+      static_cast<std::int64_t>((report.first_realization - start_ + schedule_.batch - 1) / schedule_.batch);
+  return batches * (schedule_.steps + 1) + (report.step - kNothingYet);
+}
+
+std::int64_t Credit::acknowledged() const {
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (const auto& entry : receivers_) {
+    const Receiver& receiver = entry.second;
+    least = std::min(least, receiver.in_attempt ? published_before(*receiver.latest) : 0);
+  }
+  return least;
+}
+
+bool Credit::all_reported() const {
+  return std::all_of(receivers_.begin(), receivers_.end(),
+                     [](const auto& entry) { return entry.second.latest; });
+}
+
+bool Credit::complete() const {
+  return all_reported() && std::all_of(receivers_.begin(), receivers_.end(), [this](const auto& entry) {
+           return schedule_.is_complete(entry.second.latest->first_realization);
+         });
+}
+
+bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& report, double now) {
+  const auto found = receivers_.find(receiver);
+  if (found == receivers_.end()) return false;
+  Receiver& sender = found->second;
+  const std::int64_t before = acknowledged();
+  const bool of_this_attempt = attempt_ > 0 && report.attempt == attempt_;
+  // Within an attempt reports only grow: one that shrinks comes from a receiver that was restarted.
+  const bool lost =
+      sender.in_attempt && (!of_this_attempt || published_before(report) < published_before(*sender.latest));
+  const bool through_a_batch = sender.latest && report.first_realization > sender.latest->first_realization;
+  sender.latest = report;
+  sender.in_attempt = of_this_attempt && (sender.in_attempt || report.step != kNothingYet);
+  if (lost && !complete()) begin_attempt(now);
+  if (acknowledged() > before) {
+    last_activity_ = now;
+    first_step_patience_ = limits_.first_step_timeout;
+    if (through_a_batch) patience_ = limits_.stall_timeout;
+  }
+  return true;
+}
+
+void Credit::begin_attempt(double now) {
+  start_ = schedule_.realizations;
+  for (auto& entry : receivers_) {
+    attempt_ = std::max(attempt_, entry.second.latest->attempt);
+    start_ = std::min(start_, entry.second.latest->first_realization);
+    entry.second.in_attempt = false;
+  }
+  ++attempt_;
+  upcoming_ = {attempt_, start_, kInitialStep};
+  published_ = 0;
+  last_activity_ = now;
+}
+
+std::optional<Turn> Credit::next(double now) {
+  if (!all_reported() || complete()) return std::nullopt;
+  if (attempt_ == 0) begin_attempt(now);
+  if (schedule_.is_complete(upcoming_.first_realization)) return std::nullopt;
+  const std::int64_t acknowledged_steps = acknowledged();
+  const std::int64_t allowed = acknowledged_steps == 0 ? 1 : limits_.window;
+  if (published_ - acknowledged_steps >= allowed) return std::nullopt;
+  const Turn turn = upcoming_;
+  if (published_ == acknowledged_steps)
+    last_activity_ = now;  // idle until now: the wait for an answer begins here
+  ++published_;
+  if (schedule_.is_last_step(turn.step)) {
+    upcoming_ = {attempt_, schedule_.next(turn.first_realization), kInitialStep};
+  } else {
+    ++upcoming_.step;
+  }
+  return turn;
+}
+
+bool Credit::retry_if_stalled(double now) {
+  if (attempt_ == 0 || complete() || published_ == acknowledged()) return false;
+  const bool unanswered = acknowledged() == 0;
+  double& patience = unanswered ? first_step_patience_ : patience_;
+  if (now - last_activity_ < patience) return false;
+  patience *= kGrowth;
+  // Nodes that are still coming up should not be kept waiting.
+  if (unanswered)
+    patience = std::min(patience, std::max(limits_.first_step_timeout, kGrowth * limits_.stall_timeout));
+  begin_attempt(now);
+  return true;
+}
+
+}  // namespace platoon

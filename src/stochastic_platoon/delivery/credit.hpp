@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/delivery/batch_schedule.hpp"
+
+namespace platoon {
+
+struct CreditLimits {
+  std::int64_t window;        ///< steps that may be unacknowledged, >= 1
+  double stall_timeout;       ///< [s] > 0 without progress before a new attempt
+  double first_step_timeout;  ///< [s] > 0 the same while nothing of an attempt has been acknowledged
+};
+
+/// The leader's side of the delivery contract: which step may be published now, and when to begin again.
+///
+/// Knows no clock and no topic: the time is an argument [s]. It waits until every receiver has reported;
+/// starts an attempt at the earliest realization any of them still needs; allows one step until the first
+/// acknowledgement of the attempt and then `window` unacknowledged ones. The next attempt begins when the
+/// timeout passes without progress, or as soon as a receiver shows that it has lost what it had. Each stall
+/// in a row is waited for 1.5 times longer than the one before, so that a machine too slow for the timeout
+/// still gets through.
+class Credit {
+public:
+  Credit(const BatchSchedule& schedule, const CreditLimits& limits,
+         const std::vector<std::string>& receivers);
+
+  /// Takes a report. Unknown receivers are ignored; returns false for them.
+  bool acknowledge(const std::string& receiver, const Acknowledgement& report, double now);
+
+  /// The next turn to publish, if credit allows one now; counts it as published.
+  std::optional<Turn> next(double now);
+
+  /// Begins a new attempt if the present one has stalled; true if it did.
+  bool retry_if_stalled(double now);
+
+  /// Every receiver has every realization.
+  bool complete() const;
+
+  std::uint32_t attempt() const { return attempt_; }
+
+private:
+  struct Receiver {
+    std::optional<Acknowledgement> latest;
+    bool in_attempt = false;  ///< has acknowledged something of the present attempt
+  };
+  std::int64_t published_before(const Acknowledgement& report) const;
+  std::int64_t acknowledged() const;
+  bool all_reported() const;
+  void begin_attempt(double now);
+
+  BatchSchedule schedule_;
+  CreditLimits limits_;
+  std::map<std::string, Receiver> receivers_;
+  std::uint32_t attempt_ = 0;   ///< 0: none begun
+  std::uint64_t start_ = 0;     ///< first realization of the attempt
+  Turn upcoming_{};             ///< the turn to publish next
+  std::int64_t published_ = 0;  ///< steps published in this attempt
+  double last_activity_ = 0.0;  ///< [s]
+  double first_step_patience_;  ///< [s] grows while attempts find no answer
+  double patience_;             ///< [s] grows while attempts break off before their first batch is through
+};
+
+}  // namespace platoon

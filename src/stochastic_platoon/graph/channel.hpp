@@ -1,0 +1,33 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <stochastic_platoon/Position.h>
+
+#include <vector>
+
+#include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/model/vehicle.hpp"
+
+namespace platoon {
+
+/// The additive white noise channels of the whole string as one ROS component. Every message is passed on at
+/// once with the noise its name calls for; nothing is kept, so that a restart has no consequence but what was
+/// on the way.
+///
+/// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = 1 .. N.
+class Channel {
+public:
+  Channel(ros::NodeHandle platoon, const Configuration& configuration);
+
+private:
+  struct Link {
+    NoisyChannel noise;
+    ros::Publisher received;
+    ros::Subscriber sent;
+  };
+  void transmit(const Link& link, const stochastic_platoon::Position::ConstPtr& message) const;
+
+  std::vector<Link> links_;  ///< never resized after construction: the callbacks point into it
+};
+
+}  // namespace platoon

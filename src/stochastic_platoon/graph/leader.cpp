@@ -1,0 +1,86 @@
+#include "stochastic_platoon/graph/leader.hpp"
+
+#include <ros/console.h>
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+
+#include "stochastic_platoon/graph/wire.hpp"
+
+namespace platoon {
+
+using stochastic_platoon::Position;
+using stochastic_platoon::Progress;
+
+namespace {
+
+constexpr double kFirstStepTimeout = 0.1;  // [s] grows by itself: see Credit
+constexpr double kWatchPeriod = 0.02;      // [s]
+
+double now() {
+  return ros::SteadyTime::now().toSec();
+}
+
+}  // namespace
+
+Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration)
+    : schedule_(configuration.run.schedule()),
+      period_(platoon_period(configuration.model.sample_period)),
+      window_(configuration.run.window),
+      paced_(configuration.run.rate > 0.0),
+      credit_(schedule_,
+              {window_, configuration.run.stall_timeout,
+               std::min(kFirstStepTimeout, configuration.run.stall_timeout)},
+              {"monitor"}),
+      vehicle_(configuration.model),
+      position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
+      progress_(platoon.subscribe("progress", kUnboundedQueue, &Leader::receive, this, no_delay())) {
+  stall_timer_ = platoon.createSteadyTimer(ros::WallDuration(kWatchPeriod), [this](const auto&) { watch(); });
+  if (paced_) {
+    pace_timer_ = platoon.createSteadyTimer(ros::WallDuration(1.0 / configuration.run.rate),
+                                            [this](const auto&) { publish_one(); });
+  }
+}
+
+void Leader::receive(const Progress::ConstPtr& message) {
+  if (!credit_.acknowledge(message->receiver, {message->attempt, message->first_realization, message->step},
+                           now())) {
+    ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report from \""
+                                      << message->receiver << "\": it is no receiver of this run");
+    return;
+  }
+  // After a restart time goes on past everything that may still be on its way.
+  const ros::Time seen = message->header.stamp;
+  if (credit_.attempt() == 0 && !seen.isZero()) {
+    const ros::Duration in_flight = ros::Duration().fromNSec(period_.toNSec() * (window_ + 1));
+    stamp_ = std::max(stamp_, seen + in_flight);
+  }
+  publish_allowed();
+}
+
+void Leader::watch() {
+  if (credit_.retry_if_stalled(now())) {
+    ROS_DEBUG_STREAM("no progress: attempt " << credit_.attempt() << " begins");
+  }
+  publish_allowed();
+}
+
+void Leader::publish_allowed() {
+  while (!paced_ && publish_one()) {
+  }
+}
+
+bool Leader::publish_one() {
+  const std::optional<Turn> turn = credit_.next(now());
+  if (!turn) return false;
+  stamp_ += period_;
+  const double position = turn->step == kInitialStep ? vehicle_.start() : vehicle_.step();
+  const auto message = boost::make_shared<Position>();
+  message->header.stamp = stamp_;
+  set_turn(*turn, *message);
+  message->position.assign(schedule_.size(turn->first_realization), position);
+  position_.publish(message);
+  return true;
+}
+
+}  // namespace platoon

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <stochastic_platoon/ErrorStatistics.h>
+#include <stochastic_platoon/Position.h>
+
+#include <optional>
+#include <vector>
+
+#include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/delivery/assembly.hpp"
+#include "stochastic_platoon/graph/refusals.hpp"
+#include "stochastic_platoon/results/progress_display.hpp"
+#include "stochastic_platoon/results/run_result.hpp"
+#include "stochastic_platoon/statistics/ensemble_statistics.hpp"
+#include "stochastic_platoon/statistics/time_statistics.hpp"
+
+namespace platoon {
+
+/// Keeps mean and variance of all tracking errors online, beside the paper's prediction, and acknowledges
+/// what has arrived.
+///
+/// A batch counts when it is whole. Totals are checkpointed after commits; on completion, or when it is
+/// stopped, the monitor writes the results. It names who holds the platoon up when nothing moves.
+///
+/// Subscribes: vehicle_<i>/position, i = 0 .. N. Publishes: progress, error_statistics.
+class Monitor {
+public:
+  /// Throws ConfigurationError as starting_point() does.
+  Monitor(ros::NodeHandle platoon, const Configuration& configuration);
+
+  /// Writes down what there is of an unfinished run. Call it when the callbacks have ended.
+  void stop();
+
+private:
+  void receive(std::size_t vehicle, const stochastic_platoon::Position::ConstPtr& message);
+  void commit(const CompleteBatch& batch);
+  void restart();
+  void take_errors(std::size_t follower, const Turn& turn, const std::vector<double>& errors);
+  void tick();
+  void report_stall(double now);
+  void finish();
+
+  bool endless() const { return configuration_.run.steps == 0; }
+  std::vector<Moments> moments() const;
+  RunResult result() const;
+  void save_checkpoint(double now);
+  void publish_progress();
+  void publish_statistics(std::int64_t step, const std::vector<Moments>& all);
+
+  Configuration configuration_;
+  Prediction prediction_;
+  std::optional<Checkpoint> start_;
+  EnsembleStatistics ensemble_;
+  TimeStatistics time_averages_;
+  Tally tally_;
+  Assembly assembly_;
+  std::vector<Refusals> refusals_;
+  ProgressDisplay display_;
+  Acknowledgement acknowledged_{};        ///< the last one published
+  std::int64_t last_step_ = kNothingYet;  ///< the latest with errors
+  double began_ = -1.0;                   ///< [s] first position of this launch
+  double wall_seconds_before_ = 0.0;      ///< [s] of earlier launches
+  double last_arrival_ = -1.0;            ///< [s]
+  double last_checkpoint_ = -1.0;         ///< [s]
+  double last_statistics_ = -1.0;         ///< [s]
+  std::uint64_t checkpointed_ = 0;        ///< realizations in the latest checkpoint
+  bool stalled_ = false;
+  bool finished_ = false;
+  ros::Publisher progress_;
+  ros::Publisher error_statistics_;
+  std::vector<ros::Subscriber> positions_;
+  ros::SteadyTimer timer_;
+};
+
+}  // namespace platoon

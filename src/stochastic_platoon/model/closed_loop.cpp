@@ -1,0 +1,64 @@
+#include "stochastic_platoon/model/closed_loop.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace platoon {
+
+ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway) {
+  const Reduction t = reduce(feedback(series(plant, controller), headway_policy(headway)));
+  return {t.minimal, observable_canonical(t.minimal), roots(t.common_factor)};
+}
+
+ClosedLoop closed_loop_from(const StateSpace& realization) {
+  const Reduction t = reduce(transfer_function(realization));
+  return {t.minimal, realization, {}};
+}
+
+TransferFunction sensitivity(const TransferFunction& transfer, double headway) {
+  const TransferFunction ht = series(headway_policy(headway), transfer);
+  return {add(ht.denominator(), -ht.numerator()), ht.denominator()};
+}
+
+std::vector<std::string> inadmissibilities(const ClosedLoop& loop, double headway, bool allow_unstable) {
+  std::vector<std::string> found;
+  const auto report = [&found](const std::ostringstream& text) { found.push_back(text.str()); };
+  if (!loop.transfer.is_strictly_proper()) {
+    found.push_back(
+        "T(z) is not strictly proper: it must have more poles than zeros (relative degree of G K >= 1)");
+  }
+  // A realization given to six digits still counts as ramp tracking.
+  if (multiplicity_at_one(sensitivity(loop.transfer, headway).numerator(), 1e-6) < 2) {
+    std::ostringstream text;
+    text << "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and "
+            "dT/dz(1) = -h for "
+            "h = "
+         << headway << "; here T(1) = " << loop.transfer(1.0).real();
+    report(text);
+  }
+  const double rho = spectral_radius(loop.realization);
+  if (rho >= 1.0 && !allow_unstable) {
+    std::ostringstream text;
+    text << "the closed loop is unstable: rho(A) = " << rho
+         << ", must be < 1 (allow_unstable: true runs it all the same)";
+    report(text);
+  }
+  for (const std::complex<double>& mode : loop.hidden_modes) {
+    if (std::abs(mode) < 1.0 || allow_unstable || mode.imag() < 0.0) continue;
+    std::ostringstream text;
+    text << "G(z) K(z) cancels an unstable mode at z = " << mode.real()
+         << (mode.imag() > 0.0 ? " +- i " : "");
+    if (mode.imag() > 0.0) text << mode.imag();
+    text << ": cancelled modes must lie inside the unit circle (allow_unstable: true runs it all the same)";
+    report(text);
+  }
+  try {
+    unit_rest_state(loop.realization);
+  } catch (const std::invalid_argument& error) {
+    found.emplace_back(error.what());
+  }
+  return found;
+}
+
+}  // namespace platoon

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "stochastic_platoon/model/transfer_function.hpp"
+
+namespace platoon {
+
+/// x(k+1) = A x(k) + B u(k), y(k) = C x(k): the closed loop T of one vehicle, paper eq. (ith-closedloop).
+///
+/// A is n x n, B is n x 1, C is 1 x n, n >= 1. Throws std::invalid_argument when the shapes do not fit or an
+/// entry is not finite.
+class StateSpace {
+public:
+  StateSpace(Eigen::MatrixXd a, Eigen::VectorXd b, Eigen::RowVectorXd c);
+
+  const Eigen::MatrixXd& a() const { return a_; }
+  const Eigen::VectorXd& b() const { return b_; }
+  const Eigen::RowVectorXd& c() const { return c_; }
+  Eigen::Index order() const { return a_.rows(); }
+
+private:
+  Eigen::MatrixXd a_;
+  Eigen::VectorXd b_;
+  Eigen::RowVectorXd c_;
+};
+
+/// rho(A), the largest modulus of an eigenvalue of A.
+double spectral_radius(const StateSpace& system);
+
+/// State that holds the output at 1 under the constant input 1, (I - A)^-1 B divided by T(1), shape n x 1.
+/// Throws std::invalid_argument when I - A is singular (a mode at z = 1) or T(1) = 0: no such rest exists.
+Eigen::VectorXd unit_rest_state(const StateSpace& system);
+
+/// Observable canonical realization of a strictly proper fraction: C = [1 0 ... 0]. Minimal if the fraction
+/// is in lowest terms. Throws std::invalid_argument when the fraction is not strictly proper.
+StateSpace observable_canonical(const TransferFunction& transfer);
+
+/// C (zI - A)^-1 B by the Faddeev-LeVerrier recursion, not reduced.
+TransferFunction transfer_function(const StateSpace& system);
+
+}  // namespace platoon

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+
+namespace platoon {
+
+/// zeta_i(k) = y_{i-1}(k) - y_i(k) - delta - h [y_i(k) - y_i(k-1)] [m], paper eq. (error1), with the distance
+/// delta kept.
+struct TrackingError {
+  double headway;              ///< h, in sample periods
+  double standstill_distance;  ///< delta [m]
+
+  double operator()(double predecessor, double own, double own_before) const {
+    return predecessor - own - standstill_distance - headway * (own - own_before);
+  }
+
+  /// The same for `count` realizations.
+  void operator()(const double* predecessor, const double* own, const double* own_before, std::size_t count,
+                  double* errors) const {
+    for (std::size_t r = 0; r < count; ++r) errors[r] = (*this)(predecessor[r], own[r], own_before[r]);
+  }
+};
+
+}  // namespace platoon

@@ -1,0 +1,107 @@
+#include "stochastic_platoon/model/transfer_function.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace platoon {
+
+namespace {
+
+/// Quotient of a division that is known to leave no remainder.
+Polynomial exact_quotient(const Polynomial& dividend, const Polynomial& divisor) {
+  Polynomial rest = dividend;
+  const Eigen::Index terms = dividend.size() - divisor.size() + 1;
+  Polynomial quotient(terms);
+  for (Eigen::Index i = 0; i < terms; ++i) {
+    quotient(i) = rest(i) / divisor(0);
+    rest.segment(i, divisor.size()) -= quotient(i) * divisor;
+  }
+  return quotient;
+}
+
+/// Matrix of (v, u) -> N v - D u for deg v = deg u = degree, over coefficients by descending powers.
+Eigen::MatrixXd cofactor_map(const Polynomial& n, const Polynomial& d, Eigen::Index degree) {
+  const Eigen::Index rows = d.size() + degree;
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(rows, 2 * (degree + 1));
+  for (Eigen::Index j = 0; j <= degree; ++j) {
+    map.col(j).segment(j + d.size() - n.size(), n.size()) = n;
+    map.col(degree + 1 + j).segment(j, d.size()) = -d;
+  }
+  return map;
+}
+
+TransferFunction without_common_zeros_at_origin(const TransferFunction& fraction, Eigen::Index* count) {
+  Polynomial n = fraction.numerator();
+  Polynomial d = fraction.denominator();
+  *count = 0;
+  while (n.size() > 1 && d.size() > 1 && n(n.size() - 1) == 0.0 && d(d.size() - 1) == 0.0) {
+    n.conservativeResize(n.size() - 1);
+    d.conservativeResize(d.size() - 1);
+    ++*count;
+  }
+  return {n, d};
+}
+
+}  // namespace
+
+TransferFunction::TransferFunction(const Polynomial& numerator, const Polynomial& denominator)
+    : numerator_(trimmed(numerator)), denominator_(trimmed(denominator)) {
+  if (denominator_(0) == 0.0) throw std::invalid_argument("denominator 0: a denominator must not be zero");
+  const double leading = denominator_(0);
+  numerator_ /= leading;
+  denominator_ /= leading;
+}
+
+int TransferFunction::relative_degree() const {
+  if (numerator_(0) == 0.0) return static_cast<int>(denominator_.size());
+  return static_cast<int>(denominator_.size() - numerator_.size());
+}
+
+std::complex<double> TransferFunction::operator()(std::complex<double> z) const {
+  return evaluate(numerator_, z) / evaluate(denominator_, z);
+}
+
+Reduction reduce(const TransferFunction& fraction, double tolerance) {
+  Eigen::Index at_origin = 0;
+  const TransferFunction stripped = without_common_zeros_at_origin(fraction, &at_origin);
+  Polynomial common = Polynomial::Zero(at_origin + 1);
+  common(0) = 1.0;
+  const Polynomial& n = stripped.numerator();
+  const Polynomial& d = stripped.denominator();
+  if (n(0) == 0.0) return {TransferFunction(Polynomial::Zero(1), Polynomial::Ones(1)), multiply(common, d)};
+  if (n.size() > d.size()) return {stripped, common};  // improper: nothing here needs it in lowest terms
+  const Polynomial unit_n = n / n.norm();
+  const Polynomial unit_d = d / d.norm();
+  for (Eigen::Index degree = 0; degree + 1 < d.size(); ++degree) {
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(cofactor_map(unit_n, unit_d, degree), Eigen::ComputeFullV);
+    const Eigen::VectorXd& singular = svd.singularValues();
+    if (singular.size() < 2 * (degree + 1) || singular.minCoeff() > tolerance * singular.maxCoeff()) continue;
+    const Eigen::VectorXd null = svd.matrixV().rightCols(1);
+    const Polynomial v = null.head(degree + 1);
+    Polynomial u = null.tail(degree + 1) * (n.norm() / d.norm());
+    u.head(d.size() - n.size()).setZero();  // the relative degree is known: what stands there is rounding
+    const Polynomial factor = exact_quotient(d, v / v(0));
+    return {TransferFunction(u, v), multiply(common, factor)};
+  }
+  return {stripped, common};
+}
+
+TransferFunction headway_policy(double headway) {
+  return {Eigen::Vector2d(1.0 + headway, -headway), Eigen::Vector2d(1.0, 0.0)};
+}
+
+TransferFunction series(const TransferFunction& first, const TransferFunction& second) {
+  return {multiply(first.numerator(), second.numerator()),
+          multiply(first.denominator(), second.denominator())};
+}
+
+TransferFunction feedback(const TransferFunction& forward, const TransferFunction& return_path) {
+  const Polynomial numerator = multiply(forward.numerator(), return_path.denominator());
+  const Polynomial denominator = add(multiply(forward.denominator(), return_path.denominator()),
+                                     multiply(forward.numerator(), return_path.numerator()));
+  return {numerator, denominator};
+}
+
+}  // namespace platoon

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "stochastic_platoon/model/platoon_model.hpp"
+#include "stochastic_platoon/model/white_noise.hpp"
+
+namespace platoon {
+
+/// One vehicle's closed loop for a batch of realizations: x(k+1) = A x(k) + B u(k), y(k) = C x(k), eq.
+/// (ith-closedloop).
+///
+/// Every realization is computed by the same operations in the same order, so its bits do not depend on the
+/// batch it is in.
+class ClosedLoopBatch {
+public:
+  /// Throws std::invalid_argument when the loop has no state of rest.
+  explicit ClosedLoopBatch(const StateSpace& system);
+
+  /// x = (I - A)^-1 B p: at rest at these positions [m].
+  void rest_at(const std::vector<double>& positions);
+
+  /// One step for input [m] minus offset [m]. Input and batch must have the same size.
+  void step(const std::vector<double>& input, double offset);
+
+  /// y = C x [m], resized to the batch.
+  void output(std::vector<double>& positions) const;
+
+private:
+  struct Term {  ///< one nonzero entry of a row of A or C
+    std::size_t column;
+    double value;
+  };
+  std::vector<std::vector<Term>> rows_;  ///< of A
+  std::vector<double> input_gain_;       ///< B
+  std::vector<Term> output_row_;         ///< C
+  std::vector<double> rest_state_;       ///< (I - A)^-1 B
+  std::vector<std::vector<double>> state_;
+  std::vector<std::vector<double>> next_state_;
+};
+
+/// Vehicle i >= 1. Starts at -i delta + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by the
+/// received position of its predecessor minus delta.
+class FollowerVehicle {
+public:
+  FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index);
+
+  /// Step -1 of realizations first .. first + count - 1; writes y_i(-1).
+  void start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions);
+
+  /// From the predecessor's step k, as received, to the own step k + 1.
+  void step(const std::vector<double>& received, std::vector<double>& positions);
+
+private:
+  ClosedLoopBatch loop_;
+  WhiteNoise noise_;
+  InitialPosition initial_;
+  double standstill_distance_;
+  std::uint32_t index_;
+};
+
+/// Vehicle 0: the same closed loop, at rest at 0 and driven noise-free by the virtual leader r_0. One
+/// realization stands for all, as nothing random reaches it.
+class LeaderVehicle {
+public:
+  explicit LeaderVehicle(const PlatoonModel& model);
+
+  /// y_0(-1) [m].
+  double start();
+
+  /// y_0 of the next step [m].
+  double step();
+
+private:
+  ClosedLoopBatch loop_;
+  LeaderProfile profile_;
+  std::int64_t step_ = -1;
+  std::vector<double> buffer_;
+};
+
+/// The channel into vehicle i: received = sent + d_i(k), d_i(k) = sqrt(P_d) g(seed, i, k, r) for k >= 0 and 0
+/// at k = -1 (paper, assumption d and e). Keeps nothing between calls.
+class NoisyChannel {
+public:
+  NoisyChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver);
+
+  void transmit(std::int64_t step, std::uint64_t first_realization, const std::vector<double>& sent,
+                std::vector<double>& received) const;
+
+private:
+  WhiteNoise noise_;
+  double deviation_;  ///< sqrt(P_d) [m]
+  std::uint32_t receiver_;
+};
+
+}  // namespace platoon

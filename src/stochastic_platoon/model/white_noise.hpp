@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace platoon {
+
+/// The name of one draw: which vehicle receives it and at which step. Step -1 names the initial position.
+struct DrawName {
+  std::uint32_t vehicle;  ///< i >= 1
+  std::int64_t step;      ///< k >= -1, below 2^47
+};
+
+/// Standard normal white noise g(seed, i, k, r) as a pure function of its arguments (paper, assumption d).
+///
+/// Philox4x32-10 with key = seed and counter = (block number, step, vehicle), where block b serves
+/// realizations 2b and 2b + 1: two 52 bit uniforms u1 in (0, 1], u2 in [0, 1) give
+///     g(2b) = sqrt(-2 ln u1) cos(2 pi u2),   g(2b + 1) = sqrt(-2 ln u1) sin(2 pi u2)     (Box and Muller,
+///     1958).
+/// ln, cos and sin are polynomials in plain IEEE arithmetic, without libm and without contraction: the same
+/// bits on every x86-64 machine. |g| <= sqrt(104 ln 2) = 8.49. Reference: J. Salmon et al., Parallel random
+/// numbers: as easy as 1, 2, 3, SC 2011.
+class WhiteNoise {
+public:
+  explicit WhiteNoise(std::uint64_t seed) : seed_(seed) {}
+
+  /// Writes g for realizations first .. first + count - 1 (below 2^48).
+  void fill(DrawName name, std::uint64_t first_realization, std::size_t count, double* normals) const;
+
+private:
+  std::uint64_t seed_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,66 @@
+#include "stochastic_platoon/results/atomic_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+
+namespace platoon {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& file) {
+  throw std::runtime_error(file + ": cannot be written: " + std::generic_category().message(errno));
+}
+
+void write_all(int descriptor, const std::string& content, const std::string& file) {
+  std::size_t written = 0;
+  while (written < content.size()) {
+    const ssize_t count = ::write(descriptor, content.data() + written, content.size() - written);
+    if (count < 0 && errno != EINTR) fail(file);
+    if (count > 0) written += static_cast<std::size_t>(count);
+  }
+}
+
+void sync_folder(const std::string& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) fail(folder);
+  ::fsync(descriptor);  // some file systems do not sync folders; the rename holds all the same
+  ::close(descriptor);
+}
+
+}  // namespace
+
+void write_atomically(const std::string& file, const std::string& content) {
+  const std::string beside = file + ".part";
+  const int descriptor = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0) fail(beside);
+  try {
+    write_all(descriptor, content, beside);
+    if (::fsync(descriptor) != 0) fail(beside);
+  } catch (...) {
+    ::close(descriptor);
+    ::unlink(beside.c_str());
+    throw;
+  }
+  if (::close(descriptor) != 0) fail(beside);
+  if (std::rename(beside.c_str(), file.c_str()) != 0) fail(file);
+  sync_folder(std::filesystem::path(file).parent_path().string());
+}
+
+void require_writable_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(folder + ": cannot be made: " + error.message());
+  const std::string probe = folder + "/.writable";
+  const int descriptor = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0) fail(folder);
+  ::close(descriptor);
+  ::unlink(probe.c_str());
+}
+
+}  // namespace platoon

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+namespace platoon {
+
+/// Puts content into a file so that at any moment, a power failure included, the file is either the old or
+/// the new one: written beside it, synced, renamed. Throws std::runtime_error naming the file and the
+/// system's reason.
+void write_atomically(const std::string& file, const std::string& content);
+
+/// Makes the folder with its parents if need be and tries to write in it. Throws std::runtime_error as above.
+void require_writable_folder(const std::string& folder);
+
+}  // namespace platoon

@@ -1,0 +1,138 @@
+#include "stochastic_platoon/results/checkpoint.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <utility>
+
+#include "stochastic_platoon/configuration/configuration_error.hpp"
+#include "stochastic_platoon/results/atomic_file.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr int kFormat = 1;
+
+nlohmann::json to_json(const MomentTable& table) {
+  nlohmann::json blocks = nlohmann::json::array();
+  for (const auto& entry : table.blocks()) {
+    const MomentBlock& block = entry.second;
+    blocks.push_back({{"first", block.range.first},
+                      {"level", block.range.level},
+                      {"mean", block.mean},
+                      {"squared_deviations", block.squared_deviations}});
+  }
+  return blocks;
+}
+
+Checkpoint from_json(const nlohmann::json& document) {
+  MomentTable table(document.at("cells").get<std::size_t>());
+  for (const nlohmann::json& block : document.at("blocks")) {
+    table.add({{block.at("first").get<std::uint64_t>(), block.at("level").get<unsigned>()},
+               block.at("mean").get<std::vector<double>>(),
+               block.at("squared_deviations").get<std::vector<double>>()});
+  }
+  const nlohmann::json& tally = document.at("tally");
+  return {document.at("identity"),
+          document.at("launch").get<std::string>(),
+          {tally.at("positions_received").get<std::uint64_t>(), tally.at("attempts").get<std::uint32_t>(),
+           tally.at("wall_seconds").get<double>(), tally.at("platoon_time").get<std::uint64_t>()},
+          std::move(table)};
+}
+
+std::string differences(const nlohmann::json& there, const nlohmann::json& here) {
+  std::string text;
+  for (const auto& entry : here.items()) {
+    const nlohmann::json other = there.value(entry.key(), nlohmann::json());
+    if (other == entry.value()) continue;
+    text += (text.empty() ? "" : ", ") + entry.key() + " is " + other.dump() + " there and " +
+            entry.value().dump() + " here";
+  }
+  return text;
+}
+
+void require_free(const std::string& output) {
+  for (const char* name : {"/statistics.csv", "/summary.json"}) {
+    if (!std::filesystem::exists(output + name)) continue;
+    throw ConfigurationError({"output: " + output +
+                              ": holds the results of another run and no checkpoint to go "
+                              "on from: must be another folder"});
+  }
+}
+
+}  // namespace
+
+std::string checkpoint_file(const std::string& output) {
+  return output + "/checkpoint.cbor";
+}
+
+void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
+  const nlohmann::json document = {{"format", kFormat},
+                                   {"identity", checkpoint.identity},
+                                   {"launch", checkpoint.launch},
+                                   {"tally",
+                                    {{"positions_received", checkpoint.tally.positions_received},
+                                     {"attempts", checkpoint.tally.attempts},
+                                     {"wall_seconds", checkpoint.tally.wall_seconds},
+                                     {"platoon_time", checkpoint.tally.platoon_time}}},
+                                   {"cells", checkpoint.table.cells()},
+                                   {"blocks", to_json(checkpoint.table)}};
+  const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(document);
+  write_atomically(checkpoint_file(output), std::string(bytes.begin(), bytes.end()));
+}
+
+std::optional<Checkpoint> read_checkpoint(const std::string& output) {
+  const std::string file = checkpoint_file(output);
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return std::nullopt;
+  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  try {
+    const nlohmann::json document = nlohmann::json::from_cbor(bytes);
+    if (document.at("format") != kFormat)
+      throw std::runtime_error("its format is " + document.at("format").dump());
+    return from_json(document);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(file + ": is not a checkpoint that can be read: " + error.what());
+  }
+}
+
+std::optional<Checkpoint> starting_point(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
+  try {
+    require_writable_folder(run.output);
+  } catch (const std::runtime_error& error) {
+    throw ConfigurationError(
+        {std::string("output: ") + error.what() + ": must be a folder that can be written"});
+  }
+  std::optional<Checkpoint> found;
+  try {
+    found = read_checkpoint(run.output);
+  } catch (const std::runtime_error& error) {
+    throw ConfigurationError({std::string("output: ") + error.what()});
+  }
+  if (!found) {
+    require_free(run.output);
+    return std::nullopt;
+  }
+  const bool same_launch = found->launch == run.launch && !run.launch.empty();
+  if (!same_launch && !run.resume) {
+    throw ConfigurationError(
+        {"output: " + run.output + ": holds a run of " + std::to_string(found->table.count()) +
+         " realizations: must be another folder (or resume:=true to go on with that run)"});
+  }
+  const std::string differing = differences(found->identity, statistics_identity(configuration));
+  if (!differing.empty()) {
+    throw ConfigurationError(
+        {"output: " + run.output + ": holds a run of another configuration: " + differing});
+  }
+  if (found->table.count() > run.realizations) {
+    throw ConfigurationError({"realizations: " + std::to_string(run.realizations) +
+                              ": must be at least the " + std::to_string(found->table.count()) + " that " +
+                              run.output + " holds already"});
+  }
+  return found;
+}
+
+}  // namespace platoon

@@ -1,0 +1,93 @@
+#include "stochastic_platoon/simulation/platoon_string.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <future>
+
+#include "stochastic_platoon/statistics/ensemble_statistics.hpp"
+
+namespace platoon {
+
+PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers)
+    : leader_(model), error_{model.headway, model.standstill_distance} {
+  for (std::uint32_t i = 1; i <= followers; ++i) {
+    followers_.emplace_back(model, seed, i);
+    channels_.emplace_back(model.noise_variance, seed, i);
+  }
+}
+
+void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t steps, const ErrorSink& sink) {
+  const std::size_t vehicles = followers_.size() + 1;
+  std::vector<std::vector<double>> present(vehicles), before(vehicles);
+  std::vector<double> received, errors(count);
+  present[0].assign(count, leader_.start());
+  for (std::size_t i = 1; i < vehicles; ++i) followers_[i - 1].start(first, count, present[i]);
+  for (std::int64_t k = 0; k < steps; ++k) {
+    present.swap(before);
+    present[0].assign(count, leader_.step());
+    for (std::size_t i = 1; i < vehicles; ++i) {
+      channels_[i - 1].transmit(k - 1, first, before[i - 1], received);
+      followers_[i - 1].step(received, present[i]);
+      error_(present[i - 1].data(), present[i].data(), before[i].data(), count, errors.data());
+      sink(i, k, errors);
+    }
+  }
+}
+
+namespace {
+
+class BatchQueue {
+public:
+  explicit BatchQueue(const Ensemble& ensemble) : ensemble_(ensemble) {}
+  bool take(std::uint64_t* first, std::size_t* count) {
+    *first = next_.fetch_add(ensemble_.batch);
+    if (*first >= ensemble_.realizations) return false;
+    *count = static_cast<std::size_t>(std::min(ensemble_.batch, ensemble_.realizations - *first));
+    return true;
+  }
+  void finish(std::size_t count) { done_ += count; }
+  std::uint64_t done() const { return done_; }
+
+private:
+  Ensemble ensemble_;
+  std::atomic<std::uint64_t> next_{0};
+  std::atomic<std::uint64_t> done_{0};
+};
+
+MomentTable work(const PlatoonModel& model, const Ensemble& ensemble, BatchQueue& queue) {
+  PlatoonString string(model, ensemble.seed, ensemble.followers);
+  EnsembleStatistics statistics(ensemble.followers, ensemble.steps);
+  std::uint64_t first;
+  std::size_t count;
+  while (queue.take(&first, &count)) {
+    string.run(first, count, ensemble.steps,
+               [&](std::size_t follower, std::int64_t step, const auto& errors) {
+                 statistics.add(follower, step, first, errors);
+               });
+    statistics.commit(first);
+    queue.finish(count);
+  }
+  return statistics.committed();
+}
+
+}  // namespace
+
+MomentTable monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
+                        const std::function<void(std::uint64_t)>& progress) {
+  BatchQueue queue(ensemble);
+  std::vector<std::future<MomentTable>> workers;
+  for (unsigned t = 0; t < std::max(threads, 1u); ++t) {
+    workers.push_back(std::async(std::launch::async, [&] { return work(model, ensemble, queue); }));
+  }
+  MomentTable table(ensemble.followers * static_cast<std::size_t>(ensemble.steps));
+  for (auto& worker : workers) {
+    while (worker.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready)
+      progress(queue.done());
+    table.merge(worker.get());
+  }
+  progress(queue.done());
+  return table;
+}
+
+}  // namespace platoon

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "stochastic_platoon/model/tracking_error.hpp"
+#include "stochastic_platoon/model/vehicle.hpp"
+#include "stochastic_platoon/statistics/moment_table.hpp"
+
+namespace platoon {
+
+/// What a Monte Carlo of the platoon needs beside the model.
+struct Ensemble {
+  std::uint64_t seed;
+  std::size_t followers;       ///< N >= 1
+  std::int64_t steps;          ///< K >= 1: errors at k = 0 .. K - 1
+  std::uint64_t realizations;  ///< R >= 1
+  std::uint64_t batch;         ///< realizations computed side by side, >= 1
+};
+
+/// The whole string in one thread: the same vehicles, channels and errors that run as nodes, called one after
+/// the other.
+class PlatoonString {
+public:
+  PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers);
+
+  using ErrorSink =
+      std::function<void(std::size_t follower, std::int64_t step, const std::vector<double>& errors)>;
+
+  /// Runs realizations first .. first + count - 1 through steps -1 .. steps - 1 and tells zeta_i(k) for every
+  /// k >= 0.
+  void run(std::uint64_t first, std::size_t count, std::int64_t steps, const ErrorSink& sink);
+
+private:
+  LeaderVehicle leader_;
+  std::vector<FollowerVehicle> followers_;
+  std::vector<NoisyChannel> channels_;
+  TrackingError error_;
+};
+
+/// Moments of every zeta_i(k) over the realizations, on this many threads. `progress` is called with the
+/// realizations done, from the calling thread.
+MomentTable monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
+                        const std::function<void(std::uint64_t)>& progress);
+
+}  // namespace platoon

@@ -1,0 +1,76 @@
+#include "stochastic_platoon/statistics/moment_table.hpp"
+
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace platoon {
+
+namespace {
+
+MomentBlock join(const MomentBlock& left, const MomentBlock& right) {
+  MomentBlock parent{{left.range.first, left.range.level + 1}, left.mean, left.squared_deviations};
+  const double half_count = 0.5 * static_cast<double>(left.range.size());
+  for (std::size_t c = 0; c < parent.mean.size(); ++c) {
+    const double shift = right.mean[c] - left.mean[c];
+    parent.mean[c] = 0.5 * (left.mean[c] + right.mean[c]);
+    parent.squared_deviations[c] =
+        (left.squared_deviations[c] + right.squared_deviations[c]) + (shift * shift) * half_count;
+  }
+  return parent;
+}
+
+}  // namespace
+
+std::uint64_t MomentTable::count() const {
+  std::uint64_t sum = 0;
+  for (const auto& entry : blocks_) sum += entry.second.range.size();
+  return sum;
+}
+
+void MomentTable::add(MomentBlock block) {
+  if (block.mean.size() != cells_ || block.squared_deviations.size() != cells_) {
+    throw std::invalid_argument("block of " + std::to_string(block.mean.size()) + " cells: must have " +
+                                std::to_string(cells_));
+  }
+  const auto after = blocks_.lower_bound(block.range.first);
+  const bool overlaps_next = after != blocks_.end() && after->first < block.range.end();
+  const bool overlaps_previous =
+      after != blocks_.begin() && std::prev(after)->second.range.end() > block.range.first;
+  if (overlaps_next || overlaps_previous) {
+    throw std::invalid_argument("realizations from " + std::to_string(block.range.first) + " to " +
+                                std::to_string(block.range.end() - 1) + ": must not be counted twice");
+  }
+  while (true) {
+    const DyadicRange range = block.range;
+    const std::uint64_t sibling_first = range.is_left_child() ? range.end() : range.first - range.size();
+    const auto sibling = blocks_.find(sibling_first);
+    if (sibling == blocks_.end() || sibling->second.range.level != range.level) break;
+    block = range.is_left_child() ? join(block, sibling->second) : join(sibling->second, block);
+    blocks_.erase(sibling);
+  }
+  const std::uint64_t first = block.range.first;
+  blocks_.emplace(first, std::move(block));
+}
+
+void MomentTable::add(const BatchMoments& batch) {
+  for (const MomentBlock& block : batch.blocks()) add(block);
+}
+
+void MomentTable::merge(const MomentTable& other) {
+  for (const auto& entry : other.blocks_) add(entry.second);
+}
+
+std::vector<Moments> MomentTable::totals() const {
+  std::vector<Moments> totals(cells_);
+  for (const auto& entry : blocks_) {
+    const MomentBlock& block = entry.second;
+    for (std::size_t c = 0; c < cells_; ++c) {
+      totals[c] = platoon::merge(totals[c], {block.range.size(), block.mean[c], block.squared_deviations[c]});
+    }
+  }
+  return totals;
+}
+
+}  // namespace platoon

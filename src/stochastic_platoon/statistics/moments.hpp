@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+namespace platoon {
+
+/// Count, mean and sum of squared deviations of a sample: enough for the mean and the unbiased variance.
+struct Moments {
+  std::uint64_t count = 0;
+  double mean = 0.0;                ///< [m]
+  double squared_deviations = 0.0;  ///< sum of (x - mean)^2 [m^2]
+
+  /// Unbiased variance (n - 1) [m^2]; NaN for fewer than two values.
+  double variance() const;
+
+  /// Adds one value (Welford, 1962).
+  void add(double value);
+};
+
+/// Moments of the union of two disjoint samples (Chan, Golub and LeVeque, 1983). An empty sample changes
+/// nothing.
+Moments merge(const Moments& left, const Moments& right);
+
+/// Standard deviation of the mean of n independent values of this variance [m].
+double standard_error_of_mean(double variance, std::uint64_t count);
+
+/// Standard deviation of the unbiased variance of n independent normal values: variance sqrt(2 / (n - 1))
+/// [m^2].
+double standard_error_of_variance(double variance, std::uint64_t count);
+
+}  // namespace platoon

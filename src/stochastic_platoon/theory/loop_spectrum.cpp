@@ -1,0 +1,176 @@
+#include "stochastic_platoon/theory/loop_spectrum.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace platoon {
+
+namespace {
+
+constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
+
+/// z D - ((1+h) z - h) N by Taylor coefficients about z = 1.
+CirclePolynomial sensitivity_taylor(const CirclePolynomial& n, const CirclePolynomial& d, double headway) {
+  const auto at = [](const CirclePolynomial& p, std::size_t i) { return i < p.size() ? p[i] : 0.0L; };
+  const long double h = headway;
+  CirclePolynomial s{at(d, 0) - at(n, 0)};
+  for (std::size_t j = 1; j <= d.size(); ++j) {
+    s.push_back(at(d, j) + at(d, j - 1) - at(n, j) - (1.0L + h) * at(n, j - 1));
+  }
+  return s;
+}
+
+/// Taylor coefficients about z = -1 of the polynomial with these about z = 1.
+CirclePolynomial recentred(CirclePolynomial b) {
+  const std::size_t n = b.size();
+  for (std::size_t j = 0; j + 1 < n; ++j) {
+    for (std::size_t i = n - 1; i-- > j;) b[i] -= 2.0L * b[i + 1];
+  }
+  return b;
+}
+
+Centre nearest(double frequency) {
+  return frequency < 1.5707963267948966 ? Centre::kOne : Centre::kMinusOne;
+}
+
+LoopSpectrumHalf half(const TransferFunction& t, const CirclePolynomial& sensitivity,
+                      const CirclePolynomial& factor, Centre centre) {
+  LoopSpectrumHalf result;
+  result.numerator = taylor(t.numerator(), centre);
+  result.denominator = taylor(t.denominator(), centre);
+  result.sensitivity = sensitivity;
+  result.sensitivity_factor = factor;
+  result.margin =
+      subtract(squared_modulus(result.denominator, centre), squared_modulus(result.numerator, centre));
+  result.stripped_margin = result.margin;
+  return result;
+}
+
+/// p(t) or the other value, which is the same number, whichever is less in doubt.
+long double surer(const CirclePolynomial& p, long double t, long double other, long double other_magnitude) {
+  return magnitude(p, t) <= other_magnitude ? evaluate(p, t) : other;
+}
+
+}  // namespace
+
+long double circle_coordinate(double frequency, Centre centre) {
+  const long double half_angle = static_cast<long double>(frequency) / 2.0L;
+  const long double s = centre == Centre::kOne ? std::sin(half_angle) : std::cos(half_angle);
+  return 2.0L * s * s;
+}
+
+double frequency_at(long double t, Centre centre) {
+  const long double root = std::sqrt(std::min(std::max(t / 2.0L, 0.0L), 1.0L));
+  return static_cast<double>(2.0L * (centre == Centre::kOne ? std::asin(root) : std::acos(root)));
+}
+
+LoopSpectrum::LoopSpectrum(const ClosedLoop& loop, double headway) : transfer_(loop.transfer), headway_(headway) {
+  if (!(headway > 0.0) || !std::isfinite(headway)) {
+    throw std::invalid_argument("time_headway: " + std::to_string(headway) + ": must be finite and > 0");
+  }
+  if (multiplicity_at_one(sensitivity(transfer_, headway).numerator(), 1e-6) < 2) {
+    throw std::invalid_argument("S(z): has fewer than two zeros at z = 1: G(z) K(z) must have two poles there");
+  }
+  const CirclePolynomial s = sensitivity_taylor(taylor(transfer_.numerator(), Centre::kOne),
+                                                taylor(transfer_.denominator(), Centre::kOne), headway);
+  const CirclePolynomial q(s.begin() + 2, s.end());
+  near_ = half(transfer_, s, q, Centre::kOne);
+  far_ = half(transfer_, recentred(s), recentred(q), Centre::kMinusOne);
+  near_.stripped_margin = without_zero_at_origin(near_.margin);
+  strip_flat_zeros();
+}
+
+void LoopSpectrum::strip_flat_zeros() {
+  while (near_.stripped_margin.size() > 1 && std::abs(near_.stripped_margin.front()) <= margin_uncertainty(0.0)) {
+    near_.stripped_margin = without_zero_at_origin(near_.stripped_margin);
+    ++margin_zeros_;
+  }
+  const CirclePolynomial& q = near_.sensitivity_factor;
+  long double scale = 0.0L;
+  for (const long double b : q) scale += std::abs(b);
+  for (std::size_t j = 0; j + 1 < q.size() && std::abs(q[j]) <= kRounding * scale; ++j) ++sensitivity_zeros_;
+}
+
+double LoopSpectrum::margin_uncertainty(double frequency) const {
+  // A change of d_k with T(1) = 1 kept moves D by d_k (z^k - 1 - ...), bounded by powers of k t and by 1.
+  const std::complex<double> z = std::polar(1.0, frequency);
+  const auto t = static_cast<double>(circle_coordinate(frequency, Centre::kOne));
+  const auto spread = [&](const Polynomial& p) {
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < p.size(); ++i) {
+      const auto power = static_cast<double>(std::max<Eigen::Index>(p.size() - 1 - i, 1));
+      const double divided = t > 0.0 ? std::min(power * power, 1.0 / t) : power * power;
+      sum += std::abs(p(i)) * (nearest(frequency) == Centre::kOne ? std::pow(divided, margin_zeros_) : 1.0);
+    }
+    return sum * std::abs(evaluate(p, z));
+  };
+  return kRounding * (spread(transfer_.numerator()) + spread(transfer_.denominator()));
+}
+
+double LoopSpectrum::stripped_margin(double frequency) const {
+  const Centre centre = nearest(frequency);
+  return static_cast<double>(evaluate(about(centre).stripped_margin, circle_coordinate(frequency, centre)));
+}
+
+LoopSpectrumValue LoopSpectrum::at(double frequency) const {
+  const Centre centre = nearest(frequency);
+  const LoopSpectrumHalf& part = about(centre);
+  const long double t = circle_coordinate(frequency, centre);
+  const long double x = circle_coordinate(frequency, Centre::kOne);
+  const auto modulus = [&](const CirclePolynomial& p) { return squared_modulus_at(p, centre, t); };
+  const long double d = modulus(part.denominator);
+  const long double n = modulus(part.numerator);
+  const long double size = std::sqrt(2.0L * t);  // |z - centre|
+  const long double doubt =
+      2.0L * (std::sqrt(d) * magnitude(part.denominator, size) + std::sqrt(n) * magnitude(part.numerator, size));
+  const long double margin = surer(part.margin, t, d - n, doubt);
+  const long double divisor = centre == Centre::kOne ? std::pow(x, margin_zeros_) : 1.0L;
+  const long double offset = centre == Centre::kOne ? part.margin.front() : 0.0L;  // T(1) = 1 but for rounding
+  const long double stripped = surer(part.stripped_margin, t, (d - n - offset) / divisor, doubt / divisor);
+  const long double ratio = 4.0L * x * x / divisor * modulus(part.sensitivity_factor) / stripped;
+  const long double h = headway_;
+  return {static_cast<double>(n / d), static_cast<double>(margin / d),
+          static_cast<double>(modulus(part.sensitivity) / d),
+          static_cast<double>((1.0L + 2.0L * h * (1.0L + h) * x) * n / d), static_cast<double>(ratio)};
+}
+
+std::vector<double> LoopSpectrum::critical_frequencies() const {
+  std::vector<double> frequencies;
+  for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
+    const LoopSpectrumHalf& part = about(centre);
+    const CirclePolynomial n = squared_modulus(part.numerator, centre);
+    const CirclePolynomial d = squared_modulus(part.denominator, centre);
+    const CirclePolynomial slope = subtract(multiply(derivative(n), d), multiply(n, derivative(d)));
+    for (const long double t : sign_changes(slope, 0.0L, 1.0L)) frequencies.push_back(frequency_at(t, centre));
+    frequencies.push_back(frequency_at(1.0L, centre));
+  }
+  frequencies.push_back(frequency_at(0.0L, Centre::kMinusOne));
+  std::sort(frequencies.begin(), frequencies.end());
+  return frequencies;
+}
+
+std::vector<std::complex<double>> LoopSpectrum::pole_frequencies() const {
+  std::vector<std::complex<double>> frequencies;
+  for (const std::complex<double>& pole : roots(transfer_.denominator())) {
+    if (std::abs(pole) > 0.0) frequencies.push_back(std::complex<double>(0.0, -1.0) * std::log(pole));
+  }
+  return frequencies;
+}
+
+std::vector<std::complex<double>> LoopSpectrum::margin_frequencies() const {
+  Polynomial descending(static_cast<Eigen::Index>(near_.stripped_margin.size()));
+  for (std::size_t i = 0; i < near_.stripped_margin.size(); ++i) {
+    descending(descending.size() - 1 - static_cast<Eigen::Index>(i)) = static_cast<double>(near_.stripped_margin[i]);
+  }
+  std::vector<std::complex<double>> frequencies;
+  for (const std::complex<double>& t : roots(descending)) {
+    std::complex<double> w = 2.0 * std::asin(std::sqrt(t / 2.0));
+    if (std::abs(w.imag()) > 1e-12) frequencies.push_back(w);
+  }
+  return frequencies;
+}
+
+}  // namespace platoon

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+namespace platoon {
+
+/// Nodes and weights of a quadrature rule: integral f ~ sum_k weight[k] f(node[k]).
+struct Quadrature {
+  std::vector<double> node;
+  std::vector<double> weight;
+};
+
+/// Gauss-Legendre rule on [-1, 1]. Throws std::invalid_argument unless count >= 1.
+Quadrature gauss_legendre(int count);
+
+/// Quadrature over w in [0, pi] for even 2 pi periodic functions, weights divided by pi: their mean over the
+/// circle, (1/2pi) integral from -pi to pi.
+///
+/// Panels of 16 Gauss nodes. A panel is no longer than its distance to the nearest complex frequency in
+/// `singular` (or its mirror images), which makes convergence geometric however close to the circle that lies;
+/// towards the real frequencies in `peaks` panels halve 26 times, for functions that narrow there.
+/// Every panel is cut in 2^refinement. Throws std::invalid_argument for a singular frequency on the real axis.
+Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular,
+                                  const std::vector<double>& peaks, int refinement = 0);
+
+}  // namespace platoon
