@@ -2,9 +2,8 @@
 
 #include <ros/callback_queue.h>
 
-#include <atomic>
+#include <future>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "stochastic_platoon/graph/channel.hpp"
@@ -18,20 +17,28 @@ namespace {
 
 // A queue with the one thread that serves it: each component is built on one queue, so none needs a lock.
 class Worker {
-public:
+ public:
   explicit Worker(const ros::NodeHandle& node) : node_(node) { node_.setCallbackQueue(&queue_); }
   const ros::NodeHandle& node() const { return node_; }
+
   void start() {
-    thread_ = std::thread([this] {
-      while (ros::ok()) queue_.callAvailable(ros::WallDuration(0.1));
+    done_ = std::async(std::launch::async, [this] {
+      try {
+        while (ros::ok()) queue_.callAvailable(ros::WallDuration(0.1));
+      } catch (...) {
+        ros::shutdown();  // the other threads end too, and finish() passes the error on
+        throw;
+      }
     });
   }
-  void join() { thread_.join(); }
 
-private:
+  /// Waits for the thread; throws what ended it, if it was an error.
+  void finish() { done_.get(); }
+
+ private:
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
-  std::thread thread_;
+  std::future<void> done_;
 };
 
 }  // namespace
@@ -50,8 +57,8 @@ int main(int argc, char** argv) {
     vehicles.start();
     observers.start();
     ros::spin();  // the global queue carries nothing but the signal to end
-    vehicles.join();
-    observers.join();
+    vehicles.finish();
+    observers.finish();
     monitor.stop();
   });
 }

@@ -46,10 +46,10 @@ int main(int argc, char** argv) {
       {{"threads", "worker threads (one per core); the result does not depend on it"}});
   const std::string threads_text = settings.count("threads") > 0 ? settings["threads"] : "";
   settings.erase("threads");
-  settings["hosting"] = "monte_carlo";
   try {
-    const platoon::Configuration configuration =
+    platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));
+    configuration.run.hosting = "monte_carlo";
     if (configuration.run.steps == 0)
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
     if (configuration.run.output.empty())

@@ -30,7 +30,7 @@ RunOptions read_run_options(Section section) {
   options.batch = static_cast<std::uint64_t>(section.integer("batch", 0, 1 << 24));
   options.rate = section.number("rate", kNotNegative);
   options.seed = static_cast<std::uint64_t>(section.integer("seed", 0, INT64_MAX));
-  options.hosting = section.choice("hosting", {"processes", "one_process", "monte_carlo"});
+  options.hosting = section.choice("hosting", {"processes", "one_process"});
   options.output = section.text("output");
   options.resume = section.boolean("resume");
   options.launch = section.text("launch");

@@ -10,6 +10,8 @@ const char* to_string(Verdict verdict) {
       return "in turn";
     case Verdict::stale:
       return "stale";
+    case Verdict::missed_start:
+      return "of an attempt whose start was missed";
     case Verdict::out_of_turn:
       return "out of turn";
     case Verdict::wrong_size:
@@ -31,8 +33,8 @@ bool all_finite(const std::vector<double>& values) {
   return (carry >> 63) == 0;
 }
 
-bool Sequence::is_in_turn(const Turn& turn) const {
-  if (!latest_ || turn.attempt > latest_->attempt) return turn.step == kInitialStep;
+// Whether it is the next turn of the present attempt.
+bool Sequence::continues(const Turn& turn) const {
   if (schedule_.is_last_step(latest_->step)) {
     return turn.step == kInitialStep && turn.first_realization == schedule_.next(latest_->first_realization);
   }
@@ -41,7 +43,9 @@ bool Sequence::is_in_turn(const Turn& turn) const {
 
 Verdict Sequence::receive(const Turn& turn, const std::vector<double>& positions) {
   if (latest_ && turn.attempt < latest_->attempt) return Verdict::stale;
-  if (!is_in_turn(turn)) return Verdict::out_of_turn;
+  const bool new_attempt = !latest_ || turn.attempt > latest_->attempt;
+  if (new_attempt && turn.step != kInitialStep) return Verdict::missed_start;
+  if (!new_attempt && !continues(turn)) return Verdict::out_of_turn;
   if (positions.empty() || positions.size() != schedule_.size(turn.first_realization))
     return Verdict::wrong_size;
   if (!all_finite(positions)) return Verdict::not_finite;

@@ -8,14 +8,16 @@
 
 namespace platoon {
 
-/// What a receiver does with a message. All but in_turn are dropped.
+/// What a receiver makes of a message. All but in_turn are dropped.
 enum class Verdict {
   in_turn,
-  stale,        ///< belongs to an older attempt: expected after a restart, no fault
-  out_of_turn,  ///< a gap, a duplicate, or an attempt or batch that does not begin at step -1
-  wrong_size,   ///< not one position per realization of the batch
-  not_finite,   ///< a NaN or an infinity
+  stale,         ///< belongs to an older attempt: expected after a restart, no fault
+  missed_start,  ///< belongs to an attempt whose step -1 never came: expected while links come up, no fault
+  out_of_turn,   ///< a gap, a duplicate, or a batch that is not due
+  wrong_size,    ///< not one position per realization of the batch
+  not_finite,    ///< a NaN or an infinity
 };
+constexpr std::size_t kVerdicts = 6;
 
 /// "in turn", "out of turn", ...
 const char* to_string(Verdict verdict);
@@ -33,7 +35,7 @@ public:
   const std::optional<Turn>& latest() const { return latest_; }
 
 private:
-  bool is_in_turn(const Turn& turn) const;
+  bool continues(const Turn& turn) const;
 
   BatchSchedule schedule_;
   std::optional<Turn> latest_;

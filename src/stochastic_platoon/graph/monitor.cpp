@@ -80,11 +80,11 @@ void Monitor::receive(std::size_t vehicle, const Position::ConstPtr& message) {
     return;
   }
   last_arrival_ = now();
-  if (began_ < 0.0) began_ = last_arrival_;
   tally_.attempts = std::max(tally_.attempts, turn.attempt);
   if (endless()) tally_.positions_received += message->position.size();
   if (assembly_.complete() && !finished_) finish();
   const Acknowledgement present = assembly_.acknowledgement();
+  if (began_ < 0.0 && present.step != kNothingYet) began_ = last_arrival_;
   if (present.first_realization != acknowledged_.first_realization || present.step != acknowledged_.step ||
       present.attempt != acknowledged_.attempt) {
     publish_progress();
@@ -166,6 +166,7 @@ void Monitor::stop() {
 void Monitor::tick() {
   const double present = now();
   if (assembly_.complete() && !finished_) finish();  // resumed when nothing was left to do
+  if (!is_linked()) return report_stall(present);
   publish_progress();
   if (finished_) return;
   if (!endless() && began_ >= 0.0) display_.update(assembly_.committed(), present);
@@ -175,6 +176,15 @@ void Monitor::tick() {
     last_statistics_ = present;
     publish_statistics(endless() ? last_step_ : configuration_.run.steps - 1, moments());
   }
+}
+
+// The leader waits for the first report: it comes when every vehicle can be heard, so that no attempt is
+// wasted before.
+bool Monitor::is_linked() {
+  linked_ = linked_ || std::all_of(positions_.begin(), positions_.end(), [](const ros::Subscriber& position) {
+              return position.getNumPublishers() > 0;
+            });
+  return linked_;
 }
 
 // Said once when it is noticed and once when it is over.

@@ -38,6 +38,7 @@ private:
   void restart();
   void take_errors(std::size_t follower, const Turn& turn, const std::vector<double>& errors);
   void tick();
+  bool is_linked();
   void report_stall(double now);
   void finish();
 
@@ -59,12 +60,13 @@ private:
   ProgressDisplay display_;
   Acknowledgement acknowledged_{};        ///< the last one published
   std::int64_t last_step_ = kNothingYet;  ///< the latest with errors
-  double began_ = -1.0;                   ///< [s] first position of this launch
+  double began_ = -1.0;                   ///< [s] first complete step of this launch
   double wall_seconds_before_ = 0.0;      ///< [s] of earlier launches
   double last_arrival_ = -1.0;            ///< [s]
   double last_checkpoint_ = -1.0;         ///< [s]
   double last_statistics_ = -1.0;         ///< [s]
   std::uint64_t checkpointed_ = 0;        ///< realizations in the latest checkpoint
+  bool linked_ = false;                   ///< every vehicle has been heard of
   bool stalled_ = false;
   bool finished_ = false;
   ros::Publisher progress_;

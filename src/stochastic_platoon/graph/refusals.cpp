@@ -7,7 +7,7 @@ namespace platoon {
 
 void Refusals::count(Verdict verdict, const Turn& turn, std::size_t size) {
   ++counts_[static_cast<std::size_t>(verdict)];
-  if (verdict == Verdict::stale || verdict == Verdict::in_turn) return;
+  if (verdict == Verdict::stale || verdict == Verdict::missed_start || verdict == Verdict::in_turn) return;
   const double now = ros::SteadyTime::now().toSec();
   if (last_said_ >= 0.0 && now - last_said_ < 1.0) return;
   last_said_ = now;

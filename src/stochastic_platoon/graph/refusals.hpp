@@ -9,7 +9,7 @@
 namespace platoon {
 
 /// Counts the messages a component has dropped and says so on the console, at most once a second per topic.
-/// Stale messages are expected after a restart: they are counted in silence.
+/// What is expected after a restart or while links come up is counted in silence.
 class Refusals {
 public:
   explicit Refusals(std::string topic) : topic_(std::move(topic)) {}
@@ -20,7 +20,7 @@ public:
 
 private:
   std::string topic_;
-  std::array<std::uint64_t, 5> counts_{};
+  std::array<std::uint64_t, kVerdicts> counts_{};
   double last_said_ = -1.0;  ///< [s]
 };
 

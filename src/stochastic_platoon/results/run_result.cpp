@@ -167,9 +167,8 @@ std::string report(const Configuration& configuration, const Prediction& predict
         agrees ? "Measurement agrees with Lemma 1" : "MEASUREMENT AND LEMMA 1 DISAGREE",
         result.moments.size(), found.max_abs_z_mean, found.max_abs_z_variance, bound);
   }
-  text += formatted("%s: %s\n", stability.string_stable ? "String stable" : "NOT string stable",
-                    stability.reason.c_str());
-  if (stability.limit_variance) {
+  text += "Theory: " + stability.reason + ".\n";
+          if (stability.limit_variance) {
     text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);
   }
   return text;

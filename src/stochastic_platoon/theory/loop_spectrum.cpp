@@ -160,14 +160,19 @@ std::vector<std::complex<double>> LoopSpectrum::pole_frequencies() const {
   return frequencies;
 }
 
-std::vector<std::complex<double>> LoopSpectrum::margin_frequencies() const {
-  Polynomial descending(static_cast<Eigen::Index>(near_.stripped_margin.size()));
-  for (std::size_t i = 0; i < near_.stripped_margin.size(); ++i) {
-    descending(descending.size() - 1 - static_cast<Eigen::Index>(i)) = static_cast<double>(near_.stripped_margin[i]);
+std::vector<std::complex<double>> LoopSpectrum::margin_roots() const {
+  const CirclePolynomial& margin = near_.stripped_margin;
+  Polynomial descending(static_cast<Eigen::Index>(margin.size()));
+  for (std::size_t i = 0; i < margin.size(); ++i) {
+    descending(descending.size() - 1 - static_cast<Eigen::Index>(i)) = static_cast<double>(margin[i]);
   }
+  return roots(descending);
+}
+
+std::vector<std::complex<double>> LoopSpectrum::margin_frequencies() const {
   std::vector<std::complex<double>> frequencies;
-  for (const std::complex<double>& t : roots(descending)) {
-    std::complex<double> w = 2.0 * std::asin(std::sqrt(t / 2.0));
+  for (const std::complex<double>& t : margin_roots()) {
+    const std::complex<double> w = 2.0 * std::asin(std::sqrt(t / 2.0));
     if (std::abs(w.imag()) > 1e-12) frequencies.push_back(w);
   }
   return frequencies;

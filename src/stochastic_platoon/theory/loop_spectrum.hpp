@@ -58,7 +58,10 @@ public:
   /// The complex w where the spectra of every zeta_i are singular: the poles of T, mapped by w = -j ln z.
   std::vector<std::complex<double>> pole_frequencies() const;
 
-  /// The complex w where |T(e^{jw})|^2 = 1 other than 0, in one half plane.
+  /// The complex zeros, in 1 - cos w, of |D|^2 - |N|^2 other than those at 0.
+  std::vector<std::complex<double>> margin_roots() const;
+
+  /// The complex w that belong to them; those on the real axis, where |T| = 1, left out.
   std::vector<std::complex<double>> margin_frequencies() const;
 
 private:

@@ -1,0 +1,46 @@
+# Sourced by launch/demo and test/run: installs the packages, builds, and gives this shell the ROS environment.
+# Nothing is done twice: no apt where all packages are there, no rebuild where nothing changed.
+
+platoon_packages=(
+  cmake g++ make
+  ros-core rosbash libroscpp-dev libstd-msgs-dev ros-std-msgs
+  libboost-program-options-dev libeigen3-dev librandom123-dev libyaml-cpp-dev nlohmann-json3-dev
+  python3-matplotlib python3-numpy
+)
+
+# Installs what is missing of the packages given.
+platoon_install() {
+  local missing=() package
+  for package in "$@"; do
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return
+  echo "Installing: ${missing[*]}"
+  local root=()
+  [ "$(id -u)" -eq 0 ] || root=(sudo)
+  "${root[@]}" apt-get update
+  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
+}
+
+# Packages, build, environment. Arguments: further packages; cmake's build targets in platoon_targets.
+platoon_setup() {
+  # Catkin breaks with a python3 other than Debian's.
+  export PATH=/usr/bin:$PATH
+  platoon_install "${platoon_packages[@]}" "$@"
+  local build=$source_folder/build
+  if [ ! -f "$build/Makefile" ]; then
+    cmake -S "$source_folder" -B "$build" -DPYTHON_EXECUTABLE=/usr/bin/python3
+  fi
+  make --no-print-directory -C "$build" -j"$(nproc)" ${platoon_targets:-all}
+  set +u
+  . "$build/devel/setup.bash"
+  set -u
+  # Everything stays on this machine.
+  export ROS_HOSTNAME=localhost
+  unset ROS_IP
+}
+
+# A TCP port of this machine that is free now.
+platoon_free_port() {
+  /usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])'
+}
