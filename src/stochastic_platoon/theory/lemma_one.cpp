@@ -9,11 +9,8 @@ namespace platoon {
 
 namespace {
 
-void require_stable(const Eigen::MatrixXd& a) {
-  const double radius = a.eigenvalues().cwiseAbs().maxCoeff();
-  if (!(radius < 1.0)) {
-    throw std::invalid_argument("rho(A): " + std::to_string(radius) + ": must be < 1");
-  }
+[[noreturn]] void refuse_unstable() {
+  throw std::invalid_argument("rho(A): must be < 1 for a stationary covariance to exist");
 }
 
 Eigen::MatrixXd kronecker(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) {
@@ -80,7 +77,8 @@ ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t f
 }
 
 Eigen::MatrixXd stationary_covariance_by_vec(const StringMatrices& string, double noise_variance) {
-  require_stable(string.a);
+  const Eigen::Index n = string.c.cols() / string.c.rows();
+  if (!(string.a.topLeftCorner(n, n).eigenvalues().cwiseAbs().maxCoeff() < 1.0)) refuse_unstable();
   const Eigen::MatrixXd upsilon = noise_covariance(string, noise_variance);
   const Eigen::Index size = upsilon.size();
   const Eigen::MatrixXd map = Eigen::MatrixXd::Identity(size, size) - kronecker(string.a, string.a);
@@ -96,16 +94,16 @@ Eigen::MatrixXd solve_discrete_lyapunov(const Eigen::MatrixXd& a, const Eigen::M
                                 std::to_string(q.rows()) + " x " + std::to_string(q.cols()) +
                                 ": must be square and of the same size");
   }
-  require_stable(a);
   Eigen::MatrixXd power = a;
   Eigen::MatrixXd sum = q;
   for (int doubling = 0; doubling < 64; ++doubling) {
     const Eigen::MatrixXd more = power * sum * power.transpose();
     sum += more;
-    if (more.cwiseAbs().maxCoeff() <= 1e-18 * sum.cwiseAbs().maxCoeff()) break;
+    if (!sum.allFinite()) break;
+    if (more.cwiseAbs().maxCoeff() <= 1e-18 * sum.cwiseAbs().maxCoeff()) return sum;
     power = (power * power).eval();
   }
-  return sum;
+  refuse_unstable();  // not by its eigenvalues: those of a long string's A are ill-conditioned
 }
 
 Eigen::MatrixXd stationary_covariance_by_lyapunov(const StringMatrices& string, double noise_variance) {

@@ -1,0 +1,63 @@
+"""The gain |T(e^{jw})| from a vehicle to its follower, against the line 1 that string stability must stay under."""
+
+from collections import namedtuple
+
+import numpy as np
+
+from plotting import style
+from plotting.inputs import InputError, numbers
+
+# Coefficients of T in descending powers of z.
+Loop = namedtuple("Loop", "name numerator denominator")
+
+
+def read_loop(analysis):
+    numerator, denominator = (numbers(analysis.path, analysis.document, "transfer." + key)
+                              for key in ("numerator", "denominator"))
+    if not np.isfinite(np.concatenate((numerator, denominator))).all() or not denominator.any():
+        raise InputError("{}: transfer must hold finite coefficients, and a denominator that is not zero"
+                         .format(analysis.path))
+    return Loop(analysis.name, numerator, denominator)
+
+
+def gain(loop, frequency):
+    z = np.exp(1j * frequency)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.abs(np.polyval(loop.numerator, z) / np.polyval(loop.denominator, z))
+
+
+def peak(loop):
+    """Frequency and height of the highest point, from grids that close in on it."""
+    low, high = 0.0, np.pi
+    for _ in range(6):
+        frequency = np.linspace(low, high, 4097)
+        height = gain(loop, frequency)
+        best = np.nanargmax(height)
+        low, high = frequency[max(best - 1, 0)], frequency[min(best + 1, frequency.size - 1)]
+    return frequency[best], height[best]
+
+
+def draw(loops, titles):
+    names = style.names_of(titles, loops)
+    figure, axes = style.new_figure(1, 1, 6.0, 3.8)
+    axes = axes[0, 0]
+    frequency = np.linspace(0.0, np.pi, 4001)
+    top = 1.0
+    for at, (loop, name) in enumerate(zip(loops, names)):
+        colour = style.PALETTE[at % len(style.PALETTE)]
+        where, height = peak(loop)
+        top = max(top, height)
+        axes.plot(frequency, gain(loop, frequency), color=colour, linewidth=1.8,
+                  label="{}: peak {:.4g} at {:.3g} rad/sample".format(name, height, where))
+        axes.plot([where], [height], style.MARKERS[at % len(style.MARKERS)], color=colour, markersize=6,
+                  markeredgecolor="white", clip_on=False, zorder=5)
+    axes.axhline(1.0, color=style.INK, linewidth=0.9, linestyle=(0, (5, 2.5)))
+    axes.axhspan(1.0, 1.15 * top, color=style.BOUND, alpha=0.07, linewidth=0)
+    axes.set_ylim(0.0, 1.15 * top)
+    axes.set_xlim(0.0, np.pi)
+    axes.set_xticks(np.linspace(0.0, np.pi, 5))
+    axes.set_xticklabels(["0", "$\\pi/4$", "$\\pi/2$", "$3\\pi/4$", "$\\pi$"])
+    axes.set_xlabel("frequency $\\omega$ [rad/sample]")
+    axes.set_ylabel("gain $|T(e^{j\\omega})|$")
+    axes.legend()
+    return figure

@@ -1,0 +1,184 @@
+"""What the figures are drawn from: run folders, analyses and stability maps, read whole and checked.
+
+Whatever is wrong raises InputError, which names the file and what is missing in it.
+"""
+
+import json
+import os
+from collections import namedtuple
+
+import numpy as np
+
+# A run folder. count, mean [m], variance [m^2], theoretical_mean, theoretical_variance have a row per follower and
+# a column per step (one column for time averages); steps holds the numbers of the columns.
+Run = namedtuple("Run", "path name steps count mean variance theoretical_mean theoretical_variance "
+                        "realizations seed complete time_average spectral_radius string_stable")
+
+# What `analyze --json` wrote: a path, a name for labels and the document itself.
+Analysis = namedtuple("Analysis", "path name document")
+
+# Columns of a map over headway (columns) and gain (rows), each value an array (gains, headways).
+StabilityMap = namedtuple("StabilityMap", "headways gains spectral_radius peak_gain string_stable")
+
+STATISTICS = ["vehicle", "step", "count", "mean", "variance", "theoretical_mean", "theoretical_variance"]
+MAP = ["headway", "gain", "spectral_radius", "peak_gain", "string_stable"]
+
+
+class InputError(Exception):
+    """Input that no figure can be drawn from; the message names the file and what is missing."""
+
+
+def read_text(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except FileNotFoundError:
+        raise InputError("{}: no such file".format(path))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError("{}: cannot be read: {}".format(path, getattr(error, "strerror", None) or "not text"))
+
+
+def read_json(path):
+    try:
+        document = json.loads(read_text(path))
+    except ValueError as error:
+        raise InputError("{}: not JSON: {}".format(path, error))
+    if not isinstance(document, dict):
+        raise InputError("{}: must be a JSON object".format(path))
+    return document
+
+
+def lookup(path, document, key):
+    """The value of a dotted key, as in "norms.mean_l2"."""
+    value = document
+    for part in key.split("."):
+        if not isinstance(value, dict) or part not in value:
+            raise InputError("{}: {} is missing".format(path, key))
+        value = value[part]
+    return value
+
+
+def number(path, document, key):
+    """A number, NaN for null: what does not exist is null in JSON."""
+    value = lookup(path, document, key)
+    if value is None:
+        return float("nan")
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise InputError("{}: {} must be a number or null".format(path, key))
+    return float(value)
+
+
+def truth(path, document, key):
+    value = lookup(path, document, key)
+    if not isinstance(value, bool):
+        raise InputError("{}: {} must be true or false".format(path, key))
+    return value
+
+
+def numbers(path, document, key):
+    """A list of numbers as an array, NaN for null; at least one of them is a number."""
+    values = lookup(path, document, key)
+    if not isinstance(values, list) or not values:
+        raise InputError("{}: {} must be a list of numbers, not empty".format(path, key))
+    try:
+        array = np.array([np.nan if value is None else value for value in values], dtype=float)
+    except (TypeError, ValueError):
+        raise InputError("{}: {} must be a list of numbers".format(path, key))
+    require_some(path, key, array)
+    return array
+
+
+def require_some(path, what, array):
+    if not np.isfinite(array).any():
+        raise InputError("{}: {} is NaN everywhere: nothing to draw".format(path, what))
+
+
+def read_columns(path, names):
+    """The named columns of a CSV file with a heading, each as an array of floats."""
+    lines = read_text(path).splitlines()
+    heading = [name.strip() for name in lines[0].split(",")] if lines else []
+    for name in names:
+        if name not in heading:
+            raise InputError("{}: {}".format(path, "column {} is missing".format(name) if heading else "is empty"))
+    rows = [line.split(",") for line in lines[1:]]
+    if not rows:
+        raise InputError("{}: holds no rows, only its heading".format(path))
+    for at, row in enumerate(rows):
+        if len(row) != len(heading):
+            raise InputError("{}: line {} has {} values instead of {}".format(path, at + 2, len(row), len(heading)))
+    columns = {}
+    for name in names:
+        place = heading.index(name)
+        try:
+            columns[name] = np.array([float(row[place]) for row in rows])
+        except ValueError as error:
+            raise InputError("{}: column {}: {}".format(path, name, error))
+    return columns
+
+
+def read_statistics(path):
+    """The columns of statistics.csv as arrays (followers, steps), and the steps' numbers."""
+    columns = read_columns(path, STATISTICS)
+    vehicle = columns.pop("vehicle")
+    step = columns.pop("step")
+    order = np.lexsort((step, vehicle))
+    followers, steps = np.unique(vehicle).size, np.unique(step)
+    whole = vehicle.size == followers * steps.size
+    if not whole or not np.array_equal(vehicle[order], np.repeat(np.arange(1, followers + 1), steps.size)) \
+            or not np.array_equal(step[order], np.tile(steps, followers)):
+        raise InputError("{}: must hold one row for each vehicle 1..N and step; rows are missing or double"
+                         .format(path))
+    table = {name: column[order].reshape(followers, steps.size) for name, column in columns.items()}
+    require_some(path, "mean", table["mean"])
+    if not np.isfinite(table["variance"]).any():
+        raise InputError("{}: variance is NaN everywhere: it takes at least two realizations".format(path))
+    return steps, table
+
+
+def read_run(path):
+    if not os.path.isdir(path):
+        raise InputError("{}: {}".format(path, "must be a run's folder" if os.path.exists(path) else "no such folder"))
+    steps, table = read_statistics(os.path.join(path, "statistics.csv"))
+    summary_path = os.path.join(path, "summary.json")
+    summary = read_json(summary_path)
+    return Run(path=path, name=os.path.basename(os.path.abspath(path)), steps=steps,
+               realizations=int(np.nan_to_num(number(summary_path, summary, "realizations"))),
+               seed=lookup(summary_path, summary, "seed"),
+               complete=truth(summary_path, summary, "complete"),
+               time_average=truth(summary_path, summary, "time_average"),
+               spectral_radius=number(summary_path, summary, "theory.spectral_radius"),
+               string_stable=truth(summary_path, summary, "theory.string_stable"), **table)
+
+
+def read_analysis(path):
+    if os.path.isdir(path):
+        raise InputError("{}: must be a file that analyze --json wrote, not a folder".format(path))
+    return Analysis(path, os.path.splitext(os.path.basename(path))[0], read_json(path))
+
+
+def require_same_platoon(run, analysis, followers):
+    """A run laid over an analysis is of the same platoon: equal string length, equal spectral radius."""
+    if run.mean.shape[0] != followers:
+        raise InputError("{}: has {} followers, but {} has {}".format(run.path, run.mean.shape[0], analysis.path,
+                                                                     followers))
+    if "spectral_radius" in analysis.document:
+        radius = number(analysis.path, analysis.document, "spectral_radius")
+        if abs(radius - run.spectral_radius) > 1e-6 * abs(radius):
+            raise InputError("{}: is of another platoon than {}: spectral radius {:.6g} instead of {:.6g}"
+                             .format(run.path, analysis.path, run.spectral_radius, radius))
+
+
+def read_map(path):
+    columns = read_columns(path, MAP)
+    headway, gain = columns.pop("headway"), columns.pop("gain")
+    headways, gains = np.unique(headway), np.unique(gain)
+    order = np.lexsort((headway, gain))
+    if headways.size < 2 or gains.size < 2 or headway.size != headways.size * gains.size \
+            or not np.array_equal(headway[order], np.tile(headways, gains.size)) \
+            or not np.array_equal(gain[order], np.repeat(gains, headways.size)):
+        raise InputError("{}: must hold one row for each point of a grid of two or more headways and two or more "
+                         "gains".format(path))
+    table = {name: column[order].reshape(gains.size, headways.size) for name, column in columns.items()}
+    for name, array in table.items():
+        require_some(path, name, array)
+    return StabilityMap(headways, gains, **table)

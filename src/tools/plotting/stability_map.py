@@ -1,0 +1,64 @@
+"""String stability over headway and gain: how far |T| rises above 1, and where the loop itself is unstable."""
+
+import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.patches import Patch
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+from plotting import style
+
+PAPER_POINTS = ((3.2, 1.35), (2.4, 1.35))  # (headway, gain) of the paper's numerical example
+HIGHEST_PEAK = 10.0  # higher peaks share the last colour
+PEAK_TICKS = [1, 1.2, 1.5, 2, 3, 5, 10]
+
+
+def edges(centres):
+    """Borders of the cells about the centres of a grid."""
+    middle = 0.5 * (centres[1:] + centres[:-1])
+    return np.concatenate(([2 * centres[0] - middle[0]], middle, [2 * centres[-1] - middle[-1]]))
+
+
+def draw(stability):
+    figure, axes = style.new_figure(1, 1, 6.4, 4.6)
+    axes = axes[0, 0]
+    axes.grid(False)
+    draw_peaks(figure, axes, stability)
+    loop_unstable = stability.spectral_radius >= 1.0
+    if loop_unstable.any():
+        axes.contourf(stability.headways, stability.gains, loop_unstable.astype(float), levels=[0.5, 1.5],
+                      colors="none", hatches=["////"])
+    if 0 < np.count_nonzero(stability.string_stable > 0.5) < stability.string_stable.size:
+        axes.contour(stability.headways, stability.gains, stability.string_stable, levels=[0.5],
+                     colors=[style.PALETTE[0]], linewidths=1.8)
+    mark_paper_points(axes, stability)
+    axes.set_xlim(stability.headways[0], stability.headways[-1])
+    axes.set_ylim(stability.gains[0], stability.gains[-1])
+    axes.set_xlabel("time headway $h$ [sample periods]")
+    axes.set_ylabel("controller gain")
+    axes.legend(handles=[
+        style.legend_entry(color=style.PALETTE[0], linewidth=1.8, label="border of string stability"),
+        Patch(facecolor="white", edgecolor="#9a9a9a", hatch="////", label="loop unstable, $\\rho(A) \\geq 1$"),
+        style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
+                           label="the paper's example")],
+        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False, columnspacing=1.2, handlelength=1.8)
+    return figure
+
+
+def draw_peaks(figure, axes, stability):
+    known = (stability.spectral_radius < 1.0) & np.isfinite(stability.peak_gain)
+    peaks = np.ma.array(np.maximum(stability.peak_gain, 1.0), mask=~known)
+    mesh = axes.pcolormesh(edges(stability.headways), edges(stability.gains), peaks, cmap="YlOrBr",
+                           norm=LogNorm(1.0, HIGHEST_PEAK), rasterized=True)
+    bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02)
+    bar.set_label("peak gain $\\max_\\omega |T(e^{j\\omega})|$")
+    bar.ax.yaxis.set_major_locator(FixedLocator(PEAK_TICKS))
+    bar.ax.yaxis.set_minor_locator(NullLocator())
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: "{:g}".format(value)))
+
+
+def mark_paper_points(axes, stability):
+    for headway, gain in PAPER_POINTS:
+        if stability.headways[0] <= headway <= stability.headways[-1] \
+                and stability.gains[0] <= gain <= stability.gains[-1]:
+            axes.plot([headway], [gain], "o", color=style.INK, markerfacecolor="white", markersize=6)
+            axes.annotate("$h = {:g}$".format(headway), (headway, gain), xytext=(6, 5), textcoords="offset points")

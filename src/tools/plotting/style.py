@@ -1,0 +1,122 @@
+"""The look all figures share, and how a figure becomes files."""
+
+import io
+import os
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402 - the backend is chosen first
+import numpy as np  # noqa: E402
+from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
+from matplotlib.lines import Line2D  # noqa: E402
+from matplotlib.ticker import MaxNLocator  # noqa: E402
+
+from plotting.inputs import InputError  # noqa: E402
+
+# Okabe and Ito's colours, told apart by colour-blind readers.
+PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+INK = "#222222"
+BOUND = "#D55E00"
+
+# First follower dark blue, last dark red, as in the paper; no colour so light that its line is lost on white.
+FOLLOWERS = LinearSegmentedColormap.from_list(
+    "followers", ["#08205c", "#1f5fb4", "#3ba3c8", "#7fb77e", "#e3b23c", "#e0702b", "#c0261f", "#5c0410"])
+
+MARKERS = "os^Dv<>"
+MANY = 60  # more points than this in a row are drawn without a marker on each
+WIDE_RANGE = 1000.0  # curves that differ by more than this factor need a logarithmic axis
+
+
+def apply():
+    """Sets the look, whatever the user's own matplotlib settings are."""
+    matplotlib.rcdefaults()
+    matplotlib.rcParams.update({
+        "figure.dpi": 100, "savefig.dpi": 200, "svg.hashsalt": "platoon",
+        "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.labelsize": 9.5,
+        "legend.fontsize": 8.5, "xtick.labelsize": 8.5, "ytick.labelsize": 8.5,
+        "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": INK, "axes.linewidth": 0.8,
+        "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.6, "axes.axisbelow": True,
+        "legend.framealpha": 0.9, "legend.edgecolor": "#cccccc", "legend.fancybox": False,
+        "hatch.linewidth": 0.6, "hatch.color": "#9a9a9a",
+    })
+
+
+def new_figure(rows, columns, width, height):
+    """A figure and its axes as an array (rows, columns)."""
+    figure, axes = plt.subplots(rows, columns, figsize=(width, height), squeeze=False, sharex="col",
+                                constrained_layout=True)
+    figure.set_constrained_layout_pads(w_pad=0.06, h_pad=0.05, wspace=0.02, hspace=0.02)
+    return figure, axes
+
+
+def follower_axis(axes, followers):
+    axes.set_xlabel("follower $i$")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    pad = 0.5 if followers < 30 else 0.02 * followers
+    axes.set_xlim(1 - pad, followers + pad)
+
+
+def spread(curves):
+    """Largest over smallest of the curves' peaks (rows of an array), 1 where there is nothing to compare."""
+    magnitude = np.where(np.isfinite(curves), np.abs(curves), 0.0)
+    peaks = magnitude.max(axis=1)
+    peaks = peaks[peaks > 0.0]
+    return peaks.max() / peaks.min() if peaks.size else 1.0
+
+
+def thinned(size, most):
+    """At most so many places out of range(size), evenly spread, both ends among them."""
+    return np.unique(np.round(np.linspace(0, size - 1, min(size, most))).astype(int))
+
+
+def legend_entry(**line):
+    return Line2D([], [], **line)
+
+
+def spaced(integer):
+    """Digits in groups of three, a thin space between: 1 000 000."""
+    return "{:,}".format(integer).replace(",", "\u2009")
+
+
+def names_of(titles, cases):
+    """The titles, or the cases' own names where none are given."""
+    if not titles:
+        return [case.name for case in cases]
+    if len(titles) != len(cases):
+        raise InputError("--titles: must be one for each of the {} inputs, not {}".format(len(cases), len(titles)))
+    return list(titles)
+
+
+def save(figure, stem):
+    """Writes stem.png and stem.svg, each whole or not at all; returns their paths."""
+    folder = os.path.dirname(stem) or "."
+    if not os.path.isdir(folder):
+        raise InputError("{}: no such folder to write to".format(folder))
+    contents = {}
+    for kind in ("png", "svg"):
+        buffer = io.BytesIO()
+        # Without a date, equal input gives equal files.
+        figure.savefig(buffer, format=kind, **({"metadata": {"Date": None}} if kind == "svg" else {}))
+        contents[stem + "." + kind] = buffer.getvalue()
+    plt.close(figure)
+    write_all(contents)
+    return sorted(contents)
+
+
+def write_all(contents):
+    """Writes every file beside its place first, and renames them only when all are written."""
+    temporary = {path: "{}.{}.tmp".format(path, os.getpid()) for path in contents}
+    try:
+        for path, content in contents.items():
+            with open(temporary[path], "wb") as file:
+                file.write(content)
+        for path in contents:
+            os.replace(temporary[path], path)
+    except OSError as error:
+        raise InputError("{}: cannot be written: {}".format(path, error.strerror))
+    finally:
+        for name in temporary.values():
+            if os.path.exists(name):
+                os.remove(name)

@@ -1,0 +1,91 @@
+"""Mean and variance of the tracking errors zeta_i(k): over the steps, or along the string for time averages.
+
+The paper's figures of zero and of non-zero initial conditions (fig:all_zero_ic, fig:all_dif_ic).
+"""
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.ticker import MaxNLocator
+
+from plotting import style
+from plotting.inputs import InputError
+
+MOST_CURVES = 40
+
+
+def draw(runs, titles):
+    if len({run.time_average for run in runs}) > 1:
+        average = next(run for run in runs if run.time_average)
+        raise InputError("{}: holds time averages; they do not go into one figure with ensemble statistics"
+                         .format(average.path))
+    names = style.names_of(titles, runs)
+    figure, axes = style.new_figure(2, len(runs), 1.2 + 4.0 * len(runs), 5.6)
+    followers = max(run.mean.shape[0] for run in runs)
+    colours = ScalarMappable(Normalize(1, max(followers, 2)), style.FOLLOWERS)
+    colours.set_array([])
+    for column, (run, name) in enumerate(zip(runs, names)):
+        letter = "({}) ".format(chr(ord("a") + column)) if len(runs) > 1 else ""
+        axes[0, column].set_title(letter + title(run, name))
+        (draw_time_average if run.time_average else draw_over_steps)(axes[:, column], run, colours)
+    if followers > 1 and not runs[0].time_average:
+        bar = figure.colorbar(colours, ax=list(axes.flat), location="top", aspect=60, fraction=0.05, pad=0.02)
+        bar.set_label("follower $i$")
+        bar.set_ticks(follower_ticks(followers))
+        bar.outline.set_visible(False)
+    return figure
+
+
+def title(run, name):
+    verdict = "string stable" if run.string_stable else "not string stable"
+    second = "{} realization{}, seed {}".format(style.spaced(run.realizations), "s" * (run.realizations != 1),
+                                               run.seed)
+    if run.time_average:
+        second = "average over time up to step {}, seed {}".format(style.spaced(int(run.steps[-1])), run.seed)
+    elif run.mean.shape[0] > MOST_CURVES:
+        second += ", {} of {} followers drawn".format(MOST_CURVES, run.mean.shape[0])
+    return "{}, {}{}\n{}".format(name, verdict, "" if run.complete else " (incomplete run)", second)
+
+
+def follower_ticks(followers):
+    """First, last and round numbers between, none so near the ends that the figures touch."""
+    between = MaxNLocator(nbins=8, integer=True).tick_values(1, followers)
+    return [1] + [tick for tick in between if 0.04 * followers < tick - 1 and tick < 0.96 * followers] + [followers]
+
+
+def draw_over_steps(axes, run, colours):
+    draw_curves(axes[0], run, run.mean, run.theoretical_mean, colours, "mean of $\\zeta_i(k)$", "m")
+    draw_curves(axes[1], run, run.variance, run.theoretical_variance, colours, "variance of $\\zeta_i(k)$", "m$^2$")
+    axes[1].set_xlabel("step $k$")
+    axes[0].legend(handles=[
+        style.legend_entry(color="#8a8a8a", linewidth=3.0, alpha=0.75, label="measured"),
+        style.legend_entry(color=style.INK, linewidth=0.7, label="theory")], loc="upper right")
+
+
+def draw_curves(axes, run, measured, theory, colours, quantity, unit):
+    """Measured curves broad and coloured, theory thin and dark on top of them."""
+    if style.spread(measured) > style.WIDE_RANGE:
+        measured, theory = (np.where(curves == 0.0, np.nan, np.abs(curves)) for curves in (measured, theory))
+        axes.set_yscale("log")
+        quantity = "|{}|".format(quantity) if unit == "m" else quantity
+    axes.set_ylabel("{} [{}]".format(quantity, unit))
+    for i in style.thinned(measured.shape[0], MOST_CURVES):
+        axes.plot(run.steps, measured[i], color=colours.to_rgba(i + 1), linewidth=2.4, alpha=0.75,
+                  solid_capstyle="round")
+        axes.plot(run.steps, theory[i], color=style.INK, linewidth=0.5)
+
+
+def draw_time_average(axes, run, colours):
+    followers = run.mean.shape[0]
+    i = np.arange(1, followers + 1)
+    shown = style.thinned(followers, style.MANY)
+    for axis, measured, theory, quantity in (
+            (axes[0], run.mean, run.theoretical_mean, "mean of $\\zeta_i$ over time [m]"),
+            (axes[1], run.variance, run.theoretical_variance, "variance of $\\zeta_i$ over time [m$^2$]")):
+        axis.plot(i, theory[:, 0], color=style.INK, linewidth=1.0, label="theory, stationary")
+        axis.plot(i[shown], measured[shown, 0], "o", color=style.PALETTE[0], markersize=4.5, label="measured")
+        axis.set_ylabel(quantity)
+    if style.spread(run.variance) > style.WIDE_RANGE:
+        axes[1].set_yscale("log")
+    axes[0].legend()
+    style.follower_axis(axes[1], followers)

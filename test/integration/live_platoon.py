@@ -1,0 +1,83 @@
+"""What the integration tests ask a running platoon, and how they wait: for conditions, with a deadline."""
+
+import json
+import os
+import signal
+import subprocess
+import time
+import xmlrpc.client
+
+import rosgraph
+import rospkg
+
+DEADLINE = 150.0  # [s] for a run to complete on a busy machine
+
+
+def wait_for(condition, what, deadline=DEADLINE):
+    """The first true value of condition(); an AssertionError that names `what` once the deadline has passed."""
+    end = time.monotonic() + deadline
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.02)
+    raise AssertionError("waited {:.0f} s in vain for {}".format(deadline, what))
+
+
+def completed_summary(output):
+    """summary.json of a completed run, None before."""
+    try:
+        with open(os.path.join(output, "summary.json")) as file:
+            summary = json.load(file)
+    except OSError:
+        return None
+    return summary if summary["complete"] else None
+
+
+def statistics(output):
+    """The bytes of statistics.csv: %.17g keeps every bit of a double."""
+    with open(os.path.join(output, "statistics.csv"), "rb") as file:
+        return file.read()
+
+
+def executable(name):
+    """Path of one of the package's programs, in the devel or the install space."""
+    from catkin.find_in_workspaces import find_in_workspaces
+
+    for folder in find_in_workspaces(["libexec"], project="stochastic_platoon"):
+        path = os.path.join(folder, name)
+        if os.access(path, os.X_OK):
+            return path
+    raise AssertionError("no executable " + name)
+
+
+def shared(*parts):
+    """Path of a file of the package's source or share folder."""
+    return os.path.join(rospkg.RosPack().get_path("stochastic_platoon"), *parts)
+
+
+def reference(output, **settings):
+    """statistics.csv of monte_carlo with these settings: the same platoon in one process, without ROS."""
+    folder = os.path.join(output, "reference")
+    settings.setdefault("model", shared("config", "paper.yaml"))
+    command = [executable("monte_carlo"), "--output", folder]
+    for name, value in settings.items():
+        command += ["--" + name.replace("_", "-"), str(value)]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return statistics(folder)
+
+
+def process_of(node):
+    """Process id of a node of this test's own master; None while it cannot be told."""
+    try:
+        uri = rosgraph.Master("/integration_test").lookupNode(node)
+        return xmlrpc.client.ServerProxy(uri).getPid("/integration_test")[2]
+    except (rosgraph.MasterException, OSError):
+        return None
+
+
+def kill(node):
+    """kill -9, and wait until roslaunch has put another process in its place."""
+    before = wait_for(lambda: process_of(node), node)
+    os.kill(before, signal.SIGKILL)
+    wait_for(lambda: process_of(node) not in (None, before), node + " to come back")

@@ -1,0 +1,49 @@
+#!/usr/bin/python3
+"""A run of the shipped launch file completes, loses nothing, agrees with the theory and equals monte_carlo to the bit."""
+
+import sys
+import unittest
+
+import rospy
+import rostest
+
+import live_platoon
+
+
+class Run(unittest.TestCase):
+    def setUp(self):
+        self.output = rospy.get_param("~output")
+        self.followers = rospy.get_param("~followers")
+        self.steps = rospy.get_param("~steps")
+        self.realizations = rospy.get_param("~realizations")
+        self.headway = rospy.get_param("~headway")
+        self.summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
+
+    def test_every_position_is_received_and_none_is_lost(self):
+        expected = (self.followers + 1) * (self.steps + 1) * self.realizations
+        self.assertEqual(self.summary["positions_received"], expected)
+        self.assertEqual(self.summary["positions_lost"], 0)
+        self.assertEqual(self.summary["realizations"], self.realizations)
+
+    def test_it_agrees_with_lemma_1_within_the_error_of_the_estimators(self):
+        # The largest of 2 N K normal scores exceeds this with probability 1e-3 (Bonferroni, N K <= 10^4); the sample variance
+        # is normal enough for it from some thousand realizations on.
+        if self.realizations < 2000:
+            return
+        self.assertLess(self.summary["agreement"]["max_abs_z_mean"], 5.5)
+        self.assertLess(self.summary["agreement"]["max_abs_z_variance"], 5.5)
+        self.assertGreater(self.summary["agreement"]["max_abs_z_variance"], 0.5)  # it is a measurement
+
+    def test_it_equals_monte_carlo_to_the_bit(self):
+        reference = live_platoon.reference(self.output, followers=self.followers, steps=self.steps, headway=self.headway,
+                                           realizations=self.realizations)
+        self.assertEqual(live_platoon.statistics(self.output), reference)
+
+    def test_the_verdict_on_string_stability_is_the_papers(self):
+        self.assertTrue(self.summary["theory"]["mean_square_stable"])
+        self.assertEqual(self.summary["theory"]["string_stable"], self.headway == 3.2)
+
+
+if __name__ == "__main__":
+    rospy.init_node("run_test")
+    rostest.rosrun("stochastic_platoon", rospy.get_param("~name"), Run, sys.argv)
