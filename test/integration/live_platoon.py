@@ -67,12 +67,15 @@ def reference(output, **settings):
     return statistics(folder)
 
 
-def process_of(node):
-    """Process id of a node of this test's own master; None while it cannot be told."""
+def process_of(node, master=None):
+    """Process id of a node, of this test's own master unless another is given; None while it cannot be told."""
+    caller = "/integration_test"
     try:
-        uri = rosgraph.Master("/integration_test").lookupNode(node)
-        return xmlrpc.client.ServerProxy(uri).getPid("/integration_test")[2]
-    except (rosgraph.MasterException, OSError):
+        with xmlrpc.client.ServerProxy(master or rosgraph.get_master_uri()) as proxy:
+            uri = proxy.lookupNode(caller, node)[2]
+        with xmlrpc.client.ServerProxy(uri) as proxy:
+            return proxy.getPid(caller)[2]
+    except (xmlrpc.client.Error, OSError):
         return None
 
 

@@ -1,0 +1,215 @@
+#!/usr/bin/python3
+"""What a person does at the terminal: roslaunch with good and bad arguments, Ctrl-C, going on."""
+
+import glob
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+
+import live_platoon
+
+
+def free_port():
+    with socket.socket() as listener:
+        listener.bind(("localhost", 0))
+        return listener.getsockname()[1]
+
+
+class Terminal:
+    """One roslaunch of platoon.launch on a master of its own, with what it prints."""
+
+    def __init__(self, folder, **arguments):
+        port = free_port()
+        self.log = tempfile.NamedTemporaryFile("w+", dir=folder, suffix=".log", delete=False)
+        environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
+                           ROS_HOME=folder)
+        words = ["{}:={}".format(name, value) for name, value in arguments.items()]
+        self.process = subprocess.Popen(["roslaunch", "--port", str(port), "stochastic_platoon", "platoon.launch"] + words,
+                                        stdout=self.log, stderr=subprocess.STDOUT, env=environment)
+        self.master = "http://localhost:{}".format(port)
+
+    def text(self):
+        with open(self.log.name, errors="replace") as file:
+            return file.read()
+
+    def wait(self, deadline=live_platoon.DEADLINE):
+        return self.process.wait(timeout=deadline)
+
+    def interrupt(self):
+        self.process.send_signal(signal.SIGINT)
+        self.wait()
+
+    def end(self):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+            self.wait()
+        self.log.close()
+
+
+class LaunchTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.output = os.path.join(self.folder, "run")
+
+    def launch(self, **arguments):
+        arguments.setdefault("output", self.output)
+        terminal = Terminal(self.folder, **arguments)
+        self.addCleanup(terminal.end)
+        return terminal
+
+    def model_with(self, **changes):
+        """The paper's model file with some lines replaced; None leaves a line out."""
+        with open(live_platoon.shared("config", "paper.yaml")) as file:
+            lines = file.read().splitlines()
+        for key, value in changes.items():
+            lines = [line for line in lines if not line.startswith(key + ":")]
+            if value is not None:
+                lines.append("{}: {}".format(key, value))
+        path = os.path.join(self.folder, "model.yaml")
+        with open(path, "w") as file:
+            file.write("\n".join(lines) + "\n")
+        return path
+
+
+class BadInput(LaunchTest):
+    def refused(self, *said, **arguments):
+        """The launch ends with an error that says all of this, before any node starts and without a trace in the output."""
+        terminal = self.launch(**arguments)
+        self.assertNotEqual(terminal.wait(), 0)
+        text = terminal.text()
+        for words in said:
+            self.assertIn(words, text)
+        self.assertNotIn("process[", text)
+        return text
+
+    def test_arguments_out_of_range_are_named_all_at_once(self):
+        self.refused("followers: 0: must be a whole number from 1", "time_headway: -1: must be a finite number > 0",
+                     "noise_variance: nan: must be a finite number >= 0", "steps: ten: must be a whole number from 0",
+                     "hosting: cloud: must be processes or one_process", followers=0, headway=-1, noise_variance="nan",
+                     steps="ten", hosting="cloud")
+        self.assertFalse(os.path.exists(self.output))
+
+    def test_a_model_file_that_is_missing_is_named(self):
+        self.refused("model: /nowhere/model.yaml: must be a file that can be read", model="/nowhere/model.yaml")
+
+    def test_unknown_and_missing_keys_are_named(self):
+        model = self.model_with(time_headwya=3.2, time_headway=None)
+        self.refused("time_headwya: unknown key", "time_headway: missing", model=model)
+
+    def test_a_loop_that_cannot_track_a_ramp_is_refused(self):
+        model = self.model_with(plant="{numerator: [1.0], denominator: [1.0, -1.0]}")
+        self.refused("no double integral action", model=model)
+
+    def test_a_closed_loop_that_is_not_strictly_proper_is_refused(self):
+        model = self.model_with(plant="{numerator: [1.0, 0, 0, 0], denominator: [1.0, -2.0, 1.0]}")
+        self.refused("T must be strictly proper", model=model)
+
+    def test_an_unstable_loop_is_refused_unless_it_is_asked_for(self):
+        unstable = "{numerator: [9.0], denominator: [1.0, -2.0, 1.0]}"
+        self.refused("the closed loop is unstable: rho(A) =", "allow_unstable: true", model=self.model_with(plant=unstable))
+        model = self.model_with(plant=unstable, allow_unstable="true")
+        terminal = self.launch(model=model, followers=2, steps=10, realizations=100)
+        terminal.wait()
+        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
+
+    def test_a_folder_that_cannot_be_written_is_named(self):
+        occupied = os.path.join(self.folder, "file")
+        with open(occupied, "w"):
+            pass
+        self.refused("output: " + occupied + "/run", "must be a folder that can be written", output=occupied + "/run")
+
+    def test_results_are_not_written_over(self):
+        self.launch(followers=1, steps=5, realizations=100).wait()
+        before = live_platoon.statistics(self.output)
+        self.refused("holds a run of 100 realizations: must be another folder (or resume:=true", followers=1, steps=5,
+                     realizations=200)
+        self.assertEqual(live_platoon.statistics(self.output), before)
+
+    def test_a_checkpoint_of_another_configuration_is_refused_with_what_differs(self):
+        self.launch(followers=1, steps=5, realizations=100).wait()
+        before = live_platoon.statistics(self.output)
+        self.refused("holds a run of another configuration", "seed is 1 there and 2 here", followers=1, steps=5,
+                     realizations=200, seed=2, resume="true")
+        self.assertEqual(live_platoon.statistics(self.output), before)
+
+
+class StopAndResume(LaunchTest):
+    SETTINGS = dict(followers=3, steps=10, batch=8)
+
+    def test_a_stopped_run_goes_on_and_gives_the_same_bits(self):
+        terminal = self.launch(realizations=2000, rate=500, **self.SETTINGS)
+        live_platoon.wait_for(lambda: glob.glob(self.output + "/checkpoint.cbor"), "a checkpoint")
+        terminal.interrupt()
+        self.assertIn("resume:=true goes on from there", terminal.text())
+        with open(self.output + "/summary.json") as file:
+            stopped = json.load(file)
+        self.assertFalse(stopped["complete"])
+        self.assertGreater(stopped["realizations"], 0)
+        self.assertLess(stopped["realizations"], 2000)
+        # Another batch size, too: the statistics depend on the realizations alone.
+        settings = dict(self.SETTINGS, batch=100)
+        self.launch(realizations=2000, resume="true", **settings).wait()
+        summary = live_platoon.completed_summary(self.output)
+        self.assertEqual(summary["realizations"], 2000)
+        self.assertEqual(summary["positions_lost"], 0)
+        self.assertEqual(live_platoon.statistics(self.output),
+                         live_platoon.reference(self.folder, followers=3, steps=10, realizations=2000))
+
+    def test_realizations_are_added_to_a_finished_run(self):
+        self.launch(realizations=100, **self.SETTINGS).wait()
+        self.launch(realizations=300, resume="true", **self.SETTINGS).wait()
+        self.assertEqual(live_platoon.statistics(self.output),
+                         live_platoon.reference(self.folder, followers=3, steps=10, realizations=300))
+
+    def test_resuming_a_finished_run_changes_nothing(self):
+        self.launch(realizations=100, **self.SETTINGS).wait()
+        before = live_platoon.statistics(self.output)
+        self.launch(realizations=100, resume="true", **self.SETTINGS).wait()
+        self.assertEqual(live_platoon.statistics(self.output), before)
+
+
+class Endless(LaunchTest):
+    def test_time_averages_are_labelled_and_approach_the_stationary_variance(self):
+        terminal = self.launch(followers=2, steps=0, rate=2000, burn_in=50)
+        live_platoon.wait_for(lambda: "process[platoon/monitor" in terminal.text(), "the monitor")
+        time.sleep(4.0)  # the run has no end to wait for: this is how long it averages
+        terminal.interrupt()
+        with open(self.output + "/summary.json") as file:
+            summary = json.load(file)
+        self.assertTrue(summary["time_average"])
+        self.assertIsNone(summary["agreement"]["max_abs_z_variance"])
+        rows = [line.split(",") for line in live_platoon.statistics(self.output).decode().splitlines()[1:]]
+        self.assertEqual([row[0] for row in rows], ["1", "2"])
+        for row, stationary in zip(rows, summary["theory"]["stationary_variance"]):
+            step, count, variance, theory = int(row[1]), int(row[2]), float(row[4]), float(row[6])
+            self.assertEqual(count, step + 1 - 50)
+            self.assertEqual(theory, stationary)
+            # The errors' correlation dies out within tens of steps (rho(A) = 0.53): 50 steps an independent value is ample.
+            self.assertLess(abs(variance / theory - 1.0), 6.0 * (2.0 / (count / 50.0)) ** 0.5)
+
+
+class Culprit(LaunchTest):
+    def test_the_vehicle_that_holds_the_platoon_up_is_named(self):
+        terminal = self.launch(followers=3, steps=10, realizations=400, batch=1, rate=500, stall_timeout=0.4)
+        live_platoon.wait_for(lambda: "/400" in terminal.text(), "progress")
+        process = live_platoon.process_of("/platoon/vehicle_2", terminal.master)
+        os.kill(process, signal.SIGSTOP)
+        try:
+            live_platoon.wait_for(lambda: "stands still: vehicle_2 has sent nothing" in terminal.text(), "the culprit's name", 20)
+        finally:
+            os.kill(process, signal.SIGCONT)
+        terminal.wait()
+        self.assertTrue(live_platoon.completed_summary(self.output))
+        self.assertEqual(live_platoon.statistics(self.output),
+                         live_platoon.reference(self.folder, followers=3, steps=10, realizations=400))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,91 @@
+#!/usr/bin/python3
+"""What is wrong on the wire is dropped, counted and reported, and never used; what is right can be followed by anyone."""
+
+import math
+import sys
+import unittest
+
+import rospy
+import rostest
+from rosgraph_msgs.msg import Log
+from stochastic_platoon.msg import ErrorStatistics, Position, Progress
+
+import live_platoon
+
+STEPS = 20
+BATCH = 10
+
+
+def message(attempt, first, step, position):
+    return Position(attempt=attempt, first_realization=first, step=step, position=position)
+
+
+class Wire(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.output = rospy.get_param("~output")
+        cls.progress, cls.positions, cls.statistics, cls.said = [], [], [], []
+        rospy.Subscriber("/rosout", Log, lambda message: cls.said.append(message.msg), queue_size=1000)
+        rospy.Subscriber("/platoon/error_statistics", ErrorStatistics, cls.statistics.append, queue_size=10000)
+        rospy.Subscriber("/platoon/vehicle_1/position", Position, cls.positions.append, queue_size=100000)
+        rospy.Subscriber("/platoon/progress", Progress, cls.progress.append, queue_size=100000)
+        cls.send_foreign_messages()
+        cls.summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(cls.output), "the run to complete")
+
+    @classmethod
+    def send_foreign_messages(cls):
+        topics = ["/platoon/vehicle_2/position", "/platoon/vehicle_2/predecessor_position"]
+        publishers = [rospy.Publisher(topic, Position, queue_size=100) for topic in topics]
+        live_platoon.wait_for(lambda: all(publisher.get_num_connections() for publisher in publishers), "subscribers")
+        live_platoon.wait_for(lambda: cls.progress and cls.progress[-1].first_realization >= 100, "the first batches")
+        now = cls.progress[-1]
+        for publisher in publishers:
+            for step, size, value in [
+                    (STEPS + 7, BATCH, 1.0),    # a step out of turn
+                    (-1, BATCH, 1.0),           # a start that is not due
+                    (now.step, BATCH, 1.0),     # a duplicate
+                    (now.step + 5, 3, 1.0),     # a wrong batch size and out of turn
+            ]:
+                publisher.publish(message(now.attempt, now.first_realization, step, [value] * size))
+            # In turn by their names, as a new attempt, but not to be used.
+            publisher.publish(message(now.attempt + 1, now.first_realization, -1, [1.0] * (BATCH + 1)))
+            publisher.publish(message(now.attempt + 1, now.first_realization, -1, []))
+            publisher.publish(message(now.attempt + 1, now.first_realization, -1, [math.nan] * BATCH))
+            publisher.publish(message(now.attempt + 1, now.first_realization, -1, [math.inf] * BATCH))
+
+    def test_foreign_messages_change_no_bit(self):
+        self.assertEqual(live_platoon.statistics(self.output),
+                         live_platoon.reference(self.output, followers=3, steps=STEPS, realizations=600))
+        self.assertEqual(self.summary["positions_lost"], 0)
+
+    def test_they_are_reported(self):
+        said = live_platoon.wait_for(lambda: [text for text in self.said if "dropped a message" in text], "a report", 10)
+        self.assertTrue(any("vehicle_2/position" in text for text in said), said)
+
+    def test_the_stamps_are_platoon_time_and_never_go_back(self):
+        period = 0.1
+        stamps = [message.header.stamp.to_sec() for message in self.positions]
+        self.assertGreater(len(stamps), 1000)
+        self.assertEqual(stamps, sorted(stamps))
+        for before, after in zip(self.positions, self.positions[1:]):
+            if after.step == before.step + 1:
+                self.assertAlmostEqual((after.header.stamp - before.header.stamp).to_sec(), period, 9)
+
+    def test_the_last_statistics_on_the_topic_are_those_of_the_file(self):
+        final = live_platoon.wait_for(
+            lambda: {message.step: message for message in self.statistics if message.realizations == 600}, "statistics", 10)
+        live_platoon.wait_for(lambda: len({m.step for m in self.statistics if m.realizations == 600}) == STEPS, "all steps", 10)
+        final = {message.step: message for message in self.statistics if message.realizations == 600}
+        for line in live_platoon.statistics(self.output).decode().splitlines()[1:]:
+            vehicle, step, _, mean, variance, theoretical_mean, theoretical_variance = line.split(",")
+            message = final[int(step)]
+            self.assertFalse(message.time_average)
+            self.assertEqual(message.mean[int(vehicle) - 1], float(mean))
+            self.assertEqual(message.variance[int(vehicle) - 1], float(variance))
+            self.assertEqual(message.theoretical_mean[int(vehicle) - 1], float(theoretical_mean))
+            self.assertEqual(message.theoretical_variance[int(vehicle) - 1], float(theoretical_variance))
+
+
+if __name__ == "__main__":
+    rospy.init_node("wire_test")
+    rostest.rosrun("stochastic_platoon", rospy.get_param("~name"), Wire, sys.argv)
