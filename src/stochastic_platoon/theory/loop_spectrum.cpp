@@ -133,7 +133,7 @@ LoopSpectrumValue LoopSpectrum::at(double frequency) const {
   const long double ratio = 4.0L * x * x / divisor * modulus(part.sensitivity_factor) / stripped;
   const long double h = headway_;
   return {static_cast<double>(n / d), static_cast<double>(margin / d),
-          static_cast<double>(modulus(part.sensitivity) / d),
+          static_cast<double>(stripped * divisor / d), static_cast<double>(modulus(part.sensitivity) / d),
           static_cast<double>((1.0L + 2.0L * h * (1.0L + h) * x) * n / d), static_cast<double>(ratio)};
 }
 

@@ -21,11 +21,12 @@ struct LoopSpectrumHalf {
 
 /// What the string's spectra are made of at one frequency.
 struct LoopSpectrumValue {
-  double gain;         ///< |T|^2
-  double margin;       ///< 1 - |T|^2, without cancellation near w = 0
-  double sensitivity;  ///< |S|^2
-  double complement;   ///< |HT|^2
-  double ratio;        ///< |S|^2 / (1 - |T|^2), the singularity at w = 0 removed; infinite where |T| = 1
+  double gain;          ///< |T|^2
+  double margin;        ///< 1 - |T|^2
+  double known_margin;  ///< the same, given that T(1) = 1 exactly
+  double sensitivity;   ///< |S|^2
+  double complement;    ///< |HT|^2
+  double ratio;         ///< |S|^2 / (1 - |T|^2), the singularity at w = 0 removed; infinite where |T| = 1
 };
 
 /// |T|, |S|, |H| on the unit circle, w in rad/sample.

@@ -68,13 +68,17 @@ double mean_limit_spectrum(const LoopSpectrum& spectrum) {
   return coarse;
 }
 
-void find_peak(const LoopSpectrum& spectrum, StringStability& verdict) {
+/// Sets the peak of |T| where it exceeds 1, and returns |T|^2 - 1 there, which may be below the digits of |T|.
+double find_peak(const LoopSpectrum& spectrum, StringStability& verdict) {
+  double excess = 0.0;
   for (const double w : spectrum.critical_frequencies()) {
-    const double gain = std::sqrt(spectrum.at(w).gain);
-    if (gain <= verdict.peak_gain) continue;
-    verdict.peak_gain = gain;
+    const LoopSpectrumValue value = spectrum.at(w);
+    if (-value.known_margin <= excess) continue;
+    excess = -value.known_margin;
+    verdict.peak_gain = std::sqrt(1.0 + excess);
     verdict.peak_frequency = w;
   }
+  return excess;
 }
 
 }  // namespace
@@ -92,9 +96,9 @@ StringStability string_stability(const PlatoonModel& model) {
   result.peak_frequency = 0.0;
   const MarginVerdict verdict = margin_verdict(spectrum);
   if (verdict.margin == Margin::kNegative) {
-    find_peak(spectrum, result);
-    result.reason = text("not string stable: |T| reaches %.9g at %.6g rad/sample, above 1", result.peak_gain,
-                         result.peak_frequency);
+    const double excess = find_peak(spectrum, result);
+    result.reason = text("not string stable: |T| exceeds 1 by %.6g at %.6g rad/sample",
+                         excess / (1.0 + result.peak_gain), result.peak_frequency);
     return result;
   }
   result.mean_bounded = true;

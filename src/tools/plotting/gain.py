@@ -7,6 +7,8 @@ import numpy as np
 from plotting import style
 from plotting.inputs import InputError, numbers
 
+HIGHEST = 100.0  # of the axis; a loop at the brink of instability peaks beyond it
+
 # Coefficients of T in descending powers of z.
 Loop = namedtuple("Loop", "name numerator denominator")
 
@@ -34,7 +36,8 @@ def peak(loop):
         height = gain(loop, frequency)
         best = np.nanargmax(height)
         low, high = frequency[max(best - 1, 0)], frequency[min(best + 1, frequency.size - 1)]
-    return frequency[best], height[best]
+    at_zero = gain(loop, 0.0)
+    return (0.0, at_zero) if at_zero >= height[best] * (1.0 - 1e-12) else (frequency[best], height[best])
 
 
 def draw(loops, titles):
@@ -46,13 +49,16 @@ def draw(loops, titles):
     for at, (loop, name) in enumerate(zip(loops, names)):
         colour = style.PALETTE[at % len(style.PALETTE)]
         where, height = peak(loop)
-        top = max(top, height)
+        top = max(top, min(height, HIGHEST))
+        stable = np.all(np.abs(np.roots(loop.denominator)) < 1.0)
         axes.plot(frequency, gain(loop, frequency), color=colour, linewidth=1.8,
-                  label="{}: peak {:.4g} at {:.3g} rad/sample".format(name, height, where))
+                  label=("{}: peak {:.4g} at $\\omega = {:.3g}$".format(name, height, where) if stable
+                         else "{}: the loop is unstable".format(name)))
         axes.plot([where], [height], style.MARKERS[at % len(style.MARKERS)], color=colour, markersize=6,
                   markeredgecolor="white", clip_on=False, zorder=5)
     axes.axhline(1.0, color=style.INK, linewidth=0.9, linestyle=(0, (5, 2.5)))
     axes.axhspan(1.0, 1.15 * top, color=style.BOUND, alpha=0.07, linewidth=0)
+    axes.text(0.99 * np.pi, 1.14 * top, "errors grow along the string", ha="right", va="top", color=style.BOUND)
     axes.set_ylim(0.0, 1.15 * top)
     axes.set_xlim(0.0, np.pi)
     axes.set_xticks(np.linspace(0.0, np.pi, 5))

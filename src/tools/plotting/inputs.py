@@ -5,6 +5,7 @@ Whatever is wrong raises InputError, which names the file and what is missing in
 
 import json
 import os
+import warnings
 from collections import namedtuple
 
 import numpy as np
@@ -100,20 +101,30 @@ def read_columns(path, names):
     for name in names:
         if name not in heading:
             raise InputError("{}: {}".format(path, "column {} is missing".format(name) if heading else "is empty"))
-    rows = [line.split(",") for line in lines[1:]]
+    rows = lines[1:]
     if not rows:
         raise InputError("{}: holds no rows, only its heading".format(path))
-    for at, row in enumerate(rows):
-        if len(row) != len(heading):
-            raise InputError("{}: line {} has {} values instead of {}".format(path, at + 2, len(row), len(heading)))
-    columns = {}
-    for name in names:
-        place = heading.index(name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # numpy only warns of text that is no number
         try:
-            columns[name] = np.array([float(row[place]) for row in rows])
-        except ValueError as error:
-            raise InputError("{}: column {}: {}".format(path, name, error))
-    return columns
+            table = np.fromstring(",".join(rows), sep=",").reshape(len(rows), len(heading))
+        except (ValueError, DeprecationWarning):
+            raise InputError("{}: {}".format(path, first_fault(rows, len(heading))))
+    return {name: table[:, heading.index(name)] for name in names}
+
+
+def first_fault(rows, width):
+    """In words, the first row that is not so many numbers; the heading is line 1."""
+    for line, row in enumerate(rows, start=2):
+        values = row.split(",")
+        if len(values) != width:
+            return "line {} has {} values instead of {}".format(line, len(values), width)
+        for value in values:
+            try:
+                float(value)
+            except ValueError:
+                return "line {}: {!r} is not a number".format(line, value)
+    return "is not a table of numbers"
 
 
 def read_statistics(path):
@@ -128,7 +139,8 @@ def read_statistics(path):
             or not np.array_equal(step[order], np.tile(steps, followers)):
         raise InputError("{}: must hold one row for each vehicle 1..N and step; rows are missing or double"
                          .format(path))
-    table = {name: column[order].reshape(followers, steps.size) for name, column in columns.items()}
+    table = {name: np.where(np.isfinite(column), column, np.nan)[order].reshape(followers, steps.size)
+             for name, column in columns.items()}
     require_some(path, "mean", table["mean"])
     if not np.isfinite(table["variance"]).any():
         raise InputError("{}: variance is NaN everywhere: it takes at least two realizations".format(path))

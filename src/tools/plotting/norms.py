@@ -2,15 +2,22 @@
 
 import os
 from collections import namedtuple
+from statistics import NormalDist
 
 import numpy as np
 
 from plotting import style
-from plotting.inputs import InputError, number, numbers, read_analysis, read_run, require_same_platoon
+from plotting.inputs import InputError, number, numbers, read_analysis, read_run, require_same_platoon, truth
 
 # What is drawn in one column; arrays have an element per follower, None where there is none.
-Case = namedtuple("Case", "name followers measured_mean measured_variance mean variance "
-                          "has_bounds mean_bound variance_bound steps")
+Case = namedtuple("Case", "name verdict followers measured_mean measured_variance mean variance "
+                          "own_mean own_variance has_bounds mean_bound variance_bound")
+
+# A norm along the string; half_width of its confidence interval or None.
+Measured = namedtuple("Measured", "value half_width")
+
+CONFIDENCE = 0.95  # that the variances of all steps of a follower are within their intervals
+SETTLED = 0.01  # relative; where a run's own theory is further from the analysis it is drawn too
 
 
 def read_cases(paths):
@@ -38,9 +45,9 @@ def case(run, analysis):
     values = dict.fromkeys(Case._fields)
     values["has_bounds"] = analysis is not None
     if run:
-        values.update(name=run.name, followers=run.mean.shape[0], steps=run.steps,
-                      measured_mean=l2_norm(run.mean), measured_variance=supremum(run.variance),
-                      mean=l2_norm(run.theoretical_mean), variance=supremum(run.theoretical_variance))
+        values.update(name=run.name, followers=run.mean.shape[0], verdict=style.verdict(run.string_stable),
+                      measured_mean=measured_l2_norm(run), measured_variance=measured_supremum(run),
+                      own_mean=l2_norm(run.theoretical_mean), own_variance=supremum(run.theoretical_variance))
     if analysis:
         path, document = analysis.path, analysis.document
         mean, variance = (numbers(path, document, "norms." + key) for key in ("mean_l2", "variance_linf"))
@@ -50,48 +57,90 @@ def case(run, analysis):
         if run:
             require_same_platoon(run, analysis, mean.size)
         values.update(name=values["name"] or analysis.name, followers=mean.size, mean=mean, variance=variance,
+                      verdict=style.verdict(truth(path, document, "string_stable")),
                       mean_bound=number(path, document, "norms.mean_bound"),
                       variance_bound=number(path, document, "norms.variance_bound"))
     return Case(**values)
 
 
 def l2_norm(curves):
-    return np.sqrt(np.nansum(curves ** 2, axis=1))
+    with np.errstate(over="ignore"):
+        return np.sqrt(np.nansum(curves ** 2, axis=1))
 
 
 def supremum(curves):
-    return np.nanmax(np.where(np.isnan(curves), -np.inf, curves), axis=1)
+    return np.max(np.where(np.isnan(curves), 0.0, curves), axis=1)
+
+
+def measured_l2_norm(run):
+    """From an unbiased estimate of the square: sampling adds variance/count to the square of every mean."""
+    with np.errstate(over="ignore"):
+        square = np.nansum(run.mean ** 2 - run.variance / run.count, axis=1)
+    return Measured(np.sqrt(np.maximum(square, 0.0)), None)
+
+
+def measured_supremum(run):
+    """The largest of many estimates lies above the largest variance: the interval says by how much it may.
+
+    It holds all steps of a follower at once (Bonferroni).
+    """
+    quantile = NormalDist().inv_cdf(1.0 - 0.5 * (1.0 - CONFIDENCE) / run.steps.size)
+    return Measured(supremum(run.variance),
+                    quantile * supremum(style.standard_error_of_variance(run.variance, run.count)))
 
 
 def draw(cases, titles):
     names = style.names_of(titles, cases)
     figure, axes = style.new_figure(2, len(cases), 1.2 + 3.8 * len(cases), 5.4)
     for column, (shown, name) in enumerate(zip(cases, names)):
-        letter = "({}) ".format(chr(ord("a") + column)) if len(cases) > 1 else ""
         top, bottom = axes[:, column]
-        top.set_title(letter + name)
-        draw_norm(top, shown, shown.measured_mean, shown.mean, shown.mean_bound, "none", (0, (5, 2.5)))
-        draw_norm(bottom, shown, shown.measured_variance, shown.variance, shown.variance_bound, None, "-")
-        top.set_ylabel("$\\|\\mu_{\\zeta_i}\\|_{\\mathcal{L}_2}$ [m]")
-        bottom.set_ylabel("$\\|P_{\\zeta_i}\\|_{\\mathcal{L}_\\infty}$ [m$^2$]")
+        top.set_title(style.column_title(column, len(cases), "{}, {}".format(name, shown.verdict)))
+        draw_bound(top, shown, shown.mean_bound, (0, (5, 2.5)))
+        draw_bound(bottom, shown, shown.variance_bound, "-")
+        draw_theory(top, shown.mean, shown.own_mean)
+        draw_theory(bottom, shown.variance, shown.own_variance)
+        if shown.measured_mean:
+            draw_measured(top, shown.measured_mean, "white")
+            draw_measured(bottom, shown.measured_variance, style.PALETTE[0])
+        for axis in (top, bottom):
+            choose_scale(axis)
+            axis.legend()
+        top.set_ylabel("$\\Vert\\mu_{\\zeta_i}\\Vert_{\\mathcal{L}_2}$ [m]")
+        bottom.set_ylabel("$\\Vert P_{\\zeta_i}\\Vert_{\\mathcal{L}_\\infty}$ [m$^2$]")
         style.follower_axis(bottom, shown.followers)
     return figure
 
 
-def draw_norm(axes, shown, measured, theory, bound, face, bound_style):
-    i = np.arange(1, shown.followers + 1)
-    axes.plot(i, theory, color=style.INK, linewidth=0.9, label="theory")
-    if measured is not None:
-        at = style.thinned(shown.followers, style.MANY)
-        axes.plot(i[at], measured[at], "o", color=style.PALETTE[0], markerfacecolor=face, markersize=5,
-                  label="measured")
+def draw_bound(axes, shown, bound, line):
     if shown.has_bounds and np.isfinite(bound):
-        axes.axhline(bound, color=style.BOUND, linewidth=1.4, linestyle=bound_style, label="bound")
+        axes.axhline(bound, color=style.BOUND, linewidth=1.4, linestyle=line, label="bound")
     elif shown.has_bounds:
         axes.plot([], [], " ", label="no bound exists")
-    if style.spread(theory[:, np.newaxis]) > style.WIDE_RANGE:
-        axes.set_yscale("log")
+
+
+def draw_theory(axes, theory, own):
+    """The analysis' norms; the run's own where there is no analysis, or where it is over other steps."""
+    for norm, line, label in ((theory, "-", "theory"), (own, ":", "theory over the run's steps")):
+        if norm is None or norm is own and theory is not None and np.allclose(own, theory, rtol=SETTLED, atol=0.0):
+            continue
+        axes.plot(np.arange(1, norm.size + 1), norm, color=style.INK, linewidth=0.9, linestyle=line, label=label,
+                  marker="_" if norm.size == 1 else "")
+
+
+def draw_measured(axes, measured, face):
+    at = style.thinned(measured.value.size, style.MANY)
+    label, bars = "measured", None
+    if measured.half_width is not None:
+        label, bars = "measured, {:.0%} confidence".format(CONFIDENCE), measured.half_width[at]
+    axes.errorbar(at + 1, measured.value[at], yerr=bars, fmt="o", color=style.PALETTE[0], markerfacecolor=face,
+                  markersize=4.5, elinewidth=1.0, capsize=2.5, label=label)
+
+
+def choose_scale(axes):
+    """From zero up, or logarithmic where the curves are far apart."""
+    curves = np.concatenate([line.get_ydata() for line in axes.get_lines()])
+    if style.spread(np.asarray(curves, dtype=float)[:, np.newaxis]) > style.WIDE_RANGE:
+        style.logarithmic(axes)
     else:
-        axes.set_ylim(bottom=0.0)
-        axes.margins(y=0.12)
-    axes.legend()
+        top = axes.get_ylim()[1]
+        axes.set_ylim(-0.03 * top, 1.05 * top)

@@ -3,11 +3,13 @@
 import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from plotting import style
 
-PAPER_POINTS = ((3.2, 1.35), (2.4, 1.35))  # (headway, gain) of the paper's numerical example
+# Headway and gain of the paper's numerical example, and on which side of it its label stands.
+PAPER_POINTS = ((3.2, 1.35, 1, "left"), (2.4, 1.35, -1, "right"))
 HIGHEST_PEAK = 10.0  # higher peaks share the last colour
 PEAK_TICKS = [1, 1.2, 1.5, 2, 3, 5, 10]
 
@@ -23,10 +25,9 @@ def draw(stability):
     axes = axes[0, 0]
     axes.grid(False)
     draw_peaks(figure, axes, stability)
-    loop_unstable = stability.spectral_radius >= 1.0
-    if loop_unstable.any():
-        axes.contourf(stability.headways, stability.gains, loop_unstable.astype(float), levels=[0.5, 1.5],
-                      colors="none", hatches=["////"])
+    if np.nanmax(stability.spectral_radius) > 1.0:
+        axes.contourf(stability.headways, stability.gains, np.ma.masked_invalid(stability.spectral_radius),
+                      levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
     if 0 < np.count_nonzero(stability.string_stable > 0.5) < stability.string_stable.size:
         axes.contour(stability.headways, stability.gains, stability.string_stable, levels=[0.5],
                      colors=[style.PALETTE[0]], linewidths=1.8)
@@ -36,17 +37,20 @@ def draw(stability):
     axes.set_xlabel("time headway $h$ [sample periods]")
     axes.set_ylabel("controller gain")
     axes.legend(handles=[
-        style.legend_entry(color=style.PALETTE[0], linewidth=1.8, label="border of string stability"),
+        style.legend_entry(color=style.PALETTE[0], linewidth=1.8, label="string stability border"),
         Patch(facecolor="white", edgecolor="#9a9a9a", hatch="////", label="loop unstable, $\\rho(A) \\geq 1$"),
         style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
                            label="the paper's example")],
-        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False, columnspacing=1.2, handlelength=1.8)
+        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False, columnspacing=1.0, handlelength=1.5,
+        handletextpad=0.5)
     return figure
 
 
 def draw_peaks(figure, axes, stability):
-    known = (stability.spectral_radius < 1.0) & np.isfinite(stability.peak_gain)
-    peaks = np.ma.array(np.maximum(stability.peak_gain, 1.0), mask=~known)
+    # The peak grows beyond all bounds towards rho = 1: cells across that border take the last colour, and the
+    # hatching laid over them cuts it smoothly.
+    unstable = stability.spectral_radius >= 1.0
+    peaks = np.ma.masked_invalid(np.where(unstable, 2.0 * HIGHEST_PEAK, np.maximum(stability.peak_gain, 1.0)))
     mesh = axes.pcolormesh(edges(stability.headways), edges(stability.gains), peaks, cmap="YlOrBr",
                            norm=LogNorm(1.0, HIGHEST_PEAK), rasterized=True)
     bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02)
@@ -57,8 +61,10 @@ def draw_peaks(figure, axes, stability):
 
 
 def mark_paper_points(axes, stability):
-    for headway, gain in PAPER_POINTS:
+    for headway, gain, side, alignment in PAPER_POINTS:
         if stability.headways[0] <= headway <= stability.headways[-1] \
                 and stability.gains[0] <= gain <= stability.gains[-1]:
             axes.plot([headway], [gain], "o", color=style.INK, markerfacecolor="white", markersize=6)
-            axes.annotate("$h = {:g}$".format(headway), (headway, gain), xytext=(6, 5), textcoords="offset points")
+            axes.annotate("$h = {:g}$".format(headway), (headway, gain), xytext=(7 * side, 0), ha=alignment,
+                          va="center", textcoords="offset points",
+                          path_effects=[withStroke(linewidth=2.5, foreground="white")])

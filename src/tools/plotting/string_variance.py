@@ -7,12 +7,15 @@ import numpy as np
 from plotting import style
 from plotting.inputs import InputError, number, numbers, require_same_platoon
 
-SHOWN_ERRORS = 2.0  # standard errors to either side
+SHOWN_ERRORS = 2  # standard errors to either side
+SETTLED = 0.01  # relative; a last step further from the stationary variance than this is drawn beside it
+WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logarithmic axis
 
 Case = namedtuple("Case", "name stationary limit run")
 
 
 def pair(analyses, runs):
+    """The cases of the figure: the first run goes with the first analysis, and so on."""
     if runs and len(runs) != len(analyses):
         raise InputError("--run: must be one for each of the {} analyses, not {}".format(len(analyses), len(runs)))
     return [case(analysis, run) for analysis, run in zip(analyses, runs or [None] * len(analyses))]
@@ -25,45 +28,52 @@ def case(analysis, run):
     return Case(analysis.name, stationary, number(analysis.path, analysis.document, "limit_variance"), run)
 
 
-def standard_error(variance, count):
-    """Of the unbiased variance of so many independent Gaussian samples."""
-    return variance * np.sqrt(2.0 / np.maximum(count - 1.0, 1.0))
-
-
 def draw(cases, titles):
     names = style.names_of(titles, cases)
     figure, axes = style.new_figure(1, 1, 6.2, 4.2)
     axes = axes[0, 0]
+    legend = []
     for at, (shown, name) in enumerate(zip(cases, names)):
-        draw_case(axes, shown, name, style.PALETTE[at % len(style.PALETTE)], style.MARKERS[at % len(style.MARKERS)])
-    if style.spread(np.concatenate([shown.stationary for shown in cases])[:, np.newaxis]) > 30.0:
-        axes.set_yscale("log")
+        colour = style.PALETTE[at % len(style.PALETTE)]
+        legend += draw_theory(axes, shown, name, colour)
+        if shown.run:
+            legend += draw_measured(axes, shown, name, colour, style.MARKERS[at % len(style.MARKERS)])
+    if style.spread(np.concatenate([shown.stationary for shown in cases])[:, np.newaxis]) > WIDE_RANGE:
+        style.logarithmic(axes)
     style.follower_axis(axes, max(shown.stationary.size for shown in cases))
     axes.set_ylabel("variance of $\\zeta_i$ [m$^2$]")
-    axes.legend()
+    axes.legend(handles=legend)
     return figure
 
 
-def draw_case(axes, shown, name, colour, marker):
-    i = np.arange(1, shown.stationary.size + 1)
+def draw_theory(axes, shown, name, colour):
+    """Draws the stationary variances and their limit; returns what the legend shows."""
     has_limit = np.isfinite(shown.limit)
-    axes.plot(i, shown.stationary, color=colour, linewidth=1.3,
-              label="{}: stationary, theory{}".format(name, "" if has_limit else " (no limit)"))
+    followers = np.arange(1, shown.stationary.size + 1)
+    label = "{}: stationary, theory{}".format(name, "" if has_limit else " (no limit)")
+    legend = axes.plot(followers, shown.stationary, color=colour, linewidth=1.3, label=label,
+                       marker="." if followers.size == 1 else "")
     if has_limit:
-        axes.axhline(shown.limit, color=colour, linewidth=1.0, linestyle=(0, (5, 2.5)),
-                     label="{}: limit {:.4g} m$^2$".format(name, shown.limit))
-    if shown.run:
-        draw_measured(axes, shown.run, name, colour, marker)
+        legend.append(axes.axhline(shown.limit, color=colour, linewidth=1.0, linestyle=(0, (5, 2.5)),
+                                   label="{}: limit {:.4g} m$^2$".format(name, shown.limit)))
+    return legend
 
 
-def draw_measured(axes, run, name, colour, marker):
+def draw_measured(axes, shown, name, colour, marker):
+    """Draws the variances of the run's last step; returns what the legend shows."""
+    run = shown.run
     at = style.thinned(run.mean.shape[0], style.MANY)
     variance, count = run.variance[at, -1], run.count[at, -1]
     last = style.spaced(int(run.steps[-1]))
+    look = {"color": colour, "markersize": 4.5, "markerfacecolor": "white"}
     if run.time_average:
-        axes.plot(at + 1, variance, marker, color=colour, markersize=4.5, markerfacecolor="white",
-                  label="{}: time average up to step {}".format(name, last))
-    else:
-        axes.errorbar(at + 1, variance, yerr=SHOWN_ERRORS * standard_error(variance, count), fmt=marker, color=colour,
-                      markersize=4.5, markerfacecolor="white", capsize=2.5, linewidth=1.0,
-                      label="{}: measured at step {}, $\\pm$2 standard errors".format(name, last))
+        return axes.plot(at + 1, variance, marker, label="{}: time average up to step {}".format(name, last), **look)
+    errors = SHOWN_ERRORS * style.standard_error_of_variance(variance, count)
+    legend = [axes.errorbar(
+        at + 1, variance, yerr=errors, fmt=marker, capsize=2.5, elinewidth=1.0,
+        label="{}: measured at step {}, $\\pm${} standard errors".format(name, last, SHOWN_ERRORS), **look)]
+    theory = run.theoretical_variance[:, -1]
+    if not np.allclose(theory, shown.stationary, rtol=SETTLED, atol=0.0, equal_nan=True):
+        legend += axes.plot(np.arange(1, theory.size + 1), theory, color=colour, linewidth=1.3, linestyle=":",
+                            label="{}: theory at step {}, not yet stationary".format(name, last))
+    return legend

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt  # noqa: E402 - the backend is chosen first
 import numpy as np  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
-from matplotlib.ticker import MaxNLocator  # noqa: E402
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter  # noqa: E402
 
 from plotting.inputs import InputError  # noqa: E402
 
@@ -39,21 +39,35 @@ def apply():
         "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": INK, "axes.linewidth": 0.8,
         "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.6, "axes.axisbelow": True,
         "legend.framealpha": 0.9, "legend.edgecolor": "#cccccc", "legend.fancybox": False,
+        "figure.constrained_layout.w_pad": 0.06, "figure.constrained_layout.h_pad": 0.05,
         "hatch.linewidth": 0.6, "hatch.color": "#9a9a9a",
     })
 
 
 def new_figure(rows, columns, width, height):
     """A figure and its axes as an array (rows, columns)."""
-    figure, axes = plt.subplots(rows, columns, figsize=(width, height), squeeze=False, sharex="col",
-                                constrained_layout=True)
-    figure.set_constrained_layout_pads(w_pad=0.06, h_pad=0.05, wspace=0.02, hspace=0.02)
-    return figure, axes
+    return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, sharex="col", constrained_layout=True)
+
+
+def column_title(column, columns, text):
+    """The text, behind a letter where there are columns to tell apart."""
+    return "({}) {}".format(chr(ord("a") + column), text) if columns > 1 else text
+
+
+def verdict(string_stable):
+    return "string stable" if string_stable else "not string stable"
+
+
+def follower_ticks(followers):
+    """First, last and round numbers between, none so near the ends that the figures touch."""
+    between = MaxNLocator(nbins=5, steps=[1, 2, 5, 10], integer=True).tick_values(1, followers)
+    room = 0.05 * followers
+    return [1] * (followers > 1) + [t for t in between if 1 + room < t < followers - room] + [followers]
 
 
 def follower_axis(axes, followers):
     axes.set_xlabel("follower $i$")
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_xticks(follower_ticks(followers))
     pad = 0.5 if followers < 30 else 0.02 * followers
     axes.set_xlim(1 - pad, followers + pad)
 
@@ -66,9 +80,24 @@ def spread(curves):
     return peaks.max() / peaks.min() if peaks.size else 1.0
 
 
+def logarithmic(axes):
+    """A logarithmic y axis with plain figures where they are few and short."""
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
+    if 1e-4 < low and high < 1e5:
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: "{:g}".format(value)))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+
+
 def thinned(size, most):
     """At most so many places out of range(size), evenly spread, both ends among them."""
     return np.unique(np.round(np.linspace(0, size - 1, min(size, most))).astype(int))
+
+
+def standard_error_of_variance(variance, count):
+    """Of the unbiased variance of so many independent Gaussian samples."""
+    return variance * np.sqrt(2.0 / np.maximum(count - 1.0, 1.0))
 
 
 def legend_entry(**line):

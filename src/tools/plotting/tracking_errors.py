@@ -6,12 +6,13 @@ The paper's figures of zero and of non-zero initial conditions (fig:all_zero_ic,
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
-from matplotlib.ticker import MaxNLocator
 
 from plotting import style
 from plotting.inputs import InputError
 
-MOST_CURVES = 40
+MOST_CURVES = 40  # of longer strings only some followers are drawn
+CURVES_OF_MANY = 16
+CROWDED = 300  # more steps than this are drawn with finer lines, and as a picture inside the SVG
 
 
 def draw(runs, titles):
@@ -25,54 +26,58 @@ def draw(runs, titles):
     colours = ScalarMappable(Normalize(1, max(followers, 2)), style.FOLLOWERS)
     colours.set_array([])
     for column, (run, name) in enumerate(zip(runs, names)):
-        letter = "({}) ".format(chr(ord("a") + column)) if len(runs) > 1 else ""
-        axes[0, column].set_title(letter + title(run, name))
+        axes[0, column].set_title(style.column_title(column, len(runs), title(run, name)))
         (draw_time_average if run.time_average else draw_over_steps)(axes[:, column], run, colours)
     if followers > 1 and not runs[0].time_average:
         bar = figure.colorbar(colours, ax=list(axes.flat), location="top", aspect=60, fraction=0.05, pad=0.02)
         bar.set_label("follower $i$")
-        bar.set_ticks(follower_ticks(followers))
+        bar.set_ticks(style.follower_ticks(followers))
         bar.outline.set_visible(False)
     return figure
 
 
 def title(run, name):
-    verdict = "string stable" if run.string_stable else "not string stable"
     second = "{} realization{}, seed {}".format(style.spaced(run.realizations), "s" * (run.realizations != 1),
                                                run.seed)
     if run.time_average:
         second = "average over time up to step {}, seed {}".format(style.spaced(int(run.steps[-1])), run.seed)
-    elif run.mean.shape[0] > MOST_CURVES:
-        second += ", {} of {} followers drawn".format(MOST_CURVES, run.mean.shape[0])
-    return "{}, {}{}\n{}".format(name, verdict, "" if run.complete else " (incomplete run)", second)
+    elif drawn(run).size < run.mean.shape[0]:
+        second += ", {} of {} followers drawn".format(drawn(run).size, run.mean.shape[0])
+    return "{}, {}{}\n{}".format(name, style.verdict(run.string_stable), "" if run.complete else " (incomplete run)", second)
 
 
-def follower_ticks(followers):
-    """First, last and round numbers between, none so near the ends that the figures touch."""
-    between = MaxNLocator(nbins=8, integer=True).tick_values(1, followers)
-    return [1] + [tick for tick in between if 0.04 * followers < tick - 1 and tick < 0.96 * followers] + [followers]
+def drawn(run):
+    """Rows of the followers whose curves are drawn."""
+    followers = run.mean.shape[0]
+    return style.thinned(followers, followers if followers <= MOST_CURVES else CURVES_OF_MANY)
 
 
 def draw_over_steps(axes, run, colours):
     draw_curves(axes[0], run, run.mean, run.theoretical_mean, colours, "mean of $\\zeta_i(k)$", "m")
     draw_curves(axes[1], run, run.variance, run.theoretical_variance, colours, "variance of $\\zeta_i(k)$", "m$^2$")
     axes[1].set_xlabel("step $k$")
-    axes[0].legend(handles=[
+    axes[1].legend(handles=[
         style.legend_entry(color="#8a8a8a", linewidth=3.0, alpha=0.75, label="measured"),
-        style.legend_entry(color=style.INK, linewidth=0.7, label="theory")], loc="upper right")
+        style.legend_entry(color=style.INK, linewidth=0.7, label="theory")],
+        loc="best")
 
 
 def draw_curves(axes, run, measured, theory, colours, quantity, unit):
     """Measured curves broad and coloured, theory thin and dark on top of them."""
-    if style.spread(measured) > style.WIDE_RANGE:
+    wide = style.spread(measured) > style.WIDE_RANGE
+    if wide:
         measured, theory = (np.where(curves == 0.0, np.nan, np.abs(curves)) for curves in (measured, theory))
-        axes.set_yscale("log")
         quantity = "|{}|".format(quantity) if unit == "m" else quantity
     axes.set_ylabel("{} [{}]".format(quantity, unit))
-    for i in style.thinned(measured.shape[0], MOST_CURVES):
-        axes.plot(run.steps, measured[i], color=colours.to_rgba(i + 1), linewidth=2.4, alpha=0.75,
-                  solid_capstyle="round")
-        axes.plot(run.steps, theory[i], color=style.INK, linewidth=0.5)
+    crowded = run.steps.size > CROWDED
+    for i in drawn(run):
+        axes.plot(run.steps, measured[i], color=colours.to_rgba(i + 1), linewidth=1.2 if crowded else 2.4, alpha=0.75,
+                  solid_capstyle="round", marker="." if run.steps.size == 1 else "", rasterized=crowded)
+        axes.plot(run.steps, theory[i], color=style.INK, linewidth=0.45, zorder=3, rasterized=crowded)
+    if wide:
+        peaks = np.nanmax(np.where(np.isnan(measured), 0.0, measured), axis=1)
+        axes.set_ylim(0.1 * peaks[peaks > 0.0].min(), 5.0 * peaks.max())
+        style.logarithmic(axes)
 
 
 def draw_time_average(axes, run, colours):
@@ -86,6 +91,6 @@ def draw_time_average(axes, run, colours):
         axis.plot(i[shown], measured[shown, 0], "o", color=style.PALETTE[0], markersize=4.5, label="measured")
         axis.set_ylabel(quantity)
     if style.spread(run.variance) > style.WIDE_RANGE:
-        axes[1].set_yscale("log")
+        style.logarithmic(axes[1])
     axes[0].legend()
     style.follower_axis(axes[1], followers)

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "stochastic_platoon/model/closed_loop.hpp"
+
+namespace platoon {
+
+/// The closed loop that a plant and a controller form at headway h, whatever the controller does with h.
+using HeadwayLaw = std::function<ClosedLoop(double headway)>;
+
+/// Headways h, in sample periods, searched for string stability.
+struct HeadwayRange {
+  double from = 0.01;
+  double to = 1000.0;
+  int samples = 512;  ///< on a logarithmic scale
+};
+
+struct HeadwayInterval {
+  double from;
+  double to;
+};
+
+/// Which headways make the platoon string stable, within a range.
+struct StableHeadways {
+  std::vector<HeadwayInterval> intervals;  ///< in ascending order; ends to 1e-12 relative
+  std::optional<double> critical;          ///< from here to the end of the range every h is stable; else empty
+};
+
+/// Samples string_margin over the range, follows it to its extremes where it turns near zero without changing sign,
+/// and bisects every change of sign. A stable or unstable stretch is missed only if the margin turns more than once
+/// between two samples.
+///
+/// Throws std::invalid_argument unless 0 < from < to and samples >= 2, and what the law and string_margin throw.
+StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range = {});
+
+/// Positive just when the platoon is string stable, zero at the border, continuous in the coefficients of T: the
+/// smaller of 1 - rho(A) and the minimum of |D|^2 - |N|^2, T = N/D, over w in [0, pi], divided by 1 - cos w up to
+/// w = pi/2. Throws as string_stability does.
+double string_margin(const ClosedLoop& loop, double headway);
+
+}  // namespace platoon
