@@ -13,11 +13,11 @@ namespace {
 // The stamps of ROS count nanoseconds.
 const Allowed kSamplePeriod{"a finite number >= 1e-9", std::numeric_limits<double>::quiet_NaN(), 1e-9};
 
-TransferFunction read_fraction(Section& section, double divisor) {
+TransferFunction read_fraction(Section& section) {
   const Eigen::VectorXd numerator = section.numbers("numerator");
   const Eigen::VectorXd denominator = section.numbers("denominator");
   section.reject_unknown_keys();
-  if (denominator.cwiseAbs().maxCoeff() > 0.0) return {numerator / divisor, denominator};
+  if (denominator.cwiseAbs().maxCoeff() > 0.0) return {numerator, denominator};
   section.reject("denominator", "all zero", "a polynomial other than 0");
   return {numerator, Eigen::VectorXd::Ones(1)};
 }
@@ -61,28 +61,38 @@ InitialPosition read_initial_position(Section section) {
   return position;
 }
 
-std::optional<ClosedLoop> read_loop(Section& document, double headway, std::vector<std::string>& problems) {
-  if (document.has("closed_loop")) {
-    for (const char* key : {"plant", "controller"}) {
-      if (document.has(key))
-        document.reject(key, "given", "absent beside closed_loop, which stands in its place");
-    }
-    return read_given_loop(document.section("closed_loop"), problems);
-  }
+// The closed loop and, where it was not given itself, what it is formed from.
+struct Loop {
+  ClosedLoop closed;
+  std::optional<LoopDesign> design;
+};
+
+std::optional<Loop> read_designed_loop(Section& document, double headway,
+                                       std::vector<std::string>& problems) {
   const std::size_t before = problems.size();
   Section plant_section = document.section("plant");
-  const TransferFunction plant = read_fraction(plant_section, 1.0);
+  const TransferFunction plant = read_fraction(plant_section);
   Section controller_section = document.section("controller");
   const bool divide = controller_section.has("divide_by_one_plus_headway") &&
                       controller_section.boolean("divide_by_one_plus_headway");
-  const TransferFunction controller = read_fraction(controller_section, divide ? 1.0 + headway : 1.0);
+  const LoopDesign design{plant, read_fraction(controller_section), divide};
   if (problems.size() > before) return std::nullopt;
   try {
-    return close_loop(plant, controller, headway);
+    return Loop{close_loop(design, headway), design};
   } catch (const std::invalid_argument& error) {
     problems.push_back(std::string("plant, controller: ") + error.what());
     return std::nullopt;
   }
+}
+
+std::optional<Loop> read_loop(Section& document, double headway, std::vector<std::string>& problems) {
+  if (!document.has("closed_loop")) return read_designed_loop(document, headway, problems);
+  for (const char* key : {"plant", "controller"}) {
+    if (document.has(key))
+      document.reject(key, "given", "absent beside closed_loop, which stands in its place");
+  }
+  const std::optional<ClosedLoop> given = read_given_loop(document.section("closed_loop"), problems);
+  return given ? std::optional<Loop>(Loop{*given, std::nullopt}) : std::nullopt;
 }
 
 nlohmann::json to_json(const Eigen::MatrixXd& matrix) {
@@ -106,15 +116,15 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
   const bool allow_unstable = document.has("allow_unstable") && document.boolean("allow_unstable");
   const LeaderProfile leader = read_leader(document.section("leader"), sample_period, problems);
   const InitialPosition initial = read_initial_position(document.section("initial_position"));
-  const std::optional<ClosedLoop> loop = read_loop(document, headway, problems);
+  const std::optional<Loop> loop = read_loop(document, headway, problems);
   document.reject_unknown_keys();
   if (problems.size() == before) {
-    for (const std::string& problem : inadmissibilities(*loop, headway, allow_unstable))
+    for (const std::string& problem : inadmissibilities(loop->closed, headway, allow_unstable))
       problems.push_back(problem);
   }
   if (problems.size() > before) return std::nullopt;
-  return PlatoonModel{*loop,  headway, standstill_distance, sample_period, noise_variance,
-                      leader, initial, allow_unstable};
+  return PlatoonModel{loop->closed, headway, standstill_distance, sample_period, noise_variance,
+                      leader,       initial, allow_unstable,      loop->design};
 }
 
 PlatoonModel parse_model(const YAML::Node& node) {

@@ -11,6 +11,12 @@ ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& con
   return {t.minimal, observable_canonical(t.minimal), roots(t.common_factor)};
 }
 
+ClosedLoop close_loop(const LoopDesign& design, double headway) {
+  const double divisor = design.divide_by_one_plus_headway ? 1.0 + headway : 1.0;
+  return close_loop(design.plant, {design.controller.numerator() / divisor, design.controller.denominator()},
+                    headway);
+}
+
 ClosedLoop closed_loop_from(const StateSpace& realization) {
   const Reduction t = reduce(transfer_function(realization));
   return {t.minimal, realization, {}};

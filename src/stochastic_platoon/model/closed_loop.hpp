@@ -16,9 +16,17 @@ struct ClosedLoop {
   std::vector<std::complex<double>> hidden_modes;  ///< zeros of what cancelled between N and D of T
 };
 
+/// Plant and controller of a vehicle, from which a closed loop follows for every headway.
+struct LoopDesign {
+  TransferFunction plant;       ///< G(z)
+  TransferFunction controller;  ///< K(z), or K(z) (1 + h) where the next is true
+  bool divide_by_one_plus_headway = false;
+};
+
 /// T = K G / (1 + K G H) with H = (1 + h) - h / z, in lowest terms, realized in observable canonical form.
 /// Throws std::invalid_argument when T is not strictly proper.
 ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway);
+ClosedLoop close_loop(const LoopDesign& design, double headway);
 
 /// The closed loop given by its own realization, which is kept as it is.
 ClosedLoop closed_loop_from(const StateSpace& realization);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "stochastic_platoon/model/closed_loop.hpp"
 #include "stochastic_platoon/model/leader_profile.hpp"
 
@@ -20,7 +22,8 @@ struct PlatoonModel {
   double noise_variance = 0.0;       ///< P_d >= 0 [m^2]
   LeaderProfile leader;
   InitialPosition initial_position;
-  bool allow_unstable = false;  ///< rho(A) >= 1 was asked for
+  bool allow_unstable = false;            ///< rho(A) >= 1 was asked for
+  std::optional<LoopDesign> design = {};  ///< none where the closed loop itself was given
 };
 
 }  // namespace platoon

@@ -1,26 +1,14 @@
 #include "stochastic_platoon/results/run_result.hpp"
 
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 
 #include "stochastic_platoon/results/atomic_file.hpp"
+#include "stochastic_platoon/results/text.hpp"
 #include "stochastic_platoon/statistics/ensemble_statistics.hpp"
 
 namespace platoon {
 
 namespace {
-
-std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
-
-std::string formatted(const char* format, ...) {
-  char buffer[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
 
 Agreement measured_agreement(const Prediction& prediction, const RunResult& result) {
   return agreement(result.moments, prediction.mean, prediction.variance);
@@ -168,7 +156,7 @@ std::string report(const Configuration& configuration, const Prediction& predict
         result.moments.size(), found.max_abs_z_mean, found.max_abs_z_variance, bound);
   }
   text += "Theory: " + stability.reason + ".\n";
-          if (stability.limit_variance) {
+  if (stability.limit_variance) {
     text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);
   }
   return text;

@@ -25,8 +25,8 @@ CirclePolynomial taylor(const Polynomial& p, Centre centre);
 /// sum_i b_i^2 (2t)^i + sum_{i<j} b_i b_j (2t)^i s_{j-i}(t).
 CirclePolynomial squared_modulus(const CirclePolynomial& taylor_coefficients, Centre centre);
 
-/// |P(e^{jw})|^2 at one t from the Taylor coefficients, squared only at the end: good to the rounding of |P|, also
-/// near a zero of P, where the polynomial in t cancels. By Clenshaw's recurrence for u and conj u.
+/// |P(e^{jw})|^2 at one t from the Taylor coefficients, squared only at the end: good to the rounding of |P|,
+/// also near a zero of P, where the polynomial in t cancels. By Clenshaw's recurrence for u and conj u.
 long double squared_modulus_at(const CirclePolynomial& taylor_coefficients, Centre centre, long double t);
 
 /// p(t) by Horner's rule.

@@ -24,8 +24,8 @@ public:
 
   Sample at(double headway) const { return {headway, string_margin(law_(headway), headway)}; }
 
-  /// Where the margin of the middle sample, which has the sign of its neighbours but lies nearer to zero, comes
-  /// nearest to zero or passes it; golden section search.
+  /// Where the margin of the middle sample, which has the sign of its neighbours but lies nearer to zero,
+  /// comes nearest to zero or passes it; golden section search.
   Sample extreme(Sample left, Sample middle, Sample right) const {
     const double towards_zero = middle.stable() ? -1.0 : 1.0;
     for (int iteration = 0; iteration < 60; ++iteration) {
@@ -75,7 +75,8 @@ std::vector<Sample> samples_of(const MarginCurve& curve, const HeadwayRange& ran
     if (extreme.stable() != here.stable()) found.push_back(extreme);
   }
   samples.insert(samples.end(), found.begin(), found.end());
-  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.headway < b.headway; });
+  std::sort(samples.begin(), samples.end(),
+            [](const Sample& a, const Sample& b) { return a.headway < b.headway; });
   return samples;
 }
 
@@ -97,8 +98,8 @@ double string_margin(const ClosedLoop& loop, double headway) {
 
 StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range) {
   if (!(range.from > 0.0 && range.from < range.to && std::isfinite(range.to))) {
-    throw std::invalid_argument("headway range: " + std::to_string(range.from) + " to " + std::to_string(range.to) +
-                                ": must be 0 < from < to, finite");
+    throw std::invalid_argument("headway range: " + std::to_string(range.from) + " to " +
+                                std::to_string(range.to) + ": must be 0 < from < to, finite");
   }
   if (range.samples < 2) {
     throw std::invalid_argument("samples: " + std::to_string(range.samples) + ": must be >= 2");

@@ -26,19 +26,20 @@ struct HeadwayInterval {
 /// Which headways make the platoon string stable, within a range.
 struct StableHeadways {
   std::vector<HeadwayInterval> intervals;  ///< in ascending order; ends to 1e-12 relative
-  std::optional<double> critical;          ///< from here to the end of the range every h is stable; else empty
+  std::optional<double> critical;  ///< from here to the end of the range every h is stable; else empty
 };
 
-/// Samples string_margin over the range, follows it to its extremes where it turns near zero without changing sign,
-/// and bisects every change of sign. A stable or unstable stretch is missed only if the margin turns more than once
-/// between two samples.
+/// Samples string_margin over the range, follows it to its extremes where it turns near zero without changing
+/// sign, and bisects every change of sign. A stable or unstable stretch is missed only if the margin turns
+/// more than once between two samples.
 ///
-/// Throws std::invalid_argument unless 0 < from < to and samples >= 2, and what the law and string_margin throw.
+/// Throws std::invalid_argument unless 0 < from < to and samples >= 2, and what the law and string_margin
+/// throw.
 StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range = {});
 
-/// Positive just when the platoon is string stable, zero at the border, continuous in the coefficients of T: the
-/// smaller of 1 - rho(A) and the minimum of |D|^2 - |N|^2, T = N/D, over w in [0, pi], divided by 1 - cos w up to
-/// w = pi/2. Throws as string_stability does.
+/// Positive just when the platoon is string stable, zero at the border, continuous in the coefficients of T:
+/// the smaller of 1 - rho(A) and the minimum of |D|^2 - |N|^2, T = N/D, over w in [0, pi], divided by 1 - cos
+/// w up to w = pi/2. Throws as string_stability does.
 double string_margin(const ClosedLoop& loop, double headway);
 
 }  // namespace platoon

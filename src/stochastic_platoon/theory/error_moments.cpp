@@ -71,7 +71,8 @@ ErrorResponses position_responses(const LoopFilter& filter, const PlatoonModel& 
   return {filter, difference(Sequence(steps + 1, 0.0), hw), sensitivity_of_w};
 }
 
-/// r_0(k) - r_0(k-1) [m] without the large positions in it: from the speeds, scaled by the length of one step.
+/// r_0(k) - r_0(k-1) [m] without the large positions in it: from the speeds, scaled by the length of one
+/// step.
 Sequence leader_displacements(const LeaderProfile& profile, std::size_t steps) {
   Sequence moved(steps, 0.0);
   double sample_period = 0.0;
@@ -95,8 +96,11 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
   // With x = rest r_0 + g the large positions drop out: g(k+1) = A g(k) - rest (r_0(k+1) - r_0(k)) and
   // y_0 = T(1) r_0 + C g, where T(1) = 1 up to the digits the model was given with.
   const Eigen::VectorXd rest =
-      Eigen::MatrixXd(Eigen::MatrixXd::Identity(loop.order(), loop.order()) - loop.a()).fullPivLu().solve(loop.b());
-  const bool unit_gain = multiplicity_at_one(sensitivity(model.loop.transfer, model.headway).numerator(), 1e-12) > 0;
+      Eigen::MatrixXd(Eigen::MatrixXd::Identity(loop.order(), loop.order()) - loop.a())
+          .fullPivLu()
+          .solve(loop.b());
+  const bool unit_gain =
+      multiplicity_at_one(sensitivity(model.loop.transfer, model.headway).numerator(), 1e-12) > 0;
   const double gain = unit_gain ? 1.0 : static_cast<double>(loop.c() * rest);
   Eigen::VectorXd g = Eigen::VectorXd::Zero(loop.order());
   Sequence error(count, 0.0);

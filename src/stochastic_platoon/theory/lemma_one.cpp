@@ -51,7 +51,8 @@ Eigen::MatrixXd noise_covariance(const StringMatrices& string, double noise_vari
                            cross.transpose());
 }
 
-ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers,
+                                        std::int64_t steps) {
   const std::vector<double> leader = leader_error(model, steps);
   const StringMatrices string = string_matrices(model.loop.realization, model.headway, followers);
   const InitialString initial = initial_string(model, followers);
@@ -90,8 +91,8 @@ Eigen::MatrixXd stationary_covariance_by_vec(const StringMatrices& string, doubl
 
 Eigen::MatrixXd solve_discrete_lyapunov(const Eigen::MatrixXd& a, const Eigen::MatrixXd& q) {
   if (a.rows() != a.cols() || q.rows() != a.rows() || q.cols() != a.cols()) {
-    throw std::invalid_argument("A: " + std::to_string(a.rows()) + " x " + std::to_string(a.cols()) + ", Q: " +
-                                std::to_string(q.rows()) + " x " + std::to_string(q.cols()) +
+    throw std::invalid_argument("A: " + std::to_string(a.rows()) + " x " + std::to_string(a.cols()) +
+                                ", Q: " + std::to_string(q.rows()) + " x " + std::to_string(q.cols()) +
                                 ": must be square and of the same size");
   }
   Eigen::MatrixXd power = a;

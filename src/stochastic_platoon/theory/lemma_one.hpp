@@ -8,13 +8,13 @@
 #include "stochastic_platoon/theory/error_moments.hpp"
 #include "stochastic_platoon/theory/string_matrices.hpp"
 
-// Lemma 1 (lem:mean_square_all) as the paper writes it, by dense matrices: the reference that error_moments and
-// stationary_variances are held against. Time O(steps (nN)^3), or O((nN)^6) for the vec formula.
+// Lemma 1 (lem:mean_square_all) as the paper writes it, by dense matrices: the reference that error_moments
+// and stationary_variances are held against. Time O(steps (nN)^3), or O((nN)^6) for the vec formula.
 
 namespace platoon {
 
-/// Mean and covariance of xi(0), as the platoon starts: at step -1 follower i rests at p_i = mean + noise in the
-/// formation's coordinates, x_i(-1) = x p_i with x the unit state of rest, x_0(-1) = 0, no noise; so
+/// Mean and covariance of xi(0), as the platoon starts: at step -1 follower i rests at p_i = mean + noise in
+/// the formation's coordinates, x_i(-1) = x p_i with x the unit state of rest, x_0(-1) = 0, no noise; so
 ///     xi_i(0) = (h x - (1+h) A x) p_i + (A x - (1+h) B) p_{i-1} + B p_{i-2},   p_0 = p_{-1} = 0.
 struct InitialString {
   Eigen::MatrixXd response;    ///< nN x N: xi(0) = response p
@@ -39,8 +39,8 @@ Eigen::MatrixXd stationary_covariance_by_vec(const StringMatrices& string, doubl
 /// Throws std::invalid_argument when rho(A) >= 1.
 Eigen::MatrixXd stationary_covariance_by_lyapunov(const StringMatrices& string, double noise_variance);
 
-/// P = A P A' + Q for square A with rho(A) < 1, by doubling. Throws std::invalid_argument when rho(A) >= 1 or the
-/// shapes differ. Reference: R. A. Smith, Matrix equation XA + BX = C, SIAM J. Appl. Math. 16 (1968).
+/// P = A P A' + Q for square A with rho(A) < 1, by doubling. Throws std::invalid_argument when rho(A) >= 1 or
+/// the shapes differ. Reference: R. A. Smith, Matrix equation XA + BX = C, SIAM J. Appl. Math. 16 (1968).
 Eigen::MatrixXd solve_discrete_lyapunov(const Eigen::MatrixXd& a, const Eigen::MatrixXd& q);
 
 }  // namespace platoon

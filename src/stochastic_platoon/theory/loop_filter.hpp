@@ -26,10 +26,10 @@ private:
   void advance(std::vector<double>& state, std::vector<double>& next, double input) const;
   double output(const std::vector<double>& state) const;
 
-  std::vector<Term> terms_;             ///< nonzero entries of A, row after row
-  std::vector<std::size_t> row_end_;    ///< one past the last term of each row
-  std::vector<double> input_gain_;      ///< B
-  std::vector<Term> output_terms_;      ///< nonzero entries of C
+  std::vector<Term> terms_;           ///< nonzero entries of A, row after row
+  std::vector<std::size_t> row_end_;  ///< one past the last term of each row
+  std::vector<double> input_gain_;    ///< B
+  std::vector<Term> output_terms_;    ///< nonzero entries of C
 };
 
 }  // namespace platoon

@@ -10,7 +10,7 @@ namespace platoon {
 
 namespace {
 
-constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
+constexpr double kRounding = 32.0 * std::numeric_limits<double>::epsilon();
 
 /// z D - ((1+h) z - h) N by Taylor coefficients about z = 1.
 CirclePolynomial sensitivity_taylor(const CirclePolynomial& n, const CirclePolynomial& d, double headway) {
@@ -67,12 +67,14 @@ double frequency_at(long double t, Centre centre) {
   return static_cast<double>(2.0L * (centre == Centre::kOne ? std::asin(root) : std::acos(root)));
 }
 
-LoopSpectrum::LoopSpectrum(const ClosedLoop& loop, double headway) : transfer_(loop.transfer), headway_(headway) {
+LoopSpectrum::LoopSpectrum(const ClosedLoop& loop, double headway)
+    : transfer_(loop.transfer), headway_(headway) {
   if (!(headway > 0.0) || !std::isfinite(headway)) {
     throw std::invalid_argument("time_headway: " + std::to_string(headway) + ": must be finite and > 0");
   }
   if (multiplicity_at_one(sensitivity(transfer_, headway).numerator(), 1e-6) < 2) {
-    throw std::invalid_argument("S(z): has fewer than two zeros at z = 1: G(z) K(z) must have two poles there");
+    throw std::invalid_argument(
+        "S(z): has fewer than two zeros at z = 1: G(z) K(z) must have two poles there");
   }
   const CirclePolynomial s = sensitivity_taylor(taylor(transfer_.numerator(), Centre::kOne),
                                                 taylor(transfer_.denominator(), Centre::kOne), headway);
@@ -84,7 +86,8 @@ LoopSpectrum::LoopSpectrum(const ClosedLoop& loop, double headway) : transfer_(l
 }
 
 void LoopSpectrum::strip_flat_zeros() {
-  while (near_.stripped_margin.size() > 1 && std::abs(near_.stripped_margin.front()) <= margin_uncertainty(0.0)) {
+  while (near_.stripped_margin.size() > 1 &&
+         std::abs(near_.stripped_margin.front()) <= margin_uncertainty(0.0)) {
     near_.stripped_margin = without_zero_at_origin(near_.stripped_margin);
     ++margin_zeros_;
   }
@@ -124,17 +127,21 @@ LoopSpectrumValue LoopSpectrum::at(double frequency) const {
   const long double d = modulus(part.denominator);
   const long double n = modulus(part.numerator);
   const long double size = std::sqrt(2.0L * t);  // |z - centre|
-  const long double doubt =
-      2.0L * (std::sqrt(d) * magnitude(part.denominator, size) + std::sqrt(n) * magnitude(part.numerator, size));
+  const long double doubt = 2.0L * (std::sqrt(d) * magnitude(part.denominator, size) +
+                                    std::sqrt(n) * magnitude(part.numerator, size));
   const long double margin = surer(part.margin, t, d - n, doubt);
   const long double divisor = centre == Centre::kOne ? std::pow(x, margin_zeros_) : 1.0L;
-  const long double offset = centre == Centre::kOne ? part.margin.front() : 0.0L;  // T(1) = 1 but for rounding
+  const long double offset =
+      centre == Centre::kOne ? part.margin.front() : 0.0L;  // T(1) = 1 but for rounding
   const long double stripped = surer(part.stripped_margin, t, (d - n - offset) / divisor, doubt / divisor);
   const long double ratio = 4.0L * x * x / divisor * modulus(part.sensitivity_factor) / stripped;
   const long double h = headway_;
-  return {static_cast<double>(n / d), static_cast<double>(margin / d),
-          static_cast<double>(stripped * divisor / d), static_cast<double>(modulus(part.sensitivity) / d),
-          static_cast<double>((1.0L + 2.0L * h * (1.0L + h) * x) * n / d), static_cast<double>(ratio)};
+  return {static_cast<double>(n / d),
+          static_cast<double>(margin / d),
+          static_cast<double>(stripped * divisor / d),
+          static_cast<double>(modulus(part.sensitivity) / d),
+          static_cast<double>((1.0L + 2.0L * h * (1.0L + h) * x) * n / d),
+          static_cast<double>(ratio)};
 }
 
 std::vector<double> LoopSpectrum::critical_frequencies() const {
@@ -144,7 +151,8 @@ std::vector<double> LoopSpectrum::critical_frequencies() const {
     const CirclePolynomial n = squared_modulus(part.numerator, centre);
     const CirclePolynomial d = squared_modulus(part.denominator, centre);
     const CirclePolynomial slope = subtract(multiply(derivative(n), d), multiply(n, derivative(d)));
-    for (const long double t : sign_changes(slope, 0.0L, 1.0L)) frequencies.push_back(frequency_at(t, centre));
+    for (const long double t : sign_changes(slope, 0.0L, 1.0L))
+      frequencies.push_back(frequency_at(t, centre));
     frequencies.push_back(frequency_at(1.0L, centre));
   }
   frequencies.push_back(frequency_at(0.0L, Centre::kMinusOne));

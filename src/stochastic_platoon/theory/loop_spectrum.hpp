@@ -8,8 +8,8 @@
 
 namespace platoon {
 
-/// One half of the unit circle. With T = N/D and z D - ((1+h) z - h) N = (z-1)^2 Q, the double integral action of
-/// assumption assum:tf_noise b; Taylor coefficients about the centre, and polynomials in its t.
+/// One half of the unit circle. With T = N/D and z D - ((1+h) z - h) N = (z-1)^2 Q, the double integral
+/// action of assumption assum:tf_noise b; Taylor coefficients about the centre, and polynomials in its t.
 struct LoopSpectrumHalf {
   CirclePolynomial numerator;           ///< Taylor coefficients of N
   CirclePolynomial denominator;         ///< of D
@@ -32,17 +32,20 @@ struct LoopSpectrumValue {
 /// |T|, |S|, |H| on the unit circle, w in rad/sample.
 ///
 /// Where it matters that T(1) = 1 and S(1) = S'(1) = 0 exactly (the sign of 1 - |T|^2, the ratio) this is not
-/// computed but known: the zeros at w = 0 are divided out algebraically. All else is T as its coefficients have it.
+/// computed but known: the zeros at w = 0 are divided out algebraically. All else is T as its coefficients
+/// have it.
 class LoopSpectrum {
 public:
-  /// Throws std::invalid_argument when S does not have two zeros at z = 1 (to six digits), or h is not positive.
+  /// Throws std::invalid_argument when S does not have two zeros at z = 1 (to six digits), or h is not
+  /// positive.
   LoopSpectrum(const ClosedLoop& loop, double headway);
 
   LoopSpectrumValue at(double frequency) const;
 
   const LoopSpectrumHalf& about(Centre centre) const { return centre == Centre::kOne ? near_ : far_; }
 
-  /// How often 1 - cos w divides |D|^2 - |N|^2; 1 unless T is maximally flat at w = 0, 0 for T(z) with |T| = 1.
+  /// How often 1 - cos w divides |D|^2 - |N|^2; 1 unless T is maximally flat at w = 0, 0 for T(z) with |T|
+  /// = 1.
   int margin_zeros() const { return margin_zeros_; }
   /// How often 1 - cos w divides |S|^2; 2 unless G K has more than two poles at z = 1.
   int sensitivity_zeros() const { return sensitivity_zeros_; }

@@ -18,9 +18,10 @@ Quadrature gauss_legendre(int count);
 /// circle, (1/2pi) integral from -pi to pi.
 ///
 /// Panels of 16 Gauss nodes. A panel is no longer than its distance to the nearest complex frequency in
-/// `singular` (or its mirror images), which makes convergence geometric however close to the circle that lies;
-/// towards the real frequencies in `peaks` panels halve 26 times, for functions that narrow there.
-/// Every panel is cut in 2^refinement. Throws std::invalid_argument for a singular frequency on the real axis.
+/// `singular` (or its mirror images), which makes convergence geometric however close to the circle that
+/// lies; towards the real frequencies in `peaks` panels halve 26 times, for functions that narrow there.
+/// Every panel is cut in 2^refinement. Throws std::invalid_argument for a singular frequency on the real
+/// axis.
 Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular,
                                   const std::vector<double>& peaks, int refinement = 0);
 

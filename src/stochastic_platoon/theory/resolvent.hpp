@@ -21,8 +21,8 @@ Resolvent resolvent(const StateSpace& system);
 /// std::invalid_argument when rho(A) >= 1.
 double resolvent_peak(const StateSpace& system);
 
-/// Sum over m = 0 .. followers-1 of ||T^m R||_2^2: the energy with which the states xi_1, ..., xi_N of a string show
-/// in zeta_N. Throws std::invalid_argument when rho(A) >= 1 and unless followers >= 1.
+/// Sum over m = 0 .. followers-1 of ||T^m R||_2^2: the energy with which the states xi_1, ..., xi_N of a
+/// string show in zeta_N. Throws std::invalid_argument when rho(A) >= 1 and unless followers >= 1.
 double resolvent_energy(const StateSpace& system, std::size_t followers);
 
 }  // namespace platoon

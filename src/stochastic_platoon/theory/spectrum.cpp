@@ -87,8 +87,7 @@ double h2_norm(const TransferFunction& transfer) {
   const double direct = n.size() == d.size() ? n(0) : 0.0;
   if (d.size() < 2) return std::abs(direct);
   const StateSpace system = observable_canonical({add(n, -direct * d).tail(d.size() - 1), d});
-  const Eigen::MatrixXd gramian =
-      solve_discrete_lyapunov(system.a(), system.b() * system.b().transpose());
+  const Eigen::MatrixXd gramian = solve_discrete_lyapunov(system.a(), system.b() * system.b().transpose());
   const double energy = system.c() * gramian * system.c().transpose();
   return std::sqrt(energy + direct * direct);
 }

@@ -74,8 +74,8 @@ Modes converged_modes(const LoopSpectrum& spectrum, std::size_t followers) {
   return coarse;
 }
 
-/// Drops the modes that add nothing to `variance` any more: those that decay and have too little left, and those
-/// that grow more slowly than a mode far above them.
+/// Drops the modes that add nothing to `variance` any more: those that decay and have too little left, and
+/// those that grow more slowly than a mode far above them.
 void drop_spent(std::vector<Mode>& modes, double links, double variance) {
   const double floor = 1e-17 * variance / static_cast<double>(modes.size() + 1);
   double leading = 0.0;

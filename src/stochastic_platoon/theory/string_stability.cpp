@@ -13,14 +13,15 @@ namespace platoon {
 
 namespace {
 
-enum class Margin { kPositive, kTouches, kNegative };
+enum class Sign { kPositive, kZero, kNegative };
 
-struct MarginVerdict {
-  Margin margin;
-  double frequency;  ///< where |T| touches or exceeds 1
+/// The sign of 1 - |T|^2 where it is least, its zero at w = 0 divided out.
+struct LeastMargin {
+  Sign sign;
+  double frequency;
 };
 
-std::string text(const char* format, double first, double second) {
+std::string text(const char* format, double first, double second = 0.0) {
   char buffer[256];
   std::snprintf(buffer, sizeof buffer, format, first, second);
   return buffer;
@@ -31,22 +32,22 @@ std::vector<double> margin_minima(const LoopSpectrum& spectrum) {
   std::vector<double> frequencies{0.0, frequency_at(0.0L, Centre::kMinusOne)};
   for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
     const CirclePolynomial slope = derivative(spectrum.about(centre).stripped_margin);
-    for (const long double t : sign_changes(slope, 0.0L, 1.0L)) frequencies.push_back(frequency_at(t, centre));
+    for (const long double t : sign_changes(slope, 0.0L, 1.0L))
+      frequencies.push_back(frequency_at(t, centre));
     frequencies.push_back(frequency_at(1.0L, centre));
   }
   return frequencies;
 }
 
-/// Sign of the polynomial |D|^2 - |N|^2 over w in [0, pi], its zero at w = 0 divided out.
-MarginVerdict margin_verdict(const LoopSpectrum& spectrum) {
-  MarginVerdict verdict{Margin::kPositive, 0.0};
+LeastMargin least_margin(const LoopSpectrum& spectrum) {
+  LeastMargin least{Sign::kPositive, 0.0};
   for (const double w : margin_minima(spectrum)) {
     const double value = spectrum.stripped_margin(w);
     const double uncertainty = spectrum.margin_uncertainty(w);
-    if (value < -uncertainty) return {Margin::kNegative, w};
-    if (value <= uncertainty) verdict = {Margin::kTouches, w};
+    if (value < -uncertainty) return {Sign::kNegative, w};
+    if (value <= uncertainty) least = {Sign::kZero, w};
   }
-  return verdict;
+  return least;
 }
 
 /// Mean over the circle of |HT|^2 + |T|^2 |S|^2 / (1 - |T|^2).
@@ -68,7 +69,8 @@ double mean_limit_spectrum(const LoopSpectrum& spectrum) {
   return coarse;
 }
 
-/// Sets the peak of |T| where it exceeds 1, and returns |T|^2 - 1 there, which may be below the digits of |T|.
+/// Sets the peak of |T|, which exceeds 1 somewhere, and returns |T|^2 - 1 there, which may be below the
+/// digits of |T|.
 double find_peak(const LoopSpectrum& spectrum, StringStability& verdict) {
   double excess = 0.0;
   for (const double w : spectrum.critical_frequencies()) {
@@ -81,44 +83,51 @@ double find_peak(const LoopSpectrum& spectrum, StringStability& verdict) {
   return excess;
 }
 
+/// The verdict for a stable vehicle, which T(1) = 1 gives a peak of 1 at w = 0 to begin with.
+void judge(const LoopSpectrum& spectrum, double noise_variance, StringStability& verdict) {
+  const LeastMargin least = least_margin(spectrum);
+  if (least.sign == Sign::kNegative) {
+    const double excess = find_peak(spectrum, verdict);
+    verdict.reason = excess > 0.0 ? text("not string stable: |T| exceeds 1 by %.6g at %.6g rad/sample",
+                                         excess / (1.0 + verdict.peak_gain), verdict.peak_frequency)
+                                  : "not string stable: |T| exceeds 1 close to w = 0";
+    return;
+  }
+  verdict.mean_bounded = true;
+  if (least.sign == Sign::kZero) {
+    verdict.peak_frequency = least.frequency;
+    verdict.reason = text(
+        "not string stable: |T| = 1 at %.6g rad/sample, where the variances grow without bound, "
+        "though the means stay bounded",
+        least.frequency);
+  } else if (spectrum.margin_zeros() > spectrum.sensitivity_zeros()) {
+    verdict.reason =
+        "not string stable: |T| < 1 for all w > 0, but 1 - |T|^2 vanishes so fast at w = 0 that the "
+        "variances grow "
+        "without bound";
+  } else {
+    verdict.string_stable = true;
+    verdict.limit_variance = mean_limit_spectrum(spectrum) * noise_variance;
+    verdict.reason = text("string stable: rho(A) = %.6g is below 1 and |T| is below 1 for all w > 0",
+                          verdict.spectral_radius);
+  }
+}
+
 }  // namespace
 
 StringStability string_stability(const PlatoonModel& model) {
   const LoopSpectrum spectrum(model.loop, model.headway);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  StringStability result{spectral_radius(model.loop.realization), nan, nan, false, false, false, {}, {}};
-  if (!(result.spectral_radius < 1.0)) {
-    result.reason = text("not mean square stable: rho(A) = %.6g is not below 1", result.spectral_radius, 0.0);
-    return result;
+  StringStability verdict{spectral_radius(model.loop.realization), nan, nan, false, false, false, {}, {}};
+  verdict.mean_square_stable = verdict.spectral_radius < 1.0;
+  if (verdict.mean_square_stable) {
+    verdict.peak_gain = 1.0;
+    verdict.peak_frequency = 0.0;
+    judge(spectrum, model.noise_variance, verdict);
+  } else {
+    verdict.reason = text("not mean square stable: rho(A) = %.6g is not below 1", verdict.spectral_radius);
   }
-  result.mean_square_stable = true;
-  result.peak_gain = 1.0;  // T(1) = 1
-  result.peak_frequency = 0.0;
-  const MarginVerdict verdict = margin_verdict(spectrum);
-  if (verdict.margin == Margin::kNegative) {
-    const double excess = find_peak(spectrum, result);
-    result.reason = text("not string stable: |T| exceeds 1 by %.6g at %.6g rad/sample",
-                         excess / (1.0 + result.peak_gain), result.peak_frequency);
-    return result;
-  }
-  result.mean_bounded = true;
-  if (verdict.margin == Margin::kTouches) {
-    result.peak_frequency = verdict.frequency;
-    result.reason = text("not string stable: |T| = 1 at %.6g rad/sample, where the variances grow without bound, "
-                         "though the means stay bounded",
-                         verdict.frequency, 0.0);
-    return result;
-  }
-  if (spectrum.margin_zeros() > spectrum.sensitivity_zeros()) {
-    result.reason = "not string stable: |T| < 1 for all w > 0, but 1 - |T|^2 vanishes so fast at w = 0 that the "
-                    "variances grow without bound";
-    return result;
-  }
-  result.string_stable = true;
-  result.limit_variance = mean_limit_spectrum(spectrum) * model.noise_variance;
-  result.reason = text("string stable: rho(A) = %.6g is below 1 and |T| is below 1 for all w > 0",
-                       result.spectral_radius, 0.0);
-  return result;
+  return verdict;
 }
 
 }  // namespace platoon

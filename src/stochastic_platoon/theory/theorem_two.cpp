@@ -55,7 +55,9 @@ double initial_response_gain(const InitialString& three) {
   const double c0 = column.squaredNorm();
   const double c1 = own.dot(next) + next.dot(second);
   const double c2 = own.dot(second);
-  const auto symbol = [&](double cosine) { return c0 + 2.0 * c1 * cosine + 2.0 * c2 * (2.0 * cosine * cosine - 1.0); };
+  const auto symbol = [&](double cosine) {
+    return c0 + 2.0 * c1 * cosine + 2.0 * c2 * (2.0 * cosine * cosine - 1.0);
+  };
   double largest = std::max(symbol(1.0), symbol(-1.0));
   if (c2 != 0.0 && std::abs(c1) < std::abs(4.0 * c2)) largest = std::max(largest, symbol(-c1 / (4.0 * c2)));
   return largest;
@@ -71,7 +73,9 @@ double initial_mean_gain(const StateSpace& vehicle, double headway, std::size_t 
   return std::sqrt(eigen.eigenvalues().maxCoeff());
 }
 
-double initial_mean_gain_of_any_length(const StateSpace& vehicle) { return resolvent_peak(vehicle); }
+double initial_mean_gain_of_any_length(const StateSpace& vehicle) {
+  return resolvent_peak(vehicle);
+}
 
 double initial_covariance_gain(const StateSpace& vehicle, std::size_t followers) {
   const double energy = resolvent_energy(vehicle, followers);
@@ -93,8 +97,8 @@ TheoremTwoBounds theorem_two_bounds(const PlatoonModel& model, std::size_t follo
   bounds.initial_covariance = model.initial_position.variance * initial_response_gain(three);
   if (stability.mean_bounded) {
     const bool dense = vehicle.order() * static_cast<Eigen::Index>(followers) <= kDenseStates;
-    const double gain =
-        dense ? initial_mean_gain(vehicle, model.headway, followers) : initial_mean_gain_of_any_length(vehicle);
+    const double gain = dense ? initial_mean_gain(vehicle, model.headway, followers)
+                              : initial_mean_gain_of_any_length(vehicle);
     bounds.alpha_1 = stability.peak_gain * bounds.leader_norm;
     bounds.beta_1 = gain * bounds.initial_mean;
     bounds.mean_bound = *bounds.alpha_1 + *bounds.beta_1;

@@ -25,6 +25,9 @@ STATISTICS = ["vehicle", "step", "count", "mean", "variance", "theoretical_mean"
 MAP = ["headway", "gain", "spectral_radius", "peak_gain", "string_stable"]
 
 
+LARGEST = 1e150  # what an unstable loop reaches beyond it cannot be squared, nor put on an axis
+
+
 class InputError(Exception):
     """Input that no figure can be drawn from; the message names the file and what is missing."""
 
@@ -42,7 +45,7 @@ def read_text(path):
 def read_json(path):
     try:
         document = json.loads(read_text(path))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError("{}: not JSON: {}".format(path, error))
     if not isinstance(document, dict):
         raise InputError("{}: must be a JSON object".format(path))
@@ -66,7 +69,7 @@ def number(path, document, key):
         return float("nan")
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError("{}: {} must be a number or null".format(path, key))
-    return float(value)
+    return float(value) if abs(value) < LARGEST else float("nan")
 
 
 def truth(path, document, key):
@@ -82,11 +85,17 @@ def numbers(path, document, key):
     if not isinstance(values, list) or not values:
         raise InputError("{}: {} must be a list of numbers, not empty".format(path, key))
     try:
-        array = np.array([np.nan if value is None else value for value in values], dtype=float)
-    except (TypeError, ValueError):
+        array = drawable(np.array([np.nan if value is None else value for value in values], dtype=float))
+    except (TypeError, ValueError, OverflowError):
         raise InputError("{}: {} must be a list of numbers".format(path, key))
     require_some(path, key, array)
     return array
+
+
+def drawable(array):
+    """The array with NaN in place of what no figure can show."""
+    with np.errstate(invalid="ignore"):
+        return np.where(np.abs(array) < LARGEST, array, np.nan)
 
 
 def require_some(path, what, array):
@@ -139,8 +148,7 @@ def read_statistics(path):
             or not np.array_equal(step[order], np.tile(steps, followers)):
         raise InputError("{}: must hold one row for each vehicle 1..N and step; rows are missing or double"
                          .format(path))
-    table = {name: np.where(np.isfinite(column), column, np.nan)[order].reshape(followers, steps.size)
-             for name, column in columns.items()}
+    table = {name: drawable(column)[order].reshape(followers, steps.size) for name, column in columns.items()}
     require_some(path, "mean", table["mean"])
     if not np.isfinite(table["variance"]).any():
         raise InputError("{}: variance is NaN everywhere: it takes at least two realizations".format(path))
@@ -148,11 +156,15 @@ def read_statistics(path):
 
 
 def read_run(path):
+    """The run a monitor, monte_carlo or bag_statistics wrote into the folder."""
     if not os.path.isdir(path):
         raise InputError("{}: {}".format(path, "must be a run's folder" if os.path.exists(path) else "no such folder"))
     steps, table = read_statistics(os.path.join(path, "statistics.csv"))
     summary_path = os.path.join(path, "summary.json")
     summary = read_json(summary_path)
+    if number(summary_path, summary, "followers") != table["mean"].shape[0]:
+        raise InputError("{}: followers is {}, but statistics.csv beside it has {}".format(
+            summary_path, summary["followers"], table["mean"].shape[0]))
     return Run(path=path, name=os.path.basename(os.path.abspath(path)), steps=steps,
                realizations=int(np.nan_to_num(number(summary_path, summary, "realizations"))),
                seed=lookup(summary_path, summary, "seed"),
@@ -190,7 +202,7 @@ def read_map(path):
             or not np.array_equal(gain[order], np.repeat(gains, headways.size)):
         raise InputError("{}: must hold one row for each point of a grid of two or more headways and two or more "
                          "gains".format(path))
-    table = {name: column[order].reshape(gains.size, headways.size) for name, column in columns.items()}
+    table = {name: drawable(column)[order].reshape(gains.size, headways.size) for name, column in columns.items()}
     for name, array in table.items():
         require_some(path, name, array)
     return StabilityMap(headways, gains, **table)

@@ -37,6 +37,9 @@ def read_cases(paths):
         if run.time_average:
             raise InputError("{}: holds time averages: norms over the steps need a run of an ensemble"
                              .format(run.path))
+        if run.spectral_radius >= 1.0:
+            raise InputError("{}: is of an unstable loop, spectral radius {:.6g}: its norms are infinite"
+                             .format(run.path, run.spectral_radius))
     count = max(len(runs), len(analyses))
     return [case(run, analysis) for run, analysis in zip(runs or [None] * count, analyses or [None] * count)]
 
@@ -64,8 +67,7 @@ def case(run, analysis):
 
 
 def l2_norm(curves):
-    with np.errstate(over="ignore"):
-        return np.sqrt(np.nansum(curves ** 2, axis=1))
+    return np.sqrt(np.nansum(curves ** 2, axis=1))
 
 
 def supremum(curves):
@@ -74,8 +76,7 @@ def supremum(curves):
 
 def measured_l2_norm(run):
     """From an unbiased estimate of the square: sampling adds variance/count to the square of every mean."""
-    with np.errstate(over="ignore"):
-        square = np.nansum(run.mean ** 2 - run.variance / run.count, axis=1)
+    square = np.nansum(run.mean ** 2 - run.variance / run.count, axis=1)
     return Measured(np.sqrt(np.maximum(square, 0.0)), None)
 
 
@@ -95,15 +96,16 @@ def draw(cases, titles):
     for column, (shown, name) in enumerate(zip(cases, names)):
         top, bottom = axes[:, column]
         top.set_title(style.column_title(column, len(cases), "{}, {}".format(name, shown.verdict)))
-        draw_bound(top, shown, shown.mean_bound, (0, (5, 2.5)))
-        draw_bound(bottom, shown, shown.variance_bound, "-")
         draw_theory(top, shown.mean, shown.own_mean)
         draw_theory(bottom, shown.variance, shown.own_variance)
+        draw_bound(top, shown, shown.mean_bound, (0, (5, 2.5)))
+        draw_bound(bottom, shown, shown.variance_bound, "-")
         if shown.measured_mean:
             draw_measured(top, shown.measured_mean, "white")
             draw_measured(bottom, shown.measured_variance, style.PALETTE[0])
+        choose_scale(top, shown.mean if shown.own_mean is None else shown.own_mean)
+        choose_scale(bottom, shown.variance if shown.own_variance is None else shown.own_variance)
         for axis in (top, bottom):
-            choose_scale(axis)
             axis.legend()
         top.set_ylabel("$\\Vert\\mu_{\\zeta_i}\\Vert_{\\mathcal{L}_2}$ [m]")
         bottom.set_ylabel("$\\Vert P_{\\zeta_i}\\Vert_{\\mathcal{L}_\\infty}$ [m$^2$]")
@@ -119,10 +121,11 @@ def draw_bound(axes, shown, bound, line):
 
 
 def draw_theory(axes, theory, own):
-    """The analysis' norms; the run's own where there is no analysis, or where it is over other steps."""
-    for norm, line, label in ((theory, "-", "theory"), (own, ":", "theory over the run's steps")):
-        if norm is None or norm is own and theory is not None and np.allclose(own, theory, rtol=SETTLED, atol=0.0):
-            continue
+    """The analysis' norms; the run's own where there is no analysis, or beside them where it is over other steps."""
+    norms = [(own if theory is None else theory, "-", "theory")]
+    if theory is not None and own is not None and not np.allclose(own, theory, rtol=SETTLED, atol=0.0):
+        norms.append((own, ":", "theory over the run's steps"))
+    for norm, line, label in norms:
         axes.plot(np.arange(1, norm.size + 1), norm, color=style.INK, linewidth=0.9, linestyle=line, label=label,
                   marker="_" if norm.size == 1 else "")
 
@@ -136,10 +139,9 @@ def draw_measured(axes, measured, face):
                   markersize=4.5, elinewidth=1.0, capsize=2.5, label=label)
 
 
-def choose_scale(axes):
-    """From zero up, or logarithmic where the curves are far apart."""
-    curves = np.concatenate([line.get_ydata() for line in axes.get_lines()])
-    if style.spread(np.asarray(curves, dtype=float)[:, np.newaxis]) > style.WIDE_RANGE:
+def choose_scale(axes, norm):
+    """From zero up, or logarithmic where the followers are far apart."""
+    if style.spread(norm[:, np.newaxis]) > style.WIDE_RANGE:
         style.logarithmic(axes)
     else:
         top = axes.get_ylim()[1]

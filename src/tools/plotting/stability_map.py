@@ -10,6 +10,7 @@ from plotting import style
 
 # Headway and gain of the paper's numerical example, and on which side of it its label stands.
 PAPER_POINTS = ((3.2, 1.35, 1, "left"), (2.4, 1.35, -1, "right"))
+BORDER = style.PALETTE[0]
 HIGHEST_PEAK = 10.0  # higher peaks share the last colour
 PEAK_TICKS = [1, 1.2, 1.5, 2, 3, 5, 10]
 
@@ -28,16 +29,14 @@ def draw(stability):
     if np.nanmax(stability.spectral_radius) > 1.0:
         axes.contourf(stability.headways, stability.gains, np.ma.masked_invalid(stability.spectral_radius),
                       levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
-    if 0 < np.count_nonzero(stability.string_stable > 0.5) < stability.string_stable.size:
-        axes.contour(stability.headways, stability.gains, stability.string_stable, levels=[0.5],
-                     colors=[style.PALETTE[0]], linewidths=1.8)
+    draw_border(axes, stability)
     mark_paper_points(axes, stability)
     axes.set_xlim(stability.headways[0], stability.headways[-1])
     axes.set_ylim(stability.gains[0], stability.gains[-1])
     axes.set_xlabel("time headway $h$ [sample periods]")
     axes.set_ylabel("controller gain")
     axes.legend(handles=[
-        style.legend_entry(color=style.PALETTE[0], linewidth=1.8, label="string stability border"),
+        style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border"),
         Patch(facecolor="white", edgecolor="#9a9a9a", hatch="////", label="loop unstable, $\\rho(A) \\geq 1$"),
         style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
                            label="the paper's example")],
@@ -58,6 +57,27 @@ def draw_peaks(figure, axes, stability):
     bar.ax.yaxis.set_major_locator(FixedLocator(PEAK_TICKS))
     bar.ax.yaxis.set_minor_locator(NullLocator())
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: "{:g}".format(value)))
+
+
+def draw_border(axes, stability):
+    if stability.string_stable.min() > 0.5 or stability.string_stable.max() < 0.5:
+        return
+    contour = axes.contour(stability.headways, stability.gains, stability.string_stable, levels=[0.5], linewidths=0.0)
+    for line in contour.allsegs[0]:
+        axes.plot(*smoothed(line).T, color=BORDER, linewidth=1.8)
+
+
+def smoothed(line):
+    """The line between the cells of a grid, without the stairs: moved by less than a cell, its ends kept."""
+    closed = len(line) > 2 and np.array_equal(line[0], line[-1])
+    for _ in range(min(30, len(line) // 4)):
+        if closed:
+            ring = line[:-1]
+            ring = 0.5 * ring + 0.25 * (np.roll(ring, 1, axis=0) + np.roll(ring, -1, axis=0))
+            line = np.vstack((ring, ring[:1]))
+        else:
+            line = np.vstack((line[:1], 0.5 * line[1:-1] + 0.25 * (line[:-2] + line[2:]), line[-1:]))
+    return line
 
 
 def mark_paper_points(axes, stability):

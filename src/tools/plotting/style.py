@@ -2,6 +2,7 @@
 
 import io
 import os
+import textwrap
 
 import matplotlib
 
@@ -11,6 +12,7 @@ import matplotlib.pyplot as plt  # noqa: E402 - the backend is chosen first
 import numpy as np  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
+from matplotlib.mathtext import MathTextParser  # noqa: E402
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter  # noqa: E402
 
 from plotting.inputs import InputError  # noqa: E402
@@ -24,7 +26,9 @@ BOUND = "#D55E00"
 FOLLOWERS = LinearSegmentedColormap.from_list(
     "followers", ["#08205c", "#1f5fb4", "#3ba3c8", "#7fb77e", "#e3b23c", "#e0702b", "#c0261f", "#5c0410"])
 
+KINDS = ("png", "svg")
 MARKERS = "os^Dv<>"
+LINE = 50  # characters of a column's title
 MANY = 60  # more points than this in a row are drawn without a marker on each
 WIDE_RANGE = 1000.0  # curves that differ by more than this factor need a logarithmic axis
 
@@ -50,8 +54,9 @@ def new_figure(rows, columns, width, height):
 
 
 def column_title(column, columns, text):
-    """The text, behind a letter where there are columns to tell apart."""
-    return "({}) {}".format(chr(ord("a") + column), text) if columns > 1 else text
+    """The text, behind a letter where there are columns to tell apart, in lines that fit a column."""
+    text = "({}) {}".format(chr(ord("a") + column), text) if columns > 1 else text
+    return "\n".join(line if "$" in line.replace("\\$", "") else textwrap.fill(line, LINE) for line in text.split("\n"))
 
 
 def verdict(string_stable):
@@ -85,7 +90,7 @@ def logarithmic(axes):
     axes.set_yscale("log")
     low, high = axes.get_ylim()
     if 1e-4 < low and high < 1e5:
-        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 1e3 * low else (1.0,)))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: "{:g}".format(value)))
         axes.yaxis.set_minor_formatter(NullFormatter())
 
@@ -112,26 +117,40 @@ def spaced(integer):
 def names_of(titles, cases):
     """The titles, or the cases' own names where none are given."""
     if not titles:
-        return [case.name for case in cases]
+        return [case.name.replace("$", "\\$") for case in cases]
     if len(titles) != len(cases):
         raise InputError("--titles: must be one for each of the {} inputs, not {}".format(len(cases), len(titles)))
+    for title in titles:
+        try:
+            MathTextParser("path").parse(title)
+        except ValueError as error:
+            raise InputError("--titles: {}: {}".format(title, str(error).strip().splitlines()[-1]))
     return list(titles)
+
+
+def require_writable(stem):
+    """Refuses a place that no figure can be written to, before the work is done."""
+    folder = os.path.dirname(stem) or "."
+    if not os.path.isdir(folder):
+        raise InputError("{}: no such folder to write to".format(folder))
+    if not os.path.basename(stem):
+        raise InputError("--output: {!r} must be a path to a file, without extension".format(stem))
+    for kind in KINDS:
+        if os.path.isdir(stem + "." + kind):
+            raise InputError("{}.{}: is a folder, no figure can be written there".format(stem, kind))
 
 
 def save(figure, stem):
     """Writes stem.png and stem.svg, each whole or not at all; returns their paths."""
-    folder = os.path.dirname(stem) or "."
-    if not os.path.isdir(folder):
-        raise InputError("{}: no such folder to write to".format(folder))
     contents = {}
-    for kind in ("png", "svg"):
+    for kind in KINDS:
         buffer = io.BytesIO()
         # Without a date, equal input gives equal files.
         figure.savefig(buffer, format=kind, **({"metadata": {"Date": None}} if kind == "svg" else {}))
         contents[stem + "." + kind] = buffer.getvalue()
     plt.close(figure)
     write_all(contents)
-    return sorted(contents)
+    return list(contents)
 
 
 def write_all(contents):

@@ -6,6 +6,7 @@ The paper's figures of zero and of non-zero initial conditions (fig:all_zero_ic,
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
+from matplotlib.ticker import MaxNLocator
 
 from plotting import style
 from plotting.inputs import InputError
@@ -28,12 +29,20 @@ def draw(runs, titles):
     for column, (run, name) in enumerate(zip(runs, names)):
         axes[0, column].set_title(style.column_title(column, len(runs), title(run, name)))
         (draw_time_average if run.time_average else draw_over_steps)(axes[:, column], run, colours)
-    if followers > 1 and not runs[0].time_average:
-        bar = figure.colorbar(colours, ax=list(axes.flat), location="top", aspect=60, fraction=0.05, pad=0.02)
-        bar.set_label("follower $i$")
-        bar.set_ticks(style.follower_ticks(followers))
-        bar.outline.set_visible(False)
+    if not runs[0].time_average:
+        axes[1, 0].legend(handles=[
+            style.legend_entry(color="#8a8a8a", linewidth=3.0, alpha=0.75, label="measured"),
+            style.legend_entry(color=style.INK, linewidth=0.7, label="theory")])
+        if followers > 1:
+            add_colour_bar(figure, axes, colours, followers)
     return figure
+
+
+def add_colour_bar(figure, axes, colours, followers):
+    bar = figure.colorbar(colours, ax=list(axes.flat), location="top", aspect=60, fraction=0.05, pad=0.02)
+    bar.set_label("follower $i$")
+    bar.set_ticks(style.follower_ticks(followers))
+    bar.outline.set_visible(False)
 
 
 def title(run, name):
@@ -43,7 +52,9 @@ def title(run, name):
         second = "average over time up to step {}, seed {}".format(style.spaced(int(run.steps[-1])), run.seed)
     elif drawn(run).size < run.mean.shape[0]:
         second += ", {} of {} followers drawn".format(drawn(run).size, run.mean.shape[0])
-    return "{}, {}{}\n{}".format(name, style.verdict(run.string_stable), "" if run.complete else " (incomplete run)", second)
+    if not run.complete:
+        second += ", incomplete run"
+    return "{}, {}\n{}".format(name, style.verdict(run.string_stable), second)
 
 
 def drawn(run):
@@ -56,15 +67,12 @@ def draw_over_steps(axes, run, colours):
     draw_curves(axes[0], run, run.mean, run.theoretical_mean, colours, "mean of $\\zeta_i(k)$", "m")
     draw_curves(axes[1], run, run.variance, run.theoretical_variance, colours, "variance of $\\zeta_i(k)$", "m$^2$")
     axes[1].set_xlabel("step $k$")
-    axes[1].legend(handles=[
-        style.legend_entry(color="#8a8a8a", linewidth=3.0, alpha=0.75, label="measured"),
-        style.legend_entry(color=style.INK, linewidth=0.7, label="theory")],
-        loc="best")
+    axes[1].xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))
 
 
 def draw_curves(axes, run, measured, theory, colours, quantity, unit):
     """Measured curves broad and coloured, theory thin and dark on top of them."""
-    wide = style.spread(measured) > style.WIDE_RANGE
+    wide = style.spread(measured) > style.WIDE_RANGE or run.spectral_radius >= 1.0
     if wide:
         measured, theory = (np.where(curves == 0.0, np.nan, np.abs(curves)) for curves in (measured, theory))
         quantity = "|{}|".format(quantity) if unit == "m" else quantity
@@ -75,8 +83,8 @@ def draw_curves(axes, run, measured, theory, colours, quantity, unit):
                   solid_capstyle="round", marker="." if run.steps.size == 1 else "", rasterized=crowded)
         axes.plot(run.steps, theory[i], color=style.INK, linewidth=0.45, zorder=3, rasterized=crowded)
     if wide:
-        peaks = np.nanmax(np.where(np.isnan(measured), 0.0, measured), axis=1)
-        axes.set_ylim(0.1 * peaks[peaks > 0.0].min(), 5.0 * peaks.max())
+        seen = measured[np.isfinite(measured)]
+        axes.set_ylim(0.1 * np.percentile(seen, 1), 5.0 * seen.max())
         style.logarithmic(axes)
 
 

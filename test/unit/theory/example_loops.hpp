@@ -80,6 +80,46 @@ inline std::vector<ExampleLoop> example_loops() {
   return loops;
 }
 
+/// T = D(1) / D(z), at the headway it tracks ramps with, h = D'(1) / D(1).
+inline ExampleLoop all_pole(const std::string& name, const Polynomial& d) {
+  const double headway = derivative(d).sum() / d.sum();
+  return {name, headway, closed_loop_from(observable_canonical({Polynomial::Constant(1, d.sum()), d}))};
+}
+
+/// T = D(1) / D(z) with |T|^2 = 1 / p(1 - cos w), from the zeros of p, p(0) = 1: to each belong z and 1/z.
+inline ExampleLoop with_gain_from(const std::string& name, const std::vector<std::complex<double>>& zeros) {
+  Eigen::VectorXcd d = Eigen::VectorXcd::Ones(1);
+  for (const std::complex<double>& t : zeros) {
+    const std::complex<double> offset = std::sqrt(t * (t - 2.0));
+    const std::complex<double> a = 1.0 - t + offset;
+    const std::complex<double> b = 1.0 - t - offset;
+    Eigen::VectorXcd next = Eigen::VectorXcd::Zero(d.size() + 1);
+    next.head(d.size()) = d;
+    next.tail(d.size()) -= (std::abs(a) < std::abs(b) ? a : b) * d;
+    d = next;
+  }
+  return all_pole(name, d.real());
+}
+
+/// String stable loops of orders 2 to 6.
+inline std::vector<ExampleLoop> string_stable_loops() {
+  using Pair = std::complex<double>;
+  std::vector<ExampleLoop> loops;
+  loops.push_back({"paper", 3.2, paper_loop(3.2)});
+  loops.push_back({"paper near its border", 2.8001, paper_loop(2.8001)});
+  const auto tracking = [](const Polynomial& d, double headway) {
+    return closed_loop_from(observable_canonical(ramp_tracking(d, headway, Polynomial::Zero(1))));
+  };
+  loops.push_back({"order 2, slow", 1001.0, tracking(with_zeros({0.999, 0.4}, {}), 1001.0)});
+  loops.push_back({"order 3, complex", 4.0, tracking(with_zeros({0.3}, {std::polar(0.6, 0.5)}), 4.0)});
+  loops.push_back({"order 3, slow complex", 2000.0, tracking(with_zeros({0.4}, {std::polar(0.999, 5e-4)}), 2000.0)});
+  loops.push_back(all_pole("order 4, real", with_zeros({0.9, 0.5, 0.3, 0.1}, {})));
+  loops.push_back(all_pole("order 5, complex", with_zeros({0.8}, {Pair(0.5, 0.2), Pair(0.2, 0.1)})));
+  loops.push_back(all_pole("order 6, slow", with_zeros({0.999, 0.9}, {Pair(0.6, 0.2), Pair(0.3, 0.2)})));
+  loops.push_back(with_gain_from("flat, 1 - |T|^2 of order w^4", {Pair(0.0, 0.5), Pair(0.0, -0.5)}));
+  return loops;
+}
+
 inline PlatoonModel model_with(const ClosedLoop& loop, double headway) {
   const LeaderProfile leader({{0, 20.0}, {25, 5.0}, {40, 12.0}}, 0.1);
   return {loop, headway, 7.0, 0.1, 0.6, leader, {0.8, 0.3}, false};

@@ -1,0 +1,21 @@
+#include "stochastic_platoon/results/text.hpp"
+
+#include <cstdarg>
+#include <cstdio>
+
+namespace platoon {
+
+std::string formatted(const char* format, ...) {
+  std::va_list arguments, again;
+  va_start(arguments, format);
+  va_copy(again, arguments);
+  const int length = std::vsnprintf(nullptr, 0, format, arguments);
+  std::string text(static_cast<std::size_t>(length) + 1, '\0');
+  std::vsnprintf(&text[0], text.size(), format, again);
+  va_end(again);
+  va_end(arguments);
+  text.pop_back();
+  return text;
+}
+
+}  // namespace platoon

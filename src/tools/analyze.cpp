@@ -1,0 +1,88 @@
+// What the theory says of a platoon, without running it: a report on the terminal, all numbers as JSON or CSV
+// on request.
+
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+
+#include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/results/analysis.hpp"
+#include "stochastic_platoon/results/atomic_file.hpp"
+#include "tools/settings.hpp"
+
+namespace {
+
+// FROM:TO:COUNT as COUNT equally spaced values. Throws ConfigurationError naming the option.
+std::vector<double> spaced(const std::string& option, const std::string& text) {
+  double from = 0.0, to = 0.0;
+  int count = 0;
+  char rest = 0;
+  const int read = std::sscanf(text.c_str(), "%lf:%lf:%d%c", &from, &to, &count, &rest);
+  if (read != 3 || !(from > 0.0) || !(to >= from) || !(to < 1e300) || count < 1 || count > 1000000) {
+    throw platoon::ConfigurationError(
+        {option + ": " + text + ": must be FROM:TO:COUNT with 0 < FROM <= TO and 1 <= COUNT"});
+  }
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) values.push_back(count == 1 ? from : from + (to - from) * i / (count - 1));
+  return values;
+}
+
+void write(const std::string& file, const std::string& content) {
+  platoon::write_atomically(std::filesystem::absolute(file).string(), content);
+}
+
+void run_sweep(const platoon::PlatoonModel& model, const std::map<std::string, std::string>& own,
+               nlohmann::json& document) {
+  const std::vector<double> headways = spaced("--sweep-headway", own.at("sweep_headway"));
+  const std::vector<double> gains =
+      own.count("sweep_gain") > 0 ? spaced("--sweep-gain", own.at("sweep_gain")) : std::vector<double>();
+  const std::vector<platoon::SweepPoint> points = platoon::sweep(model, headways, gains);
+  document["sweep"] = platoon::to_json(points);
+  if (own.count("csv") > 0) return write(own.at("csv"), platoon::to_csv(points));
+  std::cout << "\n   headway        gain      rho(A)    peak |T|   string stable\n";
+  for (const platoon::SweepPoint& point : points) {
+    std::printf("%10.6g %11.6g %11.6g %11.9g   %s\n", point.headway, point.gain,
+                point.stability.spectral_radius, point.stability.peak_gain,
+                point.stability.string_stable ? "yes" : "no");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::map<std::string, std::string> extra = {
+      {"json", "file for all numbers"},
+      {"sweep_headway", "FROM:TO:COUNT: stability over headways"},
+      {"sweep_gain", "FROM:TO:COUNT: with --sweep-headway, over controller gains too"},
+      {"csv", "file for the sweep, for plot map"},
+  };
+  std::map<std::string, std::string> settings =
+      platoon::parse_command_line(argc, argv, "What the theory says of a platoon",
+                                  {"model", "followers", "headway", "noise_variance", "steps"}, extra);
+  std::map<std::string, std::string> own;
+  for (const auto& entry : extra) {
+    if (settings.count(entry.first) > 0) own[entry.first] = settings[entry.first];
+    settings.erase(entry.first);
+  }
+  try {
+    for (const char* option : {"sweep_gain", "csv"}) {
+      if (own.count(option) == 0 || own.count("sweep_headway") > 0) continue;
+      throw platoon::ConfigurationError({std::string(option) + ": given: must go with --sweep-headway"});
+    }
+    const platoon::Configuration configuration =
+        platoon::parse_configuration(platoon::configuration_document(settings));
+    if (configuration.run.steps == 0)
+      throw platoon::ConfigurationError({"steps: 0: must be at least 1 here"});
+    const platoon::PlatoonModel& model = configuration.model;
+    const platoon::Analysis analysis =
+        platoon::analyze(model, configuration.run.followers, configuration.run.steps);
+    std::cout << platoon::report(model, analysis);
+    nlohmann::json document = platoon::to_json(model, analysis);
+    if (own.count("sweep_headway") > 0) run_sweep(model, own, document);
+    if (own.count("json") > 0) write(own["json"], document.dump(1) + "\n");
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << argv[0] << ": " << error.what() << "\n";
+    return 1;
+  }
+}
