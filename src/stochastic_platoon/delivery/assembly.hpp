@@ -7,19 +7,13 @@
 #include <optional>
 #include <vector>
 
-#include "stochastic_platoon/delivery/sequence.hpp"
+#include "stochastic_platoon/delivery/arrivals.hpp"
 #include "stochastic_platoon/model/tracking_error.hpp"
 
 namespace platoon {
 
 /// The positions of one vehicle at one step, shared with the message they came in.
 using Positions = std::shared_ptr<const std::vector<double>>;
-
-/// A batch whose every position has arrived.
-struct CompleteBatch {
-  std::uint64_t first_realization;
-  std::uint64_t positions_received;  ///< counted, not computed
-};
 
 /// What an Assembly tells; all of it from within receive().
 struct AssemblyEvents {
@@ -44,49 +38,28 @@ public:
   /// Takes the positions of vehicle 0 .. followers. Only those in turn have any effect.
   Verdict receive(std::size_t vehicle, const Turn& turn, const Positions& positions);
 
-  /// What to report to the leader.
-  Acknowledgement acknowledgement() const;
-
-  bool complete() const { return schedule_.is_complete(committed_); }
-
-  /// First realization of the batch that is not committed yet.
-  std::uint64_t committed() const { return committed_; }
-
-  /// The latest turn of each vehicle in the present attempt.
-  std::vector<std::optional<Turn>> latest() const;
+  /// What has arrived of the vehicles 0 .. followers, as streams of these numbers.
+  const Arrivals& arrivals() const { return arrivals_; }
 
 private:
   struct Vehicle {
-    explicit Vehicle(const BatchSchedule& schedule) : sequence(schedule) {}
-    Sequence sequence;
-    std::deque<Positions> positions;  ///< of steps first_kept, first_kept + 1, ...
-    std::int64_t first_kept = 0;      ///< steps are counted from the attempt's start, through all its batches
-    std::int64_t formed = 0;          ///< steps whose error is formed (as a follower)
+    std::deque<Positions>
+        positions;  ///< of steps first_kept, first_kept + 1, ... counted through the attempt
+    std::int64_t first_kept = 0;
+    std::int64_t formed = 0;  ///< steps whose error is formed (as a follower)
     std::int64_t end() const { return first_kept + static_cast<std::int64_t>(positions.size()); }
     const std::vector<double>& at(std::int64_t step) const {
       return *positions[static_cast<std::size_t>(step - first_kept)];
     }
   };
-  Turn turn_of(std::int64_t count) const;
-  void restart(std::uint32_t attempt);
+  void take(std::size_t vehicle, const Positions& positions);
   void form_errors(std::size_t follower);
   void let_go(std::size_t vehicle);
-  void count_arrival(std::int64_t step, std::size_t size);
 
-  BatchSchedule schedule_;
   TrackingError error_;
   AssemblyEvents events_;
-  std::uint32_t attempt_;
-  std::uint64_t start_;      ///< first realization of the attempt
-  std::uint64_t committed_;  ///< realizations before this one are done with
   std::vector<Vehicle> vehicles_;
-  struct Arrival {
-    std::size_t vehicles = 0;
-    std::uint64_t positions = 0;
-  };
-  std::deque<Arrival> arrivals_;          ///< of the steps not yet acknowledged
-  std::int64_t acknowledged_ = 0;         ///< steps of the attempt that have arrived from every vehicle
-  std::uint64_t positions_in_batch_ = 0;  ///< of acknowledged steps of the batch in progress
+  Arrivals arrivals_;
   std::vector<double> buffer_;
 };
 

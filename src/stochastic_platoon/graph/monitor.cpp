@@ -58,7 +58,7 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration)
       error_statistics_(platoon.advertise<ErrorStatistics>("error_statistics", 1000, true)) {
   if (endless()) require_writable_folder(configuration.run.output);
   if (start_) ensemble_.merge(start_->table);
-  checkpointed_ = assembly_.committed();
+  checkpointed_ = assembly_.arrivals().committed();
   for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
     refusals_.emplace_back(platoon.resolveName(position_topic(i)));
   }
@@ -82,8 +82,8 @@ void Monitor::receive(std::size_t vehicle, const Position::ConstPtr& message) {
   last_arrival_ = now();
   tally_.attempts = std::max(tally_.attempts, turn.attempt);
   if (endless()) tally_.positions_received += message->position.size();
-  if (assembly_.complete() && !finished_) finish();
-  const Acknowledgement present = assembly_.acknowledgement();
+  if (assembly_.arrivals().complete() && !finished_) finish();
+  const Acknowledgement present = assembly_.arrivals().acknowledgement();
   if (began_ < 0.0 && present.step != kNothingYet) began_ = last_arrival_;
   if (present.first_realization != acknowledged_.first_realization || present.step != acknowledged_.step ||
       present.attempt != acknowledged_.attempt) {
@@ -133,7 +133,7 @@ void Monitor::finish() {
   save_checkpoint(now());
   const RunResult final = result();
   write_results(configuration_, prediction_, final);
-  display_.update(assembly_.committed(), now());
+  display_.update(assembly_.arrivals().committed(), now());
   display_.finish();
   for (std::int64_t k = 0; k < configuration_.run.steps; ++k) publish_statistics(k, final.moments);
   std::printf("%sResults: %s/statistics.csv and summary.json\n",
@@ -165,11 +165,11 @@ void Monitor::stop() {
 
 void Monitor::tick() {
   const double present = now();
-  if (assembly_.complete() && !finished_) finish();  // resumed when nothing was left to do
+  if (assembly_.arrivals().complete() && !finished_) finish();  // resumed when nothing was left to do
   if (!is_linked()) return report_stall(present);
   publish_progress();
   if (finished_) return;
-  if (!endless() && began_ >= 0.0) display_.update(assembly_.committed(), present);
+  if (!endless() && began_ >= 0.0) display_.update(assembly_.arrivals().committed(), present);
   report_stall(present);
   if (endless() ? last_step_ >= 0 : ensemble_.committed().count() > 0) {
     if (!endless() && present - last_statistics_ < kStatisticsPeriod) return;
@@ -193,8 +193,8 @@ void Monitor::report_stall(double present) {
   if (last_arrival_ < 0.0) last_arrival_ = present;
   const bool stalled = present - last_arrival_ > 0.75 * configuration_.run.stall_timeout + pace;
   if (stalled && !stalled_) {
-    ROS_WARN_STREAM(
-        "the platoon stands still: " << culprit(assembly_.latest(), configuration_.run.schedule()));
+    ROS_WARN_STREAM("the platoon stands still: " << culprit(assembly_.arrivals().latest(),
+                                                            configuration_.run.schedule()));
   } else if (!stalled && stalled_) {
     ROS_WARN("the platoon moves again");
   }
@@ -202,7 +202,7 @@ void Monitor::report_stall(double present) {
 }
 
 void Monitor::publish_progress() {
-  acknowledged_ = assembly_.acknowledgement();
+  acknowledged_ = assembly_.arrivals().acknowledgement();
   Progress message;
   message.header.stamp.fromNSec(tally_.platoon_time);
   message.receiver = "monitor";

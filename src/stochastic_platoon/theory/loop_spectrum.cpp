@@ -134,7 +134,8 @@ LoopSpectrumValue LoopSpectrum::at(double frequency) const {
   const long double offset =
       centre == Centre::kOne ? part.margin.front() : 0.0L;  // T(1) = 1 but for rounding
   const long double stripped = surer(part.stripped_margin, t, (d - n - offset) / divisor, doubt / divisor);
-  const long double ratio = 4.0L * x * x / divisor * modulus(part.sensitivity_factor) / stripped;
+  const long double zeros_left = std::pow(x, 2 - (centre == Centre::kOne ? margin_zeros_ : 0));
+  const long double ratio = 4.0L * zeros_left * modulus(part.sensitivity_factor) / stripped;
   const long double h = headway_;
   return {static_cast<double>(n / d),
           static_cast<double>(margin / d),

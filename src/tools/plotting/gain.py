@@ -1,4 +1,4 @@
-"""The gain |T(e^{jw})| from a vehicle to its follower, against the line 1 that string stability must stay under."""
+"""The gain |T(e^{jw})| from a vehicle to its follower, and the line 1 that string stability stays under."""
 
 from collections import namedtuple
 

@@ -5,7 +5,6 @@ Whatever is wrong raises InputError, which names the file and what is missing in
 
 import json
 import os
-import warnings
 from collections import namedtuple
 
 import numpy as np
@@ -109,31 +108,22 @@ def read_columns(path, names):
     heading = [name.strip() for name in lines[0].split(",")] if lines else []
     for name in names:
         if name not in heading:
-            raise InputError("{}: {}".format(path, "column {} is missing".format(name) if heading else "is empty"))
+            reason = "column {} is missing".format(name) if heading else "is empty"
+            raise InputError("{}: {}".format(path, reason))
     rows = lines[1:]
     if not rows:
         raise InputError("{}: holds no rows, only its heading".format(path))
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")  # numpy only warns of text that is no number
-        try:
-            table = np.fromstring(",".join(rows), sep=",").reshape(len(rows), len(heading))
-        except (ValueError, DeprecationWarning):
-            raise InputError("{}: {}".format(path, first_fault(rows, len(heading))))
-    return {name: table[:, heading.index(name)] for name in names}
-
-
-def first_fault(rows, width):
-    """In words, the first row that is not so many numbers; the heading is line 1."""
-    for line, row in enumerate(rows, start=2):
+    table = np.empty((len(rows), len(heading)))
+    for at, row in enumerate(rows):
         values = row.split(",")
-        if len(values) != width:
-            return "line {} has {} values instead of {}".format(line, len(values), width)
-        for value in values:
-            try:
-                float(value)
-            except ValueError:
-                return "line {}: {!r} is not a number".format(line, value)
-    return "is not a table of numbers"
+        if len(values) != len(heading):
+            raise InputError("{}: line {} has {} values instead of {}"
+                             .format(path, at + 2, len(values), len(heading)))
+        try:
+            table[at] = [float(value) for value in values]
+        except ValueError as error:
+            raise InputError("{}: line {}: {}".format(path, at + 2, error))
+    return {name: table[:, heading.index(name)] for name in names}
 
 
 def read_statistics(path):
@@ -158,7 +148,8 @@ def read_statistics(path):
 def read_run(path):
     """The run a monitor, monte_carlo or bag_statistics wrote into the folder."""
     if not os.path.isdir(path):
-        raise InputError("{}: {}".format(path, "must be a run's folder" if os.path.exists(path) else "no such folder"))
+        reason = "must be a run's folder" if os.path.exists(path) else "no such folder"
+        raise InputError("{}: {}".format(path, reason))
     steps, table = read_statistics(os.path.join(path, "statistics.csv"))
     summary_path = os.path.join(path, "summary.json")
     summary = read_json(summary_path)

@@ -121,7 +121,7 @@ def draw_bound(axes, shown, bound, line):
 
 
 def draw_theory(axes, theory, own):
-    """The analysis' norms; the run's own where there is no analysis, or beside them where it is over other steps."""
+    """The analysis' norms; the run's own where there is none, and beside them where it is over other steps."""
     norms = [(own if theory is None else theory, "-", "theory")]
     if theory is not None and own is not None and not np.allclose(own, theory, rtol=SETTLED, atol=0.0):
         norms.append((own, ":", "theory over the run's steps"))

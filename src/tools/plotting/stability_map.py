@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter
 
 from plotting import style
 
@@ -52,17 +52,17 @@ def draw_peaks(figure, axes, stability):
     peaks = np.ma.masked_invalid(np.where(unstable, 2.0 * HIGHEST_PEAK, np.maximum(stability.peak_gain, 1.0)))
     mesh = axes.pcolormesh(edges(stability.headways), edges(stability.gains), peaks, cmap="YlOrBr",
                            norm=LogNorm(1.0, HIGHEST_PEAK), rasterized=True)
-    bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02)
+    bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02, ticks=FixedLocator(PEAK_TICKS),
+                          format=FuncFormatter(lambda value, _: "{:g}".format(value)))
+    bar.minorticks_off()
     bar.set_label("peak gain $\\max_\\omega |T(e^{j\\omega})|$")
-    bar.ax.yaxis.set_major_locator(FixedLocator(PEAK_TICKS))
-    bar.ax.yaxis.set_minor_locator(NullLocator())
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: "{:g}".format(value)))
 
 
 def draw_border(axes, stability):
     if stability.string_stable.min() > 0.5 or stability.string_stable.max() < 0.5:
         return
-    contour = axes.contour(stability.headways, stability.gains, stability.string_stable, levels=[0.5], linewidths=0.0)
+    contour = axes.contour(stability.headways, stability.gains, stability.string_stable, levels=[0.5],
+                           linewidths=0.0)
     for line in contour.allsegs[0]:
         axes.plot(*smoothed(line).T, color=BORDER, linewidth=1.8)
 

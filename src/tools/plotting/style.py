@@ -50,13 +50,15 @@ def apply():
 
 def new_figure(rows, columns, width, height):
     """A figure and its axes as an array (rows, columns)."""
-    return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, sharex="col", constrained_layout=True)
+    return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, sharex="col",
+                        constrained_layout=True)
 
 
 def column_title(column, columns, text):
     """The text, behind a letter where there are columns to tell apart, in lines that fit a column."""
     text = "({}) {}".format(chr(ord("a") + column), text) if columns > 1 else text
-    return "\n".join(line if "$" in line.replace("\\$", "") else textwrap.fill(line, LINE) for line in text.split("\n"))
+    return "\n".join(line if "$" in line.replace("\\$", "") else textwrap.fill(line, LINE)
+                     for line in text.split("\n"))
 
 
 def verdict(string_stable):

@@ -79,8 +79,9 @@ def draw_curves(axes, run, measured, theory, colours, quantity, unit):
     axes.set_ylabel("{} [{}]".format(quantity, unit))
     crowded = run.steps.size > CROWDED
     for i in drawn(run):
-        axes.plot(run.steps, measured[i], color=colours.to_rgba(i + 1), linewidth=1.2 if crowded else 2.4, alpha=0.75,
-                  solid_capstyle="round", marker="." if run.steps.size == 1 else "", rasterized=crowded)
+        axes.plot(run.steps, measured[i], color=colours.to_rgba(i + 1), linewidth=1.2 if crowded else 2.4,
+                  alpha=0.75, solid_capstyle="round", marker="." if run.steps.size == 1 else "",
+                  rasterized=crowded)
         axes.plot(run.steps, theory[i], color=style.INK, linewidth=0.45, zorder=3, rasterized=crowded)
     if wide:
         seen = measured[np.isfinite(measured)]
