@@ -11,13 +11,14 @@
 #include "stochastic_platoon/graph/follower.hpp"
 #include "stochastic_platoon/graph/leader.hpp"
 #include "stochastic_platoon/graph/monitor.hpp"
+#include "stochastic_platoon/graph/recorder.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
 
 namespace {
 
 // A queue with the one thread that serves it: each component is built on one queue, so none needs a lock.
 class Worker {
- public:
+public:
   explicit Worker(const ros::NodeHandle& node) : node_(node) { node_.setCallbackQueue(&queue_); }
   const ros::NodeHandle& node() const { return node_; }
 
@@ -35,7 +36,7 @@ class Worker {
   /// Waits for the thread; throws what ended it, if it was an error.
   void finish() { done_.get(); }
 
- private:
+private:
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   std::future<void> done_;
@@ -53,6 +54,10 @@ int main(int argc, char** argv) {
     for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
       followers.push_back(std::make_unique<platoon::Follower>(vehicles.node(), configuration, i));
     }
+    std::unique_ptr<platoon::Recorder> recorder;
+    if (!configuration.run.record.empty()) {
+      recorder = std::make_unique<platoon::Recorder>(observers.node(), configuration);
+    }
     const platoon::Leader leader(vehicles.node(), configuration);
     vehicles.start();
     observers.start();
@@ -60,5 +65,6 @@ int main(int argc, char** argv) {
     vehicles.finish();
     observers.finish();
     monitor.stop();
+    if (recorder) recorder->stop();
   });
 }

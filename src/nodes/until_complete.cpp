@@ -1,7 +1,10 @@
 // Lives as long as the run: as a required node of a launch file its end ends the launch. It ends, with status
-// 0, when all receivers report that they have every realization.
+// 0, when all receivers report that they have finished.
 
 #include <stochastic_platoon/Progress.h>
+
+#include <algorithm>
+#include <map>
 
 #include "stochastic_platoon/graph/configuration_parameter.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
@@ -9,10 +12,16 @@
 
 int main(int argc, char** argv) {
   return platoon::run_component(argc, argv, "until_complete", 0, [](ros::NodeHandle node) {
-    const platoon::BatchSchedule schedule = platoon::read_configuration(node).run.schedule();
+    std::map<std::string, bool> finished;
+    for (const std::string& receiver : platoon::read_configuration(node).run.receivers())
+      finished[receiver] = false;
     const boost::function<void(const stochastic_platoon::Progress::ConstPtr&)> receive =
-        [&schedule](const stochastic_platoon::Progress::ConstPtr& message) {
-          if (schedule.is_complete(message->first_realization)) ros::shutdown();
+        [&finished](const stochastic_platoon::Progress::ConstPtr& message) {
+          const auto receiver = finished.find(message->receiver);
+          if (receiver == finished.end()) return;
+          receiver->second = message->finished;
+          if (std::all_of(finished.begin(), finished.end(), [](const auto& entry) { return entry.second; }))
+            ros::shutdown();
         };
     const ros::Subscriber progress = node.subscribe<stochastic_platoon::Progress>("progress", 100, receive);
     ros::spin();

@@ -9,8 +9,10 @@
 #include <ctime>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/results/atomic_file.hpp"
 #include "stochastic_platoon/results/checkpoint.hpp"
 #include "tools/settings.hpp"
 
@@ -35,6 +37,30 @@ std::string new_output_folder(const std::string& launch) {
          "/stochastic_platoon/" + launch;
 }
 
+std::string absolute(const std::string& path) {
+  return std::filesystem::absolute(path).lexically_normal().string();
+}
+
+// Throws ConfigurationError unless the bag can be written without touching another.
+void require_free_recording(const platoon::RunOptions& run) {
+  if (run.record.empty()) return;
+  const std::string stem = run.record.size() > 4 ? run.record.substr(0, run.record.size() - 4) : "";
+  if (stem.empty() || stem + ".bag" != run.record) {
+    throw platoon::ConfigurationError({"record: " + run.record + ": must be a file name that ends in .bag"});
+  }
+  for (const std::string& name :
+       {run.record, run.record + ".active", stem + "_0.bag", stem + "_0.bag.active"}) {
+    if (!std::filesystem::exists(name)) continue;
+    throw platoon::ConfigurationError({"record: " + name + ": exists: must be a new file"});
+  }
+  try {
+    platoon::require_writable_folder(std::filesystem::path(run.record).parent_path().string());
+  } catch (const std::runtime_error& error) {
+    throw platoon::ConfigurationError(
+        {std::string("record: ") + error.what() + ": must be in a folder that can be written"});
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -45,13 +71,16 @@ int main(int argc, char** argv) {
   try {
     if (settings["launch"].empty()) settings["launch"] = new_launch_name();
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch"]);
-    settings["output"] = std::filesystem::absolute(settings["output"]).lexically_normal().string();
-    const YAML::Node document = platoon::configuration_document(settings);
-    const platoon::Configuration configuration = platoon::parse_configuration(document);
-    if (configuration.run.steps > 0) platoon::starting_point(configuration);
-    nlohmann::json printed = {{"model", platoon::to_json(configuration.model)},
-                              {"run", platoon::to_json(configuration.run)}};
-    std::cout << printed.dump(2) << "\n";
+    settings["output"] = absolute(settings["output"]);
+    if (!settings["record"].empty()) settings["record"] = absolute(settings["record"]);
+    platoon::Configuration configuration =
+        platoon::parse_configuration(platoon::configuration_document(settings));
+    if (configuration.run.steps > 0) {
+      const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
+      configuration.run.first_realization = start ? start->table.count() : 0;
+    }
+    require_free_recording(configuration.run);
+    std::cout << platoon::to_json(configuration).dump(2) << "\n";
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "\nstochastic_platoon: the configuration is not valid: " << error.what() << "\n\n";

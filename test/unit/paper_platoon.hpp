@@ -4,12 +4,13 @@
 
 namespace platoon {
 
-/// The paper's example (section 6): G = 1 / (z - 1)^2, K = 1.35 / (1 + h) z / (z + 0.89), P_d = 0.6 m^2, a virtual
-/// leader at 20 m/s from step 0 on, every follower exactly in its place.
+/// The paper's example (section 6): G = 1 / (z - 1)^2, K = 1.35 / (1 + h) z / (z + 0.89), P_d = 0.6 m^2, a
+/// virtual leader at 20 m/s from step 0 on, every follower exactly in its place.
 inline PlatoonModel paper_platoon(double headway = 3.2) {
   const TransferFunction plant(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0));
   const TransferFunction controller(Eigen::Vector2d(1.35 / (1.0 + headway), 0.0), Eigen::Vector2d(1.0, 0.89));
-  return {close_loop(plant, controller, headway), headway, 0.0, 0.1, 0.6, LeaderProfile({{0, 20.0}}, 0.1), {}, false};
+  return {close_loop(plant, controller, headway), headway, 0.0,  0.1, 0.6,
+          LeaderProfile({{0, 20.0}}, 0.1),        {},      false};
 }
 
 }  // namespace platoon

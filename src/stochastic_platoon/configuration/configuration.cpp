@@ -14,10 +14,26 @@ Configuration parse_configuration(const YAML::Node& node) {
 }
 
 std::map<std::string, std::string> default_settings() {
-  return {{"model", ""},    {"headway", ""},           {"noise_variance", ""},   {"followers", "20"},
-          {"steps", "100"}, {"realizations", "10000"}, {"batch", "0"},           {"rate", "0"},
-          {"seed", "1"},    {"hosting", "processes"},  {"output", ""},           {"resume", "false"},
-          {"launch", ""},   {"window", "0"},           {"stall_timeout", "2.0"}, {"burn_in", "200"}};
+  return {{"model", ""},
+          {"headway", ""},
+          {"noise_variance", ""},
+          {"followers", "20"},
+          {"steps", "100"},
+          {"realizations", "10000"},
+          {"batch", "0"},
+          {"rate", "0"},
+          {"seed", "1"},
+          {"hosting", "processes"},
+          {"output", ""},
+          {"resume", "false"},
+          {"launch", ""},
+          {"first_realization", "0"},
+          {"record", ""},
+          {"record_split_mb", "0"},
+          {"record_compression", "none"},
+          {"window", "0"},
+          {"stall_timeout", "2.0"},
+          {"burn_in", "200"}};
 }
 
 YAML::Node configuration_document(const std::map<std::string, std::string>& settings) {
@@ -43,6 +59,10 @@ YAML::Node configuration_document(const std::map<std::string, std::string>& sett
   document["model"] = model;
   document["run"] = run;
   return document;
+}
+
+nlohmann::json to_json(const Configuration& configuration) {
+  return {{"model", to_json(configuration.model)}, {"run", to_json(configuration.run)}};
 }
 
 nlohmann::json statistics_identity(const Configuration& configuration) {

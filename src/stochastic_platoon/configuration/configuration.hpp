@@ -28,6 +28,9 @@ YAML::Node configuration_document(const std::map<std::string, std::string>& sett
 /// Every setting with its default, as text: what platoon.launch documents.
 std::map<std::string, std::string> default_settings();
 
+/// As a document for parse_configuration.
+nlohmann::json to_json(const Configuration& configuration);
+
 /// What the statistics are a function of, beside the set of realizations: model, seed, followers, steps.
 nlohmann::json statistics_identity(const Configuration& configuration);
 

@@ -10,8 +10,9 @@ constexpr std::int64_t kMaxCount = std::int64_t{1}
                                    << 46;  // of realizations and steps: what the noise's counter can name
 }  // namespace
 
-std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers) {
+std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers, std::uint64_t recorded_steps) {
   std::uint64_t batch = 8192;
+  while (batch > 1 && batch * (2 * followers + 1) * recorded_steps > (std::uint64_t{1} << 24)) batch /= 2;
   while (batch > 64 && batch * followers > (std::uint64_t{1} << 19)) batch /= 2;
   return std::min(batch, realizations);
 }
@@ -33,16 +34,30 @@ RunOptions read_run_options(Section section) {
   options.hosting = section.choice("hosting", {"processes", "one_process"});
   options.output = section.text("output");
   options.resume = section.boolean("resume");
+  options.first_realization = static_cast<std::uint64_t>(section.integer("first_realization", 0, kMaxCount));
+  options.record = section.text("record");
+  options.record_split_mb = section.integer("record_split_mb", 0, 1 << 30);
+  options.record_compression = section.choice("record_compression", {"none", "lz4"});
   options.launch = section.text("launch");
   options.window = section.integer("window", 0, 1 << 20);
   options.stall_timeout = section.number("stall_timeout", kPositive);
   options.burn_in = section.integer("burn_in", 0, kMaxCount);
   section.reject_unknown_keys();
   if (options.steps == 0) options.realizations = 1;
-  if (options.batch == 0) options.batch = chosen_batch(options.realizations, options.followers);
+  if (options.batch == 0) {
+    const std::uint64_t recorded_steps =
+        options.record.empty() ? 0 : static_cast<std::uint64_t>(options.steps) + 1;
+    options.batch = chosen_batch(options.realizations, options.followers, recorded_steps);
+  }
   options.batch = std::min(options.batch, options.realizations);
   if (options.window == 0) options.window = chosen_window(options.batch, options.followers);
   return options;
+}
+
+std::vector<std::string> RunOptions::receivers() const {
+  std::vector<std::string> names{"monitor"};
+  if (!record.empty()) names.emplace_back("recorder");
+  return names;
 }
 
 nlohmann::json to_json(const RunOptions& options) {
@@ -55,6 +70,10 @@ nlohmann::json to_json(const RunOptions& options) {
           {"hosting", options.hosting},
           {"output", options.output},
           {"resume", options.resume},
+          {"first_realization", std::to_string(options.first_realization)},
+          {"record", options.record},
+          {"record_split_mb", options.record_split_mb},
+          {"record_compression", options.record_compression},
           {"launch", options.launch},
           {"window", options.window},
           {"stall_timeout", options.stall_timeout},

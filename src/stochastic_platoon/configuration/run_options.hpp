@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "stochastic_platoon/configuration/section.hpp"
 #include "stochastic_platoon/delivery/batch_schedule.hpp"
@@ -17,13 +18,20 @@ struct RunOptions {
   std::uint64_t batch;         ///< realizations per message, >= 1
   double rate;                 ///< steps per second of wall time; 0 = as fast as credit allows
   std::uint64_t seed;
-  std::string hosting;   ///< "processes" or "one_process"
-  std::string output;    ///< folder for the results
-  bool resume;           ///< go on from what the folder holds
+  std::string hosting;              ///< "processes" or "one_process"
+  std::string output;               ///< folder for the results
+  bool resume;                      ///< go on from what the folder holds
+  std::uint64_t first_realization;  ///< those before it were committed by earlier launches
+  std::string record;               ///< bag to record to; empty: none
+  std::int64_t record_split_mb;     ///< begin another bag beyond this size [MiB]; 0: one bag
+  std::string record_compression;   ///< "none" or "lz4"
   std::string launch;    ///< names one launch: a checkpoint of the same launch is always gone on from
   std::int64_t window;   ///< steps that may be unacknowledged, >= 1
   double stall_timeout;  ///< [s]
   std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
+
+  /// Who has to acknowledge every step.
+  std::vector<std::string> receivers() const;
 
   BatchSchedule schedule() const { return {realizations, batch, steps}; }
 };
@@ -35,8 +43,10 @@ RunOptions read_run_options(Section section);
 nlohmann::json to_json(const RunOptions& options);
 
 /// Realizations per message where none are asked for: 64 kB messages, smaller for long strings so that one
-/// step of all vehicles stays near the size of the caches.
-std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers);
+/// step of all vehicles stays near the size of the caches, and for a recorder so that it keeps at most about
+/// 128 MB of an unfinished batch (recorded_steps = steps + 1; 0 without recorder).
+std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers,
+                           std::uint64_t recorded_steps = 0);
 
 /// Steps in flight where none are asked for: enough to keep every process busy, within about 100 MB for the
 /// whole graph.

@@ -40,6 +40,9 @@ public:
   Verdict receive(std::size_t stream, const Turn& turn, const std::vector<double>& positions,
                   const std::function<void()>& take);
 
+  /// Takes realizations before `committed` as done with. Before the first message only.
+  void resume_at(std::uint64_t committed) { start_ = committed_ = committed; }
+
   /// What to report to the leader.
   Acknowledgement acknowledgement() const;
 

@@ -31,7 +31,7 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration)
       credit_(schedule_,
               {window_, configuration.run.stall_timeout,
                std::min(kFirstStepTimeout, configuration.run.stall_timeout)},
-              {"monitor"}),
+              configuration.run.receivers()),
       vehicle_(configuration.model),
       position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
       progress_(platoon.subscribe("progress", kUnboundedQueue, &Leader::receive, this, no_delay())) {

@@ -68,6 +68,11 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration)
     positions_.push_back(platoon.subscribe<Position>(position_topic(i), kUnboundedQueue, callback,
                                                      ros::VoidConstPtr(), no_delay()));
   }
+  notes_ = platoon.subscribe<Progress>(
+      "progress", 10,
+      boost::function<void(const Progress::ConstPtr&)>([this](const Progress::ConstPtr& message) {
+        if (message->receiver != "monitor") display_.set_note(message->note);
+      }));
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
 }
 
@@ -209,6 +214,7 @@ void Monitor::publish_progress() {
   message.attempt = acknowledged_.attempt;
   message.first_realization = acknowledged_.first_realization;
   message.step = acknowledged_.step;
+  message.finished = finished_;
   progress_.publish(message);
 }
 

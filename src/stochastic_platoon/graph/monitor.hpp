@@ -72,6 +72,7 @@ private:
   ros::Publisher progress_;
   ros::Publisher error_statistics_;
   std::vector<ros::Subscriber> positions_;
+  ros::Subscriber notes_;  ///< of the other receivers
   ros::SteadyTimer timer_;
 };
 

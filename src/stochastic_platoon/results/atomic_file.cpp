@@ -52,6 +52,16 @@ void write_atomically(const std::string& file, const std::string& content) {
   sync_folder(std::filesystem::path(file).parent_path().string());
 }
 
+void sync_and_rename(const std::string& file, const std::string& name) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail(file);
+  const bool synced = ::fsync(descriptor) == 0;
+  ::close(descriptor);
+  if (!synced) fail(file);
+  if (std::rename(file.c_str(), name.c_str()) != 0) fail(name);
+  sync_folder(std::filesystem::absolute(name).parent_path().string());
+}
+
 void require_writable_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);

@@ -9,6 +9,9 @@ namespace platoon {
 /// system's reason.
 void write_atomically(const std::string& file, const std::string& content);
 
+/// Gives a finished file its final name: synced, renamed, its folder synced. Throws as above.
+void sync_and_rename(const std::string& file, const std::string& name);
+
 /// Makes the folder with its parents if need be and tries to write in it. Throws std::runtime_error as above.
 void require_writable_folder(const std::string& folder);
 

@@ -26,7 +26,7 @@ std::string ProgressDisplay::line(std::uint64_t done, double now) const {
   std::snprintf(text, sizeof text, "[%s] %3.0f %%  %llu/%llu %s  %.3g %s/s  %.0f s left", bar.c_str(),
                 100.0 * share, static_cast<unsigned long long>(done), static_cast<unsigned long long>(total_),
                 unit_.c_str(), rate * work_per_unit_, work_unit_.c_str(), left);
-  return text;
+  return note_.empty() ? text : text + ("  " + note_);
 }
 
 void ProgressDisplay::update(std::uint64_t done, double now) {

@@ -15,6 +15,9 @@ public:
   /// `now` in seconds of any steady clock. Draws at most ten times a second.
   void update(std::uint64_t done, double now);
 
+  /// What stands at the end of the line: the state of others who work beside this job.
+  void set_note(const std::string& note) { note_ = note; }
+
   /// Ends the line of the bar, so that other text can follow.
   void finish();
 
@@ -25,6 +28,7 @@ private:
   std::string unit_;
   double work_per_unit_;
   std::string work_unit_;
+  std::string note_;
   bool terminal_;
   bool drawn_ = false;
   double began_ = -1.0;  ///< [s]

@@ -87,7 +87,7 @@ void drop_spent(std::vector<Mode>& modes, double links, double variance) {
   }
   const auto spent = [&](const Mode& mode) {
     const double left = mode.after(links);
-    if (mode.margin > 0.0 && left * (1.0 - mode.margin) <= floor * mode.margin) return true;
+    if (mode.margin > 0.0 && left <= floor * mode.margin) return true;
     return mode.margin > least_margin && left < 1e-20 * leading;
   };
   modes.erase(std::remove_if(modes.begin(), modes.end(), spent), modes.end());

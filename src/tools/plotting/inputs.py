@@ -133,8 +133,7 @@ def read_statistics(path):
     step = columns.pop("step")
     order = np.lexsort((step, vehicle))
     followers, steps = np.unique(vehicle).size, np.unique(step)
-    whole = vehicle.size == followers * steps.size
-    if not whole or not np.array_equal(vehicle[order], np.repeat(np.arange(1, followers + 1), steps.size)) \
+    if not np.array_equal(vehicle[order], np.repeat(np.arange(1, followers + 1), steps.size)) \
             or not np.array_equal(step[order], np.tile(steps, followers)):
         raise InputError("{}: must hold one row for each vehicle 1..N and step; rows are missing or double"
                          .format(path))
@@ -188,7 +187,7 @@ def read_map(path):
     headway, gain = columns.pop("headway"), columns.pop("gain")
     headways, gains = np.unique(headway), np.unique(gain)
     order = np.lexsort((headway, gain))
-    if headways.size < 2 or gains.size < 2 or headway.size != headways.size * gains.size \
+    if headways.size < 2 or gains.size < 2 \
             or not np.array_equal(headway[order], np.tile(headways, gains.size)) \
             or not np.array_equal(gain[order], np.repeat(gains, headways.size)):
         raise InputError("{}: must hold one row for each point of a grid of two or more headways and two or more "

@@ -12,17 +12,19 @@
 namespace platoon {
 namespace detail {
 
-// The two halves of a draw, which the header keeps to itself: the generator's words, and the normals made of them.
+// The two halves of a draw, which the header keeps to itself: the generator's words, and the normals made of
+// them.
 using Words = std::array<std::uint64_t, 64>;
 using Reals = std::array<double, 64>;
-void draw_words(std::uint64_t seed, DrawName name, std::uint64_t first_block, std::size_t blocks, Words* radius,
-                Words* angle);
+void draw_words(std::uint64_t seed, DrawName name, std::uint64_t first_block, std::size_t blocks,
+                Words* radius, Words* angle);
 void box_muller(const Words& radius, const Words& angle, std::size_t blocks, Reals* even, Reals* odd);
 
 }  // namespace detail
 }  // namespace platoon
 
-// The source once more, compiled for the baseline alone: on a machine with AVX2 the loader never picks that clone.
+// The source once more, compiled for the baseline alone: on a machine with AVX2 the loader never picks that
+// clone.
 namespace baseline {
 namespace platoon {
 using ::platoon::DrawName;
@@ -171,12 +173,21 @@ TEST(WhiteNoise, NormalsAreBoxAndMullersOfTheWordsByRealization) {
 
 TEST(WhiteNoise, NormalsAreAccurateAtTheEdgesOfTheWords) {
   constexpr std::uint64_t kAll = ~std::uint64_t{0};
-  const std::vector<std::uint64_t> radii = {0,        1 << 12,    2 << 12,           kAll,
-                                            kAll - 1, kAll << 12, kAll << 13,        0x4afb0ccc06219b7bULL,
-                                            kAll / 2, kAll / 3,   std::uint64_t{1} << 63, 0x4afb0ccc0621ab7bULL};
-  const std::vector<std::uint64_t> angles = {0,        1,        1 << 10,        kAll,           kAll >> 2,
-                                             kAll / 2, kAll / 3, 1ULL << 62,     2ULL << 62,     3ULL << 62,
-                                             1ULL << 61, 3ULL << 61, 5ULL << 61, 7ULL << 61, (1ULL << 62) - 1};
+  const std::vector<std::uint64_t> radii = {0,
+                                            1 << 12,
+                                            2 << 12,
+                                            kAll,
+                                            kAll - 1,
+                                            kAll << 12,
+                                            kAll << 13,
+                                            0x4afb0ccc06219b7bULL,
+                                            kAll / 2,
+                                            kAll / 3,
+                                            std::uint64_t{1} << 63,
+                                            0x4afb0ccc0621ab7bULL};
+  const std::vector<std::uint64_t> angles = {
+      0,          1,          1 << 10,    kAll,       kAll >> 2,  kAll / 2,   kAll / 3,        1ULL << 62,
+      2ULL << 62, 3ULL << 62, 1ULL << 61, 3ULL << 61, 5ULL << 61, 7ULL << 61, (1ULL << 62) - 1};
   Words radius, angle;
   Reals even, odd;
   for (const std::uint64_t r : radii) {
@@ -206,12 +217,12 @@ TEST(WhiteNoise, BitsArePinned) {
   const auto bits = [](std::uint64_t seed, DrawName name, std::uint64_t realization) {
     return draw(seed, name, realization, 1).front();
   };
-  EXPECT_EQ(bits(1, {1, 0}, 0), PIN0);
-  EXPECT_EQ(bits(1, {1, 0}, 1), PIN1);
-  EXPECT_EQ(bits(1, {1, -1}, 0), PIN2);
-  EXPECT_EQ(bits(1, {20, 99}, 99999), PIN3);
-  EXPECT_EQ(bits(2, {7, 12}, 123456789), PIN4);
-  EXPECT_EQ(bits(0xdeadbeefcafef00dULL, {500, 1LL << 40}, (1ULL << 47) + 5), PIN5);
+  EXPECT_EQ(bits(1, {1, 0}, 0), 0x1.ef68cb4769d6fp-2);
+  EXPECT_EQ(bits(1, {1, 0}, 1), 0x1.fbf0c78be5293p-4);
+  EXPECT_EQ(bits(1, {1, -1}, 0), 0x1.e1cd05280f787p-2);
+  EXPECT_EQ(bits(1, {20, 99}, 99999), 0x1.6ede4801e27b2p+1);
+  EXPECT_EQ(bits(2, {7, 12}, 123456789), 0x1.6e3b1707f4eb4p+0);
+  EXPECT_EQ(bits(0xdeadbeefcafef00dULL, {500, 1LL << 40}, (1ULL << 47) + 5), 0x1.9c55f5e7f6542p-1);
 }
 
 TEST(WhiteNoise, BaselineCloneGivesTheSameBitsAsTheOneTheLoaderPicks) {
@@ -237,7 +248,8 @@ TEST(WhiteNoise, IsTheSameForEveryBatchSize) {
         const std::vector<double> part = draw(7, {3, 11}, origin + first, std::min(batch, kCount - first));
         joined.insert(joined.end(), part.begin(), part.end());
       }
-      EXPECT_TRUE(same_bits(whole.data(), joined.data(), kCount)) << "batches of " << batch << " from " << origin;
+      EXPECT_TRUE(same_bits(whole.data(), joined.data(), kCount))
+          << "batches of " << batch << " from " << origin;
     }
   }
 }
@@ -269,8 +281,8 @@ TEST(WhiteNoise, EveryNameHasDrawsOfItsOwn) {
   const std::int64_t last_step = (std::int64_t{1} << 47) - 1;
   const std::vector<double> reference = draw(1, {1, 0}, 0, 64);
   const std::vector<std::vector<double>> others = {
-      draw(1, {1, -1}, 0, 64),        draw(1, {1, 1}, 0, 64),         draw(1, {1, last_step}, 0, 64),
-      draw(1, {2, 0}, 0, 64),         draw(1, {0, 0}, 0, 64),         draw(2, {1, 0}, 0, 64),
+      draw(1, {1, -1}, 0, 64),         draw(1, {1, 1}, 0, 64),         draw(1, {1, last_step}, 0, 64),
+      draw(1, {2, 0}, 0, 64),          draw(1, {0, 0}, 0, 64),         draw(2, {1, 0}, 0, 64),
       draw(1ULL << 32, {1, 0}, 0, 64), draw(1, {1, 1LL << 32}, 0, 64), draw(1, {1, 0}, 64, 64),
       draw(1, {1, 0}, 1ULL << 33, 64), draw(1, {1, 0}, 1ULL << 47, 64)};
   for (std::size_t j = 0; j < others.size(); ++j) {
@@ -281,8 +293,9 @@ TEST(WhiteNoise, EveryNameHasDrawsOfItsOwn) {
   }
 }
 
-// From here on: statistics of a fixed sample. Every tolerance is four standard errors of the estimator for independent
-// standard normals; a sample that fails one of about thirty comparisons by chance is one in 500, and this one does not.
+// From here on: statistics of a fixed sample. Every tolerance is four standard errors of the estimator for
+// independent standard normals; a sample that fails one of about thirty comparisons by chance is one in 500,
+// and this one does not.
 constexpr double kStandardErrors = 4.0;
 constexpr std::size_t kSample = 1 << 18;
 
@@ -343,8 +356,8 @@ TEST(WhiteNoise, DistributionIsTheNormalOne) {
   EXPECT_NEAR(chi_square, kCells - 1, kStandardErrors * std::sqrt(2.0 * (kCells - 1)));
 }
 
-// The mean product of n pairs of independent standard normals has the standard error 1 / sqrt(n); the mean product
-// of x^2 - 1 and y^2 - 1 has 2 / sqrt(n).
+// The mean product of n pairs of independent standard normals has the standard error 1 / sqrt(n); the mean
+// product of x^2 - 1 and y^2 - 1 has 2 / sqrt(n).
 void expect_independent(const std::vector<double>& x, const std::vector<double>& y, const std::string& what) {
   const auto n = static_cast<double>(x.size());
   double product = 0.0, square = 0.0;
@@ -369,7 +382,8 @@ TEST(WhiteNoise, IsIndependentAcrossVehiclesStepsAndSeeds) {
 TEST(WhiteNoise, IsIndependentAcrossRealizations) {
   const std::vector<double> x = draw(1, {1, 0}, 0, kSample + 64);
   for (const std::ptrdiff_t lag : {1, 2, 3, 63, 64}) {
-    expect_independent({x.begin(), x.end() - 64}, {x.begin() + lag, x.end() - 64 + lag}, "lag " + std::to_string(lag));
+    expect_independent({x.begin(), x.end() - 64}, {x.begin() + lag, x.end() - 64 + lag},
+                       "lag " + std::to_string(lag));
   }
 }
 

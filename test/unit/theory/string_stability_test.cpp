@@ -135,9 +135,9 @@ TEST(StringStability, FlatterThanTheSensitivityHasNoLimitThoughTheGainStaysBelow
   EXPECT_TRUE(verdict.mean_bounded) << verdict.reason;
   EXPECT_FALSE(verdict.string_stable) << verdict.reason;
   EXPECT_FALSE(verdict.limit_variance.has_value());
-  const std::vector<double> variances = stationary_variances(model_with(flat.loop, flat.headway), 1 << 20);
+  const std::vector<double> variances = stationary_variances(model_with(flat.loop, flat.headway), 1 << 18);
   const auto increment = [&](std::size_t i) { return variances[i] - variances[i - 1]; };
-  EXPECT_NEAR(increment(1 << 14) / increment((1 << 20) - 1), 32.0, 2.0);  // 64^{5/6}; 64^{3/2} with a limit
+  EXPECT_NEAR(increment(1 << 12) / increment((1 << 18) - 1), 32.0, 3.0);  // 64^{5/6}; 64^{3/2} with a limit
 }
 
 TEST(StringStability, LimitScalesWithTheNoise) {

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <stochastic_platoon/ErrorStatistics.h>
+#include <stochastic_platoon/Position.h>
+
+#include <functional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/bags/platoon_topic.hpp"
+
+namespace platoon {
+
+/// A bag that cannot be read, or not without asking for its readable part; names the file and the reason.
+class BagError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Who is told of what a bag holds, in the order of the recorded times. What is left empty is not read.
+struct BagContent {
+  std::function<void(const PlatoonTopic&, const std::string& json)> configuration;
+  std::function<void(const PlatoonTopic&, const stochastic_platoon::Position::ConstPtr&)> position;
+  std::function<void(const PlatoonTopic&, const stochastic_platoon::Position::ConstPtr&)>
+      predecessor_position;
+  std::function<void(const PlatoonTopic&, const stochastic_platoon::ErrorStatistics::ConstPtr&)>
+      error_statistics;
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;  ///< in messages, of an intact bag
+};
+
+/// What a bag holds besides.
+struct BagRest {
+  std::set<std::string> foreign_topics;  ///< of other names or types: passed over
+  std::string damage;                    ///< of a damaged bag: what is wrong and where reading ended
+};
+
+/// Reads closed bags, several together as one. Throws BagError for a missing, damaged, unfinished or foreign
+/// file.
+BagRest read_bags(const std::vector<std::string>& files, const BagContent& content);
+
+/// Reads what there is of a truncated bag, or of the .active file of a recorder that was killed: records from
+/// the start of the file to the first that is cut off or makes no sense, in the order of the file. Throws
+/// BagError when it is no bag at all.
+BagRest read_damaged_bag(const std::string& file, const BagContent& content);
+
+}  // namespace platoon

@@ -1,0 +1,191 @@
+// Reads the records of the bag format (version 2.0) one after the other, without the index that a damaged bag
+// lacks. Every length is checked against what is there: the file may hold anything.
+
+#include <rosbag/chunked_file.h>
+#include <rosbag/stream.h>
+
+#include <boost/make_shared.hpp>
+#include <boost/shared_array.hpp>
+#include <cstring>
+#include <fstream>
+#include <map>
+
+#include "stochastic_platoon/bags/bag_reader.hpp"
+#include "stochastic_platoon/bags/message_dispatch.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr char kVersionLine[] = "#ROSBAG V2.0\n";
+constexpr std::uint8_t kMessageData = 0x02, kChunk = 0x05, kConnection = 0x07;  // values of the field "op"
+constexpr std::uint32_t kLongest = 1u << 30;  // of a header or of data: rosbag itself writes nothing near it
+
+using Fields = std::map<std::string, std::string>;
+
+struct Cut : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+template <typename Number>
+Number little_endian(const char* bytes) {
+  Number value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+template <typename Number>
+Number number_field(const Fields& fields, const std::string& name) {
+  const auto field = fields.find(name);
+  if (field == fields.end() || field->second.size() != sizeof(Number))
+    throw Cut("a record lacks its field " + name);
+  return little_endian<Number>(field->second.data());
+}
+
+Fields parse_fields(const std::string& header) {
+  Fields fields;
+  for (std::size_t at = 0; at < header.size();) {
+    if (header.size() - at < 4) throw Cut("a header is cut off");
+    const auto length = little_endian<std::uint32_t>(header.data() + at);
+    at += 4;
+    if (length > header.size() - at) throw Cut("a header is cut off");
+    const std::string field = header.substr(at, length);
+    const std::size_t equals = field.find('=');
+    if (equals == std::string::npos) throw Cut("a header makes no sense");
+    fields[field.substr(0, equals)] = field.substr(equals + 1);
+    at += length;
+  }
+  return fields;
+}
+
+struct Record {
+  Fields header;
+  std::string data;
+};
+
+// The next record, none at the end. Throws Cut.
+std::optional<Record> next_record(std::istream& stream) {
+  const auto sized = [&stream](bool may_end) -> std::optional<std::string> {
+    char length_bytes[4];
+    stream.read(length_bytes, 4);
+    if (stream.gcount() == 0 && may_end) return std::nullopt;
+    if (stream.gcount() < 4) throw Cut("a record is cut off");
+    const auto length = little_endian<std::uint32_t>(length_bytes);
+    if (length > kLongest) throw Cut("a record makes no sense");
+    std::string bytes;
+    // In pieces: a length that is nonsense must not take the memory it names.
+    while (bytes.size() < length) {
+      const std::size_t piece = std::min<std::size_t>(length - bytes.size(), 1u << 20);
+      const std::size_t before = bytes.size();
+      bytes.resize(before + piece);
+      stream.read(&bytes[before], static_cast<std::streamsize>(piece));
+      if (static_cast<std::size_t>(stream.gcount()) < piece) throw Cut("a record is cut off");
+    }
+    return bytes;
+  };
+  const std::optional<std::string> header = sized(true);
+  if (!header) return std::nullopt;
+  return Record{parse_fields(*header), *sized(false)};
+}
+
+class DamagedBag {
+public:
+  explicit DamagedBag(const BagContent& content) : content_(content), streams_(&no_file_) {}
+
+  void read(std::istream& stream) {
+    while (const std::optional<Record> record = next_record(stream)) take(*record);
+  }
+
+  BagRest rest;
+
+private:
+  void take(const Record& record) {
+    switch (number_field<std::uint8_t>(record.header, "op")) {
+      case kChunk:
+        return take_chunk(record);
+      case kConnection:
+        return take_connection(record);
+      case kMessageData:
+        return take_message(record);
+      default:
+        return;  // the bag's header and index
+    }
+  }
+
+  // A chunk that was being written when the recorder died has no size yet: its records then stand in the file
+  // as they are.
+  void take_chunk(const Record& record) {
+    const std::string compression =
+        record.header.count("compression") > 0 ? record.header.at("compression") : "";
+    if (compression == "none") {
+      std::istringstream stream(record.data);
+      return read(stream);
+    }
+    const auto size = number_field<std::uint32_t>(record.header, "size");
+    if (size > kLongest || (compression != "lz4" && compression != "bz2"))
+      throw Cut("a chunk makes no sense");
+    std::string plain(size, '\0'), packed = record.data;
+    try {
+      streams_.getStream(compression == "lz4" ? rosbag::compression::LZ4 : rosbag::compression::BZ2)
+          ->decompress(reinterpret_cast<std::uint8_t*>(&plain[0]), size,
+                       reinterpret_cast<std::uint8_t*>(&packed[0]), static_cast<unsigned int>(packed.size()));
+    } catch (const rosbag::BagException& error) {
+      throw Cut(std::string("a chunk cannot be unpacked: ") + error.what());
+    }
+    std::istringstream stream(plain);
+    read(stream);
+  }
+
+  void take_connection(const Record& record) {
+    const auto topic = record.header.find("topic");
+    if (topic == record.header.end()) throw Cut("a connection lacks its topic");
+    const Fields fields = parse_fields(record.data);
+    const auto value = [&fields](const char* name) {
+      return fields.count(name) > 0 ? fields.at(name) : std::string();
+    };
+    const TopicReading reading = reading_of(content_, topic->second, value("type"), value("md5sum"));
+    if (!reading.topic) rest.foreign_topics.insert(topic->second);
+    readings_[number_field<std::uint32_t>(record.header, "conn")] = reading;
+  }
+
+  void take_message(const Record& record) {
+    const auto reading = readings_.find(number_field<std::uint32_t>(record.header, "conn"));
+    if (reading == readings_.end()) throw Cut("a message has no connection");
+    if (!reading->second.wanted) return;
+    dispatch(content_, *reading->second.topic, [&record](auto message) {
+      std::string data = record.data;
+      ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(&data[0]),
+                                         static_cast<std::uint32_t>(data.size()));
+      const auto found = boost::make_shared<decltype(message)>();
+      ros::serialization::deserialize(stream, *found);
+      return found;
+    });
+  }
+
+  const BagContent& content_;
+  rosbag::ChunkedFile no_file_;
+  rosbag::StreamFactory streams_;
+  std::map<std::uint32_t, TopicReading> readings_;
+};
+
+}  // namespace
+
+BagRest read_damaged_bag(const std::string& file, const BagContent& content) {
+  std::ifstream stream(file, std::ios::binary);
+  char version[sizeof kVersionLine - 1];
+  stream.read(version, sizeof version);
+  if (!stream || std::memcmp(version, kVersionLine, sizeof version) != 0) {
+    throw BagError(file + ": is no bag of version 2.0: nothing of it can be read");
+  }
+  DamagedBag bag(content);
+  try {
+    bag.read(stream);
+  } catch (const Cut& reason) {
+    bag.rest.damage = reason.what();
+  } catch (const ros::serialization::StreamOverrunException& reason) {
+    bag.rest.damage = std::string("a message is cut off: ") + reason.what();
+  }
+  return bag.rest;
+}
+
+}  // namespace platoon

@@ -1,0 +1,146 @@
+#include "stochastic_platoon/theory/theorem_two.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "example_loops.hpp"
+#include "stochastic_platoon/theory/error_moments.hpp"
+#include "stochastic_platoon/theory/lemma_one.hpp"
+#include "stochastic_platoon/theory/norms.hpp"
+#include "stochastic_platoon/theory/string_matrices.hpp"
+
+namespace platoon {
+namespace {
+
+/// The same T in controllable companion form, the dual of what close_loop makes.
+StateSpace controllable(const StateSpace& loop) {
+  return {loop.a().transpose(), loop.c().transpose(), loop.b().transpose()};
+}
+
+/// max over k and i of ||eta_i C A^k||^2, by the dense matrices.
+double dense_covariance_gain(const StateSpace& loop, double headway, std::size_t followers, int steps) {
+  const StringMatrices string = string_matrices(loop, headway, followers);
+  Eigen::MatrixXd rows = string.c;
+  double largest = 0.0;
+  for (int k = 0; k < steps; ++k) {
+    largest = std::max(largest, rows.rowwise().squaredNorm().maxCoeff());
+    rows = (rows * string.a).eval();
+  }
+  return largest;
+}
+
+TEST(TheoremTwo, BoundsHoldForEveryFollowerAtEveryStep) {
+  for (const ExampleLoop& example : string_stable_loops()) {
+    if (example.name.find("slow") != std::string::npos) continue;  // thousands of steps to see anything
+    const PlatoonModel model = model_with(example.loop, example.headway);
+    for (const std::size_t followers : {1u, 2u, 20u}) {
+      const TheoremTwoBounds bounds = theorem_two_bounds(model, followers, 300);
+      ASSERT_TRUE(bounds.mean_bound && bounds.variance_bound) << example.name;
+      const ErrorNorms norms =
+          error_norms(error_moments(model, followers, 300), NormOrder::kTwo, NormOrder::kInfinity);
+      for (std::size_t i = 0; i < followers; ++i) {
+        EXPECT_LE(norms.mean[i], *bounds.mean_bound * (1.0 + 1e-12)) << example.name << " " << i + 1;
+        EXPECT_LE(norms.variance[i], *bounds.variance_bound * (1.0 + 1e-12)) << example.name << " " << i + 1;
+      }
+    }
+  }
+}
+
+TEST(TheoremTwo, StatedBoundOfTheInitialVarianceIsExceededInCompanionForm) {
+  // P_xi(0) = I. The paper's bound is rho(P) ||C||^2, the value at k = 0.
+  const StateSpace companion = controllable(paper_loop(3.2).realization);
+  const double stated = companion.c().squaredNorm();
+  EXPECT_NEAR(initial_covariance_gain(companion, 20) / stated, 1.6795, 1e-4);
+  const StateSpace observable = paper_loop(3.2).realization;
+  EXPECT_EQ(observable.c().squaredNorm(), 1.0);
+  EXPECT_NEAR(initial_covariance_gain(observable, 20), 2.7738, 1e-4);
+  EXPECT_NEAR(initial_covariance_gain(observable, 1), 2.6705, 1e-4);
+}
+
+TEST(TheoremTwo, CovarianceGainIsThatOfTheDenseString) {
+  for (const double h : {3.2, 2.4}) {
+    const StateSpace loop = paper_loop(h).realization;
+    for (const std::size_t followers : {1u, 3u, 20u}) {
+      for (const StateSpace& form : {loop, controllable(loop)}) {
+        const double expected = dense_covariance_gain(form, h, followers, 300);
+        EXPECT_NEAR(initial_covariance_gain(form, followers), expected, 1e-12 * expected)
+            << h << " " << followers;
+      }
+    }
+  }
+}
+
+TEST(TheoremTwo, MeanGainIsTheLargestThatAnyInitialStateReaches) {
+  const StateSpace loop = paper_loop(3.2).realization;
+  const StringMatrices string = string_matrices(loop, 3.2, 4);
+  Eigen::MatrixXd observed(400, string.a.rows());
+  Eigen::RowVectorXd row = string.c.bottomRows(1);
+  for (Eigen::Index k = 0; k < observed.rows(); ++k) {
+    observed.row(k) = row;
+    row = (row * string.a).eval();
+  }
+  const double expected = Eigen::JacobiSVD<Eigen::MatrixXd>(observed).singularValues()(0);
+  EXPECT_NEAR(initial_mean_gain(loop, 3.2, 4), expected, 1e-10 * expected);
+}
+
+TEST(TheoremTwo, MeanGainGrowsWithTheStringAndStaysBelowThatOfAnyLength) {
+  for (const ExampleLoop& example : string_stable_loops()) {
+    const StateSpace& loop = example.loop.realization;
+    double before = 0.0;
+    for (const std::size_t followers : {1u, 2u, 5u, 15u}) {
+      const double gain = initial_mean_gain(loop, example.headway, followers);
+      EXPECT_GE(gain, before * (1.0 - 1e-6)) << example.name;
+      EXPECT_LE(gain, initial_mean_gain_of_any_length(loop) * (1.0 + 1e-6)) << example.name;
+      before = gain;
+    }
+  }
+}
+
+TEST(TheoremTwo, InitialCovarianceIsTheSupremumOverAllLengths) {
+  const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
+  const double bound = theorem_two_bounds(model, 5, 10).initial_covariance;
+  double largest = 0.0;
+  for (const std::size_t followers : {1u, 2u, 3u, 10u, 60u}) {
+    const Eigen::MatrixXd response = initial_string(model, followers).response;
+    largest = std::pow(Eigen::JacobiSVD<Eigen::MatrixXd>(response).singularValues()(0), 2) * 0.3;
+    EXPECT_LE(largest, bound * (1.0 + 1e-12)) << followers;
+  }
+  EXPECT_NEAR(largest, bound, 1e-2 * bound);
+}
+
+TEST(TheoremTwo, HasTheTermsOfThePaper) {
+  const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
+  const TheoremTwoBounds bounds = theorem_two_bounds(model, 20, 300);
+  const std::vector<double> leader = leader_error(model, 300);
+  EXPECT_EQ(bounds.leader_norm, sequence_norm(leader.data(), leader.size(), NormOrder::kTwo));
+  EXPECT_EQ(*bounds.alpha_1, bounds.leader_norm);  // ||T||_infinity = 1
+  EXPECT_NEAR(bounds.initial_mean, initial_string(model, 20).mean.norm(), 1e-14);
+  EXPECT_EQ(*bounds.stated_beta_2, bounds.initial_covariance);  // ||C|| = 1
+  EXPECT_GT(*bounds.beta_2, *bounds.stated_beta_2);
+  EXPECT_EQ(*bounds.variance_bound, *bounds.alpha_2 + *bounds.beta_2);
+}
+
+TEST(TheoremTwo, HasNoBoundsForAStringUnstablePlatoon) {
+  const TheoremTwoBounds bounds = theorem_two_bounds(model_with(paper_loop(2.4), 2.4), 20, 100);
+  EXPECT_FALSE(bounds.alpha_1 || bounds.beta_1 || bounds.mean_bound);
+  EXPECT_FALSE(bounds.alpha_2 || bounds.beta_2 || bounds.stated_beta_2 || bounds.variance_bound);
+}
+
+TEST(TheoremTwo, RefusesUnstableVehiclesAndEmptyStrings) {
+  const StateSpace loop = paper_loop(3.2).realization;
+  const StateSpace unstable(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Ones(1),
+                            Eigen::RowVectorXd::Ones(1));
+  EXPECT_THROW(initial_mean_gain(unstable, 1.0, 2), std::invalid_argument);
+  EXPECT_THROW(initial_mean_gain(loop, 3.2, 0), std::invalid_argument);
+  EXPECT_THROW(initial_covariance_gain(unstable, 2), std::invalid_argument);
+  EXPECT_THROW(initial_covariance_gain(loop, 0), std::invalid_argument);
+  EXPECT_THROW(theorem_two_bounds(model_with(paper_loop(3.2), 3.2), 0, 10), std::invalid_argument);
+  EXPECT_THROW(theorem_two_bounds(model_with(paper_loop(3.2), 3.2), 2, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace platoon
