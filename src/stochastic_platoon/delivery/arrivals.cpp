@@ -77,12 +77,14 @@ Acknowledgement Arrivals::acknowledgement() const {
   return {attempt_, schedule_.next(turn.first_realization), kNothingYet};
 }
 
+std::optional<Turn> Arrivals::latest(std::size_t stream) const {
+  const std::optional<Turn>& turn = sequences_.at(stream).latest();
+  return turn && turn->attempt == attempt_ ? turn : std::nullopt;
+}
+
 std::vector<std::optional<Turn>> Arrivals::latest() const {
   std::vector<std::optional<Turn>> turns;
-  for (const Sequence& sequence : sequences_) {
-    const std::optional<Turn>& turn = sequence.latest();
-    turns.push_back(turn && turn->attempt == attempt_ ? turn : std::nullopt);
-  }
+  for (std::size_t stream = 0; stream < sequences_.size(); ++stream) turns.push_back(latest(stream));
   return turns;
 }
 

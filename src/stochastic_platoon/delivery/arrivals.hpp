@@ -54,7 +54,8 @@ public:
   std::uint64_t committed() const { return committed_; }
   std::uint32_t attempt() const { return attempt_; }
 
-  /// The latest turn of each stream in the present attempt.
+  /// The latest turn of a stream, or of each, in the present attempt.
+  std::optional<Turn> latest(std::size_t stream) const;
   std::vector<std::optional<Turn>> latest() const;
 
 private:

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/graph/monitor.hpp"
 
 #include <ros/console.h>
+#include <std_msgs/String.h>
 #include <stochastic_platoon/Progress.h>
 
 #include <algorithm>
@@ -38,27 +39,21 @@ Positions positions_of(const Position::ConstPtr& message) {
 Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration)
     : configuration_(configuration),
       prediction_(predict(configuration)),
-      start_(endless() ? std::nullopt : starting_point(configuration)),
-      ensemble_(configuration.run.followers, configuration.run.steps),
-      time_averages_(configuration.run.followers, configuration.run.burn_in),
-      tally_(start_ ? start_->tally : Tally{}),
-      assembly_(configuration.run.schedule(), configuration.run.followers,
-                {configuration.model.headway, configuration.model.standstill_distance},
-                start_ ? start_->table.count() : 0, tally_.attempts,
-                {[this](std::size_t follower, const Turn& turn, const auto& errors) {
-                   take_errors(follower, turn, errors);
-                 },
-                 [this](const CompleteBatch& batch) { commit(batch); }, [this] { restart(); }}),
+      statistics_(configuration, configuration.run.steps == 0 ? std::nullopt : starting_point(configuration)),
       display_(
           configuration.run.realizations, "realizations",
           static_cast<double>(configuration.run.followers) * static_cast<double>(configuration.run.steps),
           "vehicle-steps"),
-      wall_seconds_before_(tally_.wall_seconds),
+      wall_seconds_before_(statistics_.tally.wall_seconds),
+      committed_(statistics_.arrivals().committed()),
+      checkpointed_(committed_),
       progress_(platoon.advertise<Progress>("progress", kUnboundedQueue)),
-      error_statistics_(platoon.advertise<ErrorStatistics>("error_statistics", 1000, true)) {
-  if (endless()) require_writable_folder(configuration.run.output);
-  if (start_) ensemble_.merge(start_->table);
-  checkpointed_ = assembly_.arrivals().committed();
+      error_statistics_(platoon.advertise<ErrorStatistics>("error_statistics", 1000, true)),
+      configuration_text_(platoon.advertise<std_msgs::String>("configuration", 1, true)) {
+  if (statistics_.endless()) require_writable_folder(configuration.run.output);
+  std_msgs::String text;
+  text.data = to_json(configuration).dump();
+  configuration_text_.publish(text);
   for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
     refusals_.emplace_back(platoon.resolveName(position_topic(i)));
   }
@@ -78,67 +73,39 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration)
 
 void Monitor::receive(std::size_t vehicle, const Position::ConstPtr& message) {
   const Turn turn = turn_of(*message);
-  tally_.platoon_time = std::max(tally_.platoon_time, message->header.stamp.toNSec());
-  const Verdict verdict = assembly_.receive(vehicle, turn, positions_of(message));
-  if (verdict != Verdict::in_turn) {
-    refusals_[vehicle].count(verdict, turn, message->position.size());
-    return;
-  }
+  statistics_.tally.platoon_time = std::max(statistics_.tally.platoon_time, message->header.stamp.toNSec());
+  const Verdict verdict = statistics_.receive(vehicle, turn, positions_of(message));
+  if (verdict != Verdict::in_turn) return refusals_[vehicle].count(verdict, turn, message->position.size());
   last_arrival_ = now();
-  tally_.attempts = std::max(tally_.attempts, turn.attempt);
-  if (endless()) tally_.positions_received += message->position.size();
-  if (assembly_.arrivals().complete() && !finished_) finish();
-  const Acknowledgement present = assembly_.arrivals().acknowledgement();
+  const Arrivals& arrivals = statistics_.arrivals();
+  const Acknowledgement present = arrivals.acknowledgement();
   if (began_ < 0.0 && present.step != kNothingYet) began_ = last_arrival_;
+  if (arrivals.committed() > committed_) note_commit();
+  if (arrivals.complete() && !finished_) finish();
   if (present.first_realization != acknowledged_.first_realization || present.step != acknowledged_.step ||
       present.attempt != acknowledged_.attempt) {
     publish_progress();
   }
 }
 
-void Monitor::take_errors(std::size_t follower, const Turn& turn, const std::vector<double>& errors) {
-  if (!endless()) return ensemble_.add(follower, turn.step, turn.first_realization, errors);
-  time_averages_.add(follower, turn.step, errors.front());
-  last_step_ = std::max(last_step_, turn.step);
+void Monitor::note_commit() {
+  committed_ = statistics_.arrivals().committed();
+  statistics_.tally.wall_seconds = wall_seconds_before_ + (last_arrival_ - began_);
+  if (last_arrival_ - last_checkpoint_ >= kCheckpointPeriod) save_checkpoint();
 }
 
-void Monitor::restart() {
-  ensemble_.discard_open();
-  time_averages_.restart();
-  last_step_ = kNothingYet;
-  if (endless()) tally_.positions_received = 0;
-}
-
-void Monitor::commit(const CompleteBatch& batch) {
-  ensemble_.commit(batch.first_realization);
-  tally_.positions_received += batch.positions_received;
-  const double present = now();
-  tally_.wall_seconds = wall_seconds_before_ + (present - began_);
-  if (present - last_checkpoint_ >= kCheckpointPeriod) save_checkpoint(present);
-}
-
-void Monitor::save_checkpoint(double time) {
-  write_checkpoint(configuration_.run.output, {statistics_identity(configuration_), configuration_.run.launch,
-                                               tally_, ensemble_.committed()});
-  last_checkpoint_ = time;
-  checkpointed_ = ensemble_.committed().count();
-}
-
-std::vector<Moments> Monitor::moments() const {
-  return endless() ? time_averages_.moments() : ensemble_.committed().totals();
-}
-
-RunResult Monitor::result() const {
-  return {finished_, endless() ? 1 : ensemble_.committed().count(), std::max<std::int64_t>(last_step_, 0),
-          tally_, moments()};
+void Monitor::save_checkpoint() {
+  write_checkpoint(configuration_.run.output, statistics_.checkpoint());
+  last_checkpoint_ = now();
+  checkpointed_ = committed_;
 }
 
 void Monitor::finish() {
   finished_ = true;
-  save_checkpoint(now());
-  const RunResult final = result();
+  save_checkpoint();
+  const RunResult final = statistics_.result(true);
   write_results(configuration_, prediction_, final);
-  display_.update(assembly_.arrivals().committed(), now());
+  display_.update(committed_, now());
   display_.finish();
   for (std::int64_t k = 0; k < configuration_.run.steps; ++k) publish_statistics(k, final.moments);
   std::printf("%sResults: %s/statistics.csv and summary.json\n",
@@ -147,18 +114,14 @@ void Monitor::finish() {
 }
 
 void Monitor::stop() {
-  if (finished_ || (endless() && last_step_ < 0)) return;
+  if (finished_ || statistics_.empty()) return;
   display_.finish();
-  if (endless()) {
-    tally_.wall_seconds = now() - began_;
-  } else {
-    if (ensemble_.committed().count() > checkpointed_) save_checkpoint(now());
-    if (ensemble_.committed().count() == 0) return;
-  }
-  const RunResult partial = result();
+  if (statistics_.endless()) statistics_.tally.wall_seconds = now() - began_;
+  if (committed_ > checkpointed_) save_checkpoint();
+  const RunResult partial = statistics_.result(false);
   write_results(configuration_, prediction_, partial);
   std::printf("%s", report(configuration_, prediction_, partial).c_str());
-  if (!endless()) {
+  if (!statistics_.endless()) {
     std::printf(
         "Stopped after %llu of %llu realizations; the same launch with output:=%s resume:=true goes on from "
         "there.\n",
@@ -170,17 +133,16 @@ void Monitor::stop() {
 
 void Monitor::tick() {
   const double present = now();
-  if (assembly_.arrivals().complete() && !finished_) finish();  // resumed when nothing was left to do
+  if (statistics_.arrivals().complete() && !finished_) finish();  // resumed when nothing was left to do
   if (!is_linked()) return report_stall(present);
   publish_progress();
   if (finished_) return;
-  if (!endless() && began_ >= 0.0) display_.update(assembly_.arrivals().committed(), present);
+  if (!statistics_.endless() && began_ >= 0.0) display_.update(committed_, present);
   report_stall(present);
-  if (endless() ? last_step_ >= 0 : ensemble_.committed().count() > 0) {
-    if (!endless() && present - last_statistics_ < kStatisticsPeriod) return;
-    last_statistics_ = present;
-    publish_statistics(endless() ? last_step_ : configuration_.run.steps - 1, moments());
-  }
+  if (statistics_.empty()) return;
+  if (!statistics_.endless() && present - last_statistics_ < kStatisticsPeriod) return;
+  last_statistics_ = present;
+  publish_statistics(statistics_.last_step(), statistics_.moments());
 }
 
 // The leader waits for the first report: it comes when every vehicle can be heard, so that no attempt is
@@ -198,7 +160,7 @@ void Monitor::report_stall(double present) {
   if (last_arrival_ < 0.0) last_arrival_ = present;
   const bool stalled = present - last_arrival_ > 0.75 * configuration_.run.stall_timeout + pace;
   if (stalled && !stalled_) {
-    ROS_WARN_STREAM("the platoon stands still: " << culprit(assembly_.arrivals().latest(),
+    ROS_WARN_STREAM("the platoon stands still: " << culprit(statistics_.arrivals().latest(),
                                                             configuration_.run.schedule()));
   } else if (!stalled && stalled_) {
     ROS_WARN("the platoon moves again");
@@ -207,9 +169,9 @@ void Monitor::report_stall(double present) {
 }
 
 void Monitor::publish_progress() {
-  acknowledged_ = assembly_.arrivals().acknowledgement();
+  acknowledged_ = statistics_.arrivals().acknowledgement();
   Progress message;
-  message.header.stamp.fromNSec(tally_.platoon_time);
+  message.header.stamp.fromNSec(statistics_.tally.platoon_time);
   message.receiver = "monitor";
   message.attempt = acknowledged_.attempt;
   message.first_realization = acknowledged_.first_realization;
@@ -221,12 +183,12 @@ void Monitor::publish_progress() {
 void Monitor::publish_statistics(std::int64_t step, const std::vector<Moments>& all) {
   const std::size_t followers = configuration_.run.followers;
   ErrorStatistics message;
-  message.header.stamp.fromNSec(tally_.platoon_time);
+  message.header.stamp.fromNSec(statistics_.tally.platoon_time);
   message.step = step;
-  message.realizations = endless() ? 1 : ensemble_.committed().count();
-  message.time_average = endless();
+  message.realizations = statistics_.realizations();
+  message.time_average = statistics_.endless();
   for (std::size_t i = 1; i <= followers; ++i) {
-    const std::size_t c = endless() ? i - 1 : cell(i, step, configuration_.run.steps);
+    const std::size_t c = statistics_.endless() ? i - 1 : cell(i, step, configuration_.run.steps);
     message.mean.push_back(all[c].mean);
     message.variance.push_back(all[c].variance());
     message.theoretical_mean.push_back(prediction_.mean[c]);

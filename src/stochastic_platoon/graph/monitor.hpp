@@ -4,16 +4,12 @@
 #include <stochastic_platoon/ErrorStatistics.h>
 #include <stochastic_platoon/Position.h>
 
-#include <optional>
 #include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
-#include "stochastic_platoon/delivery/assembly.hpp"
 #include "stochastic_platoon/graph/refusals.hpp"
 #include "stochastic_platoon/results/progress_display.hpp"
-#include "stochastic_platoon/results/run_result.hpp"
-#include "stochastic_platoon/statistics/ensemble_statistics.hpp"
-#include "stochastic_platoon/statistics/time_statistics.hpp"
+#include "stochastic_platoon/results/run_statistics.hpp"
 
 namespace platoon {
 
@@ -23,7 +19,8 @@ namespace platoon {
 /// A batch counts when it is whole. Totals are checkpointed after commits; on completion, or when it is
 /// stopped, the monitor writes the results. It names who holds the platoon up when nothing moves.
 ///
-/// Subscribes: vehicle_<i>/position, i = 0 .. N. Publishes: progress, error_statistics.
+/// Subscribes: vehicle_<i>/position, i = 0 .. N; progress (of other receivers). Publishes: progress,
+/// error_statistics, configuration (std_msgs/String, latched: the model and the run as JSON).
 class Monitor {
 public:
   /// Throws ConfigurationError as starting_point() does.
@@ -34,43 +31,34 @@ public:
 
 private:
   void receive(std::size_t vehicle, const stochastic_platoon::Position::ConstPtr& message);
-  void commit(const CompleteBatch& batch);
-  void restart();
-  void take_errors(std::size_t follower, const Turn& turn, const std::vector<double>& errors);
+  void note_commit();
   void tick();
   bool is_linked();
   void report_stall(double now);
   void finish();
-
-  bool endless() const { return configuration_.run.steps == 0; }
-  std::vector<Moments> moments() const;
-  RunResult result() const;
-  void save_checkpoint(double now);
+  void save_checkpoint();
   void publish_progress();
   void publish_statistics(std::int64_t step, const std::vector<Moments>& all);
 
   Configuration configuration_;
   Prediction prediction_;
-  std::optional<Checkpoint> start_;
-  EnsembleStatistics ensemble_;
-  TimeStatistics time_averages_;
-  Tally tally_;
-  Assembly assembly_;
+  RunStatistics statistics_;
   std::vector<Refusals> refusals_;
   ProgressDisplay display_;
-  Acknowledgement acknowledged_{};        ///< the last one published
-  std::int64_t last_step_ = kNothingYet;  ///< the latest with errors
-  double began_ = -1.0;                   ///< [s] first complete step of this launch
-  double wall_seconds_before_ = 0.0;      ///< [s] of earlier launches
-  double last_arrival_ = -1.0;            ///< [s]
-  double last_checkpoint_ = -1.0;         ///< [s]
-  double last_statistics_ = -1.0;         ///< [s]
-  std::uint64_t checkpointed_ = 0;        ///< realizations in the latest checkpoint
-  bool linked_ = false;                   ///< every vehicle has been heard of
+  Acknowledgement acknowledged_{};    ///< the last one published
+  double began_ = -1.0;               ///< [s] first complete step of this launch
+  double wall_seconds_before_ = 0.0;  ///< [s] of earlier launches
+  double last_arrival_ = -1.0;        ///< [s]
+  double last_checkpoint_ = -1.0;     ///< [s]
+  double last_statistics_ = -1.0;     ///< [s]
+  std::uint64_t committed_ = 0;       ///< realizations when last looked at
+  std::uint64_t checkpointed_ = 0;    ///< realizations in the latest checkpoint
+  bool linked_ = false;               ///< every vehicle has been heard of
   bool stalled_ = false;
   bool finished_ = false;
   ros::Publisher progress_;
   ros::Publisher error_statistics_;
+  ros::Publisher configuration_text_;  ///< latched: whoever records the platoon records what it was
   std::vector<ros::Subscriber> positions_;
   ros::Subscriber notes_;  ///< of the other receivers
   ros::SteadyTimer timer_;

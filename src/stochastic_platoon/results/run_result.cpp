@@ -14,25 +14,6 @@ Agreement measured_agreement(const Prediction& prediction, const RunResult& resu
   return agreement(result.moments, prediction.mean, prediction.variance);
 }
 
-std::string statistics_csv(const Configuration& configuration, const Prediction& prediction,
-                           const RunResult& result) {
-  const bool time_average = configuration.run.steps == 0;
-  const std::int64_t steps = time_average ? 1 : configuration.run.steps;
-  std::string text = "vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance\n";
-  for (std::size_t i = 1; i <= configuration.run.followers; ++i) {
-    for (std::int64_t k = 0; k < steps; ++k) {
-      const std::size_t c = cell(i, k, steps);
-      const Moments& moments = result.moments[c];
-      text += formatted("%zu,%lld,%llu,%.17g,%.17g,%.17g,%.17g\n", i,
-                        static_cast<long long>(time_average ? result.last_step : k),
-                        static_cast<unsigned long long>(moments.count),
-                        moments.count > 0 ? moments.mean : std::nan(""), moments.variance(),
-                        prediction.mean[c], prediction.variance[c]);
-    }
-  }
-  return text;
-}
-
 nlohmann::json theory_json(const Prediction& prediction) {
   const StringStability& stability = prediction.stability;
   nlohmann::json limit;
@@ -129,6 +110,25 @@ Prediction predict(const Configuration& configuration) {
 
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations) {
   return (run.followers + 1) * static_cast<std::uint64_t>(run.steps + 1) * realizations;
+}
+
+std::string statistics_csv(const Configuration& configuration, const Prediction& prediction,
+                           const RunResult& result) {
+  const bool time_average = configuration.run.steps == 0;
+  const std::int64_t steps = time_average ? 1 : configuration.run.steps;
+  std::string text = "vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance\n";
+  for (std::size_t i = 1; i <= configuration.run.followers; ++i) {
+    for (std::int64_t k = 0; k < steps; ++k) {
+      const std::size_t c = cell(i, k, steps);
+      const Moments& moments = result.moments[c];
+      text += formatted("%zu,%lld,%llu,%.17g,%.17g,%.17g,%.17g\n", i,
+                        static_cast<long long>(time_average ? result.last_step : k),
+                        static_cast<unsigned long long>(moments.count),
+                        moments.count > 0 ? moments.mean : std::nan(""), moments.variance(),
+                        prediction.mean[c], prediction.variance[c]);
+    }
+  }
+  return text;
 }
 
 void write_results(const Configuration& configuration, const Prediction& prediction,

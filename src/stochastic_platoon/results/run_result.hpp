@@ -39,6 +39,10 @@ std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizatio
 /// Writes output/statistics.csv and output/summary.json, each atomically. Throws std::runtime_error.
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
+/// The content of statistics.csv.
+std::string statistics_csv(const Configuration& configuration, const Prediction& prediction,
+                           const RunResult& result);
+
 /// The table and the verdict for a terminal: per follower at the last step the measured variance with its
 /// standard error, the theoretical variance and the score; then whether all cells agree, and whether the
 /// platoon is string stable and why.

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/bags/bag_reader.hpp"
+#include "stochastic_platoon/results/run_statistics.hpp"
+
+namespace platoon {
+
+/// What a bag's positions amount to.
+struct BagStatistics {
+  Configuration configuration;  ///< of the run that was recorded
+  RunResult result;             ///< of the whole batches in the bag
+  std::vector<std::string>
+      findings;  ///< what is missing, duplicated or foreign: by topic and step, at most some of each
+  std::set<std::string> foreign_topics;  ///< of other names or types: passed over
+};
+
+/// Runs the positions of a recorded platoon through the same statistics as the monitor's.
+///
+/// `partial` allows a single file that is damaged or was not closed, and reads what there is of it.
+/// `progress` is told of messages done and in all. Throws BagError for a bag that cannot be read so, that
+/// says nothing of its configuration, or that holds more than one platoon.
+BagStatistics statistics_of_bags(const std::vector<std::string>& files, bool partial,
+                                 const std::function<void(std::uint64_t, std::uint64_t)>& progress);
+
+/// The configuration a bag was recorded with, and the namespace of its platoon. Throws as above.
+struct RecordedPlatoon {
+  Configuration configuration;
+  std::string name_space;
+};
+RecordedPlatoon recorded_platoon(const std::vector<std::string>& files, bool partial);
+
+}  // namespace platoon

@@ -1,0 +1,103 @@
+// The results of a recorded run, straight from its bag and without a master: the same statistics.csv and
+// summary.json, to the bit.
+
+#include <boost/program_options.hpp>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "stochastic_platoon/bags/bag_statistics.hpp"
+#include "stochastic_platoon/results/atomic_file.hpp"
+#include "stochastic_platoon/results/progress_display.hpp"
+
+namespace {
+
+namespace options = boost::program_options;
+
+struct Arguments {
+  std::vector<std::string> bags;
+  std::string output;
+  bool csv = false;
+  bool partial = false;
+};
+
+Arguments parse(int argc, char** argv) {
+  Arguments arguments;
+  options::options_description description(
+      "bag_statistics BAG...: statistics of a recorded platoon (several bags: a split one)");
+  description.add_options()("help", "print this")                                     //
+      ("bag", options::value(&arguments.bags), "bag files; may stand without --bag")  //
+      ("output", options::value(&arguments.output),
+       "folder for statistics.csv and summary.json; without it none")                              //
+      ("csv", options::bool_switch(&arguments.csv), "print statistics.csv instead of the report")  //
+      ("partial", options::bool_switch(&arguments.partial),
+       "use the readable part of a damaged or incomplete bag");
+  options::positional_options_description positional;
+  positional.add("bag", -1);
+  options::variables_map values;
+  options::store(options::command_line_parser(argc, argv).options(description).positional(positional).run(),
+                 values);
+  options::notify(values);
+  if (values.count("help") > 0 || arguments.bags.empty()) {
+    (values.count("help") > 0 ? std::cout : std::cerr) << description;
+    std::exit(values.count("help") > 0 ? 0 : 2);
+  }
+  return arguments;
+}
+
+platoon::BagStatistics read(const Arguments& arguments) {
+  std::unique_ptr<platoon::ProgressDisplay> display;
+  const auto progress = [&](std::uint64_t done, std::uint64_t total) {
+    if (arguments.csv) return;
+    if (!display) display = std::make_unique<platoon::ProgressDisplay>(total, "messages", 1.0, "messages");
+    display->update(
+        done, std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count());
+  };
+  platoon::BagStatistics statistics =
+      platoon::statistics_of_bags(arguments.bags, arguments.partial, progress);
+  if (display) display->finish();
+  return statistics;
+}
+
+// Whether the bag gives what was asked for; says on standard error what is wrong with it.
+bool is_usable(const platoon::BagStatistics& statistics, const Arguments& arguments) {
+  for (const std::string& topic : statistics.foreign_topics) std::cerr << topic << ": foreign: passed over\n";
+  for (const std::string& finding : statistics.findings) std::cerr << finding << "\n";
+  const bool whole =
+      statistics.findings.empty() && (statistics.result.complete || statistics.configuration.run.steps == 0);
+  if (!whole && !arguments.partial) {
+    std::cerr << arguments.bags.front()
+              << ": the recording is not complete; --partial uses its whole batches\n";
+  }
+  return whole || arguments.partial;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const Arguments arguments = parse(argc, argv);
+    platoon::BagStatistics statistics = read(arguments);
+    if (!is_usable(statistics, arguments)) return 1;
+    platoon::Configuration& configuration = statistics.configuration;
+    configuration.run.hosting = "bag";
+    configuration.run.output = arguments.output;
+    const platoon::Prediction prediction = platoon::predict(configuration);
+    if (!arguments.output.empty()) {
+      configuration.run.resume = false;
+      configuration.run.launch.clear();
+      platoon::starting_point(configuration);  // refuses a folder that holds results
+      platoon::write_results(configuration, prediction, statistics.result);
+    }
+    if (arguments.csv) {
+      std::cout << platoon::statistics_csv(configuration, prediction, statistics.result);
+    } else {
+      std::cout << platoon::report(configuration, prediction, statistics.result);
+    }
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << argv[0] << ": " << error.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,349 @@
+#include "stochastic_platoon/delivery/assembly.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <stdexcept>
+#include <tuple>
+
+namespace platoon {
+namespace {
+
+const BatchSchedule kSchedule{20, 8, 3};  // batches at 0, 8 and, of size 4, at 16; steps -1 .. 2
+const TrackingError kError{3.2, 0.5};
+constexpr std::size_t kFollowers = 2;
+
+// A position that tells vehicle, realization and step apart.
+double position(std::size_t vehicle, std::uint64_t realization, std::int64_t step) {
+  return 1000.0 * static_cast<double>(vehicle) + 10.0 * static_cast<double>(realization) +
+         0.37 * static_cast<double>(step * step);
+}
+
+double error(std::size_t follower, std::uint64_t realization, std::int64_t step) {
+  return kError(position(follower - 1, realization, step), position(follower, realization, step),
+                position(follower, realization, step - 1));
+}
+
+Positions positions(std::size_t vehicle, const Turn& turn, std::size_t count) {
+  std::vector<double> values;
+  for (std::size_t r = 0; r < count; ++r)
+    values.push_back(position(vehicle, turn.first_realization + r, turn.step));
+  return std::make_shared<const std::vector<double>>(values);
+}
+
+// An assembly with a record of all it told, which it checks as it comes.
+class Assembled {
+public:
+  explicit Assembled(const BatchSchedule& schedule = kSchedule, std::uint64_t first = 0,
+                     std::uint32_t attempt = 0)
+      : schedule_(schedule),
+        assembly_(schedule, kFollowers, kError, first, attempt,
+                  {[this](std::size_t i, const Turn& turn, const std::vector<double>& errors) {
+                     take_errors(i, turn, errors);
+                   },
+                   [this](const CompleteBatch& batch) { take_batch(batch); }, [this] { restart(); }}) {}
+
+  Verdict receive(std::size_t vehicle, const Turn& turn) {
+    const Positions message = positions(vehicle, turn, schedule_.size(turn.first_realization));
+    sent_.push_back(message);
+    return assembly_.receive(vehicle, turn, message);
+  }
+
+  // Steps `from` to `to` of the batch, each from all vehicles.
+  void receive_steps(std::uint32_t attempt, std::uint64_t first, std::int64_t from, std::int64_t to) {
+    for (std::int64_t step = from; step <= to; ++step) {
+      for (std::size_t i = 0; i <= kFollowers; ++i) {
+        EXPECT_EQ(receive(i, {attempt, first, step}), Verdict::in_turn) << i << ": " << first << ", " << step;
+      }
+    }
+  }
+
+  void expect_acknowledged(const Turn& expected) const {
+    const Acknowledgement found = assembly_.acknowledgement();
+    EXPECT_EQ(std::tie(found.attempt, found.first_realization, found.step),
+              std::tie(expected.attempt, expected.first_realization, expected.step));
+  }
+
+  std::size_t positions_kept() const {
+    return static_cast<std::size_t>(
+        std::count_if(sent_.begin(), sent_.end(), [](const auto& message) { return !message.expired(); }));
+  }
+
+  Assembly& assembly() { return assembly_; }
+  std::size_t errors_told() const { return errors_told_; }
+  int restarts() const { return restarts_; }
+  const std::vector<CompleteBatch>& batches() const { return batches_; }
+
+private:
+  void take_errors(std::size_t follower, const Turn& turn, const std::vector<double>& errors) {
+    ++errors_told_;
+    const auto last = last_told_.find(follower);
+    if (last != last_told_.end()) {
+      const Turn& before = last->second;
+      const bool next_step =
+          turn.first_realization == before.first_realization && turn.step == before.step + 1;
+      const bool next_batch = schedule_.is_last_step(before.step) && turn.step == 0 &&
+                              turn.first_realization == schedule_.next(before.first_realization);
+      EXPECT_TRUE(next_step || next_batch) << "out of order: follower " << follower;
+    } else {
+      EXPECT_EQ(turn.step, 0);
+    }
+    last_told_[follower] = turn;
+    ASSERT_EQ(errors.size(), schedule_.size(turn.first_realization));
+    for (std::size_t r = 0; r < errors.size(); ++r) {
+      EXPECT_DOUBLE_EQ(errors[r], error(follower, turn.first_realization + r, turn.step))
+          << "follower " << follower << ", realization " << turn.first_realization + r << ", step "
+          << turn.step;
+    }
+    ++told_[turn.first_realization];
+  }
+
+  void take_batch(const CompleteBatch& batch) {
+    EXPECT_EQ(told_[batch.first_realization], kFollowers * static_cast<std::size_t>(schedule_.steps))
+        << "all errors of a batch are told before it is complete";
+    batches_.push_back(batch);
+  }
+
+  void restart() {
+    ++restarts_;
+    told_.clear();
+    last_told_.clear();
+  }
+
+  BatchSchedule schedule_;
+  std::map<std::uint64_t, std::size_t> told_;
+  std::map<std::size_t, Turn> last_told_;
+  std::size_t errors_told_ = 0;
+  int restarts_ = 0;
+  std::vector<CompleteBatch> batches_;
+  std::vector<std::weak_ptr<const std::vector<double>>> sent_;
+  Assembly assembly_;
+};
+
+std::vector<Turn> all_turns(const BatchSchedule& schedule, std::uint32_t attempt, std::uint64_t first) {
+  std::vector<Turn> turns;
+  for (; !schedule.is_complete(first); first = schedule.next(first)) {
+    for (std::int64_t step = kInitialStep; step < schedule.steps; ++step)
+      turns.push_back({attempt, first, step});
+  }
+  return turns;
+}
+
+void expect_whole_run(const Assembled& assembled, Assembly& assembly) {
+  EXPECT_TRUE(assembly.complete());
+  ASSERT_EQ(assembled.batches().size(), 3u);
+  const std::uint64_t firsts[] = {0, 8, 16}, sizes[] = {8, 8, 4};
+  for (std::size_t b = 0; b < 3; ++b) {
+    EXPECT_EQ(assembled.batches()[b].first_realization, firsts[b]);
+    EXPECT_EQ(assembled.batches()[b].positions_received, (kFollowers + 1) * 4 * sizes[b]);
+  }
+}
+
+TEST(Assembly, FormsEveryErrorOfEveryBatch) {
+  Assembled assembled;
+  for (const std::uint64_t first : {0, 8, 16}) assembled.receive_steps(1, first, -1, 2);
+  expect_whole_run(assembled, assembled.assembly());
+  EXPECT_EQ(assembled.errors_told(), 3 * 3 * kFollowers);
+}
+
+// Batches overlap as they may: a vehicle is ahead of another by as much as chance will have it.
+TEST(Assembly, FormsEveryErrorInOrderHoweverTheVehiclesInterleave) {
+  const std::vector<Turn> turns = all_turns(kSchedule, 1, 0);
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    std::mt19937 generator(seed);
+    Assembled assembled;
+    std::vector<std::size_t> next(kFollowers + 1, 0);
+    const unsigned favourite = generator() % 4;  // 3: none
+    for (std::size_t left = turns.size() * next.size(); left > 0;) {
+      const std::size_t vehicle = generator() % 3 == 0 && favourite < 3 ? favourite : generator() % 3;
+      if (next[vehicle] == turns.size()) continue;
+      ASSERT_EQ(assembled.receive(vehicle, turns[next[vehicle]++]), Verdict::in_turn);
+      --left;
+      const std::size_t slowest = *std::min_element(next.begin(), next.end());
+      const Turn& last = turns[slowest == 0 ? 0 : slowest - 1];
+      if (slowest == 0) {
+        assembled.expect_acknowledged({1, 0, kNothingYet});
+      } else if (kSchedule.is_last_step(last.step)) {
+        assembled.expect_acknowledged({1, kSchedule.next(last.first_realization), kNothingYet});
+      } else {
+        assembled.expect_acknowledged(last);
+      }
+    }
+    expect_whole_run(assembled, assembled.assembly());
+  }
+}
+
+TEST(Assembly, AcknowledgesWhatHasArrivedFromEveryVehicle) {
+  Assembled assembled;
+  assembled.expect_acknowledged({0, 0, kNothingYet});
+  assembled.receive(0, {1, 0, -1});
+  assembled.receive(2, {1, 0, -1});
+  assembled.receive(0, {1, 0, 0});
+  assembled.expect_acknowledged({1, 0, kNothingYet});
+  assembled.receive(1, {1, 0, -1});
+  assembled.expect_acknowledged({1, 0, -1});
+  assembled.receive_steps(2, 0, -1, 1);
+  assembled.expect_acknowledged({2, 0, 1});
+  assembled.receive_steps(2, 0, 2, 2);
+  assembled.expect_acknowledged({2, 8, kNothingYet});
+}
+
+TEST(Assembly, LetsGoOfPositionsOnceTheirErrorsAreFormed) {
+  Assembled assembled;
+  for (const std::uint64_t first : {0, 8, 16}) {
+    for (std::int64_t step = -1; step < 3; ++step) {
+      assembled.receive_steps(1, first, step, step);
+      EXPECT_LE(assembled.positions_kept(), kFollowers)
+          << "the last position of each follower, for its next error";
+    }
+  }
+}
+
+TEST(Assembly, KeepsNoMoreThanTheVehiclesAreApart) {
+  const BatchSchedule schedule{1, 1, 0};
+  Assembled assembled(schedule);
+  constexpr std::int64_t kApart = 10;
+  for (std::int64_t step = -1; step < 500; ++step) {
+    assembled.receive(0, {1, 0, step});
+    for (std::size_t i = 1; i <= kFollowers; ++i) {
+      const std::int64_t late = step - kApart * static_cast<std::int64_t>(i) / 2;
+      if (late >= -1) assembled.receive(i, {1, 0, late});
+    }
+    ASSERT_LE(assembled.positions_kept(), static_cast<std::size_t>(kApart + 2) * (kFollowers + 1));
+  }
+}
+
+TEST(Assembly, KeepsNothingOfWhatItRefuses) {
+  Assembled assembled;
+  assembled.receive_steps(1, 0, -1, 0);
+  const std::size_t kept = assembled.positions_kept();
+  for (std::size_t i = 0; i <= kFollowers; ++i) {
+    EXPECT_EQ(assembled.receive(i, {1, 0, 2}), Verdict::out_of_turn);
+    EXPECT_EQ(assembled.receive(i, {1, 0, 0}), Verdict::out_of_turn);
+    EXPECT_EQ(assembled.receive(i, {0, 0, 1}), Verdict::stale);
+    EXPECT_EQ(assembled.receive(i, {2, 0, 1}), Verdict::missed_start);
+    EXPECT_EQ(assembled.assembly().receive(i, {1, 0, 1}, positions(i, {1, 0, 1}, 7)), Verdict::wrong_size);
+  }
+  EXPECT_EQ(assembled.positions_kept(), kept);
+  EXPECT_EQ(assembled.restarts(), 1);
+  assembled.expect_acknowledged({1, 0, 0});
+  assembled.receive_steps(1, 0, 1, 2);
+  EXPECT_EQ(assembled.batches().size(), 1u);
+}
+
+TEST(Assembly, ForgetsTheUnfinishedBatchesWhenANewerAttemptBegins) {
+  Assembled assembled;
+  assembled.receive_steps(1, 0, -1, 2);
+  assembled.receive_steps(1, 8, -1, 1);
+  assembled.receive(0, {1, 8, 2});
+  EXPECT_EQ(assembled.restarts(), 1);
+  EXPECT_EQ(assembled.receive(1, {2, 8, -1}), Verdict::in_turn);
+  EXPECT_EQ(assembled.restarts(), 2);
+  EXPECT_EQ(assembled.positions_kept(), 1u);
+  assembled.expect_acknowledged({2, 8, kNothingYet});
+  for (std::size_t i = 0; i <= kFollowers; ++i) EXPECT_EQ(assembled.receive(i, {1, 8, 2}), Verdict::stale);
+  EXPECT_EQ(assembled.receive(0, {2, 8, -1}), Verdict::in_turn);
+  EXPECT_EQ(assembled.receive(2, {2, 8, -1}), Verdict::in_turn);
+  assembled.receive_steps(2, 8, 0, 2);
+  assembled.receive_steps(2, 16, -1, 2);
+  expect_whole_run(assembled, assembled.assembly());
+}
+
+TEST(Assembly, RefusesAnAttemptThatBeginsAtAnotherRealization) {
+  Assembled assembled;
+  assembled.receive_steps(1, 0, -1, 2);
+  for (const std::uint64_t first : {0, 16}) {
+    EXPECT_EQ(assembled.receive(0, {2, first, -1}), Verdict::out_of_turn);
+  }
+  EXPECT_EQ(assembled.restarts(), 1);
+  assembled.expect_acknowledged({1, 8, kNothingYet});
+  assembled.receive_steps(3, 8, -1, 2);
+  EXPECT_EQ(assembled.restarts(), 2);
+  EXPECT_EQ(assembled.batches().size(), 2u);
+}
+
+TEST(Assembly, GoesOnFromWhatWasCommittedBefore) {
+  Assembled assembled(kSchedule, 5, 3);
+  EXPECT_EQ(assembled.assembly().committed(), 5u);
+  assembled.expect_acknowledged({3, 5, kNothingYet});
+  EXPECT_EQ(assembled.receive(0, {2, 5, -1}), Verdict::stale);
+  EXPECT_EQ(assembled.receive(0, {4, 0, -1}), Verdict::out_of_turn);
+  assembled.receive_steps(4, 5, -1, 2);
+  assembled.expect_acknowledged({4, 13, kNothingYet});
+  assembled.receive_steps(4, 13, -1, 2);
+  EXPECT_TRUE(assembled.assembly().complete());
+  EXPECT_EQ(assembled.assembly().committed(), 20u);
+  ASSERT_EQ(assembled.batches().size(), 2u);
+  EXPECT_EQ(assembled.batches()[1].positions_received, 3u * 4u * 7u);
+}
+
+TEST(Assembly, IsCompleteWhenEverythingWasCommittedBefore) {
+  Assembled assembled(kSchedule, 20, 3);
+  EXPECT_TRUE(assembled.assembly().complete());
+  assembled.expect_acknowledged({3, 20, kNothingYet});
+  EXPECT_NE(assembled.receive(0, {4, 20, -1}), Verdict::in_turn);
+}
+
+// A monitor that was restarted knows attempt 3 from its checkpoint, up to realization 8. The leader has not
+// noticed yet and is at the batch of realization 16 in the same attempt: that is not the batch which is
+// missing.
+TEST(Assembly, DoesNotTakeALaterBatchOfTheAttemptItWasRestartedIn) {
+  Assembled assembled(BatchSchedule{40, 8, 3}, 8, 3);
+  for (std::int64_t step = kInitialStep; step < 3; ++step) {
+    for (std::size_t i = 0; i <= kFollowers; ++i)
+      EXPECT_NE(assembled.receive(i, {3, 16, step}), Verdict::in_turn);
+  }
+  EXPECT_TRUE(assembled.batches().empty());
+  assembled.expect_acknowledged({3, 8, kNothingYet});
+}
+
+// The same with links that come up one after the other: vehicle 0 is heard from the missing batch on, the
+// others only from the one after it.
+TEST(Assembly, DoesNotMixBatchesOfVehiclesThatAreHeardFromDifferentOnesOn) {
+  Assembled assembled(BatchSchedule{40, 8, 3}, 8, 2);
+  for (const std::uint64_t first : {8, 16}) {
+    for (std::int64_t step = kInitialStep; step < 3; ++step) {
+      EXPECT_EQ(assembled.receive(0, {3, first, step}), Verdict::in_turn);
+      if (first == 16) {
+        EXPECT_NE(assembled.receive(1, {3, first, step}), Verdict::in_turn);
+        EXPECT_NE(assembled.receive(2, {3, first, step}), Verdict::in_turn);
+      }
+    }
+  }
+  EXPECT_TRUE(assembled.batches().empty());
+}
+
+TEST(Assembly, KnowsTheLatestTurnOfEachVehicleInThePresentAttempt) {
+  Assembled assembled;
+  assembled.receive_steps(1, 0, -1, 0);
+  assembled.receive(0, {1, 0, 1});
+  std::vector<std::optional<Turn>> latest = assembled.assembly().latest();
+  ASSERT_EQ(latest.size(), kFollowers + 1);
+  EXPECT_EQ(latest[0]->step, 1);
+  EXPECT_EQ(latest[1]->step, 0);
+  EXPECT_EQ(latest[2]->step, 0);
+  assembled.receive(1, {2, 0, -1});
+  latest = assembled.assembly().latest();
+  EXPECT_FALSE(latest[0]);
+  EXPECT_EQ(latest[1]->step, -1);
+  EXPECT_FALSE(latest[2]);
+}
+
+TEST(Assembly, OfAnEndlessRunFormsErrorsAndAcknowledgesForEver) {
+  Assembled assembled(BatchSchedule{1, 1, 0});
+  assembled.receive_steps(1, 0, -1, 300);
+  EXPECT_EQ(assembled.errors_told(), 301 * kFollowers);
+  assembled.expect_acknowledged({1, 0, 300});
+  EXPECT_TRUE(assembled.batches().empty());
+  EXPECT_FALSE(assembled.assembly().complete());
+}
+
+TEST(Assembly, KnowsNoVehicleBeyondTheLast) {
+  Assembled assembled;
+  EXPECT_THROW(assembled.receive(kFollowers + 1, {1, 0, -1}), std::out_of_range);
+}
+
+}  // namespace
+}  // namespace platoon

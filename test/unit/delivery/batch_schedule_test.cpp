@@ -1,0 +1,48 @@
+#include "stochastic_platoon/delivery/batch_schedule.hpp"
+
+#include <gtest/gtest.h>
+
+namespace platoon {
+namespace {
+
+TEST(BatchSchedule, CutsTheRealizationsIntoBatchesOfWhichTheLastIsTheRest) {
+  const BatchSchedule schedule{20, 8, 3};
+  EXPECT_EQ(schedule.size(0), 8u);
+  EXPECT_EQ(schedule.next(0), 8u);
+  EXPECT_EQ(schedule.size(8), 8u);
+  EXPECT_EQ(schedule.next(8), 16u);
+  EXPECT_EQ(schedule.size(16), 4u);
+  EXPECT_EQ(schedule.next(16), 20u);
+  EXPECT_EQ(schedule.size(20), 0u);
+}
+
+TEST(BatchSchedule, GoesOnFromAnyRealization) {
+  const BatchSchedule schedule{20, 8, 3};
+  EXPECT_EQ(schedule.next(5), 13u);
+  EXPECT_EQ(schedule.size(13), 7u);
+  EXPECT_EQ(schedule.next(13), 20u);
+}
+
+TEST(BatchSchedule, IsCompleteAfterTheLastRealization) {
+  const BatchSchedule schedule{20, 8, 3};
+  EXPECT_FALSE(schedule.is_complete(16));
+  EXPECT_TRUE(schedule.is_complete(20));
+}
+
+TEST(BatchSchedule, EndsABatchWithItsLastStep) {
+  const BatchSchedule schedule{20, 8, 3};
+  EXPECT_FALSE(schedule.is_last_step(kInitialStep));
+  EXPECT_FALSE(schedule.is_last_step(1));
+  EXPECT_TRUE(schedule.is_last_step(2));
+  EXPECT_TRUE((BatchSchedule{20, 8, 1}.is_last_step(0)));
+}
+
+TEST(BatchSchedule, OfZeroStepsIsEndless) {
+  const BatchSchedule schedule{1, 1, 0};
+  EXPECT_TRUE(schedule.endless());
+  EXPECT_FALSE(schedule.is_last_step(kInitialStep));
+  EXPECT_FALSE(schedule.is_last_step(1000000));
+}
+
+}  // namespace
+}  // namespace platoon
