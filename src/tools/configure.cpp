@@ -11,6 +11,7 @@
 #include <iostream>
 #include <optional>
 
+#include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/results/atomic_file.hpp"
 #include "stochastic_platoon/results/checkpoint.hpp"
@@ -61,24 +62,50 @@ void require_free_recording(const platoon::RunOptions& run) {
   }
 }
 
+// Those that are not empty: of a launch file's arguments, those that were given.
+std::map<std::string, std::string> given(const std::map<std::string, std::string>& settings) {
+  std::map<std::string, std::string> found;
+  for (const auto& entry : settings) {
+    if (!entry.second.empty()) found.insert(entry);
+  }
+  return found;
+}
+
+// The recorded configuration for another run: nothing of where and how the recorded one ran.
+platoon::Configuration recorded(const std::string& bags) {
+  platoon::Configuration configuration =
+      platoon::recorded_platoon(platoon::bag_files(bags), false).configuration;
+  configuration.run.record.clear();
+  configuration.run.leader_bags.clear();
+  configuration.run.resume = false;
+  configuration.run.rate = 0.0;
+  configuration.run.hosting = "processes";
+  return configuration;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::set<std::string> accepted;
   for (const auto& entry : platoon::default_settings()) accepted.insert(entry.first);
   std::map<std::string, std::string> settings = platoon::parse_command_line(
-      argc, argv, "Checks a platoon's configuration and prints it for the parameter server", accepted, {});
+      argc, argv, "Checks a platoon's configuration and prints it for the parameter server", accepted,
+      {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"}});
   try {
+    const std::string bags = settings["bag"];
+    settings.erase("bag");
     if (settings["launch"].empty()) settings["launch"] = new_launch_name();
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch"]);
     settings["output"] = absolute(settings["output"]);
     if (!settings["record"].empty()) settings["record"] = absolute(settings["record"]);
-    platoon::Configuration configuration =
-        platoon::parse_configuration(platoon::configuration_document(settings));
+    platoon::Configuration configuration = platoon::parse_configuration(
+        bags.empty() ? platoon::configuration_document(settings)
+                     : platoon::configuration_document(recorded(bags), given(settings)));
     if (configuration.run.steps > 0) {
       const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
-      configuration.run.first_realization = start ? start->table.count() : 0;
+      if (start) configuration.run.first_realization = start->table.count();
     }
+    platoon::recorded_leader(platoon::bag_files(configuration.run.leader_bags), configuration.run.steps);
     require_free_recording(configuration.run);
     std::cout << platoon::to_json(configuration).dump(2) << "\n";
     return 0;

@@ -29,6 +29,7 @@ const std::map<std::string, std::string>& setting_help() {
       {"record", "bag to record to; empty: none"},
       {"record_split_mb", "begin another bag beyond this size in MiB; 0: one bag"},
       {"record_compression", "none or lz4"},
+      {"leader_bags", "bags whose vehicle 0 is the leader, separated by spaces"},
       {"launch", "name of this launch; empty: a new one"},
       {"window", "steps in flight; 0: choose"},
       {"stall_timeout", "seconds without progress before a batch is begun again (2.0)"},

@@ -4,8 +4,10 @@
 #include <rosbag/view.h>
 
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <memory>
+#include <sstream>
 
 #include "stochastic_platoon/bags/message_dispatch.hpp"
 
@@ -18,7 +20,9 @@ bool is_type(const std::string& type, const std::string& md5) {
   return type == ros::message_traits::datatype<Message>() && md5 == ros::message_traits::md5sum<Message>();
 }
 
-std::unique_ptr<rosbag::Bag> open(const std::string& file) {
+}  // namespace
+
+std::unique_ptr<rosbag::Bag> open_bag(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
     throw BagError(file + ": must be a bag file that can be read");
@@ -33,7 +37,10 @@ std::unique_ptr<rosbag::Bag> open(const std::string& file) {
   }
 }
 
-}  // namespace
+std::vector<std::string> bag_files(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>()};
+}
 
 TopicReading reading_of(const BagContent& content, const std::string& name, const std::string& type,
                         const std::string& md5) {
@@ -73,7 +80,7 @@ BagRest read_bags(const std::vector<std::string>& files, const BagContent& conte
   rosbag::View view;
   try {
     for (const std::string& file : files) {
-      bags.push_back(open(file));
+      bags.push_back(open_bag(file));
       view.addQuery(*bags.back(), is_wanted);
     }
     const std::uint64_t total = view.size();

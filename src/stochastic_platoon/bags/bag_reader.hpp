@@ -1,9 +1,11 @@
 #pragma once
 
+#include <rosbag/bag.h>
 #include <stochastic_platoon/ErrorStatistics.h>
 #include <stochastic_platoon/Position.h>
 
 #include <functional>
+#include <memory>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -17,6 +19,12 @@ namespace platoon {
 class BagError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+/// A closed bag. Throws BagError.
+std::unique_ptr<rosbag::Bag> open_bag(const std::string& file);
+
+/// File names from a text that separates them by spaces.
+std::vector<std::string> bag_files(const std::string& text);
 
 /// Who is told of what a bag holds, in the order of the recorded times. What is left empty is not read.
 struct BagContent {

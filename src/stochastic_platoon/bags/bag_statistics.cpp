@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "stochastic_platoon/bags/bag_stream.hpp"
+
 namespace platoon {
 
 using stochastic_platoon::Position;
@@ -60,6 +62,12 @@ private:
   }
 
   void find_missing(const Arrivals& arrivals) {
+    const std::vector<std::optional<Turn>> all = arrivals.latest();
+    const bool alike = std::all_of(all.begin(), all.end(), [&all](const std::optional<Turn>& turn) {
+      return turn && all.front() && turn->first_realization == all.front()->first_realization &&
+             turn->step == all.front()->step;
+    });
+    if (alike) return findings_.push_back("all positions end with " + named(*all.front()));
     for (std::size_t i = 0; i <= platoon_.configuration.run.followers; ++i) {
       const std::optional<Turn> latest = arrivals.latest(i);
       const std::string name = "vehicle_" + std::to_string(i) + "/position";
@@ -79,6 +87,24 @@ private:
 };
 
 }  // namespace
+
+std::vector<double> recorded_leader(const std::vector<std::string>& files, std::int64_t steps) {
+  if (files.empty()) return {};
+  BagStream stream(files, [](const PlatoonTopic& topic) {
+    return topic.kind == PlatoonTopic::Kind::position && topic.vehicle == 0;
+  });
+  std::vector<double> positions;
+  while (positions.size() < static_cast<std::size_t>(steps + 1)) {
+    const std::optional<RecordedPosition> recorded = stream.next();
+    if (!recorded) break;
+    if (recorded->message->step == kInitialStep) positions.clear();
+    const bool due = recorded->message->step + 1 == static_cast<std::int64_t>(positions.size());
+    if (due && !recorded->message->position.empty()) positions.push_back(recorded->message->position.front());
+  }
+  if (positions.size() == static_cast<std::size_t>(steps + 1)) return positions;
+  throw BagError(files.front() + ": holds " + std::to_string(positions.size()) +
+                 " steps of a leader: must hold steps -1 to " + std::to_string(steps - 1));
+}
 
 RecordedPlatoon recorded_platoon(const std::vector<std::string>& files, bool partial) {
   std::map<std::string, std::string> texts;

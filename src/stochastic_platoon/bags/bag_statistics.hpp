@@ -34,6 +34,10 @@ struct RecordedPlatoon {
   Configuration configuration;
   std::string name_space;
 };
+/// y_0(-1) .. y_0(steps - 1) [m] as recorded: the leader's positions in the first batch of the bags. Empty
+/// when `files` is. Throws BagError when there are fewer.
+std::vector<double> recorded_leader(const std::vector<std::string>& files, std::int64_t steps);
+
 RecordedPlatoon recorded_platoon(const std::vector<std::string>& files, bool partial);
 
 }  // namespace platoon

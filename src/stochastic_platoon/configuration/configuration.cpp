@@ -27,6 +27,7 @@ std::map<std::string, std::string> default_settings() {
           {"output", ""},
           {"resume", "false"},
           {"launch", ""},
+          {"leader_bags", ""},
           {"first_realization", "0"},
           {"record", ""},
           {"record_split_mb", "0"},
@@ -36,28 +37,55 @@ std::map<std::string, std::string> default_settings() {
           {"burn_in", "200"}};
 }
 
-YAML::Node configuration_document(const std::map<std::string, std::string>& settings) {
-  std::map<std::string, std::string> values = default_settings();
+namespace {
+
+void require_known(const std::map<std::string, std::string>& settings) {
+  const std::map<std::string, std::string> known = default_settings();
   std::vector<std::string> problems;
   std::string allowed;
-  for (const auto& entry : values) allowed += (allowed.empty() ? "" : ", ") + entry.first;
+  for (const auto& entry : known) allowed += (allowed.empty() ? "" : ", ") + entry.first;
   for (const auto& entry : settings) {
-    if (values.count(entry.first) == 0)
+    if (known.count(entry.first) == 0)
       problems.push_back(entry.first + ": unknown setting: allowed are " + allowed);
-    values[entry.first] = entry.second;
   }
   if (!problems.empty()) throw ConfigurationError(problems);
-  YAML::Node model = load_yaml(values["model"]);
-  if (!values["headway"].empty()) model["time_headway"] = values["headway"];
-  if (!values["noise_variance"].empty()) model["noise_variance"] = values["noise_variance"];
-  YAML::Node run;
-  for (const auto& entry : values) {
-    if (entry.first == "model" || entry.first == "headway" || entry.first == "noise_variance") continue;
-    run[entry.first] = entry.second;
+}
+
+// Which settings are part of the model, and their keys there.
+const std::map<std::string, std::string> kModelKeys = {{"headway", "time_headway"},
+                                                       {"noise_variance", "noise_variance"}};
+
+void override_with(const std::map<std::string, std::string>& settings, YAML::Node& document) {
+  for (const auto& entry : settings) {
+    if (entry.first == "model") continue;
+    const auto model_key = kModelKeys.find(entry.first);
+    if (model_key == kModelKeys.end()) {
+      document["run"][entry.first] = entry.second;
+    } else if (!entry.second.empty()) {
+      document["model"][model_key->second] = entry.second;
+    }
   }
+}
+
+}  // namespace
+
+YAML::Node configuration_document(const std::map<std::string, std::string>& settings) {
+  require_known(settings);
+  std::map<std::string, std::string> values = default_settings();
+  for (const auto& entry : settings) values[entry.first] = entry.second;
   YAML::Node document;
-  document["model"] = model;
-  document["run"] = run;
+  document["model"] = load_yaml(values["model"]);
+  override_with(values, document);
+  return document;
+}
+
+YAML::Node configuration_document(const Configuration& base,
+                                  const std::map<std::string, std::string>& settings) {
+  require_known(settings);
+  YAML::Node document = YAML::Load(to_json(base).dump());
+  const auto model = settings.find("model");
+  if (model != settings.end() && !model->second.empty()) document["model"] = load_yaml(model->second);
+  override_with(settings, document);
   return document;
 }
 
@@ -70,6 +98,7 @@ nlohmann::json statistics_identity(const Configuration& configuration) {
   identity["seed"] = configuration.run.seed;
   identity["followers"] = configuration.run.followers;
   identity["steps"] = configuration.run.steps;
+  identity["leader_bags"] = configuration.run.leader_bags;
   return identity;
 }
 

@@ -25,6 +25,11 @@ Configuration parse_configuration(const YAML::Node& document);
 /// a setting is unknown.
 YAML::Node configuration_document(const std::map<std::string, std::string>& settings);
 
+/// The document of a configuration with some settings changed: those given, `model`, `headway` and
+/// `noise_variance` where they are not empty. Throws as above.
+YAML::Node configuration_document(const Configuration& base,
+                                  const std::map<std::string, std::string>& settings);
+
 /// Every setting with its default, as text: what platoon.launch documents.
 std::map<std::string, std::string> default_settings();
 

@@ -95,14 +95,18 @@ std::optional<Loop> read_loop(Section& document, double headway, std::vector<std
   return given ? std::optional<Loop>(Loop{*given, std::nullopt}) : std::nullopt;
 }
 
+nlohmann::json to_list(const Eigen::VectorXd& values) {
+  return std::vector<double>(values.data(), values.data() + values.size());
+}
+
 nlohmann::json to_json(const Eigen::MatrixXd& matrix) {
   nlohmann::json rows = nlohmann::json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    nlohmann::json row = nlohmann::json::array();
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
-    rows.push_back(matrix.cols() == 1 ? row.front() : row);
-  }
-  return matrix.rows() == 1 ? rows.front() : rows;
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) rows.push_back(to_list(matrix.row(i)));
+  return rows;
+}
+
+nlohmann::json to_json(const TransferFunction& fraction) {
+  return {{"numerator", to_list(fraction.numerator())}, {"denominator", to_list(fraction.denominator())}};
 }
 
 }  // namespace
@@ -149,19 +153,24 @@ nlohmann::json to_json(const PlatoonModel& model) {
   for (const SpeedChange& change : model.leader.changes()) {
     speed.push_back({{"from_step", change.from_step}, {"value", change.value}});
   }
-  const StateSpace& loop = model.loop.realization;
-  return {{"closed_loop",
-           {{"A", to_json(loop.a())},
-            {"B", to_json(Eigen::MatrixXd(loop.b()))},
-            {"C", to_json(Eigen::MatrixXd(loop.c()))}}},
-          {"time_headway", model.headway},
-          {"standstill_distance", model.standstill_distance},
-          {"sample_period", model.sample_period},
-          {"noise_variance", model.noise_variance},
-          {"leader", {{"speed", speed}}},
-          {"initial_position",
-           {{"mean", model.initial_position.mean}, {"variance", model.initial_position.variance}}},
-          {"allow_unstable", model.allow_unstable}};
+  nlohmann::json document = {
+      {"time_headway", model.headway},
+      {"standstill_distance", model.standstill_distance},
+      {"sample_period", model.sample_period},
+      {"noise_variance", model.noise_variance},
+      {"leader", {{"speed", speed}}},
+      {"initial_position",
+       {{"mean", model.initial_position.mean}, {"variance", model.initial_position.variance}}},
+      {"allow_unstable", model.allow_unstable}};
+  if (model.design) {
+    document["plant"] = to_json(model.design->plant);
+    document["controller"] = to_json(model.design->controller);
+    document["controller"]["divide_by_one_plus_headway"] = model.design->divide_by_one_plus_headway;
+  } else {
+    const StateSpace& loop = model.loop.realization;
+    document["closed_loop"] = {{"A", to_json(loop.a())}, {"B", to_list(loop.b())}, {"C", to_list(loop.c())}};
+  }
+  return document;
 }
 
 }  // namespace platoon

@@ -24,7 +24,7 @@ PlatoonModel parse_model(const YAML::Node& document);
 /// The YAML document of a file. Throws ConfigurationError when the file is missing or is not YAML.
 YAML::Node load_yaml(const std::string& file);
 
-/// The model as numbers, in the words of the model file with the closed loop as A, B, C: what a run's figures
+/// The model in the words of the model file: what a run's figures
 /// depend on.
 nlohmann::json to_json(const PlatoonModel& model);
 

@@ -38,6 +38,7 @@ RunOptions read_run_options(Section section) {
   options.record = section.text("record");
   options.record_split_mb = section.integer("record_split_mb", 0, 1 << 30);
   options.record_compression = section.choice("record_compression", {"none", "lz4"});
+  options.leader_bags = section.text("leader_bags");
   options.launch = section.text("launch");
   options.window = section.integer("window", 0, 1 << 20);
   options.stall_timeout = section.number("stall_timeout", kPositive);
@@ -74,6 +75,7 @@ nlohmann::json to_json(const RunOptions& options) {
           {"record", options.record},
           {"record_split_mb", options.record_split_mb},
           {"record_compression", options.record_compression},
+          {"leader_bags", options.leader_bags},
           {"launch", options.launch},
           {"window", options.window},
           {"stall_timeout", options.stall_timeout},

@@ -25,8 +25,10 @@ struct RunOptions {
   std::string record;               ///< bag to record to; empty: none
   std::int64_t record_split_mb;     ///< begin another bag beyond this size [MiB]; 0: one bag
   std::string record_compression;   ///< "none" or "lz4"
-  std::string launch;    ///< names one launch: a checkpoint of the same launch is always gone on from
-  std::int64_t window;   ///< steps that may be unacknowledged, >= 1
+  std::string
+      leader_bags;      ///< recordings whose vehicle 0 is the leader, separated by spaces; empty: the model's
+  std::string launch;   ///< names one launch: a checkpoint of the same launch is always gone on from
+  std::int64_t window;  ///< steps that may be unacknowledged, >= 1
   double stall_timeout;  ///< [s]
   std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
 

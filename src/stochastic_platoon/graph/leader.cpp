@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 
+#include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/graph/wire.hpp"
 
 namespace platoon {
@@ -33,6 +34,7 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration)
                std::min(kFirstStepTimeout, configuration.run.stall_timeout)},
               configuration.run.receivers()),
       vehicle_(configuration.model),
+      recorded_(recorded_leader(bag_files(configuration.run.leader_bags), configuration.run.steps)),
       position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
       progress_(platoon.subscribe("progress", kUnboundedQueue, &Leader::receive, this, no_delay())) {
   stall_timer_ = platoon.createSteadyTimer(ros::WallDuration(kWatchPeriod), [this](const auto&) { watch(); });
@@ -70,11 +72,17 @@ void Leader::publish_allowed() {
   }
 }
 
+// In the order of steps, each batch from -1 on.
+double Leader::position_at(std::int64_t step) {
+  if (!recorded_.empty()) return recorded_[static_cast<std::size_t>(step + 1)];
+  return step == kInitialStep ? vehicle_.start() : vehicle_.step();
+}
+
 bool Leader::publish_one() {
   const std::optional<Turn> turn = credit_.next(now());
   if (!turn) return false;
   stamp_ += period_;
-  const double position = turn->step == kInitialStep ? vehicle_.start() : vehicle_.step();
+  const double position = position_at(turn->step);
   const auto message = boost::make_shared<Position>();
   message->header.stamp = stamp_;
   set_turn(*turn, *message);

@@ -4,6 +4,8 @@
 #include <stochastic_platoon/Position.h>
 #include <stochastic_platoon/Progress.h>
 
+#include <vector>
+
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/credit.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
@@ -24,6 +26,7 @@ private:
   void watch();
   void publish_allowed();
   bool publish_one();
+  double position_at(std::int64_t step);
 
   BatchSchedule schedule_;
   ros::Duration period_;
@@ -31,7 +34,8 @@ private:
   bool paced_;
   Credit credit_;
   LeaderVehicle vehicle_;
-  ros::Time stamp_;  ///< of the latest step published; zero before the first
+  std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... of a recording; empty: the vehicle's own
+  ros::Time stamp_;               ///< of the latest step published; zero before the first
   ros::Publisher position_;
   ros::Subscriber progress_;
   ros::SteadyTimer stall_timer_;

@@ -8,6 +8,7 @@
 #include <boost/function.hpp>
 #include <cstdio>
 
+#include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/delivery/culprit.hpp"
 #include "stochastic_platoon/graph/wire.hpp"
 #include "stochastic_platoon/results/atomic_file.hpp"
@@ -38,7 +39,8 @@ Positions positions_of(const Position::ConstPtr& message) {
 
 Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration)
     : configuration_(configuration),
-      prediction_(predict(configuration)),
+      prediction_(predict(
+          configuration, recorded_leader(bag_files(configuration.run.leader_bags), configuration.run.steps))),
       statistics_(configuration, configuration.run.steps == 0 ? std::nullopt : starting_point(configuration)),
       display_(
           configuration.run.realizations, "realizations",

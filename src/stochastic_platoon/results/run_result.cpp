@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "stochastic_platoon/model/tracking_error.hpp"
+#include "stochastic_platoon/model/vehicle.hpp"
 #include "stochastic_platoon/results/atomic_file.hpp"
 #include "stochastic_platoon/results/text.hpp"
 #include "stochastic_platoon/statistics/ensemble_statistics.hpp"
@@ -89,9 +91,31 @@ std::string table(const Configuration& configuration, const Prediction& predicti
   return text;
 }
 
+// The mean of the errors behind a given leader: the platoon without noise and with the mean initial
+// positions, as it is linear.
+std::vector<double> noise_free_errors(const Configuration& configuration, std::vector<double> predecessor) {
+  PlatoonModel model = configuration.model;
+  model.initial_position.variance = 0.0;
+  const TrackingError error{model.headway, model.standstill_distance};
+  std::vector<double> errors;
+  for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
+    FollowerVehicle follower(model, configuration.run.seed, i);
+    std::vector<double> own(1), positions;
+    follower.start(0, 1, own);
+    positions.push_back(own.front());
+    for (std::size_t k = 0; k + 1 < predecessor.size(); ++k) {
+      follower.step({predecessor[k]}, own);
+      errors.push_back(error(predecessor[k + 1], own.front(), positions.back()));
+      positions.push_back(own.front());
+    }
+    predecessor.swap(positions);
+  }
+  return errors;
+}
+
 }  // namespace
 
-Prediction predict(const Configuration& configuration) {
+Prediction predict(const Configuration& configuration, const std::vector<double>& leader_positions) {
   const RunOptions& run = configuration.run;
   Prediction prediction{string_stability(configuration.model),
                         stationary_variances(configuration.model, run.followers),
@@ -104,6 +128,7 @@ Prediction predict(const Configuration& configuration) {
     ErrorMoments moments = error_moments(configuration.model, run.followers, run.steps);
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);
+    if (!leader_positions.empty()) prediction.mean = noise_free_errors(configuration, leader_positions);
   }
   return prediction;
 }

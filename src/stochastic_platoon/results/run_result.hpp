@@ -21,7 +21,8 @@ struct Prediction {
   std::vector<double> variance;             ///< [m^2], one per cell
 };
 
-Prediction predict(const Configuration& configuration);
+/// `leader_positions`, y_0(-1) .. y_0(steps - 1), stand for the model's own leader where they are given.
+Prediction predict(const Configuration& configuration, const std::vector<double>& leader_positions = {});
 
 /// What was measured. Of an ensemble: a cell per follower and step (see cell()); of an endless run: one per
 /// follower.

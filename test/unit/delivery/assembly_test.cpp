@@ -61,7 +61,7 @@ public:
   }
 
   void expect_acknowledged(const Turn& expected) const {
-    const Acknowledgement found = assembly_.acknowledgement();
+    const Acknowledgement found = assembly_.arrivals().acknowledgement();
     EXPECT_EQ(std::tie(found.attempt, found.first_realization, found.step),
               std::tie(expected.attempt, expected.first_realization, expected.step));
   }
@@ -132,7 +132,7 @@ std::vector<Turn> all_turns(const BatchSchedule& schedule, std::uint32_t attempt
 }
 
 void expect_whole_run(const Assembled& assembled, Assembly& assembly) {
-  EXPECT_TRUE(assembly.complete());
+  EXPECT_TRUE(assembly.arrivals().complete());
   ASSERT_EQ(assembled.batches().size(), 3u);
   const std::uint64_t firsts[] = {0, 8, 16}, sizes[] = {8, 8, 4};
   for (std::size_t b = 0; b < 3; ++b) {
@@ -251,12 +251,11 @@ TEST(Assembly, ForgetsTheUnfinishedBatchesWhenANewerAttemptBegins) {
   expect_whole_run(assembled, assembled.assembly());
 }
 
-TEST(Assembly, RefusesAnAttemptThatBeginsAtAnotherRealization) {
+TEST(Assembly, RefusesAnAttemptThatBeginsWhereItCannotGoOn) {
   Assembled assembled;
   assembled.receive_steps(1, 0, -1, 2);
-  for (const std::uint64_t first : {0, 16}) {
-    EXPECT_EQ(assembled.receive(0, {2, first, -1}), Verdict::out_of_turn);
-  }
+  EXPECT_EQ(assembled.receive(0, {2, 16, -1}), Verdict::out_of_turn);
+  EXPECT_EQ(assembled.receive(0, {2, 5, -1}), Verdict::out_of_turn);
   EXPECT_EQ(assembled.restarts(), 1);
   assembled.expect_acknowledged({1, 8, kNothingYet});
   assembled.receive_steps(3, 8, -1, 2);
@@ -264,24 +263,37 @@ TEST(Assembly, RefusesAnAttemptThatBeginsAtAnotherRealization) {
   EXPECT_EQ(assembled.batches().size(), 2u);
 }
 
+TEST(Assembly, TellsNoErrorTwiceWhenAnAttemptBeginsBeforeWhatIsCommitted) {
+  Assembled assembled;
+  for (const std::uint64_t first : {0, 8}) assembled.receive_steps(1, first, -1, 2);
+  const std::size_t told = assembled.errors_told();
+  for (const std::uint64_t first : {0, 8}) assembled.receive_steps(2, first, -1, 2);
+  EXPECT_EQ(assembled.errors_told(), told);
+  EXPECT_EQ(assembled.batches().size(), 2u);
+  EXPECT_LE(assembled.positions_kept(), kFollowers);
+  assembled.receive_steps(2, 16, -1, 2);
+  expect_whole_run(assembled, assembled.assembly());
+  EXPECT_EQ(assembled.errors_told(), 3 * 3 * kFollowers);
+}
+
 TEST(Assembly, GoesOnFromWhatWasCommittedBefore) {
   Assembled assembled(kSchedule, 5, 3);
-  EXPECT_EQ(assembled.assembly().committed(), 5u);
+  EXPECT_EQ(assembled.assembly().arrivals().committed(), 5u);
   assembled.expect_acknowledged({3, 5, kNothingYet});
   EXPECT_EQ(assembled.receive(0, {2, 5, -1}), Verdict::stale);
   EXPECT_EQ(assembled.receive(0, {4, 0, -1}), Verdict::out_of_turn);
   assembled.receive_steps(4, 5, -1, 2);
   assembled.expect_acknowledged({4, 13, kNothingYet});
   assembled.receive_steps(4, 13, -1, 2);
-  EXPECT_TRUE(assembled.assembly().complete());
-  EXPECT_EQ(assembled.assembly().committed(), 20u);
+  EXPECT_TRUE(assembled.assembly().arrivals().complete());
+  EXPECT_EQ(assembled.assembly().arrivals().committed(), 20u);
   ASSERT_EQ(assembled.batches().size(), 2u);
   EXPECT_EQ(assembled.batches()[1].positions_received, 3u * 4u * 7u);
 }
 
 TEST(Assembly, IsCompleteWhenEverythingWasCommittedBefore) {
   Assembled assembled(kSchedule, 20, 3);
-  EXPECT_TRUE(assembled.assembly().complete());
+  EXPECT_TRUE(assembled.assembly().arrivals().complete());
   assembled.expect_acknowledged({3, 20, kNothingYet});
   EXPECT_NE(assembled.receive(0, {4, 20, -1}), Verdict::in_turn);
 }
@@ -293,7 +305,7 @@ TEST(Assembly, DoesNotTakeALaterBatchOfTheAttemptItWasRestartedIn) {
   Assembled assembled(BatchSchedule{40, 8, 3}, 8, 3);
   for (std::int64_t step = kInitialStep; step < 3; ++step) {
     for (std::size_t i = 0; i <= kFollowers; ++i)
-      EXPECT_NE(assembled.receive(i, {3, 16, step}), Verdict::in_turn);
+      ASSERT_NE(assembled.receive(i, {3, 16, step}), Verdict::in_turn);
   }
   EXPECT_TRUE(assembled.batches().empty());
   assembled.expect_acknowledged({3, 8, kNothingYet});
@@ -307,8 +319,8 @@ TEST(Assembly, DoesNotMixBatchesOfVehiclesThatAreHeardFromDifferentOnesOn) {
     for (std::int64_t step = kInitialStep; step < 3; ++step) {
       EXPECT_EQ(assembled.receive(0, {3, first, step}), Verdict::in_turn);
       if (first == 16) {
-        EXPECT_NE(assembled.receive(1, {3, first, step}), Verdict::in_turn);
-        EXPECT_NE(assembled.receive(2, {3, first, step}), Verdict::in_turn);
+        ASSERT_NE(assembled.receive(1, {3, first, step}), Verdict::in_turn);
+        ASSERT_NE(assembled.receive(2, {3, first, step}), Verdict::in_turn);
       }
     }
   }
@@ -319,13 +331,13 @@ TEST(Assembly, KnowsTheLatestTurnOfEachVehicleInThePresentAttempt) {
   Assembled assembled;
   assembled.receive_steps(1, 0, -1, 0);
   assembled.receive(0, {1, 0, 1});
-  std::vector<std::optional<Turn>> latest = assembled.assembly().latest();
+  std::vector<std::optional<Turn>> latest = assembled.assembly().arrivals().latest();
   ASSERT_EQ(latest.size(), kFollowers + 1);
   EXPECT_EQ(latest[0]->step, 1);
   EXPECT_EQ(latest[1]->step, 0);
   EXPECT_EQ(latest[2]->step, 0);
   assembled.receive(1, {2, 0, -1});
-  latest = assembled.assembly().latest();
+  latest = assembled.assembly().arrivals().latest();
   EXPECT_FALSE(latest[0]);
   EXPECT_EQ(latest[1]->step, -1);
   EXPECT_FALSE(latest[2]);
@@ -337,7 +349,7 @@ TEST(Assembly, OfAnEndlessRunFormsErrorsAndAcknowledgesForEver) {
   EXPECT_EQ(assembled.errors_told(), 301 * kFollowers);
   assembled.expect_acknowledged({1, 0, 300});
   EXPECT_TRUE(assembled.batches().empty());
-  EXPECT_FALSE(assembled.assembly().complete());
+  EXPECT_FALSE(assembled.assembly().arrivals().complete());
 }
 
 TEST(Assembly, KnowsNoVehicleBeyondTheLast) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kFollowers = 3;
 constexpr std::uint64_t kNoiseSeed = 5;
-const BatchSchedule kSchedule{45, 8, 6};  // the last batch has five realizations
+const BatchSchedule kSchedule{99, 4, 3};  // the last batch has three realizations
 
 PlatoonModel example() {
   PlatoonModel model = paper_platoon();
@@ -23,7 +23,7 @@ PlatoonModel example() {
 
 const MomentTable& undisturbed() {
   static const MomentTable table =
-      monte_carlo(example(), {kNoiseSeed, kFollowers, kSchedule.steps, kSchedule.realizations, 45}, 1,
+      monte_carlo(example(), {kNoiseSeed, kFollowers, kSchedule.steps, kSchedule.realizations, 99}, 1,
                   [](std::uint64_t) {});
   return table;
 }
@@ -37,6 +37,13 @@ bool same_bits(const MomentTable& left, const MomentTable& right) {
   return same;
 }
 
+std::vector<std::uint64_t> all_batches() {
+  std::vector<std::uint64_t> firsts;
+  for (std::uint64_t first = 0; !kSchedule.is_complete(first); first = kSchedule.next(first))
+    firsts.push_back(first);
+  return firsts;
+}
+
 struct Outcome {
   int kills = 0;
   std::uint32_t attempts = 0;
@@ -45,11 +52,13 @@ struct Outcome {
 // Runs the graph with many chances; every run must end as the undisturbed one does.
 Outcome expect_undisturbed_statistics(const Troubles& troubles, unsigned runs) {
   Outcome outcome;
-  for (unsigned chance = 0; chance < runs; ++chance) {
+  for (unsigned chance = 0; chance < runs && !testing::Test::HasFailure(); ++chance) {
     LossyGraph graph(example(), kSchedule, kFollowers, kNoiseSeed, troubles, chance);
     EXPECT_TRUE(same_bits(graph.run(), undisturbed())) << "chance " << chance;
     EXPECT_EQ(graph.positions_received(),
               (kFollowers + 1) * static_cast<std::uint64_t>(kSchedule.steps + 1) * kSchedule.realizations)
+        << "chance " << chance;
+    EXPECT_EQ(graph.recorded(), troubles.recorder ? all_batches() : std::vector<std::uint64_t>())
         << "chance " << chance;
     outcome.kills += graph.kills();
     outcome.attempts += graph.attempts();
@@ -86,7 +95,25 @@ TEST(DeliveryContract, HoldsWhenTheMonitorIsKilled) {
 }
 
 TEST(DeliveryContract, HoldsWhenEverythingGoesWrongAtOnce) {
-  EXPECT_GT(expect_undisturbed_statistics({0.001, 0.0005, 0.001, 0.0005}, 60).kills, 60);
+  Troubles troubles;
+  troubles.drop = 0.001;
+  troubles.kill_leader = troubles.kill_monitor = 0.0005;
+  troubles.kill_follower = 0.001;
+  EXPECT_GT(expect_undisturbed_statistics(troubles, 60).kills, 60);
+}
+
+TEST(DeliveryContract, HoldsForARecorderBesideTheMonitorWhenNothingGoesWrong) {
+  Troubles troubles;
+  troubles.recorder = true;
+  EXPECT_EQ(expect_undisturbed_statistics(troubles, 20).attempts, 20u);
+}
+
+TEST(DeliveryContract, HoldsForARecorderBesideTheMonitorWhenEverythingGoesWrong) {
+  Troubles troubles;
+  troubles.recorder = true;
+  troubles.drop = 0.0005;
+  troubles.kill_leader = troubles.kill_monitor = troubles.kill_recorder = troubles.kill_follower = 0.0005;
+  EXPECT_GT(expect_undisturbed_statistics(troubles, 60).kills, 60);
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <memory>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/delivery/assembly.hpp"
@@ -19,11 +21,13 @@ struct Troubles {
   double kill_leader = 0.0;    ///< a component is killed and started again, with nothing but its parameters
   double kill_follower = 0.0;  ///< one of them, by chance
   double kill_monitor = 0.0;   ///< it starts from its latest checkpoint
+  double kill_recorder = 0.0;  ///< it starts after the batches it has written
+  bool recorder = false;       ///< whether there is one
 };
 
-/// The graph of nodes with its queues instead of sockets and an invented clock: leader, channel, followers
-/// and monitor as the ROS components are built, events in random order, links that come up late after a
-/// restart.
+/// The graph of nodes with its queues instead of sockets and an invented clock: leader, channel, followers,
+/// monitor and recorder as the ROS components are built, events in random order, links that come up late
+/// after a restart.
 class LossyGraph {
 public:
   LossyGraph(const PlatoonModel& model, const BatchSchedule& schedule, std::size_t followers,
@@ -34,15 +38,17 @@ public:
         troubles_(troubles),
         chance_(chance),
         leader_(model),
-        checkpoint_{MomentTable(followers * static_cast<std::size_t>(schedule.steps)), 0},
+        checkpoint_{MomentTable(followers * static_cast<std::size_t>(schedule.steps)), 0, 0},
+        to_channel_(followers),
         to_monitor_(followers + 1),
-        to_channel_(followers) {
+        to_recorder_(troubles.recorder ? followers + 1 : 0) {
     for (std::uint32_t i = 1; i <= followers; ++i) {
       followers_.push_back(new_follower(i));
       channels_.emplace_back(model.noise_variance, noise_seed, i);
     }
     start_leader();
     start_monitor();
+    start_recorder();
   }
 
   /// Runs until the leader knows that everything is there. Throws std::runtime_error when that takes for
@@ -53,12 +59,16 @@ public:
       now_ += 0.001;
       maybe_kill();
       if (now_ >= next_heartbeat_) heartbeat();
-      if (!one_event()) now_ += 0.02;
+      if (!any_event()) now_ += 0.02;
     }
     return statistics_->committed();
   }
 
   std::uint64_t positions_received() const { return positions_received_; }
+
+  /// First realizations of the batches the recorder wrote, in that order.
+  const std::vector<std::uint64_t>& recorded() const { return recorded_; }
+
   std::uint32_t attempts() const { return credit_->attempt(); }
   int kills() const { return kills_; }
 
@@ -71,6 +81,10 @@ private:
     std::deque<Message> queue;
     double up_from = 0.0;  ///< [s] what is sent before is lost
   };
+  struct Report {
+    std::string receiver;
+    Acknowledgement acknowledgement;
+  };
   struct Follower {
     Sequence sequence;
     FollowerVehicle vehicle;
@@ -78,6 +92,7 @@ private:
   struct Checkpoint {
     MomentTable table;
     std::uint32_t attempts;
+    std::uint64_t positions_received;
   };
 
   bool happens(double probability) { return std::uniform_real_distribution<double>()(chance_) < probability; }
@@ -90,32 +105,38 @@ private:
   }
 
   void start_leader() {
-    credit_ =
-        std::make_unique<Credit>(schedule_, CreditLimits{20, 2.0, 0.1}, std::vector<std::string>{"monitor"});
+    std::vector<std::string> receivers{"monitor"};
+    if (troubles_.recorder) receivers.emplace_back("recorder");
+    credit_ = std::make_unique<Credit>(schedule_, CreditLimits{40, 2.0, 0.1}, receivers);
   }
 
   void start_monitor() {
-    const auto followers = followers_.size();
     attempts_seen_ = checkpoint_.attempts;
-    statistics_ = std::make_unique<EnsembleStatistics>(followers, schedule_.steps);
+    positions_received_ = checkpoint_.positions_received;
+    statistics_ = std::make_unique<EnsembleStatistics>(followers_.size(), schedule_.steps);
     statistics_->merge(checkpoint_.table);
-    positions_received_ = positions_at_checkpoint_;
-    assembly_ = std::make_unique<Assembly>(
-        schedule_, followers, TrackingError{model_.headway, model_.standstill_distance},
-        checkpoint_.table.count(), checkpoint_.attempts,
-        AssemblyEvents{[this](std::size_t i, const Turn& turn, const std::vector<double>& errors) {
-                         statistics_->add(i, turn.step, turn.first_realization, errors);
-                       },
-                       [this](const CompleteBatch& batch) { commit(batch); },
-                       [this] { statistics_->discard_open(); }});
+    const AssemblyEvents events{[this](std::size_t i, const Turn& turn, const std::vector<double>& errors) {
+                                  statistics_->add(i, turn.step, turn.first_realization, errors);
+                                },
+                                [this](const CompleteBatch& batch) { commit(batch); },
+                                [this] { statistics_->discard_open(); }};
+    assembly_ = std::make_unique<Assembly>(schedule_, followers_.size(),
+                                           TrackingError{model_.headway, model_.standstill_distance},
+                                           checkpoint_.table.count(), checkpoint_.attempts, events);
   }
 
   void commit(const CompleteBatch& batch) {
     statistics_->commit(batch.first_realization);
     positions_received_ += batch.positions_received;
-    if (!happens(0.5) && !assembly_->complete()) return;  // checkpoints are rate-limited
-    checkpoint_ = {statistics_->committed(), attempts_seen_};
-    positions_at_checkpoint_ = positions_received_;
+    if (!happens(0.5) && !assembly_->arrivals().complete()) return;  // checkpoints are rate-limited
+    checkpoint_ = {statistics_->committed(), attempts_seen_, positions_received_};
+  }
+
+  void start_recorder() {
+    const std::uint64_t first = recorded_.empty() ? 0 : schedule_.next(recorded_.back());
+    const ArrivalEvents events{
+        [] {}, [this](const CompleteBatch& batch) { recorded_.push_back(batch.first_realization); }};
+    recorder_ = std::make_unique<Arrivals>(schedule_, followers_.size() + 1, first, 0, events);
   }
 
   void maybe_kill() {
@@ -123,62 +144,103 @@ private:
       ++kills_;
       start_leader();
       progress_.clear();
-      restart_link(to_channel_[0]);
-      restart_link(to_monitor_[0]);
+      restart_vehicle_links(0);
     }
     if (happens(troubles_.kill_follower)) {
       ++kills_;
       const std::size_t i = any(followers_.size()) + 1;
       followers_[i - 1] = new_follower(static_cast<std::uint32_t>(i));
-      restart_link(
-          to_channel_[i - 1]);  // the channel itself keeps nothing: what is on the way to it is on the way on
-      if (i < to_channel_.size()) restart_link(to_channel_[i]);
-      restart_link(to_monitor_[i]);
+      restart_link(to_channel_[i - 1]);  // the channel keeps nothing: one link stands for the way through it
+      restart_vehicle_links(i);
     }
     if (happens(troubles_.kill_monitor)) {
       ++kills_;
       start_monitor();
       for (Link& link : to_monitor_) restart_link(link);
     }
+    if (happens(troubles_.kill_recorder)) {
+      ++kills_;
+      start_recorder();
+      for (Link& link : to_recorder_) restart_link(link);
+    }
   }
 
   void restart_link(Link& link) {
     link.queue.clear();
-    link.up_from = now_ + std::uniform_real_distribution<double>(0.0, 0.3)(chance_);
+    link.up_from = now_ + std::uniform_real_distribution<double>(0.0, 0.1)(chance_);
   }
 
-  void send(Link& link, const Message& message) {
-    if (now_ >= link.up_from && !happens(troubles_.drop)) link.queue.push_back(message);
+  void restart_vehicle_links(std::size_t vehicle) {
+    for (std::vector<Link>* links : {&to_channel_, &to_monitor_, &to_recorder_}) {
+      if (vehicle < links->size()) restart_link((*links)[vehicle]);
+    }
   }
 
   void publish(std::size_t vehicle, const Turn& turn, const std::vector<double>& positions) {
     const Message message{turn, std::make_shared<const std::vector<double>>(positions)};
-    send(to_monitor_[vehicle], message);
-    if (vehicle < to_channel_.size()) send(to_channel_[vehicle], message);
+    for (std::vector<Link>* links : {&to_channel_, &to_monitor_, &to_recorder_}) {
+      if (vehicle >= links->size()) continue;
+      Link& link = (*links)[vehicle];
+      if (now_ >= link.up_from && !happens(troubles_.drop)) link.queue.push_back(message);
+    }
+  }
+
+  // A receiver reports once it can hear everybody.
+  bool all_up(const std::vector<Link>& links) const {
+    return std::all_of(links.begin(), links.end(), [this](const Link& link) { return now_ >= link.up_from; });
   }
 
   void heartbeat() {
     next_heartbeat_ = now_ + 0.1;
-    for (const Link& link : to_monitor_) {
-      if (now_ < link.up_from) return;  // the monitor reports once it can hear everybody
-    }
-    report();
+    if (all_up(to_monitor_)) report("monitor", assembly_->arrivals());
+    if (troubles_.recorder && all_up(to_recorder_)) report("recorder", *recorder_);
     credit_->retry_if_stalled(now_);
   }
 
-  void report() {
-    if (!happens(troubles_.drop)) progress_.push_back(assembly_->acknowledgement());
+  void report(const char* receiver, const Arrivals& arrivals) {
+    if (!happens(troubles_.drop)) progress_.push_back({receiver, arrivals.acknowledgement()});
   }
 
-  // Lets one thing happen that can: a delivery, or a step of the leader.
-  bool one_event() {
-    const std::size_t links = to_monitor_.size() + to_channel_.size();
-    const std::size_t start = any(links + 2);
-    for (std::size_t j = 0; j < links + 2; ++j) {
-      const std::size_t source = (start + j) % (links + 2);
-      if (source == links ? lead() : source == links + 1 ? deliver_progress() : deliver(source)) return true;
+  // Lets one thing happen, by chance, of those that can.
+  bool any_event() {
+    const std::size_t kinds = to_channel_.size() + to_monitor_.size() + to_recorder_.size() + 2;
+    const std::size_t start = any(kinds);
+    for (std::size_t j = 0; j < kinds; ++j) {
+      if (event((start + j) % kinds)) return true;
     }
     return false;
+  }
+
+  bool event(std::size_t kind) {
+    if (kind < to_channel_.size()) {
+      return deliver(to_channel_[kind], [&](const Message& message) { follow(kind + 1, message); });
+    }
+    kind -= to_channel_.size();
+    if (kind < to_monitor_.size()) {
+      return deliver(to_monitor_[kind], [&](const Message& message) { observe(kind, message); });
+    }
+    kind -= to_monitor_.size();
+    if (kind < to_recorder_.size()) {
+      return deliver(to_recorder_[kind], [&](const Message& message) { record(kind, message); });
+    }
+    return kind == to_recorder_.size() ? lead() : deliver_progress();
+  }
+
+  template <typename Receive>
+  bool deliver(Link& link, const Receive& receive) {
+    if (link.queue.empty()) return false;
+    const Message message = link.queue.front();
+    link.queue.pop_front();
+    receive(message);
+    return true;
+  }
+
+  bool deliver_progress() {
+    if (progress_.empty()) return false;
+    const Report report = progress_.front();
+    progress_.pop_front();
+    credit_->acknowledge(report.receiver, report.acknowledgement, now_);
+    return true;
   }
 
   bool lead() {
@@ -187,33 +249,6 @@ private:
     const double position = turn->step == kInitialStep ? leader_.start() : leader_.step();
     publish(0, *turn, std::vector<double>(schedule_.size(turn->first_realization), position));
     return true;
-  }
-
-  bool deliver_progress() {
-    if (progress_.empty()) return false;
-    const Acknowledgement report = progress_.front();
-    progress_.pop_front();
-    credit_->acknowledge("monitor", report, now_);
-    return true;
-  }
-
-  bool deliver(std::size_t source) {
-    Link& link = source < to_monitor_.size() ? to_monitor_[source] : to_channel_[source - to_monitor_.size()];
-    if (link.queue.empty()) return false;
-    const Message message = link.queue.front();
-    link.queue.pop_front();
-    if (source < to_monitor_.size()) {
-      observe(source, message);
-    } else {
-      follow(source - to_monitor_.size() + 1, message);
-    }
-    return true;
-  }
-
-  void observe(std::size_t vehicle, const Message& message) {
-    if (assembly_->receive(vehicle, message.turn, message.positions) != Verdict::in_turn) return;
-    attempts_seen_ = std::max(attempts_seen_, message.turn.attempt);
-    report();
   }
 
   void follow(std::size_t index, const Message& message) {
@@ -231,6 +266,17 @@ private:
     publish(index, {turn.attempt, turn.first_realization, turn.step + 1}, own);
   }
 
+  void observe(std::size_t vehicle, const Message& message) {
+    if (assembly_->receive(vehicle, message.turn, message.positions) != Verdict::in_turn) return;
+    attempts_seen_ = std::max(attempts_seen_, message.turn.attempt);
+    report("monitor", assembly_->arrivals());
+  }
+
+  void record(std::size_t vehicle, const Message& message) {
+    if (recorder_->receive(vehicle, message.turn, *message.positions, [] {}) != Verdict::in_turn) return;
+    report("recorder", *recorder_);
+  }
+
   PlatoonModel model_;
   BatchSchedule schedule_;
   std::uint64_t noise_seed_;
@@ -242,13 +288,15 @@ private:
   std::vector<NoisyChannel> channels_;
   std::unique_ptr<EnsembleStatistics> statistics_;
   std::unique_ptr<Assembly> assembly_;
-  Checkpoint checkpoint_;
   std::uint32_t attempts_seen_ = 0;
   std::uint64_t positions_received_ = 0;
-  std::uint64_t positions_at_checkpoint_ = 0;
-  std::vector<Link> to_monitor_;  ///< from vehicle i
-  std::vector<Link> to_channel_;  ///< from vehicle i, for follower i + 1
-  std::deque<Acknowledgement> progress_;
+  Checkpoint checkpoint_;
+  std::unique_ptr<Arrivals> recorder_;
+  std::vector<std::uint64_t> recorded_;
+  std::vector<Link> to_channel_;   ///< from vehicle i, for follower i + 1
+  std::vector<Link> to_monitor_;   ///< from vehicle i
+  std::vector<Link> to_recorder_;  ///< from vehicle i
+  std::deque<Report> progress_;
   double now_ = 0.0;             ///< [s]
   double next_heartbeat_ = 0.0;  ///< [s]
   int kills_ = 0;

@@ -1,0 +1,21 @@
+// Plays a bag into a monitor. Parameters: ~bags (file names, separated by spaces in one text), ~rate, ~start,
+// ~pause.
+
+#include "stochastic_platoon/graph/player.hpp"
+
+#include "stochastic_platoon/bags/bag_reader.hpp"
+#include "stochastic_platoon/graph/configuration_parameter.hpp"
+#include "stochastic_platoon/graph/run_component.hpp"
+
+int main(int argc, char** argv) {
+  return platoon::run_component(argc, argv, "player", 0, [](const ros::NodeHandle& node) {
+    ros::NodeHandle own("~");
+    platoon::PlayerOptions options;
+    options.bags = platoon::bag_files(own.param<std::string>("bags", ""));
+    options.rate = own.param("rate", 0.0);
+    options.start = own.param("start", 0.0);
+    options.paused = own.param("pause", false);
+    const platoon::Player player(node, own, platoon::read_configuration(node), options);
+    ros::spin();
+  });
+}

@@ -1,0 +1,86 @@
+#include "stochastic_platoon/graph/player.hpp"
+
+#include <ros/console.h>
+
+#include <algorithm>
+
+#include "stochastic_platoon/graph/wire.hpp"
+
+namespace platoon {
+
+using stochastic_platoon::Position;
+using stochastic_platoon::Progress;
+
+namespace {
+
+constexpr double kPeriod = 0.005;  // [s] between looks at the clock when nothing else happens
+
+double now() {
+  return ros::SteadyTime::now().toSec();
+}
+
+}  // namespace
+
+Player::Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration& configuration,
+               const PlayerOptions& options)
+    : schedule_(configuration.run.schedule()),
+      window_(configuration.run.window),
+      options_(options),
+      stream_(options.bags,
+              [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::position; }),
+      upcoming_(stream_.next()),
+      paused_at_(options.paused ? now() : -1.0) {
+  for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
+    positions_[i] = platoon.advertise<Position>(position_topic(i), kUnboundedQueue);
+  }
+  if (upcoming_) first_stamp_ = upcoming_->message->header.stamp;
+  const boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)> set_paused =
+      [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+        const bool paused = paused_at_ >= 0.0;
+        if (began_ >= 0.0 && paused && !request.data) began_ += now() - paused_at_;
+        if (paused != static_cast<bool>(request.data)) paused_at_ = request.data ? now() : -1.0;
+        response.success = true;
+        response.message = request.data ? "paused" : "playing";
+        return true;
+      };
+  pause_ = own.advertiseService("pause_playback", set_paused);
+  progress_ = platoon.subscribe("progress", kUnboundedQueue, &Player::receive, this, no_delay());
+  timer_ = platoon.createSteadyTimer(ros::WallDuration(kPeriod), [this](const auto&) { play(); });
+}
+
+std::int64_t Player::steps_before(std::uint64_t first_realization, std::int64_t step) const {
+  const auto batches = static_cast<std::int64_t>((first_realization + schedule_.batch - 1) / schedule_.batch);
+  return batches * (schedule_.steps + 1) + (step - kNothingYet);
+}
+
+void Player::receive(const Progress::ConstPtr& message) {
+  heard_ = true;
+  const std::int64_t acknowledged = steps_before(message->first_realization, message->step);
+  if (acknowledged != acknowledged_) last_progress_ = now();
+  acknowledged_ = acknowledged;
+  play();
+}
+
+// Beyond the window only when the monitor does not move: what the recording has of attempts that were given
+// up cannot complete.
+bool Player::may_publish(const Position& message) const {
+  if (options_.rate > 0.0) {
+    const double due = (message.header.stamp - first_stamp_).toSec() - options_.start;
+    if (now() - began_ < due / options_.rate) return false;
+  }
+  return steps_before(message.first_realization, message.step) <= acknowledged_ + window_ ||
+         now() - last_progress_ > 1.0;
+}
+
+void Player::play() {
+  if (!heard_ || paused_at_ >= 0.0) return;
+  if (began_ < 0.0) began_ = last_progress_ = now();
+  while (upcoming_ && may_publish(*upcoming_->message)) {
+    const auto position = positions_.find(upcoming_->topic.vehicle);
+    const bool left_out = (upcoming_->message->header.stamp - first_stamp_).toSec() < options_.start;
+    if (position != positions_.end() && !left_out) position->second.publish(upcoming_->message);
+    upcoming_ = stream_.next();
+  }
+}
+
+}  // namespace platoon

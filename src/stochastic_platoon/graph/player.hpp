@@ -1,0 +1,57 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <std_srvs/SetBool.h>
+#include <stochastic_platoon/Position.h>
+#include <stochastic_platoon/Progress.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/bags/bag_stream.hpp"
+#include "stochastic_platoon/configuration/configuration.hpp"
+
+namespace platoon {
+
+struct PlayerOptions {
+  std::vector<std::string> bags;
+  double rate = 0.0;    ///< platoon time per wall time; 0: as fast as the monitor takes it
+  double start = 0.0;   ///< [s] of platoon time to leave out at the beginning
+  bool paused = false;  ///< wait for pause_playback to be called with false
+};
+
+/// Plays the positions of all vehicles of a recorded platoon, in the place of the vehicles. It goes no
+/// further ahead of the monitor's progress than the leader would, so nothing is lost at any rate.
+///
+/// Subscribes: progress. Publishes: vehicle_<i>/position. Offers: ~pause_playback (std_srvs/SetBool), as
+/// rosbag play does.
+class Player {
+public:
+  Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration& configuration,
+         const PlayerOptions& options);
+
+private:
+  void receive(const stochastic_platoon::Progress::ConstPtr& message);
+  void play();
+  bool may_publish(const stochastic_platoon::Position& message) const;
+  std::int64_t steps_before(std::uint64_t first_realization, std::int64_t step) const;
+
+  BatchSchedule schedule_;
+  std::int64_t window_;
+  PlayerOptions options_;
+  BagStream stream_;
+  std::optional<RecordedPosition> upcoming_;
+  std::map<std::size_t, ros::Publisher> positions_;  ///< by vehicle
+  bool heard_ = false;                               ///< the monitor has reported
+  std::int64_t acknowledged_ = 0;                    ///< steps
+  double last_progress_ = 0.0;                       ///< [s]
+  ros::Time first_stamp_;
+  double began_ = -1.0;      ///< [s] wall time of first_stamp_; moves on while paused
+  double paused_at_ = -1.0;  ///< [s]
+  ros::Subscriber progress_;
+  ros::ServiceServer pause_;
+  ros::SteadyTimer timer_;
+};
+
+}  // namespace platoon
