@@ -10,6 +10,7 @@
 #include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/results/atomic_file.hpp"
 #include "stochastic_platoon/results/progress_display.hpp"
+#include "stochastic_platoon/results/text.hpp"
 
 namespace {
 
@@ -62,7 +63,9 @@ platoon::BagStatistics read(const Arguments& arguments) {
 
 // Whether the bag gives what was asked for; says on standard error what is wrong with it.
 bool is_usable(const platoon::BagStatistics& statistics, const Arguments& arguments) {
-  for (const std::string& topic : statistics.foreign_topics) std::cerr << topic << ": foreign: passed over\n";
+  for (const std::string& topic : statistics.foreign_topics) {
+    std::cerr << platoon::printable(topic) << ": foreign: passed over\n";
+  }
   for (const std::string& finding : statistics.findings) std::cerr << finding << "\n";
   const bool whole =
       statistics.findings.empty() && (statistics.result.complete || statistics.configuration.run.steps == 0);
@@ -70,7 +73,9 @@ bool is_usable(const platoon::BagStatistics& statistics, const Arguments& argume
     std::cerr << arguments.bags.front()
               << ": the recording is not complete; --partial uses its whole batches\n";
   }
-  return whole || arguments.partial;
+  if (statistics.result.realizations > 0) return whole || arguments.partial;
+  std::cerr << arguments.bags.front() << ": holds no whole batch: there are no statistics\n";
+  return false;
 }
 
 }  // namespace
@@ -97,7 +102,7 @@ int main(int argc, char** argv) {
     }
     return 0;
   } catch (const std::exception& error) {
-    std::cerr << argv[0] << ": " << error.what() << "\n";
+    std::cerr << argv[0] << ": " << platoon::printable(error.what()) << "\n";
     return 1;
   }
 }

@@ -51,6 +51,13 @@ def executable(name):
     raise AssertionError("no executable " + name)
 
 
+def system_executable(package, name):
+    """Path of a program of another package."""
+    found = subprocess.run(["catkin_find", "--libexec", package, name], stdout=subprocess.PIPE, universal_newlines=True)
+    paths = [path for path in found.stdout.split() if os.access(path, os.X_OK)]
+    return paths[0] if paths else "/usr/lib/{}/{}".format(package, name)
+
+
 def shared(*parts):
     """Path of a file of the package's source or share folder."""
     return os.path.join(rospkg.RosPack().get_path("stochastic_platoon"), *parts)
@@ -79,8 +86,8 @@ def process_of(node, master=None):
         return None
 
 
-def kill(node):
+def kill(node, master=None):
     """kill -9, and wait until roslaunch has put another process in its place."""
-    before = wait_for(lambda: process_of(node), node)
+    before = wait_for(lambda: process_of(node, master), node)
     os.kill(before, signal.SIGKILL)
-    wait_for(lambda: process_of(node) not in (None, before), node + " to come back")
+    wait_for(lambda: process_of(node, master) not in (None, before), node + " to come back")

@@ -32,7 +32,7 @@ public:
       return find(name, "is no vehicle of the recorded platoon");
     const Turn turn{message->attempt, message->first_realization, message->step};
     if (!statistics_) {
-      if (turn.step != kInitialStep) return find(name, "begins with " + named(turn) + ", before any step -1");
+      if (turn.step != kInitialStep) return;  // of an attempt whose start was missed
       statistics_ = std::make_unique<RunStatistics>(platoon_.configuration, turn.first_realization);
     }
     statistics_->tally.platoon_time =
@@ -75,6 +75,13 @@ private:
     }
   }
 
+  // What an attempt that was given up lacked is in the one that took its place.
+  void forgive() {
+    attempt_ = statistics_->arrivals().attempt();
+    counts_.clear();
+    findings_.clear();
+  }
+
   void find(const std::string& topic, const std::string& what) {
     if (counts_[topic]++ < kFindingsPerTopic) findings_.push_back(topic + ": " + what);
     if (counts_[topic] == kFindingsPerTopic + 1) findings_.push_back(topic + ": and more");
@@ -82,6 +89,7 @@ private:
 
   RecordedPlatoon platoon_;
   std::unique_ptr<RunStatistics> statistics_;
+  std::uint32_t attempt_ = 0;
   std::map<std::string, std::size_t> counts_;
   std::vector<std::string> findings_;
 };

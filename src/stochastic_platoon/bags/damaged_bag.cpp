@@ -85,7 +85,17 @@ std::optional<Record> next_record(std::istream& stream) {
   };
   const std::optional<std::string> header = sized(true);
   if (!header) return std::nullopt;
-  return Record{parse_fields(*header), *sized(false)};
+  Record record{parse_fields(*header), ""};
+  // The records in a chunk that is not compressed stand in the file as they are: its length alone is passed
+  // over, so that a chunk that is cut off, or whose length was never written, is read as far as it goes.
+  const auto compression = record.header.find("compression");
+  if (compression != record.header.end() && compression->second == "none") {
+    char length_bytes[4];
+    stream.read(length_bytes, 4);
+  } else {
+    record.data = *sized(false);
+  }
+  return record;
 }
 
 class DamagedBag {
@@ -112,15 +122,10 @@ private:
     }
   }
 
-  // A chunk that was being written when the recorder died has no size yet: its records then stand in the file
-  // as they are.
   void take_chunk(const Record& record) {
     const std::string compression =
         record.header.count("compression") > 0 ? record.header.at("compression") : "";
-    if (compression == "none") {
-      std::istringstream stream(record.data);
-      return read(stream);
-    }
+    if (compression == "none") return;
     const auto size = number_field<std::uint32_t>(record.header, "size");
     if (size > kLongest || (compression != "lz4" && compression != "bz2"))
       throw Cut("a chunk makes no sense");

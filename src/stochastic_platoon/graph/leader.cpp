@@ -16,6 +16,7 @@ using stochastic_platoon::Progress;
 namespace {
 
 constexpr double kFirstStepTimeout = 0.1;  // [s] grows by itself: see Credit
+constexpr double kObserverTime = 3.0;      // [s] see receive()
 constexpr double kWatchPeriod = 0.02;      // [s]
 
 double now() {
@@ -51,6 +52,10 @@ void Leader::receive(const Progress::ConstPtr& message) {
                                       << message->receiver << "\": it is no receiver of this run");
     return;
   }
+  // A paced run is one that others look at: they get time to link up before its first step (rosbag record -a
+  // asks the master for new topics once a second).
+  if (paced_ && credit_.attempt() == 0 && message->attempt == 0 && begin_ == 0.0)
+    begin_ = now() + kObserverTime;
   // After a restart time goes on past everything that may still be on its way.
   const ros::Time seen = message->header.stamp;
   if (credit_.attempt() == 0 && !seen.isZero()) {
@@ -79,6 +84,7 @@ double Leader::position_at(std::int64_t step) {
 }
 
 bool Leader::publish_one() {
+  if (now() < begin_) return false;
   const std::optional<Turn> turn = credit_.next(now());
   if (!turn) return false;
   stamp_ += period_;

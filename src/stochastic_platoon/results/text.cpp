@@ -18,4 +18,11 @@ std::string formatted(const char* format, ...) {
   return text;
 }
 
+std::string printable(const std::string& text) {
+  std::string shown;
+  for (const char c : text)
+    shown += c >= ' ' && c <= '~' ? std::string(1, c) : formatted("\\x%02x", static_cast<unsigned char>(c));
+  return shown;
+}
+
 }  // namespace platoon

@@ -1,0 +1,74 @@
+"""roslaunch as a person runs it, for tests that start it themselves."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import unittest
+
+import live_platoon
+
+
+def free_port():
+    with socket.socket() as listener:
+        listener.bind(("localhost", 0))
+        return listener.getsockname()[1]
+
+
+class Terminal:
+    """One roslaunch of a shipped launch file, on a master of its own unless one is given, with what it prints."""
+
+    def __init__(self, folder, file, master=None, **arguments):
+        port = free_port() if master is None else int(master.rsplit(":", 1)[1])
+        self.log = tempfile.NamedTemporaryFile("w+", dir=folder, suffix=".log", delete=False)
+        environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
+                           ROS_HOME=folder)
+        words = ["{}:={}".format(name, value) for name, value in arguments.items()]
+        self.process = subprocess.Popen(["roslaunch", "--port", str(port), "stochastic_platoon", file] + words,
+                                        stdout=self.log, stderr=subprocess.STDOUT, env=environment)
+        self.master = "http://localhost:{}".format(port)
+
+    def text(self):
+        with open(self.log.name, errors="replace") as file:
+            return file.read()
+
+    def wait(self, deadline=live_platoon.DEADLINE):
+        return self.process.wait(timeout=deadline)
+
+    def interrupt(self):
+        self.process.send_signal(signal.SIGINT)
+        self.wait()
+
+    def end(self):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+            self.wait()
+        self.log.close()
+
+
+class LaunchTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.output = os.path.join(self.folder, "run")
+
+    def launch(self, file="platoon.launch", **arguments):
+        arguments.setdefault("output", self.output)
+        terminal = Terminal(self.folder, file, **arguments)
+        self.addCleanup(terminal.end)
+        return terminal
+
+    def model_with(self, **changes):
+        """The paper's model file with some lines replaced; None leaves a line out."""
+        with open(live_platoon.shared("config", "paper.yaml")) as file:
+            lines = file.read().splitlines()
+        for key, value in changes.items():
+            lines = [line for line in lines if not line.startswith(key + ":")]
+            if value is not None:
+                lines.append("{}: {}".format(key, value))
+        path = os.path.join(self.folder, "model.yaml")
+        with open(path, "w") as file:
+            file.write("\n".join(lines) + "\n")
+        return path

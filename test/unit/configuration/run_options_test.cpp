@@ -1,0 +1,190 @@
+#include "stochastic_platoon/configuration/run_options.hpp"
+
+#include <gtest/gtest.h>
+
+#include "stochastic_platoon/configuration/configuration.hpp"
+
+namespace platoon {
+namespace {
+
+using Problems = std::vector<std::string>;
+
+// The run's part of the default settings, with some of them changed.
+YAML::Node settings(const std::map<std::string, std::string>& changed = {}) {
+  YAML::Node run;
+  for (const auto& entry : default_settings()) {
+    if (entry.first == "model" || entry.first == "headway" || entry.first == "noise_variance") continue;
+    run[entry.first] = entry.second;
+  }
+  for (const auto& entry : changed) run[entry.first] = entry.second;
+  return run;
+}
+
+RunOptions read(const YAML::Node& node, Problems* problems) {
+  return read_run_options(Section(node, "run", *problems));
+}
+
+RunOptions read(const std::map<std::string, std::string>& changed) {
+  Problems problems;
+  const RunOptions options = read(settings(changed), &problems);
+  EXPECT_EQ(problems, Problems{});
+  return options;
+}
+
+Problems problems_with(const std::string& key, const std::string& value) {
+  Problems problems;
+  read(settings({{key, value}}), &problems);
+  return problems;
+}
+
+TEST(RunOptions, HaveTheDefaultsOfTheLaunchFile) {
+  const RunOptions options = read({});
+  EXPECT_EQ(options.followers, 20u);
+  EXPECT_EQ(options.steps, 100);
+  EXPECT_EQ(options.realizations, 10000u);
+  EXPECT_EQ(options.rate, 0.0);
+  EXPECT_EQ(options.seed, 1u);
+  EXPECT_EQ(options.hosting, "processes");
+  EXPECT_FALSE(options.resume);
+  EXPECT_EQ(options.output, "");
+}
+
+TEST(RunOptions, ReadEverySetting) {
+  const RunOptions options = read({{"followers", "7"},
+                                   {"steps", "30"},
+                                   {"realizations", "500"},
+                                   {"batch", "64"},
+                                   {"rate", "12.5"},
+                                   {"seed", "9223372036854775807"},
+                                   {"hosting", "one_process"},
+                                   {"output", "/some/where"},
+                                   {"resume", "true"},
+                                   {"launch", "today"},
+                                   {"window", "9"},
+                                   {"stall_timeout", "0.5"},
+                                   {"burn_in", "11"}});
+  EXPECT_EQ(options.followers, 7u);
+  EXPECT_EQ(options.steps, 30);
+  EXPECT_EQ(options.realizations, 500u);
+  EXPECT_EQ(options.batch, 64u);
+  EXPECT_EQ(options.rate, 12.5);
+  EXPECT_EQ(options.seed, 9223372036854775807u);
+  EXPECT_EQ(options.hosting, "one_process");
+  EXPECT_EQ(options.output, "/some/where");
+  EXPECT_TRUE(options.resume);
+  EXPECT_EQ(options.launch, "today");
+  EXPECT_EQ(options.window, 9);
+  EXPECT_EQ(options.stall_timeout, 0.5);
+  EXPECT_EQ(options.burn_in, 11);
+}
+
+TEST(RunOptions, NameTheSettingThatIsNotAllowed) {
+  const std::string count = "70368744177664";
+  EXPECT_EQ(problems_with("followers", "0"),
+            Problems{"run/followers: 0: must be a whole number from 1 to 100000"});
+  EXPECT_EQ(problems_with("followers", "many"),
+            Problems{"run/followers: many: must be a whole number from 1 to 100000"});
+  EXPECT_EQ(problems_with("followers", ""),
+            Problems{"run/followers: (empty): must be a whole number from 1 to 100000"});
+  EXPECT_EQ(problems_with("steps", "-1"),
+            Problems{"run/steps: -1: must be a whole number from 0 to " + count});
+  EXPECT_EQ(problems_with("realizations", "0"),
+            Problems{"run/realizations: 0: must be a whole number from 1 to " + count});
+  EXPECT_EQ(problems_with("realizations", "1e4"),
+            Problems{"run/realizations: 1e4: must be a whole number from 1 to " + count});
+  EXPECT_EQ(problems_with("batch", "-1"),
+            Problems{"run/batch: -1: must be a whole number from 0 to 16777216"});
+  EXPECT_EQ(problems_with("rate", "-1"), Problems{"run/rate: -1: must be a finite number >= 0"});
+  EXPECT_EQ(problems_with("rate", "nan"), Problems{"run/rate: nan: must be a finite number >= 0"});
+  EXPECT_EQ(problems_with("seed", "-1"),
+            Problems{"run/seed: -1: must be a whole number from 0 to 9223372036854775807"});
+  EXPECT_EQ(problems_with("hosting", "cloud"),
+            Problems{"run/hosting: cloud: must be processes or one_process"});
+  EXPECT_EQ(problems_with("resume", "maybe"), Problems{"run/resume: maybe: must be true or false"});
+  EXPECT_EQ(problems_with("window", "-1"),
+            Problems{"run/window: -1: must be a whole number from 0 to 1048576"});
+  EXPECT_EQ(problems_with("stall_timeout", "0"),
+            Problems{"run/stall_timeout: 0: must be a finite number > 0"});
+  EXPECT_EQ(problems_with("burn_in", "-1"),
+            Problems{"run/burn_in: -1: must be a whole number from 0 to " + count});
+  const Problems unknown = problems_with("folowers", "20");
+  ASSERT_EQ(unknown.size(), 1u);
+  EXPECT_EQ(unknown[0].find("run/folowers: unknown key: allowed are batch, "), 0u);
+}
+
+TEST(RunOptions, NameEverySettingThatIsMissing) {
+  Problems problems;
+  read(YAML::Load("{}"), &problems);
+  EXPECT_EQ(problems.size(), settings().size());
+  for (const std::string& problem : problems)
+    EXPECT_NE(problem.find(": missing: must be "), std::string::npos);
+}
+
+TEST(RunOptions, OfAnEndlessRunHaveOneRealization) {
+  const RunOptions options = read({{"steps", "0"}, {"realizations", "500"}});
+  EXPECT_EQ(options.realizations, 1u);
+  EXPECT_EQ(options.batch, 1u);
+  EXPECT_TRUE(options.schedule().endless());
+}
+
+TEST(RunOptions, HaveNoBatchBeyondTheRealizations) {
+  EXPECT_EQ(read({{"realizations", "50"}, {"batch", "64"}}).batch, 50u);
+  EXPECT_EQ(read({{"realizations", "50"}, {"batch", "7"}}).batch, 7u);
+  EXPECT_EQ(read({{"realizations", "50"}}).batch, 50u);
+}
+
+TEST(RunOptions, AreTheSameWhenWrittenAndReadAgain) {
+  for (const auto& changed : std::vector<std::map<std::string, std::string>>{
+           {},
+           {{"seed", "9223372036854775807"}, {"realizations", "70368744177664"}, {"rate", "0.1"}},
+           {{"steps", "0"}}}) {
+    const RunOptions options = read(changed);
+    Problems problems;
+    const RunOptions again = read(YAML::Load(to_json(options).dump()), &problems);
+    EXPECT_EQ(problems, Problems{});
+    EXPECT_EQ(to_json(again), to_json(options));
+    EXPECT_EQ(again.seed, options.seed);
+    EXPECT_EQ(again.realizations, options.realizations);
+  }
+}
+
+TEST(ChosenBatch, IsSmallerForLongerStringsAndNeverBeyondTheRealizations) {
+  EXPECT_EQ(chosen_batch(1000000, 1), 8192u);
+  EXPECT_EQ(chosen_batch(1000000, 20), 8192u);
+  EXPECT_EQ(chosen_batch(100, 20), 100u);
+  std::uint64_t before = 8192;
+  for (std::size_t followers = 1; followers <= 100000; followers *= 10) {
+    const std::uint64_t batch = chosen_batch(1000000, followers);
+    EXPECT_LE(batch, before);
+    EXPECT_GE(batch, 64u);
+    EXPECT_TRUE(batch == 64 || batch * followers <= std::uint64_t{1} << 19);
+    before = batch;
+  }
+}
+
+TEST(ChosenBatch, KeepsWhatARecorderHoldsWithin128Megabytes) {
+  for (const std::size_t followers : {1, 20, 500}) {
+    for (const std::uint64_t steps : {10, 100, 10000, 1000000}) {
+      const std::uint64_t batch = chosen_batch(1000000, followers, steps);
+      EXPECT_GE(batch, 1u);
+      EXPECT_TRUE(batch == 1 || batch * (2 * followers + 1) * steps * sizeof(double) <= std::uint64_t{1}
+                                                                                            << 27);
+    }
+  }
+}
+
+TEST(ChosenWindow, KeepsEveryProcessBusyWithinTheMemory) {
+  for (const std::uint64_t batch : {1, 64, 8192}) {
+    for (const std::size_t followers : {1, 20, 500}) {
+      const std::int64_t window = chosen_window(batch, followers);
+      EXPECT_GE(window, 4);
+      EXPECT_LE(window, 256);
+      const auto positions = static_cast<double>(window) * static_cast<double>(batch * followers);
+      EXPECT_TRUE(window == 4 || positions <= static_cast<double>(1 << 22));
+    }
+  }
+  EXPECT_GT(read({}).window, 0);
+}
+
+}  // namespace
+}  // namespace platoon
