@@ -55,13 +55,15 @@ void require_known(const std::map<std::string, std::string>& settings) {
 const std::map<std::string, std::string> kModelKeys = {{"headway", "time_headway"},
                                                        {"noise_variance", "noise_variance"}};
 
+// A model that is no mapping takes no override: read_model() says what is wrong with it.
 void override_with(const std::map<std::string, std::string>& settings, YAML::Node& document) {
+  const bool model_takes_keys = document["model"].IsMap();
   for (const auto& entry : settings) {
     if (entry.first == "model") continue;
     const auto model_key = kModelKeys.find(entry.first);
     if (model_key == kModelKeys.end()) {
       document["run"][entry.first] = entry.second;
-    } else if (!entry.second.empty()) {
+    } else if (!entry.second.empty() && model_takes_keys) {
       document["model"][model_key->second] = entry.second;
     }
   }

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/configuration/model_file.hpp"
 
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -38,6 +39,7 @@ std::optional<ClosedLoop> read_given_loop(Section section, std::vector<std::stri
 }
 
 LeaderProfile read_leader(Section section, double sample_period, std::vector<std::string>& problems) {
+  const std::size_t before = problems.size();
   std::vector<SpeedChange> changes;
   for (Section& entry : section.sections("speed")) {
     const std::int64_t step = entry.integer("from_step", 0, std::int64_t{1} << 46);
@@ -45,6 +47,7 @@ LeaderProfile read_leader(Section section, double sample_period, std::vector<std
     entry.reject_unknown_keys();
   }
   section.reject_unknown_keys();
+  if (problems.size() > before) return LeaderProfile({}, 1.0);
   try {
     return LeaderProfile(changes, sample_period);
   } catch (const std::invalid_argument& error) {
@@ -112,6 +115,7 @@ nlohmann::json to_json(const TransferFunction& fraction) {
 }  // namespace
 
 std::optional<PlatoonModel> read_model(Section document, std::vector<std::string>& problems) {
+  if (!document.is_mapping()) return std::nullopt;
   const std::size_t before = problems.size();
   const double headway = document.number("time_headway", kPositive);
   const double standstill_distance = document.number("standstill_distance", kNotNegative);
@@ -139,6 +143,8 @@ PlatoonModel parse_model(const YAML::Node& node) {
 }
 
 YAML::Node load_yaml(const std::string& file) {
+  if (std::filesystem::is_directory(file))
+    throw ConfigurationError({"model: " + file + ": must be a file, not a folder"});
   try {
     return YAML::LoadFile(file);
   } catch (const YAML::BadFile&) {

@@ -173,7 +173,9 @@ std::vector<Section> Section::sections(const std::string& key) {
   if (!node.IsSequence()) reject(key, shown(node), "a list of mappings");
   std::vector<Section> entries;
   for (std::size_t i = 0; node.IsSequence() && i < node.size(); ++i) {
-    entries.emplace_back(node[i], name(key) + "[" + std::to_string(i) + "]", problems_);
+    const std::string entry = name(key) + "[" + std::to_string(i) + "]";
+    if (node[i].IsNull()) problems_.push_back(entry + ": (nothing): must be a mapping of keys");
+    entries.emplace_back(node[i], entry, problems_);
   }
   return entries;
 }

@@ -31,6 +31,9 @@ public:
   /// `path` names the section in messages, empty for the document itself.
   Section(const YAML::Node& node, const std::string& path, std::vector<std::string>& problems);
 
+  /// False for what is missing or no mapping, which is reported already.
+  bool is_mapping() const { return node_.IsMap(); }
+
   /// Whether an optional key is given.
   bool has(const std::string& key);
 

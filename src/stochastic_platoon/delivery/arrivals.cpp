@@ -25,8 +25,11 @@ Verdict Arrivals::receive(std::size_t stream, const Turn& turn, const std::vecto
                           const std::function<void()>& take) {
   if (turn.attempt < attempt_) return Verdict::stale;
   const bool new_attempt = turn.attempt > attempt_;
-  if (new_attempt && turn.step == kInitialStep && !may_start_at(turn.first_realization))
-    return Verdict::out_of_turn;
+  const bool may_start =
+      new_attempt ? may_start_at(turn.first_realization) : turn.first_realization == start_;
+  // A stream joins an attempt where the attempt began, or not at all: what came before is missing for good.
+  const bool joins = new_attempt || arrived_.at(stream) == 0;
+  if (joins && turn.step == kInitialStep && !may_start) return Verdict::out_of_turn;
   const Verdict verdict = sequences_.at(stream).receive(turn, positions);
   if (verdict != Verdict::in_turn) return verdict;
   if (new_attempt) restart(turn);

@@ -7,8 +7,10 @@
 namespace platoon {
 
 ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway) {
-  const Reduction t = reduce(feedback(series(plant, controller), headway_policy(headway)));
-  return {t.minimal, observable_canonical(t.minimal), roots(t.common_factor)};
+  const TransferFunction open_loop = series(plant, controller);
+  const Reduction t = reduce(feedback(open_loop, headway_policy(headway)));
+  return {t.minimal, observable_canonical(t.minimal), roots(t.common_factor),
+          multiplicity_at_one(reduce(open_loop).minimal.denominator())};
 }
 
 ClosedLoop close_loop(const LoopDesign& design, double headway) {
@@ -27,6 +29,26 @@ TransferFunction sensitivity(const TransferFunction& transfer, double headway) {
   return {add(ht.denominator(), -ht.numerator()), ht.denominator()};
 }
 
+namespace {
+
+// Double integral action, or what it means for T, to the accuracy of a realization given to six digits: T(1)
+// = 1 and dT/dz(1) = -h, as H(1) T(1) = 1 and (H T)'(1) = 0.
+bool tracks_a_ramp(const ClosedLoop& loop, double headway) {
+  if (loop.integrators) return *loop.integrators >= 2;
+  const Polynomial& n = loop.transfer.numerator();
+  const Polynomial& d = loop.transfer.denominator();
+  const double gain = n.sum() / d.sum();
+  const double slope = (derivative(n).sum() - gain * derivative(d).sum()) / d.sum();
+  return std::abs(gain - 1.0) < 1e-4 && std::abs(slope + headway) < 1e-3 * (1.0 + headway);
+}
+
+// Modes are zeros of polynomials: on the unit circle up to rounding is on it.
+bool is_inside_unit_circle(std::complex<double> mode) {
+  return std::abs(mode) < 1.0 - 1e-6;
+}
+
+}  // namespace
+
 std::vector<std::string> inadmissibilities(const ClosedLoop& loop, double headway, bool allow_unstable) {
   std::vector<std::string> found;
   const auto report = [&found](const std::ostringstream& text) { found.push_back(text.str()); };
@@ -34,8 +56,7 @@ std::vector<std::string> inadmissibilities(const ClosedLoop& loop, double headwa
     found.push_back(
         "T(z) is not strictly proper: it must have more poles than zeros (relative degree of G K >= 1)");
   }
-  // A realization given to six digits still counts as ramp tracking.
-  if (multiplicity_at_one(sensitivity(loop.transfer, headway).numerator(), 1e-6) < 2) {
+  if (!tracks_a_ramp(loop, headway)) {
     std::ostringstream text;
     text << "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and "
             "dT/dz(1) = -h for "
@@ -51,7 +72,7 @@ std::vector<std::string> inadmissibilities(const ClosedLoop& loop, double headwa
     report(text);
   }
   for (const std::complex<double>& mode : loop.hidden_modes) {
-    if (std::abs(mode) < 1.0 || allow_unstable || mode.imag() < 0.0) continue;
+    if (is_inside_unit_circle(mode) || allow_unstable || mode.imag() < 0.0) continue;
     std::ostringstream text;
     text << "G(z) K(z) cancels an unstable mode at z = " << mode.real()
          << (mode.imag() > 0.0 ? " +- i " : "");

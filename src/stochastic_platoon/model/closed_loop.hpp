@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct ClosedLoop {
   TransferFunction transfer;                       ///< T(z) in lowest terms
   StateSpace realization;                          ///< minimal realization A, B, C of T, eq. (ith-closedloop)
   std::vector<std::complex<double>> hidden_modes;  ///< zeros of what cancelled between N and D of T
+  std::optional<int> integrators = {};             ///< poles of G K at z = 1; none where T itself was given
 };
 
 /// Plant and controller of a vehicle, from which a closed loop follows for every headway.

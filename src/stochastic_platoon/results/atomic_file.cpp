@@ -26,7 +26,8 @@ void write_all(int descriptor, const std::string& content, const std::string& fi
   }
 }
 
-void sync_folder(const std::string& folder) {
+void sync_folder_of(const std::string& file) {
+  const std::string folder = std::filesystem::absolute(file).parent_path().string();
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) fail(folder);
   ::fsync(descriptor);  // some file systems do not sync folders; the rename holds all the same
@@ -48,8 +49,13 @@ void write_atomically(const std::string& file, const std::string& content) {
     throw;
   }
   if (::close(descriptor) != 0) fail(beside);
-  if (std::rename(beside.c_str(), file.c_str()) != 0) fail(file);
-  sync_folder(std::filesystem::path(file).parent_path().string());
+  if (std::rename(beside.c_str(), file.c_str()) != 0) {
+    const int reason = errno;
+    ::unlink(beside.c_str());
+    errno = reason;
+    fail(file);
+  }
+  sync_folder_of(file);
 }
 
 void sync_and_rename(const std::string& file, const std::string& name) {
@@ -59,7 +65,7 @@ void sync_and_rename(const std::string& file, const std::string& name) {
   ::close(descriptor);
   if (!synced) fail(file);
   if (std::rename(file.c_str(), name.c_str()) != 0) fail(name);
-  sync_folder(std::filesystem::absolute(name).parent_path().string());
+  sync_folder_of(name);
 }
 
 void require_writable_folder(const std::string& folder) {

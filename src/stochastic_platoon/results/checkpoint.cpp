@@ -85,8 +85,9 @@ void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
 
 std::optional<Checkpoint> read_checkpoint(const std::string& output) {
   const std::string file = checkpoint_file(output);
+  if (!std::filesystem::exists(file)) return std::nullopt;
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) return std::nullopt;
+  if (!stream) throw std::runtime_error(file + ": cannot be opened");
   const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
   try {
     const nlohmann::json document = nlohmann::json::from_cbor(bytes);

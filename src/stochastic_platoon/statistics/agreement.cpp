@@ -19,11 +19,16 @@ double score(double difference, double standard_error, double scale) {
              : std::numeric_limits<double>::infinity();
 }
 
+double larger(double worst, double next) {
+  return std::isnan(worst) || next <= worst ? worst : next;
+}
+
 }  // namespace
 
 Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance) {
-  return {score(measured.mean - theoretical_mean,
-                standard_error_of_mean(theoretical_variance, measured.count), theoretical_mean),
+  const double mean = measured.count > 0 ? measured.mean : std::numeric_limits<double>::quiet_NaN();
+  return {score(mean - theoretical_mean, standard_error_of_mean(theoretical_variance, measured.count),
+                theoretical_mean),
           score(measured.variance() - theoretical_variance,
                 standard_error_of_variance(theoretical_variance, measured.count), theoretical_variance)};
 }
@@ -36,9 +41,9 @@ Agreement agreement(const std::vector<Moments>& measured, const std::vector<doub
   Agreement worst;
   for (std::size_t c = 0; c < measured.size(); ++c) {
     const Scores z = scores(measured[c], theoretical_mean[c], theoretical_variance[c]);
-    // Not std::max: a NaN must not be passed over.
-    if (!(std::abs(z.mean) <= worst.max_abs_z_mean)) worst.max_abs_z_mean = std::abs(z.mean);
-    if (!(std::abs(z.variance) <= worst.max_abs_z_variance)) worst.max_abs_z_variance = std::abs(z.variance);
+    // Not std::max: a NaN must neither be passed over nor replaced.
+    worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(z.mean));
+    worst.max_abs_z_variance = larger(worst.max_abs_z_variance, std::abs(z.variance));
   }
   return worst;
 }

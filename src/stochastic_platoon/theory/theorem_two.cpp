@@ -18,7 +18,8 @@ namespace platoon {
 
 namespace {
 
-constexpr Eigen::Index kDenseStates = 240;  // beyond, beta_1 is the bound that holds for any length
+constexpr Eigen::Index kDenseStates = 240;      // beyond, beta_1 is the bound that holds for any length
+constexpr std::size_t kFollowersInFull = 2000;  // and beyond these, so is beta_2
 
 /// Largest value and total of ||eta_N C A^k||_2^2 over k < steps; rows i < N lie below row N.
 struct RowEnergy {
@@ -79,9 +80,12 @@ double initial_mean_gain_of_any_length(const StateSpace& vehicle) {
 
 double initial_covariance_gain(const StateSpace& vehicle, std::size_t followers) {
   const double energy = resolvent_energy(vehicle, followers);
+  double seen = 0.0;
   for (std::size_t steps = 64;; steps *= 2) {
     const RowEnergy found = last_row_energy(vehicle, followers, steps);
-    if (energy - found.total <= found.largest + 1e-9 * energy) return found.largest;
+    const bool none_left = found.total <= seen * (1.0 + 1e-12);  // whatever the digits of `energy`
+    if (energy - found.total <= found.largest || none_left) return found.largest;
+    seen = found.total;
   }
 }
 
@@ -105,7 +109,10 @@ TheoremTwoBounds theorem_two_bounds(const PlatoonModel& model, std::size_t follo
   }
   if (stability.string_stable) {
     bounds.alpha_2 = stability.limit_variance;
-    bounds.beta_2 = bounds.initial_covariance * initial_covariance_gain(vehicle, followers);
+    const double peak = resolvent_peak(vehicle);  // a value is at most the energy of its sequence
+    bounds.beta_2 =
+        bounds.initial_covariance *
+        (followers <= kFollowersInFull ? initial_covariance_gain(vehicle, followers) : peak * peak);
     bounds.stated_beta_2 = bounds.initial_covariance * vehicle.c().squaredNorm();
     bounds.variance_bound = *bounds.alpha_2 + *bounds.beta_2;
   }

@@ -26,6 +26,9 @@ struct TheoremTwoBounds {
   std::optional<double> variance_bound;  ///< alpha_2 + beta_2 [m^2]
 };
 
+/// For long strings beta_1 and beta_2 are looser bounds that hold for any length: beyond 240 states in all
+/// beta_1 takes initial_mean_gain_of_any_length, beyond 2000 followers beta_2 takes its square.
+///
 /// Throws as error_moments does. The paper's proof has the names alpha_2 and beta_2 the other way round in
 /// its last lines, and ||C||_2 without the square that its property (a) gives.
 TheoremTwoBounds theorem_two_bounds(const PlatoonModel& model, std::size_t followers, std::int64_t steps);

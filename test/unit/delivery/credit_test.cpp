@@ -243,10 +243,25 @@ TEST(Credit, OfARestartedLeaderBeginsPastEveryAttemptTheReceiversKnow) {
 }
 
 TEST(Credit, BeginsAgainAtTheEarliestRealizationAnyReceiverNeeds) {
+  for (const bool monitor_is_ahead : {true, false}) {
+    Credit credit(kSchedule, kLimits, {"monitor", "recorder"});
+    credit.acknowledge(monitor_is_ahead ? "monitor" : "recorder", {0, 16, kNothingYet}, 0.0);
+    credit.acknowledge(monitor_is_ahead ? "recorder" : "monitor", {0, 8, kNothingYet}, 0.0);
+    expect_turns(published(credit), {{1, 8, -1}});
+  }
+}
+
+TEST(Credit, OfTheShorterLastBatchIsThatOfAWholeOne) {
   Credit credit(kSchedule, kLimits, {"monitor", "recorder"});
-  credit.acknowledge("monitor", {0, 16, kNothingYet}, 0.0);
-  credit.acknowledge("recorder", {0, 8, kNothingYet}, 0.0);
-  expect_turns(published(credit), {{1, 8, -1}});
+  for (const char* name : {"monitor", "recorder"}) credit.acknowledge(name, {0, 16, kNothingYet}, 0.0);
+  EXPECT_EQ(published(credit).size(), 1u);
+  for (const char* name : {"monitor", "recorder"}) credit.acknowledge(name, {1, 16, -1}, 0.0);
+  expect_turns(published(credit), {{1, 16, 0}, {1, 16, 1}, {1, 16, 2}});
+  credit.acknowledge("monitor", {1, 16, 1}, 0.0);
+  credit.acknowledge("monitor", {1, 20, kNothingYet}, 0.0);
+  EXPECT_EQ(credit.attempt(), 1u) << "nothing was lost";
+  credit.acknowledge("recorder", {1, 20, kNothingYet}, 0.0);
+  EXPECT_TRUE(credit.complete());
 }
 
 TEST(Credit, OfTwoReceiversIsThatOfTheSlowerOne) {

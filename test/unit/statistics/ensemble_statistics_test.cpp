@@ -74,7 +74,12 @@ TEST(EnsembleStatistics, RefuseToCommitWhatIsNotOpenOrCountedAlready) {
   EXPECT_THROW(statistics.commit(0), std::invalid_argument);
   add_all(statistics, 0, 2);
   statistics.commit(0);
-  EXPECT_THROW(statistics.commit(0), std::invalid_argument);
+  try {
+    statistics.commit(0);
+    ADD_FAILURE() << "committed twice";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "batch at realization 0: must be open");
+  }
   add_all(statistics, 1, 2);
   EXPECT_THROW(statistics.commit(1), std::invalid_argument);
 }

@@ -76,7 +76,8 @@ TEST(LoopSpectrum, CriticalFrequenciesHoldTheOnlyPlacesWhereTheGainTurns) {
 
 TEST(LoopSpectrum, RefusesALoopThatDoesNotTrackRampsAndAHeadwayThatIsNotPositive) {
   EXPECT_THROW(LoopSpectrum(paper_loop(3.2), 2.0), std::invalid_argument);
-  EXPECT_THROW(LoopSpectrum(paper_loop(3.2), -1.0), std::invalid_argument);
+  const TransferFunction leading = ramp_tracking(with_zeros({0.5, 0.2}, {}), -1.0, Polynomial::Zero(1));
+  EXPECT_THROW(LoopSpectrum(closed_loop_from(observable_canonical(leading)), -1.0), std::invalid_argument);
   EXPECT_THROW(LoopSpectrum(paper_loop(3.2), std::nan("")), std::invalid_argument);
 }
 

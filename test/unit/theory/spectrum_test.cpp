@@ -81,6 +81,9 @@ TEST(Spectrum, FactorIsTheRootOfOneMinusTheSquaredGain) {
 
 TEST(Spectrum, FactorExistsForStringStablePlatoonsOnly) {
   EXPECT_THROW(spectral_factor(model_with(paper_loop(2.4), 2.4)), std::invalid_argument);
+  // |T|^2 = 1 / (1 + x ((x - 1)^2 - 0.01)) exceeds 1 about x = 1 only.
+  const ExampleLoop bulge = with_gain_from("bulge", roots(Eigen::Vector4d(1.0, -2.0, 0.99, 1.0)));
+  EXPECT_THROW(spectral_factor(model_with(bulge.loop, bulge.headway)), std::invalid_argument);
 }
 
 TEST(Spectrum, HTwoNormIsKnownInClosedForm) {

@@ -1,0 +1,302 @@
+#include "stochastic_platoon/results/run_result.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "../temporary_folder.hpp"
+#include "paper_run.hpp"
+#include "stochastic_platoon/statistics/ensemble_statistics.hpp"
+
+namespace platoon {
+namespace {
+
+const double kNaN = std::nan("");
+
+// A result whose every score is exactly `score`.
+RunResult result_with(const Configuration& configuration, const Prediction& prediction, double score = 0.5) {
+  RunResult result;
+  result.complete = true;
+  result.realizations = configuration.run.realizations;
+  result.tally = {positions_expected(configuration.run, result.realizations), 3, 0.5, 0};
+  for (std::size_t c = 0; c < prediction.mean.size(); ++c) {
+    const double n = static_cast<double>(result.realizations), v = prediction.variance[c];
+    const double variance = v + score * standard_error_of_variance(v, result.realizations);
+    result.moments.push_back({result.realizations,
+                              prediction.mean[c] + score * standard_error_of_mean(v, result.realizations),
+                              variance * (n - 1.0)});
+  }
+  return result;
+}
+
+std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    rows.emplace_back();
+    std::istringstream fields(line);
+    for (std::string field; std::getline(fields, field, ',');) rows.back().push_back(field);
+  }
+  return rows;
+}
+
+std::set<std::string> keys_of(const nlohmann::json& object) {
+  std::set<std::string> keys;
+  for (const auto& entry : object.items()) keys.insert(entry.key());
+  return keys;
+}
+
+struct Written {
+  std::vector<std::vector<std::string>> rows;
+  nlohmann::json summary;
+};
+
+Written written(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
+  write_results(configuration, prediction, result);
+  return {rows_of(content_of(configuration.run.output + "/statistics.csv")),
+          nlohmann::json::parse(content_of(configuration.run.output + "/summary.json"))};
+}
+
+TEST(Prediction, IsTheTheoryOfEveryCell) {
+  const Configuration configuration = paper_run("");
+  const Prediction prediction = predict(configuration);
+  const ErrorMoments moments = error_moments(configuration.model, 2, 3);
+  EXPECT_EQ(prediction.mean, moments.mean);
+  EXPECT_EQ(prediction.variance, moments.variance);
+  ASSERT_EQ(prediction.stationary_variance.size(), 2u);
+  EXPECT_NEAR(prediction.stability.spectral_radius, 0.5274, 0.00005);
+}
+
+TEST(Prediction, OfAnEndlessRunIsStationary) {
+  Configuration configuration = paper_run("");
+  configuration.run.steps = 0;
+  const Prediction prediction = predict(configuration);
+  EXPECT_EQ(prediction.mean, (std::vector<double>{0.0, 0.0}));
+  EXPECT_EQ(prediction.variance, prediction.stationary_variance);
+}
+
+TEST(RunResult, CountsThePositionsThatMustCome) {
+  RunOptions run = paper_run("").run;
+  EXPECT_EQ(positions_expected(run, 20), 3u * 4u * 20u);
+  run.followers = 20;
+  run.steps = 100;
+  EXPECT_EQ(positions_expected(run, 100000), 21u * 101u * 100000u);
+}
+
+TEST(WriteResults, PutsARowPerVehicleAndStepIntoTheTable) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  const Prediction prediction = predict(configuration);
+  const RunResult result = result_with(configuration, prediction);
+  const auto rows = written(configuration, prediction, result).rows;
+  EXPECT_EQ(rows[0], (std::vector<std::string>{"vehicle", "step", "count", "mean", "variance",
+                                               "theoretical_mean", "theoretical_variance"}));
+  ASSERT_EQ(rows.size(), 1u + 6u);
+  for (std::size_t i = 1; i <= 2; ++i) {
+    for (std::int64_t k = 0; k < 3; ++k) {
+      const std::size_t c = cell(i, k, 3);
+      const auto& row = rows[1 + c];
+      ASSERT_EQ(row.size(), 7u);
+      EXPECT_EQ(row[0], std::to_string(i));
+      EXPECT_EQ(row[1], std::to_string(k));
+      EXPECT_EQ(row[2], "20");
+      EXPECT_EQ(std::stod(row[3]), result.moments[c].mean) << "to the bit";
+      EXPECT_EQ(std::stod(row[4]), result.moments[c].variance());
+      EXPECT_EQ(std::stod(row[5]), prediction.mean[c]);
+      EXPECT_EQ(std::stod(row[6]), prediction.variance[c]);
+    }
+  }
+}
+
+TEST(WriteResults, WritesWhatIsUndefinedAsNaN) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  const Prediction prediction = predict(configuration);
+  RunResult result = result_with(configuration, prediction);
+  result.moments[0] = Moments{};
+  result.moments[1] = Moments{1, 0.25, 0.0};
+  const auto rows = written(configuration, prediction, result).rows;
+  EXPECT_EQ(rows[1][3], "nan");
+  EXPECT_EQ(rows[1][4], "nan");
+  EXPECT_EQ(rows[2][3], "0.25");
+  EXPECT_EQ(rows[2][4], "nan");
+}
+
+TEST(WriteResults, PutsEveryKeyIntoTheSummary) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  const Prediction prediction = predict(configuration);
+  const nlohmann::json summary =
+      written(configuration, prediction, result_with(configuration, prediction)).summary;
+  const std::set<std::string> keys = keys_of(summary);
+  for (const char* key :
+       {"complete", "followers", "steps", "realizations", "seed", "hosting", "attempts", "positions_received",
+        "positions_lost", "wall_seconds", "vehicle_steps_per_second", "agreement", "theory"}) {
+    EXPECT_EQ(keys.count(key), 1u) << key;
+  }
+  EXPECT_EQ(keys_of(summary["agreement"]), (std::set<std::string>{"max_abs_z_mean", "max_abs_z_variance"}));
+  EXPECT_EQ(keys_of(summary["theory"]),
+            (std::set<std::string>{"spectral_radius", "peak_gain", "mean_square_stable", "string_stable",
+                                   "stationary_variance", "limit_variance"}));
+}
+
+TEST(WriteResults, PutsTheRunsFiguresIntoTheSummary) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  const Prediction prediction = predict(configuration);
+  const nlohmann::json summary =
+      written(configuration, prediction, result_with(configuration, prediction, 1.25)).summary;
+  EXPECT_EQ(summary["complete"], true);
+  EXPECT_EQ(summary["followers"], 2);
+  EXPECT_EQ(summary["steps"], 3);
+  EXPECT_EQ(summary["realizations"], 20);
+  EXPECT_EQ(summary["seed"], 1);
+  EXPECT_EQ(summary["hosting"], "processes");
+  EXPECT_EQ(summary["attempts"], 3);
+  EXPECT_EQ(summary["positions_received"], 240);
+  EXPECT_EQ(summary["positions_lost"], 0);
+  EXPECT_EQ(summary["wall_seconds"], 0.5);
+  EXPECT_EQ(summary["vehicle_steps_per_second"], 2 * 3 * 20 / 0.5);
+  EXPECT_NEAR(summary["agreement"]["max_abs_z_mean"].get<double>(), 1.25, 1e-9);
+  EXPECT_NEAR(summary["agreement"]["max_abs_z_variance"].get<double>(), 1.25, 1e-9);
+  EXPECT_EQ(summary["theory"]["string_stable"], true);
+  EXPECT_EQ(summary["theory"]["mean_square_stable"], true);
+  EXPECT_EQ(summary["theory"]["stationary_variance"].size(), 2u);
+  EXPECT_EQ(summary["theory"]["limit_variance"].get<double>(), *prediction.stability.limit_variance);
+}
+
+TEST(WriteResults, CountsThePositionsThatWereLost) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  const Prediction prediction = predict(configuration);
+  RunResult result = result_with(configuration, prediction);
+  result.tally.positions_received -= 8;
+  EXPECT_EQ(written(configuration, prediction, result).summary["positions_lost"], 8);
+  result.tally.positions_received += 16;
+  EXPECT_EQ(written(configuration, prediction, result).summary["positions_lost"], -8);
+}
+
+TEST(WriteResults, HasNoLimitForAStringUnstablePlatoon) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path(), 2.4);
+  const Prediction prediction = predict(configuration);
+  const nlohmann::json summary =
+      written(configuration, prediction, result_with(configuration, prediction)).summary;
+  EXPECT_EQ(summary["theory"]["string_stable"], false);
+  EXPECT_TRUE(summary["theory"]["limit_variance"].is_null());
+}
+
+TEST(WriteResults, ComparesNothingThatWasNotMeasured) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  const Prediction prediction = predict(configuration);
+  RunResult result = result_with(configuration, prediction);
+  result.complete = false;
+  result.realizations = 0;
+  result.tally = {};
+  result.moments.assign(6, Moments{});
+  const nlohmann::json summary = written(configuration, prediction, result).summary;
+  EXPECT_EQ(summary["complete"], false);
+  EXPECT_TRUE(summary["agreement"]["max_abs_z_mean"].is_null());
+  EXPECT_EQ(summary["vehicle_steps_per_second"], 0.0);
+}
+
+TEST(WriteResults, LabelsTimeAveragesAsSuch) {
+  const TemporaryFolder folder;
+  Configuration configuration = paper_run(folder.path());
+  configuration.run.steps = 0;
+  configuration.run.realizations = 1;
+  const Prediction prediction = predict(configuration);
+  RunResult result;
+  result.realizations = 1;
+  result.last_step = 999;
+  result.moments = {Moments{800, 0.1, 79.9}, Moments{800, 0.2, 159.8}};
+  const Written files = written(configuration, prediction, result);
+  ASSERT_EQ(files.rows.size(), 3u);
+  EXPECT_EQ(files.rows[1][0], "1");
+  EXPECT_EQ(files.rows[1][1], "999");
+  EXPECT_EQ(files.rows[1][2], "800");
+  EXPECT_EQ(files.summary["time_average"], true);
+  EXPECT_TRUE(files.summary["agreement"]["max_abs_z_mean"].is_null());
+  EXPECT_NE(report(configuration, prediction, result).find("time averages up to step 999"),
+            std::string::npos);
+}
+
+TEST(WriteResults, ReplacesItsFilesWhole) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  const Prediction prediction = predict(configuration);
+  RunResult result = result_with(configuration, prediction);
+  written(configuration, prediction, result);
+  result.tally.attempts = 7;
+  EXPECT_EQ(written(configuration, prediction, result).summary["attempts"], 7);
+  EXPECT_EQ(folder.entries().size(), 2u);
+}
+
+TEST(WriteResults, NamesTheFileItCannotWrite) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder / "none");
+  const Prediction prediction = predict(configuration);
+  try {
+    write_results(configuration, prediction, result_with(configuration, prediction));
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find(folder / "none/statistics.csv"), std::string::npos);
+  }
+}
+
+TEST(Report, SaysThatMeasurementAndTheoryAgree) {
+  const Configuration configuration = paper_run("");
+  const Prediction prediction = predict(configuration);
+  const std::string text = report(configuration, prediction, result_with(configuration, prediction, 0.5));
+  EXPECT_NE(text.find("Measurement agrees with Lemma 1"), std::string::npos);
+  EXPECT_NE(text.find("tracking errors at step 2, 20 realizations"), std::string::npos);
+  EXPECT_NE(text.find("Theory: "), std::string::npos);
+  EXPECT_NE(text.find("Stationary variance along an endless string: "), std::string::npos);
+}
+
+TEST(Report, SaysThatMeasurementAndTheoryDisagree) {
+  const Configuration configuration = paper_run("");
+  const Prediction prediction = predict(configuration);
+  for (const double score : {5.0, -5.0}) {
+    const std::string text = report(configuration, prediction, result_with(configuration, prediction, score));
+    EXPECT_NE(text.find("MEASUREMENT AND LEMMA 1 DISAGREE"), std::string::npos) << score;
+  }
+  RunResult only_mean = result_with(configuration, prediction);
+  only_mean.moments.back().mean += 3.0;
+  EXPECT_NE(report(configuration, prediction, only_mean).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
+            std::string::npos);
+  RunResult only_variance = result_with(configuration, prediction);
+  only_variance.moments.back().squared_deviations *= 5.0;
+  EXPECT_NE(report(configuration, prediction, only_variance).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
+            std::string::npos);
+}
+
+TEST(Report, SaysThatSomethingUndefinedDoesNotAgree) {
+  const Configuration configuration = paper_run("");
+  const Prediction prediction = predict(configuration);
+  for (std::size_t c = 0; c < prediction.mean.size(); ++c) {
+    RunResult result = result_with(configuration, prediction, 0.5);
+    result.moments[c].mean = kNaN;
+    EXPECT_NE(report(configuration, prediction, result).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
+              std::string::npos)
+        << "NaN in cell " << c;
+  }
+}
+
+TEST(Report, ShowsBothEndsOfALongString) {
+  Configuration configuration = paper_run("");
+  configuration.run.followers = 100;
+  const Prediction prediction = predict(configuration);
+  const std::string text = report(configuration, prediction, result_with(configuration, prediction, 0.5));
+  EXPECT_NE(text.find("\n      10 "), std::string::npos);
+  EXPECT_EQ(text.find("\n      11 "), std::string::npos);
+  EXPECT_NE(text.find("     ...\n"), std::string::npos);
+  EXPECT_NE(text.find("\n      91 "), std::string::npos);
+  EXPECT_NE(text.find("\n     100 "), std::string::npos);
+}
+
+}  // namespace
+}  // namespace platoon

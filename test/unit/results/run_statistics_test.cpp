@@ -1,0 +1,152 @@
+#include "stochastic_platoon/results/run_statistics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "paper_run.hpp"
+#include "stochastic_platoon/model/vehicle.hpp"
+#include "stochastic_platoon/simulation/platoon_string.hpp"
+
+namespace platoon {
+namespace {
+
+// Positions of every vehicle at steps -1 .. steps - 1 of a batch, as the nodes publish them.
+std::vector<std::vector<Positions>> positions_of(const Configuration& configuration, std::uint64_t first,
+                                                 std::size_t count, std::int64_t steps) {
+  const auto share = [](const std::vector<double>& values) {
+    return std::make_shared<const std::vector<double>>(values);
+  };
+  std::vector<std::vector<Positions>> all(1);
+  LeaderVehicle leader(configuration.model);
+  all[0].push_back(share(std::vector<double>(count, leader.start())));
+  for (std::int64_t k = 0; k < steps; ++k) all[0].push_back(share(std::vector<double>(count, leader.step())));
+  for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
+    FollowerVehicle follower(configuration.model, configuration.run.seed, i);
+    const NoisyChannel channel(configuration.model.noise_variance, configuration.run.seed, i);
+    std::vector<double> received, own;
+    follower.start(first, count, own);
+    all.push_back({share(own)});
+    for (std::int64_t k = 0; k < steps; ++k) {
+      channel.transmit(k - 1, first, *all[i - 1][static_cast<std::size_t>(k)], received);
+      follower.step(received, own);
+      all[i].push_back(share(own));
+    }
+  }
+  return all;
+}
+
+// Hands the batch over step by step, up to `last_step`.
+void receive_batch(RunStatistics& statistics, const Configuration& configuration, std::uint32_t attempt,
+                   std::uint64_t first, std::int64_t last_step) {
+  const std::size_t count = configuration.run.schedule().size(first);
+  const auto all = positions_of(configuration, first, count, last_step + 1);
+  for (std::int64_t k = kInitialStep; k <= last_step; ++k) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      ASSERT_EQ(statistics.receive(i, {attempt, first, k}, all[i][static_cast<std::size_t>(k + 1)]),
+                Verdict::in_turn);
+    }
+  }
+}
+
+void expect_monte_carlo(const std::vector<Moments>& found, const Configuration& configuration,
+                        std::uint64_t realizations) {
+  const RunOptions& run = configuration.run;
+  const std::vector<Moments> expected =
+      monte_carlo(configuration.model, {run.seed, run.followers, run.steps, realizations, 8192}, 1,
+                  [](std::uint64_t) {})
+          .totals();
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t c = 0; c < found.size(); ++c) {
+    EXPECT_EQ(found[c].count, expected[c].count);
+    EXPECT_EQ(found[c].mean, expected[c].mean);
+    EXPECT_EQ(found[c].squared_deviations, expected[c].squared_deviations);
+  }
+}
+
+TEST(RunStatistics, AreTheMonteCarlosToTheBit) {
+  const Configuration configuration = paper_run("");
+  RunStatistics statistics(configuration, std::nullopt);
+  EXPECT_TRUE(statistics.empty());
+  for (const std::uint64_t first : {0, 8, 16}) receive_batch(statistics, configuration, 1, first, 2);
+  EXPECT_TRUE(statistics.arrivals().complete());
+  EXPECT_FALSE(statistics.empty());
+  EXPECT_EQ(statistics.realizations(), 20u);
+  EXPECT_EQ(statistics.last_step(), 2);
+  expect_monte_carlo(statistics.moments(), configuration, 20);
+  const RunResult result = statistics.result(true);
+  EXPECT_TRUE(result.complete);
+  EXPECT_EQ(result.realizations, 20u);
+  EXPECT_EQ(result.tally.positions_received, positions_expected(configuration.run, 20));
+  EXPECT_EQ(result.tally.attempts, 1u);
+}
+
+TEST(RunStatistics, CountNothingOfAnUnfinishedBatch) {
+  const Configuration configuration = paper_run("");
+  RunStatistics statistics(configuration, std::nullopt);
+  receive_batch(statistics, configuration, 1, 0, 2);
+  receive_batch(statistics, configuration, 1, 8, 1);
+  expect_monte_carlo(statistics.moments(), configuration, 8);
+  receive_batch(statistics, configuration, 4, 8, 2);
+  expect_monte_carlo(statistics.moments(), configuration, 16);
+  EXPECT_EQ(statistics.tally.positions_received, positions_expected(configuration.run, 16));
+  EXPECT_EQ(statistics.tally.attempts, 4u);
+}
+
+TEST(RunStatistics, GoOnFromTheirCheckpointToTheBit) {
+  const Configuration configuration = paper_run("");
+  RunStatistics before(configuration, std::nullopt);
+  receive_batch(before, configuration, 3, 0, 2);
+  const Checkpoint checkpoint = before.checkpoint();
+  EXPECT_EQ(checkpoint.launch, "this launch");
+  EXPECT_EQ(checkpoint.identity, statistics_identity(configuration));
+  RunStatistics after(configuration, checkpoint);
+  EXPECT_EQ(after.realizations(), 8u);
+  EXPECT_EQ(after.arrivals().committed(), 8u);
+  EXPECT_EQ(after.arrivals().attempt(), 3u);
+  receive_batch(after, configuration, 4, 8, 2);
+  receive_batch(after, configuration, 4, 16, 2);
+  expect_monte_carlo(after.moments(), configuration, 20);
+  EXPECT_EQ(after.tally.positions_received, positions_expected(configuration.run, 20));
+}
+
+TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
+  Configuration configuration = paper_run("");
+  configuration.run.steps = 0;
+  configuration.run.realizations = configuration.run.batch = 1;
+  configuration.run.burn_in = 30;
+  RunStatistics statistics(configuration, std::nullopt);
+  EXPECT_TRUE(statistics.endless());
+  EXPECT_TRUE(statistics.empty());
+  receive_batch(statistics, configuration, 1, 0, 49);
+  EXPECT_EQ(statistics.last_step(), 49);
+  EXPECT_EQ(statistics.realizations(), 1u);
+  ASSERT_EQ(statistics.moments().size(), 2u);
+  const auto all = positions_of(configuration, 0, 1, 50);
+  const TrackingError error{configuration.model.headway, configuration.model.standstill_distance};
+  for (std::size_t i = 1; i <= 2; ++i) {
+    Moments expected;
+    for (std::size_t k = 31; k <= 50; ++k) {
+      expected.add(error(all[i - 1][k]->front(), all[i][k]->front(), all[i][k - 1]->front()));
+    }
+    EXPECT_EQ(statistics.moments()[i - 1].count, 20u);
+    EXPECT_EQ(statistics.moments()[i - 1].mean, expected.mean);
+    EXPECT_EQ(statistics.moments()[i - 1].squared_deviations, expected.squared_deviations);
+  }
+  EXPECT_EQ(statistics.tally.positions_received, 3u * 51u);
+}
+
+TEST(RunStatistics, OfAnEndlessRunBeginAnewWithANewAttempt) {
+  Configuration configuration = paper_run("");
+  configuration.run.steps = 0;
+  configuration.run.realizations = configuration.run.batch = 1;
+  RunStatistics statistics(configuration, std::nullopt);
+  receive_batch(statistics, configuration, 1, 0, 49);
+  receive_batch(statistics, configuration, 2, 0, 9);
+  EXPECT_EQ(statistics.last_step(), 9);
+  EXPECT_EQ(statistics.moments()[0].count, 10u);
+  EXPECT_EQ(statistics.tally.positions_received, 3u * 11u);
+}
+
+}  // namespace
+}  // namespace platoon
