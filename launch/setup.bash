@@ -3,7 +3,7 @@
 
 platoon_packages=(
   cmake g++ make
-  ros-core rosbash libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev ros-std-msgs
+  ros-core rosbash libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev libvisualization-msgs-dev ros-std-msgs
   libboost-program-options-dev libeigen3-dev librandom123-dev libyaml-cpp-dev nlohmann-json3-dev
   python3-matplotlib python3-numpy
 )

@@ -5,6 +5,7 @@ import glob
 import json
 import os
 import signal
+import subprocess
 import time
 import unittest
 
@@ -127,6 +128,29 @@ class Endless(LaunchTest):
             self.assertEqual(theory, stationary)
             # The errors' correlation dies out within tens of steps (rho(A) = 0.53): 50 steps an independent value is ample.
             self.assertLess(abs(variance / theory - 1.0), 6.0 * (2.0 / (count / 50.0)) ** 0.5)
+
+
+class Live(LaunchTest):
+    def test_live_launch_shows_the_platoon(self):
+        import rosbag
+        terminal = self.launch("live.launch", followers=3, rviz="false")
+        live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/monitor", terminal.master), "the monitor")
+        markers = subprocess.Popen([live_platoon.executable("markers"), "__ns:=platoon"],
+                                   env=dict(os.environ, ROS_MASTER_URI=terminal.master, ROS_HOSTNAME="localhost"))
+        self.addCleanup(markers.wait)
+        self.addCleanup(markers.terminate)
+        bag = os.path.join(self.folder, "markers.bag")
+        subprocess.run([live_platoon.system_executable("rosbag", "record"), "-O", bag, "-l", "20", "/platoon/markers"],
+                       env=dict(os.environ, ROS_MASTER_URI=terminal.master, ROS_HOSTNAME="localhost"), check=True,
+                       stdout=subprocess.DEVNULL, timeout=live_platoon.DEADLINE)
+        with rosbag.Bag(bag) as recorded:
+            last = [message for _, message, _ in recorded.read_messages()][-1].markers
+        self.assertEqual(len(last), 8)  # a box and a label for each of four vehicles
+        boxes = [marker for marker in last if not marker.text]
+        self.assertEqual(boxes[0].pose.position.x, 0.0)
+        places = [box.pose.position.x for box in boxes]
+        self.assertEqual(places, sorted(places, reverse=True))
+        self.assertEqual(last[1].text, "leader")
 
 
 class Culprit(LaunchTest):

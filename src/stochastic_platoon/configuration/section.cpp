@@ -184,9 +184,11 @@ void Section::reject_unknown_keys() {
   if (!node_.IsMap()) return;
   std::string allowed;
   for (const std::string& key : known_) allowed += (allowed.empty() ? "" : ", ") + key;
+  std::set<std::string> seen;
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
     if (known_.count(key) == 0) problems_.push_back(name(key) + ": unknown key: allowed are " + allowed);
+    if (!seen.insert(key).second) problems_.push_back(name(key) + ": given twice: must stand once");
   }
 }
 

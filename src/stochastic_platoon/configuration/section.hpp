@@ -50,7 +50,7 @@ public:
   /// A list of mappings, which may be empty.
   std::vector<Section> sections(const std::string& key);
 
-  /// Reports the keys that nobody asked for. Call it last.
+  /// Reports the keys that nobody asked for, or that stand twice. Call it last.
   void reject_unknown_keys();
 
   /// Reports that the value at `key` is not what it must be.

@@ -37,7 +37,7 @@ std::string culprit(const std::vector<std::optional<Turn>>& latest, const BatchS
   if (stuck.size() + 1 == latest.size()) {
     return "channel has passed nothing on: all followers wait, " + first;
   }
-  return first + ", nor have " + std::to_string(stuck.size() - 1) + " other followers what they could";
+  return first + "; the same holds for " + std::to_string(stuck.size() - 1) + " more";
 }
 
 }  // namespace platoon

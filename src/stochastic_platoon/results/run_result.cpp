@@ -137,6 +137,15 @@ std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizatio
   return (run.followers + 1) * static_cast<std::uint64_t>(run.steps + 1) * realizations;
 }
 
+namespace {
+
+// Of a time average each vehicle has its own: when a run is stopped, they are not all at the same step.
+std::int64_t last_averaged_step(const RunOptions& run, const Moments& moments) {
+  return run.burn_in + static_cast<std::int64_t>(moments.count) - 1;
+}
+
+}  // namespace
+
 std::string statistics_csv(const Configuration& configuration, const Prediction& prediction,
                            const RunResult& result) {
   const bool time_average = configuration.run.steps == 0;
@@ -146,11 +155,11 @@ std::string statistics_csv(const Configuration& configuration, const Prediction&
     for (std::int64_t k = 0; k < steps; ++k) {
       const std::size_t c = cell(i, k, steps);
       const Moments& moments = result.moments[c];
-      text += formatted("%zu,%lld,%llu,%.17g,%.17g,%.17g,%.17g\n", i,
-                        static_cast<long long>(time_average ? result.last_step : k),
-                        static_cast<unsigned long long>(moments.count),
-                        moments.count > 0 ? moments.mean : std::nan(""), moments.variance(),
-                        prediction.mean[c], prediction.variance[c]);
+      text += formatted(
+          "%zu,%lld,%llu,%.17g,%.17g,%.17g,%.17g\n", i,
+          static_cast<long long>(time_average ? last_averaged_step(configuration.run, moments) : k),
+          static_cast<unsigned long long>(moments.count), moments.count > 0 ? moments.mean : std::nan(""),
+          moments.variance(), prediction.mean[c], prediction.variance[c]);
     }
   }
   return text;

@@ -44,8 +44,7 @@ public:
 
   const LoopSpectrumHalf& about(Centre centre) const { return centre == Centre::kOne ? near_ : far_; }
 
-  /// How often 1 - cos w divides |D|^2 - |N|^2; 1 unless T is maximally flat at w = 0, 0 for T(z) with |T|
-  /// = 1.
+  /// How often 1 - cos w divides |D|^2 - |N|^2, to rounding; 1 unless T is maximally flat at w = 0.
   int margin_zeros() const { return margin_zeros_; }
   /// How often 1 - cos w divides |S|^2; 2 unless G K has more than two poles at z = 1.
   int sensitivity_zeros() const { return sensitivity_zeros_; }

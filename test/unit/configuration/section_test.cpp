@@ -199,5 +199,13 @@ TEST(Section, OfADocumentThatIsNoMappingSaysSo) {
             Problems{"the document: [1, 2]: must be a mapping of keys"});
 }
 
+TEST(Section, RejectsAKeyThatStandsTwice) {
+  std::vector<std::string> problems;
+  Section section(YAML::Load("{a: 1, a: 2}"), "", problems);
+  section.number("a", kAnyFinite);
+  section.reject_unknown_keys();
+  EXPECT_EQ(problems, std::vector<std::string>{"a: given twice: must stand once"});
+}
+
 }  // namespace
 }  // namespace platoon

@@ -49,8 +49,7 @@ TEST(Culprit, IsTheLeaderWhenEveryFollowerHasSentWhatItCould) {
 
 TEST(Culprit, AreSeveralFollowersWhenSomeAreBehind) {
   EXPECT_EQ(culprit({at(8, 9), at(8, 7), at(8, 8), at(8, 6), at(8, 7)}, kSchedule),
-            "vehicle_1 has sent nothing since step 7 (realizations from 8), nor have 1 other followers what "
-            "they could");
+            "vehicle_1 has sent nothing since step 7 (realizations from 8); the same holds for 1 more");
 }
 
 TEST(Culprit, OfAnEndlessRunIsFoundToo) {

@@ -208,6 +208,7 @@ TEST(WriteResults, LabelsTimeAveragesAsSuch) {
   Configuration configuration = paper_run(folder.path());
   configuration.run.steps = 0;
   configuration.run.realizations = 1;
+  configuration.run.burn_in = 200;
   const Prediction prediction = predict(configuration);
   RunResult result;
   result.realizations = 1;

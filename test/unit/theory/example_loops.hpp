@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/LU>
 #include <complex>
 #include <string>
 #include <vector>

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "example_loops.hpp"
+#include "stochastic_platoon/theory/stationary_variance.hpp"
 
 namespace platoon {
 namespace {
@@ -84,14 +86,13 @@ TEST(LemmaOne, RefusesWhatHasNoStationaryCovariance) {
                std::invalid_argument);
 }
 
-TEST(LemmaOne, LyapunovSolutionExistsForLongStringsOfSlowVehicles) {
-  // The computed eigenvalues of this A, of multiplicity 30, lie outside the unit circle.
-  const ExampleLoop lag = all_pole("lag", with_zeros({}, {std::polar(0.95, 0.02)}));
-  const StringMatrices string = string_matrices(lag.loop.realization, lag.headway, 30);
-  const Eigen::MatrixXd covariance = stationary_covariance_by_lyapunov(string, 1.0);
-  const Eigen::VectorXd variance = covariance.diagonal();
-  EXPECT_GT(variance.minCoeff(), 0.0);
-  EXPECT_LT(variance.maxCoeff(), 100.0);
+TEST(LemmaOne, LyapunovSolutionKeepsItsDigitsForLongStrings) {
+  const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
+  const StringMatrices string = string_matrices(model.loop.realization, 3.2, 40);
+  // The eigenvalues of this A, of multiplicity 40, are not to be relied on: rho(A) = 0.527.
+  EXPECT_GT(string.a.eigenvalues().cwiseAbs().maxCoeff(), 0.6);
+  const double expected = stationary_variances(model, 40).back();
+  EXPECT_NEAR(stationary_covariance_by_lyapunov(string, 0.6)(39, 39), expected, 1e-11 * expected);
 }
 
 TEST(LemmaOne, RefusesAnEmptyStringAndAnEmptyRun) {

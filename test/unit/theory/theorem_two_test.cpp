@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -104,6 +105,12 @@ TEST(TheoremTwo, MeanGainGrowsWithTheStringAndStaysBelowThatOfAnyLength) {
 TEST(TheoremTwo, InitialCovarianceIsTheSupremumOverAllLengths) {
   std::vector<ExampleLoop> loops = example_loops();
   for (const ExampleLoop& loop : string_stable_loops()) loops.push_back(loop);
+  Eigen::Matrix3d basis;  // coordinates where the worst pattern of positions is not the same for all vehicles
+  basis << -2.0, -1.0, 0.0, 2.0, 1.0, 1.0, -3.0, -2.0, -2.0;
+  const Eigen::Matrix3d inverse = basis.inverse();
+  const StateSpace paper = paper_loop(3.2).realization;
+  const StateSpace turned(basis * paper.a() * inverse, basis * paper.b(), paper.c() * inverse);
+  loops.push_back({"paper, turned", 3.2, closed_loop_from(turned)});
   for (const ExampleLoop& example : loops) {
     const PlatoonModel model = model_with(example.loop, example.headway);
     const double bound = theorem_two_bounds(model, 2, 10).initial_covariance;

@@ -1,0 +1,76 @@
+// How long the theory takes, beside the dense solution it replaces.
+
+#include <benchmark/benchmark.h>
+
+#include "stochastic_platoon/theory/critical_headway.hpp"
+#include "stochastic_platoon/theory/error_moments.hpp"
+#include "stochastic_platoon/theory/lemma_one.hpp"
+#include "stochastic_platoon/theory/stationary_variance.hpp"
+#include "stochastic_platoon/theory/string_matrices.hpp"
+#include "stochastic_platoon/theory/string_stability.hpp"
+
+namespace {
+
+platoon::LoopDesign paper_design() {
+  return {platoon::TransferFunction(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0)),
+          platoon::TransferFunction(Eigen::Vector2d(1.35, 0.0), Eigen::Vector2d(1.0, 0.89)), true};
+}
+
+// The numerical example of the paper, h = 3.2.
+platoon::PlatoonModel paper_model() {
+  const double headway = 3.2;
+  platoon::PlatoonModel model{platoon::close_loop(paper_design(), headway), headway, 0.0, 0.1, 0.6,
+                              platoon::LeaderProfile({{0, 20.0}}, 0.1),     {}};
+  return model;
+}
+
+void StringStability(benchmark::State& state) {
+  const platoon::PlatoonModel model = paper_model();
+  for (auto _ : state) benchmark::DoNotOptimize(platoon::string_stability(model));
+}
+BENCHMARK(StringStability)->Unit(benchmark::kMillisecond);
+
+void CriticalHeadway(benchmark::State& state) {
+  const platoon::LoopDesign design = paper_design();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        platoon::stable_headways([&](double h) { return platoon::close_loop(design, h); }));
+  }
+}
+BENCHMARK(CriticalHeadway)->Unit(benchmark::kMillisecond);
+
+void ErrorMoments(benchmark::State& state) {
+  const platoon::PlatoonModel model = paper_model();
+  const auto followers = static_cast<std::size_t>(state.range(0));
+  for (auto _ : state) benchmark::DoNotOptimize(platoon::error_moments(model, followers, state.range(1)));
+}
+BENCHMARK(ErrorMoments)->Args({20, 100})->Args({10000, 1000})->Unit(benchmark::kMillisecond);
+
+void ErrorMomentsByLemmaOne(benchmark::State& state) {
+  const platoon::PlatoonModel model = paper_model();
+  const auto followers = static_cast<std::size_t>(state.range(0));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(platoon::error_moments_by_lemma_one(model, followers, state.range(1)));
+}
+BENCHMARK(ErrorMomentsByLemmaOne)->Args({20, 100})->Unit(benchmark::kMillisecond);
+
+void StationaryVariances(benchmark::State& state) {
+  const platoon::PlatoonModel model = paper_model();
+  const auto followers = static_cast<std::size_t>(state.range(0));
+  for (auto _ : state) benchmark::DoNotOptimize(platoon::stationary_variances(model, followers));
+}
+BENCHMARK(StationaryVariances)->Arg(20)->Arg(100)->Arg(1000000)->Unit(benchmark::kMillisecond);
+
+void StationaryVariancesByDenseLyapunov(benchmark::State& state) {
+  const platoon::PlatoonModel model = paper_model();
+  const platoon::StringMatrices matrices = platoon::string_matrices(model.loop.realization, model.headway,
+                                                                    static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(platoon::stationary_covariance_by_lyapunov(matrices, model.noise_variance));
+  }
+}
+BENCHMARK(StationaryVariancesByDenseLyapunov)->Arg(20)->Arg(100)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+
+BENCHMARK_MAIN();
