@@ -157,6 +157,16 @@ class Killed(BagTest):
                     self.assert_whole(self.bag, 3, 20, 20)
                 self.assertEqual(self.csv_of(*bags), live_platoon.statistics(self.output))
 
+    def test_kill_9_of_recorder_and_monitor_at_once_costs_no_message(self):
+        terminal = self.launch(record=self.bag, followers=3, steps=20, realizations=20000, batch=1000, rate=120, stall_timeout=0.5,
+                               hosting="one_process")
+        live_platoon.wait_for(lambda: "/20000 realizations" in terminal.text(), "progress")
+        live_platoon.kill("/platoon/platoon", terminal.master)
+        terminal.wait()
+        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
+        self.assert_whole(self.bag, 3, 20, 20)
+        self.assertEqual(self.csv_of(self.bag), live_platoon.statistics(self.output))
+
     def test_an_unfinished_recording_of_another_run_is_not_touched(self):
         with open(self.bag + ".active", "w") as file:
             file.write("precious")

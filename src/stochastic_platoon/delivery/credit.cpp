@@ -58,7 +58,7 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
       sender.in_attempt && (!of_this_attempt || published_before(report) < published_before(*sender.latest));
   const bool through_a_batch = sender.latest && report.first_realization > sender.latest->first_realization;
   sender.latest = report;
-  sender.in_attempt = of_this_attempt && (sender.in_attempt || report.step != kNothingYet);
+  sender.in_attempt = of_this_attempt;
   if (lost && !complete()) begin_attempt(now);
   if (acknowledged() > before) {
     last_activity_ = now;

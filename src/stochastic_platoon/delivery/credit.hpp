@@ -46,7 +46,7 @@ public:
 private:
   struct Receiver {
     std::optional<Acknowledgement> latest;
-    bool in_attempt = false;  ///< has acknowledged something of the present attempt
+    bool in_attempt = false;  ///< its latest report is of the present attempt
   };
   std::int64_t published_before(const Acknowledgement& report) const;
   std::int64_t acknowledged() const;

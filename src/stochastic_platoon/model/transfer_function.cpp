@@ -1,5 +1,6 @@
 #include "stochastic_platoon/model/transfer_function.hpp"
 
+#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -43,6 +44,37 @@ TransferFunction without_common_zeros_at_origin(const TransferFunction& fraction
     ++*count;
   }
   return {n, d};
+}
+
+/// Matrix of q -> p q over the coefficients of q, of which there are `columns`.
+Eigen::MatrixXd product_map(const Polynomial& p, Eigen::Index columns) {
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(p.size() + columns - 1, columns);
+  for (Eigen::Index j = 0; j < columns; ++j) map.col(j).segment(j, p.size()) = p;
+  return map;
+}
+
+// A null vector has the accuracy of the gap between the singular values. Gauss-Newton steps on g u - N = 0, g
+// v - D = 0 (v and g monic) bring u, v and g to the rounding of the coefficients.
+Reduction refined(const TransferFunction& fraction, const Reduction& rough) {
+  Polynomial u = rough.minimal.numerator(), v = rough.minimal.denominator(), g = rough.common_factor;
+  const Polynomial& n = fraction.numerator();
+  const Polynomial& d = fraction.denominator();
+  const Eigen::Index of_u = u.size(), of_v = v.size() - 1, of_g = g.size() - 1;
+  if (n.size() != of_u + of_g) return rough;
+  for (int step = 0; step < 3; ++step) {
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n.size() + d.size(), of_u + of_v + of_g);
+    jacobian.topLeftCorner(n.size(), of_u) = product_map(g, of_u);
+    jacobian.block(n.size(), of_u, d.size(), of_v) = product_map(g, v.size()).rightCols(of_v);
+    jacobian.topRightCorner(n.size(), of_g) = product_map(u, g.size()).rightCols(of_g);
+    jacobian.bottomRightCorner(d.size(), of_g) = product_map(v, g.size()).rightCols(of_g);
+    Eigen::VectorXd residual(n.size() + d.size());
+    residual << n - multiply(g, u), d - multiply(g, v);
+    const Eigen::VectorXd change = jacobian.colPivHouseholderQr().solve(residual);
+    u += change.head(of_u);
+    v.tail(of_v) += change.segment(of_u, of_v);
+    g.tail(of_g) += change.tail(of_g);
+  }
+  return {TransferFunction(u, v), g};
 }
 
 // Whether two fractions agree over the unit circle, but for w below 0.03, where poles at z = 1 make any
@@ -96,9 +128,9 @@ Reduction reduce(const TransferFunction& fraction, double tolerance) {
     const Polynomial v = null.head(degree + 1);
     Polynomial u = null.tail(degree + 1) * (n.norm() / d.norm());
     u.head(d.size() - n.size()).setZero();  // the relative degree is known: what stands there is rounding
-    const TransferFunction candidate(u, v);
-    if (!is_same_function(candidate, stripped)) continue;
-    return {candidate, multiply(common, exact_quotient(d, v / v(0)))};
+    const Reduction candidate = refined(stripped, {TransferFunction(u, v), exact_quotient(d, v / v(0))});
+    if (!is_same_function(candidate.minimal, stripped)) continue;
+    return {candidate.minimal, multiply(common, candidate.common_factor)};
   }
   return {stripped, common};
 }

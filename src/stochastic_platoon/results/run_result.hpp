@@ -8,6 +8,7 @@
 #include "stochastic_platoon/statistics/agreement.hpp"
 #include "stochastic_platoon/statistics/moments.hpp"
 #include "stochastic_platoon/theory/error_moments.hpp"
+#include "stochastic_platoon/theory/stationary_variance.hpp"
 #include "stochastic_platoon/theory/string_stability.hpp"
 
 namespace platoon {

@@ -155,5 +155,15 @@ TEST(Reduce, KeepsTheValueOfAFractionWhosePolesAndZerosLieClose) {
   }
 }
 
+// The closed loop of a controller that cancels a pole of its plant: T(1) = 1 holds to rounding after the
+// reduction as before it.
+TEST(Reduce, KeepsTheGainAtOneToRounding) {
+  const TransferFunction plant(Polynomial::Constant(1, 0.02), polynomial_with_zeros({1.0, 1.0, 0.8, 0.5}));
+  const TransferFunction controller(polynomial_with_zeros({0.8, 0.9}), polynomial_with_zeros({0.1, -0.2}));
+  const Reduction reduction = reduce(feedback(series(plant, controller), headway_policy(5.0)));
+  ASSERT_GE(reduction.common_factor.size(), 2);
+  EXPECT_LT(std::abs(reduction.minimal(1.0) - 1.0), 2e-12);
+}
+
 }  // namespace
 }  // namespace platoon
