@@ -2,6 +2,7 @@
 // What the graph's deliveries are compared with. Usage: flood source SIZE COUNT | flood sink COUNT. The sink
 // prints JSON.
 
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <stochastic_platoon/Position.h>
 

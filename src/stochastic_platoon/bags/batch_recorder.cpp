@@ -56,22 +56,33 @@ void BatchRecorder::take(std::size_t stream, const Message& message) {
   open_[message->first_realization].push_back({stream, message});
 }
 
+// In a thread of its own, so that the next batch arrives meanwhile. There is one at a time, and nothing else
+// touches the recording before it has ended.
 void BatchRecorder::write_batch(std::uint64_t first_realization) {
-  std::vector<Kept>& batch = open_[first_realization];
-  std::stable_sort(batch.begin(), batch.end(), [](const Kept& left, const Kept& right) {
-    return std::make_tuple(left.message->step, left.stream) <
-           std::make_tuple(right.message->step, right.stream);
-  });
-  for (Kept& kept : batch) {
-    recording_->write(topic(kept.stream), *kept.message);
-    kept.message.reset();
-  }
+  wait_for_writing();
+  std::vector<Kept> batch = std::move(open_[first_realization]);
   open_.erase(first_realization);
-  recording_->between_batches();
+  writing_ = std::async(std::launch::async, [this, kept = std::move(batch)]() mutable {
+    std::stable_sort(kept.begin(), kept.end(), [](const Kept& left, const Kept& right) {
+      return std::make_tuple(left.message->step, left.stream) <
+             std::make_tuple(right.message->step, right.stream);
+    });
+    for (Kept& each : kept) {
+      recording_->write(topic(each.stream), *each.message);
+      each.message.reset();
+    }
+    recording_->between_batches();
+  });
+}
+
+void BatchRecorder::wait_for_writing() {
+  if (writing_.valid()) writing_.get();
+  bytes_ = recording_ ? recording_->bytes() : 0;
 }
 
 void BatchRecorder::receive(const ErrorStatistics& message) {
   if (finished_ || message.header.stamp.isZero()) return;
+  wait_for_writing();
   recording_->write(name_space_ + "/error_statistics", message);
   if (message.realizations == configuration_.run.realizations &&
       message.step + 1 == configuration_.run.steps) {
@@ -81,12 +92,15 @@ void BatchRecorder::receive(const ErrorStatistics& message) {
 
 bool BatchRecorder::finish() {
   if (finished_ || !arrivals_.complete() || !final_statistics_) return finished_;
+  wait_for_writing();
   recording_->complete();
+  bytes_ = recording_->bytes();
   finished_ = true;
   return true;
 }
 
 void BatchRecorder::stop() {
+  wait_for_writing();
   if (!finished_) recording_->close();
 }
 
@@ -142,6 +156,7 @@ void BatchRecorder::take_over(const std::string& file) {
     receive(*message);
   };
   read_damaged_bag(file, content);
+  wait_for_writing();
   open_.clear();
   std::filesystem::remove(file);
   recording_->set_suffix(kActiveSuffix);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <map>
 #include <memory>
 #include <string>
@@ -37,7 +38,8 @@ public:
 
   const Arrivals& arrivals() const { return arrivals_; }
   bool finished() const { return finished_; }
-  std::uint64_t bytes() const { return recording_ ? recording_->bytes() : 0; }
+  /// Bytes written so far, at most one batch ago.
+  std::uint64_t bytes() const { return bytes_; }
 
   /// Topic of a stream.
   std::string topic(std::size_t stream) const;
@@ -50,6 +52,8 @@ private:
   };
   void take(std::size_t stream, const Message& message);
   void write_batch(std::uint64_t first_realization);
+  /// Throws what the writing threw.
+  void wait_for_writing();
   void recover();
   void take_over(const std::string& file);
   std::uint64_t end_of_part(std::size_t part) const;
@@ -64,7 +68,10 @@ private:
   Arrivals arrivals_;
   bool final_statistics_ = false;
   bool finished_ = false;
+  std::uint64_t bytes_ = 0;
   std::unique_ptr<Recording> recording_;
+  std::future<void>
+      writing_;  ///< of the batch that is being written; its end is waited for by the destructor, too
 };
 
 }  // namespace platoon

@@ -1,8 +1,6 @@
 #include "stochastic_platoon/bags/recording.hpp"
 
-#include <fcntl.h>
 #include <std_msgs/String.h>
-#include <unistd.h>
 
 #include <boost/make_shared.hpp>
 #include <cstdio>
@@ -15,14 +13,6 @@ namespace platoon {
 namespace {
 
 constexpr std::uint32_t kChunkBytes = 4u << 20;
-
-// Asks the system to begin writing, so that the sync at the end finds little left to do.
-void begin_writeback(const std::string& file) {
-  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::sync_file_range(descriptor, 0, 0, SYNC_FILE_RANGE_WRITE);
-  ::close(descriptor);
-}
 
 }  // namespace
 
@@ -58,13 +48,10 @@ void Recording::open() {
 }
 
 void Recording::between_batches() {
-  if (options_.split_bytes > 0 && bag_.getSize() >= options_.split_bytes) {
-    complete();
-    ++part_;
-    open();
-  } else {
-    begin_writeback(part_name(options_, part_) + suffix_);
-  }
+  if (options_.split_bytes == 0 || bag_.getSize() < options_.split_bytes) return;
+  complete();
+  ++part_;
+  open();
 }
 
 void Recording::complete() {

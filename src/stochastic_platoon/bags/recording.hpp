@@ -32,8 +32,7 @@ public:
     bag_.write(topic, message.header.stamp, message);
   }
 
-  /// To be called between two batches: begins another file if this one has its size, and has the system write
-  /// out what it holds.
+  /// To be called between two batches: begins another file if this one has its size.
   void between_batches();
 
   /// Closes the file, syncs it and gives it its final name.

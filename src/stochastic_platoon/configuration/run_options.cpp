@@ -12,7 +12,7 @@ constexpr std::int64_t kMaxCount = std::int64_t{1}
 
 std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers, std::uint64_t recorded_steps) {
   std::uint64_t batch = 8192;
-  while (batch > 1 && batch * (2 * followers + 1) * recorded_steps > (std::uint64_t{1} << 24)) batch /= 2;
+  while (batch > 1 && batch * (2 * followers + 1) * recorded_steps > (std::uint64_t{1} << 25)) batch /= 2;
   while (batch > 64 && batch * followers > (std::uint64_t{1} << 19)) batch /= 2;
   return std::min(batch, realizations);
 }

@@ -46,7 +46,7 @@ nlohmann::json to_json(const RunOptions& options);
 
 /// Realizations per message where none are asked for: 64 kB messages, smaller for long strings so that one
 /// step of all vehicles stays near the size of the caches, and for a recorder so that it keeps at most about
-/// 128 MB of an unfinished batch (recorded_steps = steps + 1; 0 without recorder).
+/// 256 MB of an unfinished batch (recorded_steps = steps + 1; 0 without recorder).
 std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers,
                            std::uint64_t recorded_steps = 0);
 

@@ -16,7 +16,6 @@ using stochastic_platoon::Progress;
 namespace {
 
 constexpr double kFirstStepTimeout = 0.1;  // [s] grows by itself: see Credit
-constexpr double kObserverTime = 3.0;      // [s] see receive()
 constexpr double kWatchPeriod = 0.02;      // [s]
 
 double now() {
@@ -52,8 +51,6 @@ void Leader::receive(const Progress::ConstPtr& message) {
                                       << message->receiver << "\": it is no receiver of this run");
     return;
   }
-  // A paced run is one that others look at: they get time to link up before its first step (rosbag record -a
-  // asks the master for new topics once a second).
   if (paced_ && credit_.attempt() == 0 && message->attempt == 0 && begin_ == 0.0)
     begin_ = now() + kObserverTime;
   // After a restart time goes on past everything that may still be on its way.

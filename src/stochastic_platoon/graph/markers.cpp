@@ -17,7 +17,7 @@ using visualization_msgs::Marker;
 namespace {
 
 constexpr double kPeriod = 0.05;  // [s]
-constexpr double kLength = 4.0;   // [m] of the box; the model's vehicles have none
+constexpr double kLength = 2.5;   // [m] of the box; the model's vehicles have none
 
 // From dark blue over green and yellow to dark red.
 std_msgs::ColorRGBA colour(double share) {
@@ -81,8 +81,10 @@ void Markers::publish() const {
     box.color = colour(i == 0 ? 0.0 : (static_cast<double>(i) - 1.0) / last);
     if (i == 0) box.color.r = box.color.g = box.color.b = 0.4F;
     array.markers.push_back(box);
-    Marker label = marker(id + 1, Marker::TEXT_VIEW_FACING, vehicle.position - leader, 3.0);
-    label.scale.z = 1.5;
+    // Two rows of labels: neighbours stand close.
+    Marker label =
+        marker(id + 1, Marker::TEXT_VIEW_FACING, vehicle.position - leader, i % 2 == 0 ? 2.6 : 4.4);
+    label.scale.z = 1.2;
     label.color = box.color;
     const double error = i == 0 ? 0.0 : error_(vehicles_[i - 1].position, vehicle.position, vehicle.before);
     label.text = i == 0 ? "leader" : formatted("%zu: %+.2f m", i, error);

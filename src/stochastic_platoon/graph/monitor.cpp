@@ -158,7 +158,8 @@ bool Monitor::is_linked() {
 
 // Said once when it is noticed and once when it is over.
 void Monitor::report_stall(double present) {
-  const double pace = configuration_.run.rate > 0.0 ? 1.0 / configuration_.run.rate : 0.0;
+  const double rate = configuration_.run.rate;
+  const double pace = rate > 0.0 ? 1.0 / rate + (began_ < 0.0 ? kObserverTime : 0.0) : 0.0;
   if (last_arrival_ < 0.0) last_arrival_ = present;
   const bool stalled = present - last_arrival_ > 0.75 * configuration_.run.stall_timeout + pace;
   if (stalled && !stalled_) {

@@ -21,6 +21,10 @@ inline ros::TransportHints no_delay() {
   return ros::TransportHints().tcpNoDelay(true);
 }
 
+/// A paced run is one that others look at: they get this time [s] to link up before its first step (rosbag
+/// record -a asks the master for new topics once a second).
+constexpr double kObserverTime = 3.0;
+
 inline std::string position_topic(std::size_t vehicle) {
   return "vehicle_" + std::to_string(vehicle) + "/position";
 }

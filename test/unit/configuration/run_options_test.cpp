@@ -162,13 +162,13 @@ TEST(ChosenBatch, IsSmallerForLongerStringsAndNeverBeyondTheRealizations) {
   }
 }
 
-TEST(ChosenBatch, KeepsWhatARecorderHoldsWithin128Megabytes) {
+TEST(ChosenBatch, KeepsWhatARecorderHoldsWithin256Megabytes) {
   for (const std::size_t followers : {1, 20, 500}) {
     for (const std::uint64_t steps : {10, 100, 10000, 1000000}) {
       const std::uint64_t batch = chosen_batch(1000000, followers, steps);
       EXPECT_GE(batch, 1u);
       EXPECT_TRUE(batch == 1 || batch * (2 * followers + 1) * steps * sizeof(double) <= std::uint64_t{1}
-                                                                                            << 27);
+                                                                                            << 28);
     }
   }
 }
