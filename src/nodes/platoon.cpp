@@ -47,23 +47,24 @@ private:
 int main(int argc, char** argv) {
   return platoon::run_component(argc, argv, "platoon", 0, [](const ros::NodeHandle& node) {
     const platoon::Configuration configuration = platoon::read_configuration(node);
-    Worker vehicles(node), observers(node);
-    const platoon::Channel channel(observers.node(), configuration);
-    platoon::Monitor monitor(observers.node(), configuration);
+    // Two threads of about equal work: drawing the noise costs as much as driving and watching the vehicles.
+    Worker channels(node), vehicles(node);
+    const platoon::Channel channel(channels.node(), configuration);
+    platoon::Monitor monitor(vehicles.node(), configuration);
     std::vector<std::unique_ptr<platoon::Follower>> followers;
     for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
       followers.push_back(std::make_unique<platoon::Follower>(vehicles.node(), configuration, i));
     }
     std::unique_ptr<platoon::Recorder> recorder;
     if (!configuration.run.record.empty()) {
-      recorder = std::make_unique<platoon::Recorder>(observers.node(), configuration);
+      recorder = std::make_unique<platoon::Recorder>(channels.node(), configuration);
     }
     const platoon::Leader leader(vehicles.node(), configuration);
     vehicles.start();
-    observers.start();
+    channels.start();
     ros::spin();  // the global queue carries nothing but the signal to end
     vehicles.finish();
-    observers.finish();
+    channels.finish();
     monitor.stop();
     if (recorder) recorder->stop();
   });

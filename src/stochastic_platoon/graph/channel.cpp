@@ -1,7 +1,6 @@
 #include "stochastic_platoon/graph/channel.hpp"
 
 #include <boost/function.hpp>
-#include <boost/make_shared.hpp>
 
 #include "stochastic_platoon/graph/wire.hpp"
 
@@ -26,8 +25,8 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration) {
   }
 }
 
-void Channel::transmit(const Link& link, const Position::ConstPtr& message) const {
-  const auto received = boost::make_shared<Position>();
+void Channel::transmit(const Link& link, const Position::ConstPtr& message) {
+  const auto received = messages_.take();
   received->header = message->header;
   set_turn(turn_of(*message), *received);
   link.noise.transmit(message->step, message->first_realization, message->position, received->position);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/graph/message_pool.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 
 namespace platoon {
@@ -25,8 +26,9 @@ private:
     ros::Publisher received;
     ros::Subscriber sent;
   };
-  void transmit(const Link& link, const stochastic_platoon::Position::ConstPtr& message) const;
+  void transmit(const Link& link, const stochastic_platoon::Position::ConstPtr& message);
 
+  MessagePool messages_;
   std::vector<Link> links_;  ///< never resized after construction: the callbacks point into it
 };
 

@@ -1,7 +1,5 @@
 #include "stochastic_platoon/graph/follower.hpp"
 
-#include <boost/make_shared.hpp>
-
 #include "stochastic_platoon/graph/wire.hpp"
 
 namespace platoon {
@@ -23,12 +21,12 @@ void Follower::receive(const Position::ConstPtr& message) {
   const Verdict verdict = sequence_.receive(turn, message->position);
   if (verdict != Verdict::in_turn) return refusals_.count(verdict, turn, message->position.size());
   if (turn.step == kInitialStep) {
-    const auto initial = boost::make_shared<Position>();
+    const auto initial = messages_.take();
     vehicle_.start(turn.first_realization, message->position.size(), initial->position);
     publish(initial, turn, message->header.stamp);
   }
   if (schedule_.is_last_step(turn.step)) return;
-  const auto next = boost::make_shared<Position>();
+  const auto next = messages_.take();
   vehicle_.step(message->position, next->position);
   publish(next, {turn.attempt, turn.first_realization, turn.step + 1}, message->header.stamp + period_);
 }

@@ -5,6 +5,7 @@
 
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/sequence.hpp"
+#include "stochastic_platoon/graph/message_pool.hpp"
 #include "stochastic_platoon/graph/refusals.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 
@@ -28,6 +29,7 @@ private:
   FollowerVehicle vehicle_;
   Sequence sequence_;
   Refusals refusals_;
+  MessagePool messages_;
   ros::Publisher position_;
   ros::Subscriber predecessor_position_;
 };

@@ -3,7 +3,6 @@
 #include <ros/console.h>
 
 #include <algorithm>
-#include <boost/make_shared.hpp>
 
 #include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/graph/wire.hpp"
@@ -86,7 +85,7 @@ bool Leader::publish_one() {
   if (!turn) return false;
   stamp_ += period_;
   const double position = position_at(turn->step);
-  const auto message = boost::make_shared<Position>();
+  const auto message = messages_.take();
   message->header.stamp = stamp_;
   set_turn(*turn, *message);
   message->position.assign(schedule_.size(turn->first_realization), position);

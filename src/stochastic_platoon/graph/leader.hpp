@@ -8,6 +8,7 @@
 
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/credit.hpp"
+#include "stochastic_platoon/graph/message_pool.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 
 namespace platoon {
@@ -36,7 +37,8 @@ private:
   LeaderVehicle vehicle_;
   std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... of a recording; empty: the vehicle's own
   ros::Time stamp_;               ///< of the latest step published; zero before the first
-  double begin_ = 0.0;            ///< [s] no step before
+  MessagePool messages_;
+  double begin_ = 0.0;  ///< [s] no step before
   ros::Publisher position_;
   ros::Subscriber progress_;
   ros::SteadyTimer stall_timer_;

@@ -16,9 +16,7 @@ struct TrackingError {
 
   /// The same for `count` realizations.
   void operator()(const double* predecessor, const double* own, const double* own_before, std::size_t count,
-                  double* errors) const {
-    for (std::size_t r = 0; r < count; ++r) errors[r] = (*this)(predecessor[r], own[r], own_before[r]);
-  }
+                  double* errors) const;
 };
 
 }  // namespace platoon

@@ -1,8 +1,31 @@
 #include "stochastic_platoon/model/vehicle.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "stochastic_platoon/model/vector_clones.hpp"
+
 namespace platoon {
+
+namespace detail {
+
+PLATOON_VECTOR_CLONES
+void scale(double value, const double* in, std::size_t size, double* out) {
+  for (std::size_t r = 0; r < size; ++r) out[r] = value * in[r];
+}
+
+PLATOON_VECTOR_CLONES
+void add_scaled(double value, const double* in, double offset, std::size_t size, double* out) {
+  for (std::size_t r = 0; r < size; ++r) out[r] += value * (in[r] - offset);
+}
+
+// out = in + value out
+PLATOON_VECTOR_CLONES
+void scale_and_add(double value, const double* in, std::size_t size, double* out) {
+  for (std::size_t r = 0; r < size; ++r) out[r] = in[r] + value * out[r];
+}
+
+}  // namespace detail
 
 namespace {
 
@@ -10,22 +33,19 @@ namespace {
 template <typename Terms>
 void combine(const Terms& terms, const std::vector<std::vector<double>>& source,
              std::vector<double>& target) {
-  const std::size_t size = target.size();
-  double* const out = target.data();
   bool first = true;
   for (const auto& term : terms) {
     const double* const in = source[term.column].data();
-    const double value = term.value;
-    if (first && value == 1.0) {
-      for (std::size_t r = 0; r < size; ++r) out[r] = in[r];
-    } else if (first) {
-      for (std::size_t r = 0; r < size; ++r) out[r] = value * in[r];
+    if (!first) {
+      detail::add_scaled(term.value, in, 0.0, target.size(), target.data());
+    } else if (term.value == 1.0) {
+      std::copy(in, in + target.size(), target.data());
     } else {
-      for (std::size_t r = 0; r < size; ++r) out[r] += value * in[r];
+      detail::scale(term.value, in, target.size(), target.data());
     }
     first = false;
   }
-  if (first) target.assign(size, 0.0);
+  if (first) std::fill(target.begin(), target.end(), 0.0);
 }
 
 }  // namespace
@@ -57,11 +77,8 @@ void ClosedLoopBatch::rest_at(const std::vector<double>& positions) {
 void ClosedLoopBatch::step(const std::vector<double>& input, double offset) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     combine(rows_[i], state_, next_state_[i]);
-    const double gain = input_gain_[i];
-    if (gain == 0.0) continue;
-    double* const out = next_state_[i].data();
-    const double* const in = input.data();
-    for (std::size_t r = 0; r < input.size(); ++r) out[r] += gain * (in[r] - offset);
+    if (input_gain_[i] == 0.0) continue;
+    detail::add_scaled(input_gain_[i], input.data(), offset, input.size(), next_state_[i].data());
   }
   state_.swap(next_state_);
 }
@@ -128,7 +145,7 @@ void NoisyChannel::transmit(std::int64_t step, std::uint64_t first_realization,
   }
   received.resize(sent.size());
   noise_.fill({receiver_, step}, first_realization, sent.size(), received.data());
-  for (std::size_t r = 0; r < sent.size(); ++r) received[r] = sent[r] + deviation_ * received[r];
+  detail::scale_and_add(deviation_, sent.data(), sent.size(), received.data());
 }
 
 }  // namespace platoon

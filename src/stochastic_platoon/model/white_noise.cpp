@@ -7,15 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-// One binary for every x86-64 machine: the loops are compiled once for the baseline and once for AVX2, and
-// the loader picks. Both give the same bits, as each lane does the same IEEE operations in the same order.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define PLATOON_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#define PLATOON_INLINE inline __attribute__((always_inline))
-#else
-#define PLATOON_VECTOR_CLONES
-#define PLATOON_INLINE inline
-#endif
+#include "stochastic_platoon/model/vector_clones.hpp"
 
 namespace platoon {
 

@@ -4,19 +4,27 @@
 #include <stdexcept>
 #include <string>
 
+#include "stochastic_platoon/model/vector_clones.hpp"
+
 namespace platoon {
 
-namespace {
+namespace detail {
 
 struct Node {
   double mean;
   double squared_deviations;
 };
 
+}  // namespace detail
+
+namespace {
+
+using detail::Node;
+
 // Halves a level: node j of the next one joins nodes 2j and 2j + 1, of `half_count` * 2 values each (Chan et
 // al. for equal counts: M = M_left + M_right + (shift^2) n / 2 with n values a side).
-void join_pairs(const double* mean, const double* deviations, std::size_t pairs, double half_count,
-                double* mean_out, double* deviations_out) {
+PLATOON_INLINE void join_pairs(const double* mean, const double* deviations, std::size_t pairs,
+                               double half_count, double* mean_out, double* deviations_out) {
   for (std::size_t j = 0; j < pairs; ++j) {
     const double left = mean[2 * j];
     const double right = mean[2 * j + 1];
@@ -26,7 +34,8 @@ void join_pairs(const double* mean, const double* deviations, std::size_t pairs,
   }
 }
 
-void pair_values(const double* values, std::size_t pairs, double* mean_out, double* deviations_out) {
+PLATOON_INLINE void pair_values(const double* values, std::size_t pairs, double* mean_out,
+                                double* deviations_out) {
   for (std::size_t j = 0; j < pairs; ++j) {
     const double shift = values[2 * j + 1] - values[2 * j];
     mean_out[j] = 0.5 * (values[2 * j] + values[2 * j + 1]);
@@ -38,6 +47,11 @@ constexpr unsigned kTileLevel =
     9;  // tiles of 512 values: every intermediate level stays in the first level cache
 constexpr std::size_t kTile = std::size_t{1} << kTileLevel;
 
+}  // namespace
+
+namespace detail {
+
+PLATOON_VECTOR_CLONES
 Node reduce_tile(const double* values, unsigned level) {
   if (level == 0) return {values[0], 0.0};
   std::array<double, kTile / 2> mean_a, deviations_a, mean_b, deviations_b;
@@ -55,8 +69,12 @@ Node reduce_tile(const double* values, unsigned level) {
   return in_a ? Node{mean_a[0], deviations_a[0]} : Node{mean_b[0], deviations_b[0]};
 }
 
+}  // namespace detail
+
+namespace {
+
 Node reduce(const double* values, unsigned level) {
-  if (level <= kTileLevel) return reduce_tile(values, level);
+  if (level <= kTileLevel) return detail::reduce_tile(values, level);
   const std::size_t half = std::size_t{1} << (level - 1);
   const Node left = reduce(values, level - 1);
   const Node right = reduce(values + half, level - 1);
