@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   const std::string threads_text = settings.count("threads") > 0 ? settings["threads"] : "";
   settings.erase("threads");
   try {
+    if (settings.count("model") == 0) settings["model"] = platoon::paper_model_file();
     platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));
     configuration.run.hosting = "monte_carlo";

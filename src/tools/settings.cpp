@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/program_options.hpp>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 
 namespace platoon {
@@ -13,7 +14,7 @@ namespace options = boost::program_options;
 
 const std::map<std::string, std::string>& setting_help() {
   static const std::map<std::string, std::string> help = {
-      {"model", "model file (YAML)"},
+      {"model", "model file (YAML); without it the paper's example"},
       {"headway", "time headway h > 0 in sample periods; empty: the model file's"},
       {"noise_variance", "channel noise variance P_d >= 0 [m^2]; empty: the model file's"},
       {"followers", "number of followers N (20)"},
@@ -82,6 +83,14 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
     std::exit(2);
   }
   return settings;
+}
+
+std::string paper_model_file() {
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
+  const std::filesystem::path installed =
+      program.parent_path() / "../../share/stochastic_platoon/config/paper.yaml";
+  if (std::filesystem::exists(installed)) return installed.lexically_normal().string();
+  return PLATOON_SOURCE_DIR "/config/paper.yaml";
 }
 
 }  // namespace platoon

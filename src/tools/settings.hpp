@@ -15,4 +15,8 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
                                                       const std::set<std::string>& accepted,
                                                       const std::map<std::string, std::string>& extra);
 
+/// The paper's example as shipped with this program: of the install space if it runs there, else of the
+/// source folder.
+std::string paper_model_file();
+
 }  // namespace platoon
