@@ -22,14 +22,17 @@ platoon_install() {
   "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
 }
 
-# Packages, build, environment. Arguments: further packages; cmake's build targets in platoon_targets.
+# Packages, build, environment. Arguments: further packages. platoon_targets: what to build; platoon_testing=ON: with tests, whose
+# packages a build without them does not need.
 platoon_setup() {
   # Catkin breaks with a python3 other than Debian's.
   export PATH=/usr/bin:$PATH
   platoon_install "${platoon_packages[@]}" "$@"
   local build=$source_folder/build
-  if [ ! -f "$build/Makefile" ]; then
-    cmake -S "$source_folder" -B "$build" -DPYTHON_EXECUTABLE=/usr/bin/python3
+  local testing=${platoon_testing:-OFF}
+  if [ ! -f "$build/Makefile" ] ||
+    { [ "$testing" = ON ] && ! grep -q '^CATKIN_ENABLE_TESTING:BOOL=ON' "$build/CMakeCache.txt"; }; then
+    cmake -S "$source_folder" -B "$build" -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING="$testing"
   fi
   make --no-print-directory -C "$build" -j"$(nproc)" ${platoon_targets:-all}
   set +u
