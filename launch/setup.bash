@@ -3,7 +3,7 @@
 
 platoon_packages=(
   cmake g++ make
-  ros-core rosbash libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev libvisualization-msgs-dev ros-std-msgs
+  ros-core rosbash ros-message-generation ros-message-runtime libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev libvisualization-msgs-dev ros-std-msgs
   libboost-program-options-dev libeigen3-dev librandom123-dev libyaml-cpp-dev nlohmann-json3-dev
   python3-matplotlib python3-numpy
 )
@@ -43,7 +43,17 @@ platoon_setup() {
   unset ROS_IP
 }
 
-# A TCP port of this machine that is free now.
+# A TCP port for a master: free now, and outside the range that the system hands out to others in the meantime.
 platoon_free_port() {
-  /usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])'
+  /usr/bin/python3 - <<'PYTHON'
+import random, socket
+while True:
+    port = random.randrange(20000, 32000)
+    try:
+        socket.socket().bind(("localhost", port))
+        print(port)
+        break
+    except OSError:
+        continue
+PYTHON
 }

@@ -6,7 +6,6 @@ import os
 import platform
 import shutil
 import signal
-import socket
 import statistics
 import subprocess
 import sys
@@ -50,9 +49,7 @@ class Machine:
         return path
 
     def environment(self):
-        with socket.socket() as listener:
-            listener.bind(("localhost", 0))
-            port = listener.getsockname()[1]
+        port = live_platoon.free_port()
         return port, dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
                           ROS_HOME=self.folder)
 

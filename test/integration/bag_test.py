@@ -86,8 +86,7 @@ class RecordAndReplay(BagTest):
         self.assertEqual(self.csv_of(*[os.path.join(self.folder, part) for part in parts]), live_platoon.statistics(self.output))
 
     def test_plain_rosbag_record_of_a_paced_run_is_complete(self):
-        from terminal import free_port
-        port = free_port()
+        port = live_platoon.free_port()
         environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
                            ROS_HOME=self.folder)
         core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL,
@@ -145,7 +144,7 @@ class Killed(BagTest):
                 self.bag = self.output + ".bag"
                 terminal = self.launch(record=self.bag, followers=3, steps=20, realizations=20000, batch=1000, rate=120,
                                        stall_timeout=0.5, record_split_mb=split)
-                live_platoon.wait_for(lambda: "/20000 realizations" in terminal.text(), "progress")
+                terminal.wait_for_text("/20000 realizations")
                 live_platoon.kill("/platoon/recorder", terminal.master)
                 terminal.wait()
                 self.assertGreater(live_platoon.completed_summary(self.output)["attempts"], 1)
@@ -160,7 +159,7 @@ class Killed(BagTest):
     def test_kill_9_of_recorder_and_monitor_at_once_costs_no_message(self):
         terminal = self.launch(record=self.bag, followers=3, steps=20, realizations=20000, batch=1000, rate=120, stall_timeout=0.5,
                                hosting="one_process")
-        live_platoon.wait_for(lambda: "/20000 realizations" in terminal.text(), "progress")
+        terminal.wait_for_text("/20000 realizations")
         live_platoon.kill("/platoon/platoon", terminal.master)
         terminal.wait()
         self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
@@ -292,7 +291,7 @@ class SmallBag(unittest.TestCase):
         terminal = Terminal(self.folder, "platoon.launch", output=output, record=bag, followers=2, steps=10, realizations=400,
                             batch=10, rate=200)
         try:
-            live_platoon.wait_for(lambda: "/400 realizations" in terminal.text(), "progress")
+            terminal.wait_for_text("/400 realizations")
             left = os.path.join(self.folder, "left.bag.active")
             shutil.copy(bag + ".active", left)
         finally:

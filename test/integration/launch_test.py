@@ -113,7 +113,7 @@ class StopAndResume(LaunchTest):
 class Endless(LaunchTest):
     def test_time_averages_are_labelled_and_approach_the_stationary_variance(self):
         terminal = self.launch(followers=2, steps=0, rate=2000, burn_in=50)
-        live_platoon.wait_for(lambda: "process[platoon/monitor" in terminal.text(), "the monitor")
+        terminal.wait_for_text("process[platoon/monitor")
         time.sleep(4.0)  # the run has no end to wait for: this is how long it averages
         terminal.interrupt()
         with open(self.output + "/summary.json") as file:
@@ -156,11 +156,11 @@ class Live(LaunchTest):
 class Culprit(LaunchTest):
     def test_the_vehicle_that_holds_the_platoon_up_is_named(self):
         terminal = self.launch(followers=3, steps=10, realizations=400, batch=1, rate=500, stall_timeout=0.4)
-        live_platoon.wait_for(lambda: "/400" in terminal.text(), "progress")
+        terminal.wait_for_text("/400")
         process = live_platoon.process_of("/platoon/vehicle_2", terminal.master)
         os.kill(process, signal.SIGSTOP)
         try:
-            live_platoon.wait_for(lambda: "stands still: vehicle_2 has sent nothing" in terminal.text(), "the culprit's name", 20)
+            terminal.wait_for_text("stands still: vehicle_2 has sent nothing", 20)
         finally:
             os.kill(process, signal.SIGCONT)
         terminal.wait()

@@ -2,7 +2,9 @@
 
 import json
 import os
+import random
 import signal
+import socket
 import subprocess
 import time
 import xmlrpc.client
@@ -22,6 +24,18 @@ def wait_for(condition, what, deadline=DEADLINE):
             return value
         time.sleep(0.02)
     raise AssertionError("waited {:.0f} s in vain for {}".format(deadline, what))
+
+
+def free_port():
+    """A port for a master: free now, and outside the range that the system hands out to others in the meantime."""
+    while True:
+        port = random.randrange(20000, 32000)
+        with socket.socket() as listener:
+            try:
+                listener.bind(("localhost", port))
+                return port
+            except OSError:
+                continue
 
 
 def completed_summary(output):

@@ -3,7 +3,6 @@
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import tempfile
 import unittest
@@ -11,17 +10,11 @@ import unittest
 import live_platoon
 
 
-def free_port():
-    with socket.socket() as listener:
-        listener.bind(("localhost", 0))
-        return listener.getsockname()[1]
-
-
 class Terminal:
     """One roslaunch of a shipped launch file, on a master of its own unless one is given, with what it prints."""
 
     def __init__(self, folder, file, master=None, **arguments):
-        port = free_port() if master is None else int(master.rsplit(":", 1)[1])
+        port = live_platoon.free_port() if master is None else int(master.rsplit(":", 1)[1])
         self.log = tempfile.NamedTemporaryFile("w+", dir=folder, suffix=".log", delete=False)
         environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
                            ROS_HOME=folder)
@@ -33,6 +26,15 @@ class Terminal:
     def text(self):
         with open(self.log.name, errors="replace") as file:
             return file.read()
+
+    def wait_for_text(self, words, deadline=live_platoon.DEADLINE):
+        """Waits until it has printed these words; an AssertionError with all it has printed if it ends or takes too long."""
+        try:
+            live_platoon.wait_for(lambda: words in self.text() or self.process.poll() is not None, words, deadline)
+            if words not in self.text():
+                raise AssertionError("roslaunch ended without " + words)
+        except AssertionError as error:
+            raise AssertionError("{}; it printed:\n{}".format(error, self.text()))
 
     def wait(self, deadline=live_platoon.DEADLINE):
         return self.process.wait(timeout=deadline)
