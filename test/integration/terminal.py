@@ -17,7 +17,7 @@ class Terminal:
         port = live_platoon.free_port() if master is None else int(master.rsplit(":", 1)[1])
         self.log = tempfile.NamedTemporaryFile("w+", dir=folder, suffix=".log", delete=False)
         environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
-                           ROS_HOME=folder)
+                           ROS_HOME=folder, PYTHONUNBUFFERED="1")  # else what it says waits in roslaunch for more
         words = ["{}:={}".format(name, value) for name, value in arguments.items()]
         self.process = subprocess.Popen(["roslaunch", "--port", str(port), "stochastic_platoon", file] + words,
                                         stdout=self.log, stderr=subprocess.STDOUT, env=environment)
