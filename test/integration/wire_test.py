@@ -39,15 +39,16 @@ class Wire(unittest.TestCase):
         topics = ["/platoon/vehicle_2/position", "/platoon/vehicle_2/predecessor_position"]
         publishers = [rospy.Publisher(topic, Position, queue_size=100) for topic in topics]
         live_platoon.wait_for(lambda: all(publisher.get_num_connections() for publisher in publishers), "subscribers")
-        live_platoon.wait_for(lambda: cls.progress and cls.progress[-1].first_realization >= 100, "the first batches")
-        now = cls.progress[-1]
+        # In the middle of a batch: then its step -1 and its present step are past for certain.
+        now = live_platoon.wait_for(
+            lambda: next((p for p in cls.progress[-1:] if p.first_realization >= 100 and p.step >= 2), None), "the first batches")
         cls.attempts = now.attempt
         for publisher in publishers:
             for step, size, value in [
                     (STEPS + 7, BATCH, 1.0),    # a step out of turn
                     (-1, BATCH, 1.0),           # a start that is not due
                     (now.step, BATCH, 1.0),     # a duplicate
-                    (now.step + 5, 3, 1.0),     # a wrong batch size and out of turn
+                    (STEPS + 8, 3, 1.0),        # a wrong batch size and out of turn
             ]:
                 publisher.publish(message(now.attempt, now.first_realization, step, [value] * size))
             # In turn by their names, as a new attempt at the first batch, but not to be used.
