@@ -2,8 +2,11 @@
 
 #include <Random123/philox.h>
 
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -12,12 +15,6 @@
 namespace platoon {
 
 namespace {
-
-constexpr std::size_t kLanes =
-    64;  // blocks drawn at once: their words and normals stay in the first level cache
-
-using Words = std::array<std::uint64_t, kLanes>;
-using Reals = std::array<double, kLanes>;
 
 PLATOON_INLINE double from_bits(std::uint64_t bits) {
   double value;
@@ -118,42 +115,72 @@ PLATOON_INLINE Pair cos_sin(std::uint64_t word) {
 
 namespace detail {
 
-PLATOON_VECTOR_CLONES
-void draw_words(std::uint64_t seed, DrawName name, std::uint64_t first_block, std::size_t blocks,
-                Words* radius, Words* angle) {
-  const auto step = static_cast<std::uint64_t>(name.step) & 0xffffffffffffULL;
-  for (std::size_t lane = 0; lane < blocks; ++lane) {
-    const std::uint64_t block = first_block + lane;
-    std::uint32_t c0 = static_cast<std::uint32_t>(block);
-    std::uint32_t c1 =
-        static_cast<std::uint32_t>(block >> 32) | static_cast<std::uint32_t>((step >> 32) << 16);
-    std::uint32_t c2 = static_cast<std::uint32_t>(step);
-    std::uint32_t c3 = name.vehicle;
-    std::uint32_t k0 = static_cast<std::uint32_t>(seed);
-    std::uint32_t k1 = static_cast<std::uint32_t>(seed >> 32);
-    for (int round = 0; round < 10; ++round) {
-      const std::uint64_t product0 = std::uint64_t{PHILOX_M4x32_0} * c0;
-      const std::uint64_t product1 = std::uint64_t{PHILOX_M4x32_1} * c2;
-      c0 = static_cast<std::uint32_t>(product1 >> 32) ^ c1 ^ k0;
-      c1 = static_cast<std::uint32_t>(product1);
-      c2 = static_cast<std::uint32_t>(product0 >> 32) ^ c3 ^ k1;
-      c3 = static_cast<std::uint32_t>(product0);
-      k0 += PHILOX_W32_0;
-      k1 += PHILOX_W32_1;
-    }
-    (*radius)[lane] = (std::uint64_t{c1} << 32) | c0;
-    (*angle)[lane] = (std::uint64_t{c3} << 32) | c2;
-  }
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+
+#pragma GCC push_options
+#pragma GCC target("avx512f")
+namespace avx512 {
+typedef std::uint64_t Lanes __attribute__((vector_size(64)));
+inline Lanes multiply_low(Lanes a, Lanes b) {
+  return reinterpret_cast<Lanes>(
+      _mm512_maskz_mul_epu32(0xff, reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+}
+#include "stochastic_platoon/model/philox_lanes.inc"
+}  // namespace avx512
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("avx2")
+namespace avx2 {
+typedef std::uint64_t Lanes __attribute__((vector_size(32)));
+inline Lanes multiply_low(Lanes a, Lanes b) {
+  return reinterpret_cast<Lanes>(
+      _mm256_mul_epu32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
+}
+#include "stochastic_platoon/model/philox_lanes.inc"
+}  // namespace avx2
+#pragma GCC pop_options
+
+namespace baseline {
+typedef std::uint64_t Lanes __attribute__((vector_size(16)));
+inline Lanes multiply_low(Lanes a, Lanes b) {
+  return reinterpret_cast<Lanes>(_mm_mul_epu32(reinterpret_cast<__m128i>(a), reinterpret_cast<__m128i>(b)));
+}
+#include "stochastic_platoon/model/philox_lanes.inc"
+}  // namespace baseline
+
+std::vector<DrawWords> draw_words_versions() {
+  std::vector<DrawWords> versions;
+  if (__builtin_cpu_supports("avx512f")) versions.push_back(avx512::draw_words);
+  if (__builtin_cpu_supports("avx2")) versions.push_back(avx2::draw_words);
+  versions.push_back(baseline::draw_words);
+  return versions;
 }
 
+#else
+
+namespace baseline {
+typedef std::uint64_t Lanes __attribute__((vector_size(16)));
+inline Lanes multiply_low(Lanes a, Lanes b) {
+  return (a & 0xffffffffULL) * (b & 0xffffffffULL);
+}
+#include "stochastic_platoon/model/philox_lanes.inc"
+}  // namespace baseline
+
+std::vector<DrawWords> draw_words_versions() {
+  return {baseline::draw_words};
+}
+
+#endif
+
 PLATOON_VECTOR_CLONES
-void box_muller(const Words& radius, const Words& angle, std::size_t blocks, Reals* even, Reals* odd) {
-  for (std::size_t lane = 0; lane < blocks; ++lane) {
-    const double u1 = 2.0 - in_one_to_two(radius[lane]);
+void box_muller(const std::uint64_t* radius, const std::uint64_t* angle, std::size_t pairs, double* normals) {
+  for (std::size_t j = 0; j < pairs; ++j) {
+    const double u1 = 2.0 - in_one_to_two(radius[j]);
     const double r = std::sqrt(2.0 * minus_log(u1));
-    const Pair direction = cos_sin(angle[lane]);
-    (*even)[lane] = r * direction.cosine;
-    (*odd)[lane] = r * direction.sine;
+    const Pair direction = cos_sin(angle[j]);
+    normals[2 * j] = r * direction.cosine;
+    normals[2 * j + 1] = r * direction.sine;
   }
 }
 
@@ -161,24 +188,26 @@ void box_muller(const Words& radius, const Words& angle, std::size_t blocks, Rea
 
 void WhiteNoise::fill(DrawName name, std::uint64_t first_realization, std::size_t count,
                       double* normals) const {
-  Words radius, angle;
-  Reals even, odd;
+  static const detail::DrawWords draw_words = detail::draw_words_versions().front();
+  detail::Words radius, angle;
+  double pair[2];
   std::size_t written = 0;
   while (written < count) {
     const std::uint64_t realization = first_realization + written;
     const std::size_t skipped = realization % 2;  // only the first pass can start inside a block
-    const std::size_t blocks = std::min(kLanes, (skipped + count - written + 1) / 2);
-    detail::draw_words(seed_, name, realization / 2, blocks, &radius, &angle);
-    detail::box_muller(radius, angle, blocks, &even, &odd);
-    if (skipped == 1) normals[written++] = odd[0];
-    const std::size_t pairs = std::min(blocks - skipped, (count - written) / 2);
-    double* out = normals + written;
-    for (std::size_t j = 0; j < pairs; ++j) {
-      out[2 * j] = even[skipped + j];
-      out[2 * j + 1] = odd[skipped + j];
+    const std::size_t blocks = std::min(detail::kBlocks, (skipped + count - written + 1) / 2);
+    draw_words(seed_, name, realization / 2, blocks, &radius, &angle);
+    if (skipped == 1) {
+      detail::box_muller(radius.data(), angle.data(), 1, pair);
+      normals[written++] = pair[1];
     }
+    const std::size_t pairs = std::min(blocks - skipped, (count - written) / 2);
+    detail::box_muller(radius.data() + skipped, angle.data() + skipped, pairs, normals + written);
     written += 2 * pairs;
-    if (skipped + pairs < blocks) normals[written++] = even[skipped + pairs];
+    if (skipped + pairs < blocks) {
+      detail::box_muller(radius.data() + skipped + pairs, angle.data() + skipped + pairs, 1, pair);
+      normals[written++] = pair[0];
+    }
   }
 }
 

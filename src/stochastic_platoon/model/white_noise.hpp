@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace platoon {
 
@@ -30,5 +32,24 @@ public:
 private:
   std::uint64_t seed_;
 };
+
+namespace detail {
+
+constexpr std::size_t kBlocks = 64;  // drawn at once: their words stay in the first level cache
+
+using Words = std::array<std::uint64_t, kBlocks>;
+
+/// Writes the words behind u1 and u2 of `blocks` <= kBlocks blocks (and perhaps of some more, as long as
+/// there is room).
+using DrawWords = void (*)(std::uint64_t seed, DrawName name, std::uint64_t first_block, std::size_t blocks,
+                           Words* radius, Words* angle);
+
+/// One for each vector width that this machine has, the widest first. All write the same bits.
+std::vector<DrawWords> draw_words_versions();
+
+/// normals[2j] and normals[2j + 1] from the j-th words.
+void box_muller(const std::uint64_t* radius, const std::uint64_t* angle, std::size_t pairs, double* normals);
+
+}  // namespace detail
 
 }  // namespace platoon

@@ -9,22 +9,8 @@
 #include <random>
 #include <vector>
 
-namespace platoon {
-namespace detail {
-
-// The two halves of a draw, which the header keeps to itself: the generator's words, and the normals made of
-// them.
-using Words = std::array<std::uint64_t, 64>;
-using Reals = std::array<double, 64>;
-void draw_words(std::uint64_t seed, DrawName name, std::uint64_t first_block, std::size_t blocks,
-                Words* radius, Words* angle);
-void box_muller(const Words& radius, const Words& angle, std::size_t blocks, Reals* even, Reals* odd);
-
-}  // namespace detail
-}  // namespace platoon
-
-// The source once more, compiled for the baseline alone: on a machine with AVX2 the loader never picks that
-// clone.
+// The source once more, its clones compiled for the baseline alone: on a machine with AVX2 the loader never
+// picks those.
 namespace baseline {
 namespace platoon {
 using ::platoon::DrawName;
@@ -36,6 +22,11 @@ public:
 private:
   std::uint64_t seed_;
 };
+namespace detail {
+using ::platoon::detail::DrawWords;
+using ::platoon::detail::kBlocks;
+using ::platoon::detail::Words;
+}  // namespace detail
 }  // namespace platoon
 #define target_clones(...) unused
 #include "stochastic_platoon/model/white_noise.cpp"
@@ -45,10 +36,8 @@ private:
 namespace platoon {
 namespace {
 
-using detail::Reals;
+using detail::kBlocks;
 using detail::Words;
-
-constexpr std::size_t kLanes = 64;
 
 struct Block {
   std::uint64_t radius;
@@ -131,26 +120,30 @@ TEST(WhiteNoise, OwnPhiloxGivesThePublishedAnswers) {
     const std::uint64_t step = (std::uint64_t{known.counter[1] >> 16} << 32) | known.counter[2];
     const std::uint64_t block = (std::uint64_t{known.counter[1] & 0xffff} << 32) | known.counter[0];
     const DrawName name{known.counter[3], static_cast<std::int64_t>(step)};
-    Words radius, angle;
-    detail::draw_words(seed, name, block, 1, &radius, &angle);
-    EXPECT_EQ(radius[0], (std::uint64_t{known.output[1]} << 32) | known.output[0]);
-    EXPECT_EQ(angle[0], (std::uint64_t{known.output[3]} << 32) | known.output[2]);
+    for (const detail::DrawWords draw_words : detail::draw_words_versions()) {
+      Words radius, angle;
+      draw_words(seed, name, block, 1, &radius, &angle);
+      EXPECT_EQ(radius[0], (std::uint64_t{known.output[1]} << 32) | known.output[0]);
+      EXPECT_EQ(angle[0], (std::uint64_t{known.output[3]} << 32) | known.output[2]);
+    }
   }
 }
 
-TEST(WhiteNoise, WordsAreThoseOfTheLibraryForEveryName) {
+TEST(WhiteNoise, WordsAreThoseOfTheLibraryForEveryNameAndEveryVectorWidth) {
   std::mt19937_64 choice(1);
-  Words radius, angle;
   for (int trial = 0; trial < 2000; ++trial) {
     const std::uint64_t seed = choice();
     const DrawName name{static_cast<std::uint32_t>(choice()), static_cast<std::int64_t>(choice() >> 17) - 1};
-    const std::uint64_t first = (choice() >> 17) - kLanes / 2;  // realizations below 2^48
-    const std::size_t blocks = choice() % kLanes + 1;
-    detail::draw_words(seed, name, first, blocks, &radius, &angle);
-    for (std::size_t lane = 0; lane < blocks; ++lane) {
-      const Block expected = reference_block(seed, name, first + lane);
-      ASSERT_EQ(radius[lane], expected.radius);
-      ASSERT_EQ(angle[lane], expected.angle);
+    const std::uint64_t first = (choice() >> 17) - kBlocks / 2;  // realizations below 2^48
+    const std::size_t blocks = choice() % kBlocks + 1;
+    for (const detail::DrawWords draw_words : detail::draw_words_versions()) {
+      Words radius{}, angle{};
+      draw_words(seed, name, first, blocks, &radius, &angle);
+      for (std::size_t lane = 0; lane < blocks; ++lane) {
+        const Block expected = reference_block(seed, name, first + lane);
+        ASSERT_EQ(radius[lane], expected.radius);
+        ASSERT_EQ(angle[lane], expected.angle);
+      }
     }
   }
 }
@@ -188,29 +181,25 @@ TEST(WhiteNoise, NormalsAreAccurateAtTheEdgesOfTheWords) {
   const std::vector<std::uint64_t> angles = {
       0,          1,          1 << 10,    kAll,       kAll >> 2,  kAll / 2,   kAll / 3,        1ULL << 62,
       2ULL << 62, 3ULL << 62, 1ULL << 61, 3ULL << 61, 5ULL << 61, 7ULL << 61, (1ULL << 62) - 1};
-  Words radius, angle;
-  Reals even, odd;
+  std::vector<double> normals(2 * angles.size());
   for (const std::uint64_t r : radii) {
-    for (std::size_t a = 0; a < angles.size(); ++a) {
-      radius[a] = r;
-      angle[a] = angles[a];
-    }
-    detail::box_muller(radius, angle, angles.size(), &even, &odd);
+    const std::vector<std::uint64_t> radius(angles.size(), r);
+    detail::box_muller(radius.data(), angles.data(), angles.size(), normals.data());
     for (std::size_t a = 0; a < angles.size(); ++a) {
       const Pair expected = reference_normals({r, angles[a]});
-      EXPECT_NEAR(static_cast<double>(even[a] - expected.even), 0.0, 2e-15) << r << " " << angles[a];
-      EXPECT_NEAR(static_cast<double>(odd[a] - expected.odd), 0.0, 2e-15) << r << " " << angles[a];
+      EXPECT_NEAR(static_cast<double>(normals[2 * a] - expected.even), 0.0, 2e-15) << r << " " << angles[a];
+      EXPECT_NEAR(static_cast<double>(normals[2 * a + 1] - expected.odd), 0.0, 2e-15)
+          << r << " " << angles[a];
     }
   }
 }
 
 TEST(WhiteNoise, LargestNormalIsTheOneTheHeaderNames) {
-  Words radius, angle;
-  Reals even, odd;
-  radius[0] = ~std::uint64_t{0};
-  angle[0] = 0;
-  detail::box_muller(radius, angle, 1, &even, &odd);
-  EXPECT_NEAR(even[0], std::sqrt(104.0 * std::log(2.0)), 2e-15);
+  const std::uint64_t radius = ~std::uint64_t{0};
+  const std::uint64_t angle = 0;
+  double normals[2];
+  detail::box_muller(&radius, &angle, 1, normals);
+  EXPECT_NEAR(normals[0], std::sqrt(104.0 * std::log(2.0)), 2e-15);
 }
 
 TEST(WhiteNoise, BitsArePinned) {
