@@ -1,6 +1,7 @@
 #include "stochastic_platoon/model/vehicle.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "stochastic_platoon/model/vector_clones.hpp"
@@ -9,9 +10,31 @@ namespace platoon {
 
 namespace detail {
 
+// out = value_0 source_0 + value_1 source_1 + ... + gain (input - offset), in this order; without an input
+// where it is null.
+template <std::size_t terms>
+PLATOON_INLINE void combine_terms(const double* values, const double* const* sources, double gain,
+                                  const double* input, double offset, std::size_t size, double* out) {
+  std::array<double, terms> value;
+  std::array<const double*, terms> source;
+  std::copy(values, values + terms, value.begin());
+  std::copy(sources, sources + terms, source.begin());
+  for (std::size_t r = 0; r < size; ++r) {
+    double sum = value[0] * source[0][r];
+    for (std::size_t j = 1; j < terms; ++j) sum += value[j] * source[j][r];
+    out[r] = input == nullptr ? sum : sum + gain * (input[r] - offset);
+  }
+}
+
+// One pass over the memory for several terms: an observable canonical row has one or two.
+constexpr std::size_t kTermsAtOnce = 3;
+
 PLATOON_VECTOR_CLONES
-void scale(double value, const double* in, std::size_t size, double* out) {
-  for (std::size_t r = 0; r < size; ++r) out[r] = value * in[r];
+void combine(const double* values, const double* const* sources, std::size_t terms, double gain,
+             const double* input, double offset, std::size_t size, double* out) {
+  if (terms == 1) combine_terms<1>(values, sources, gain, input, offset, size, out);
+  if (terms == 2) combine_terms<2>(values, sources, gain, input, offset, size, out);
+  if (terms == 3) combine_terms<3>(values, sources, gain, input, offset, size, out);
 }
 
 PLATOON_VECTOR_CLONES
@@ -27,43 +50,26 @@ void scale_and_add(double value, const double* in, std::size_t size, double* out
 
 }  // namespace detail
 
-namespace {
-
-// target = sum over terms of value * source[column], in the order of the terms.
-template <typename Terms>
-void combine(const Terms& terms, const std::vector<std::vector<double>>& source,
-             std::vector<double>& target) {
-  bool first = true;
-  for (const auto& term : terms) {
-    const double* const in = source[term.column].data();
-    if (!first) {
-      detail::add_scaled(term.value, in, 0.0, target.size(), target.data());
-    } else if (term.value == 1.0) {
-      std::copy(in, in + target.size(), target.data());
-    } else {
-      detail::scale(term.value, in, target.size(), target.data());
-    }
-    first = false;
-  }
-  if (first) std::fill(target.begin(), target.end(), 0.0);
-}
-
-}  // namespace
-
 ClosedLoopBatch::ClosedLoopBatch(const StateSpace& system) {
   const Eigen::VectorXd rest = unit_rest_state(system);
   for (Eigen::Index i = 0; i < system.order(); ++i) {
-    std::vector<Term> row;
-    for (Eigen::Index j = 0; j < system.order(); ++j) {
-      if (system.a()(i, j) != 0.0) row.push_back({static_cast<std::size_t>(j), system.a()(i, j)});
-    }
-    rows_.push_back(row);
+    rows_.push_back(nonzero_terms(system.a().row(i)));
     input_gain_.push_back(system.b()(i));
     rest_state_.push_back(rest(i));
-    if (system.c()(i) != 0.0) output_row_.push_back({static_cast<std::size_t>(i), system.c()(i)});
   }
+  output_row_ = nonzero_terms(system.c());
   state_.resize(rows_.size());
   next_state_.resize(rows_.size());
+}
+
+ClosedLoopBatch::Row ClosedLoopBatch::nonzero_terms(const Eigen::RowVectorXd& row) {
+  Row terms;
+  for (Eigen::Index j = 0; j < row.size(); ++j) {
+    if (row(j) == 0.0) continue;
+    terms.values.push_back(row(j));
+    terms.columns.push_back(static_cast<std::size_t>(j));
+  }
+  return terms;
 }
 
 void ClosedLoopBatch::rest_at(const std::vector<double>& positions) {
@@ -74,18 +80,35 @@ void ClosedLoopBatch::rest_at(const std::vector<double>& positions) {
   }
 }
 
+// out = row state + gain (input - offset), in the order of the row's terms.
+void ClosedLoopBatch::combine(const Row& row, double gain, const double* input, double offset,
+                              std::vector<double>& out) const {
+  const std::size_t terms = row.values.size();
+  const std::size_t at_once = std::min(terms, detail::kTermsAtOnce);
+  if (gain == 0.0) input = nullptr;
+  if (terms == 0) std::fill(out.begin(), out.end(), 0.0);
+  std::array<const double*, detail::kTermsAtOnce> sources{};
+  for (std::size_t j = 0; j < at_once; ++j) sources[j] = state_[row.columns[j]].data();
+  const bool all_at_once = terms > 0 && terms == at_once;
+  detail::combine(row.values.data(), sources.data(), at_once, gain, all_at_once ? input : nullptr, offset,
+                  out.size(), out.data());
+  if (all_at_once) return;
+  for (std::size_t j = at_once; j < terms; ++j) {
+    detail::add_scaled(row.values[j], state_[row.columns[j]].data(), 0.0, out.size(), out.data());
+  }
+  if (input != nullptr) detail::add_scaled(gain, input, offset, out.size(), out.data());
+}
+
 void ClosedLoopBatch::step(const std::vector<double>& input, double offset) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    combine(rows_[i], state_, next_state_[i]);
-    if (input_gain_[i] == 0.0) continue;
-    detail::add_scaled(input_gain_[i], input.data(), offset, input.size(), next_state_[i].data());
+    combine(rows_[i], input_gain_[i], input.data(), offset, next_state_[i]);
   }
   state_.swap(next_state_);
 }
 
 void ClosedLoopBatch::output(std::vector<double>& positions) const {
   positions.resize(state_.front().size());
-  combine(output_row_, state_, positions);
+  combine(output_row_, 0.0, nullptr, 0.0, positions);
 }
 
 FollowerVehicle::FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index)

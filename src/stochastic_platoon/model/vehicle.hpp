@@ -28,14 +28,18 @@ public:
   void output(std::vector<double>& positions) const;
 
 private:
-  struct Term {  ///< one nonzero entry of a row of A or C
-    std::size_t column;
-    double value;
+  struct Row {  ///< the nonzero entries of a row of A or C
+    std::vector<double> values;
+    std::vector<std::size_t> columns;
   };
-  std::vector<std::vector<Term>> rows_;  ///< of A
-  std::vector<double> input_gain_;       ///< B
-  std::vector<Term> output_row_;         ///< C
-  std::vector<double> rest_state_;       ///< (I - A)^-1 B
+  static Row nonzero_terms(const Eigen::RowVectorXd& row);
+  void combine(const Row& row, double gain, const double* input, double offset,
+               std::vector<double>& out) const;
+
+  std::vector<Row> rows_;           ///< A
+  std::vector<double> input_gain_;  ///< B
+  Row output_row_;                  ///< C
+  std::vector<double> rest_state_;  ///< (I - A)^-1 B
   std::vector<std::vector<double>> state_;
   std::vector<std::vector<double>> next_state_;
 };
