@@ -47,7 +47,9 @@ int main(int argc, char** argv) {
   const std::string threads_text = settings.count("threads") > 0 ? settings["threads"] : "";
   settings.erase("threads");
   try {
-    if (settings.count("model") == 0) settings["model"] = platoon::paper_model_file();
+    settings.emplace("model", platoon::paper_model_file());
+    settings.emplace("batch",
+                     "256");  // one vehicle's 64 steps of so many realizations fit the second level cache
     platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));
     configuration.run.hosting = "monte_carlo";

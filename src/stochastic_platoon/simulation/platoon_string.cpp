@@ -10,7 +10,10 @@
 namespace platoon {
 
 PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers)
-    : leader_(model), error_{model.headway, model.standstill_distance} {
+    : leader_(model),
+      error_{model.headway, model.standstill_distance},
+      predecessor_(kStepsAtOnce + 1),
+      own_(kStepsAtOnce + 1) {
   for (std::uint32_t i = 1; i <= followers; ++i) {
     followers_.emplace_back(model, seed, i);
     channels_.emplace_back(model.noise_variance, seed, i);
@@ -18,19 +21,26 @@ PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std:
 }
 
 void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t steps, const ErrorSink& sink) {
-  const std::size_t vehicles = followers_.size() + 1;
-  std::vector<std::vector<double>> present(vehicles), before(vehicles);
-  std::vector<double> received, errors(count);
-  present[0].assign(count, leader_.start());
-  for (std::size_t i = 1; i < vehicles; ++i) followers_[i - 1].start(first, count, present[i]);
-  for (std::int64_t k = 0; k < steps; ++k) {
-    present.swap(before);
-    present[0].assign(count, leader_.step());
-    for (std::size_t i = 1; i < vehicles; ++i) {
-      channels_[i - 1].transmit(k - 1, first, before[i - 1], received);
-      followers_[i - 1].step(received, present[i]);
-      error_(present[i - 1].data(), present[i].data(), before[i].data(), count, errors.data());
-      sink(i, k, errors);
+  errors_.resize(count);
+  latest_.resize(followers_.size() + 1);
+  latest_[0].assign(count, leader_.start());
+  for (std::size_t i = 1; i < latest_.size(); ++i) followers_[i - 1].start(first, count, latest_[i]);
+  for (std::int64_t from = 0; from < steps; from += kStepsAtOnce) {
+    const auto here = static_cast<std::size_t>(std::min(kStepsAtOnce, steps - from));
+    own_[0] = latest_[0];
+    for (std::size_t j = 1; j <= here; ++j) own_[j].assign(count, leader_.step());
+    latest_[0] = own_[here];
+    for (std::size_t i = 1; i < latest_.size(); ++i) {
+      own_.swap(predecessor_);
+      own_[0] = latest_[i];
+      for (std::size_t j = 1; j <= here; ++j) {
+        const std::int64_t k = from + static_cast<std::int64_t>(j) - 1;
+        channels_[i - 1].transmit(k - 1, first, predecessor_[j - 1], received_);
+        followers_[i - 1].step(received_, own_[j]);
+        error_(predecessor_[j].data(), own_[j].data(), own_[j - 1].data(), count, errors_.data());
+        sink(i, k, errors_);
+      }
+      latest_[i] = own_[here];
     }
   }
 }

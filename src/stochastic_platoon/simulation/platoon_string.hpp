@@ -34,10 +34,19 @@ public:
   void run(std::uint64_t first, std::size_t count, std::int64_t steps, const ErrorSink& sink);
 
 private:
+  // A vehicle makes so many steps before its follower makes them: its state stays in the first level cache.
+  static constexpr std::int64_t kStepsAtOnce = 32;
+
   LeaderVehicle leader_;
   std::vector<FollowerVehicle> followers_;
   std::vector<NoisyChannel> channels_;
   TrackingError error_;
+
+  // Kept from batch to batch: nothing is allocated in steady state.
+  std::vector<std::vector<double>> latest_;       ///< y_i at the last step made, of every vehicle
+  std::vector<std::vector<double>> predecessor_;  ///< y_{i-1}(from - 1), y_{i-1}(from), ...
+  std::vector<std::vector<double>> own_;          ///< y_i(from - 1), y_i(from), ...
+  std::vector<double> received_, errors_;
 };
 
 /// Moments of every zeta_i(k) over the realizations, on this many threads. `progress` is called with the

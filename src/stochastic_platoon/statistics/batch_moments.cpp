@@ -5,6 +5,7 @@
 #include <string>
 
 #include "stochastic_platoon/model/vector_clones.hpp"
+#include "stochastic_platoon/statistics/moments.hpp"
 
 namespace platoon {
 
@@ -21,16 +22,12 @@ namespace {
 
 using detail::Node;
 
-// Halves a level: node j of the next one joins nodes 2j and 2j + 1, of `half_count` * 2 values each (Chan et
-// al. for equal counts: M = M_left + M_right + (shift^2) n / 2 with n values a side).
+// Halves a level: node j of the next one joins nodes 2j and 2j + 1, of 2 half_count values each.
 PLATOON_INLINE void join_pairs(const double* mean, const double* deviations, std::size_t pairs,
                                double half_count, double* mean_out, double* deviations_out) {
   for (std::size_t j = 0; j < pairs; ++j) {
-    const double left = mean[2 * j];
-    const double right = mean[2 * j + 1];
-    const double shift = right - left;
-    mean_out[j] = 0.5 * (left + right);
-    deviations_out[j] = (deviations[2 * j] + deviations[2 * j + 1]) + (shift * shift) * half_count;
+    merge_equal(mean[2 * j], deviations[2 * j], mean[2 * j + 1], deviations[2 * j + 1], half_count,
+                &mean_out[j], &deviations_out[j]);
   }
 }
 
@@ -78,10 +75,9 @@ Node reduce(const double* values, unsigned level) {
   const std::size_t half = std::size_t{1} << (level - 1);
   const Node left = reduce(values, level - 1);
   const Node right = reduce(values + half, level - 1);
-  const double means[] = {left.mean, right.mean};
-  const double deviations[] = {left.squared_deviations, right.squared_deviations};
   Node joined;
-  join_pairs(means, deviations, 1, 0.5 * static_cast<double>(half), &joined.mean, &joined.squared_deviations);
+  merge_equal(left.mean, left.squared_deviations, right.mean, right.squared_deviations,
+              0.5 * static_cast<double>(half), &joined.mean, &joined.squared_deviations);
   return joined;
 }
 

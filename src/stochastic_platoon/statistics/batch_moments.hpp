@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "stochastic_platoon/statistics/dyadic_range.hpp"
@@ -31,6 +32,9 @@ public:
   void set(std::size_t cell, const double* values);
 
   const std::vector<MomentBlock>& blocks() const { return blocks_; }
+
+  /// Gives the blocks away and keeps none.
+  std::vector<MomentBlock> release() { return std::move(blocks_); }
 
 private:
   std::uint64_t first_;

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace platoon {
 
@@ -21,7 +22,7 @@ void EnsembleStatistics::commit(std::uint64_t first_realization) {
     throw std::invalid_argument("batch at realization " + std::to_string(first_realization) +
                                 ": must be open");
   }
-  table_.add(batch->second);
+  table_.add(std::move(batch->second));
   open_.erase(batch);
 }
 

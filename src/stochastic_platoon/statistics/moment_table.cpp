@@ -9,16 +9,14 @@ namespace platoon {
 
 namespace {
 
-MomentBlock join(const MomentBlock& left, const MomentBlock& right) {
-  MomentBlock parent{{left.range.first, left.range.level + 1}, left.mean, left.squared_deviations};
+// Makes the left child the parent of both.
+void join(MomentBlock& left, const MomentBlock& right) {
   const double half_count = 0.5 * static_cast<double>(left.range.size());
-  for (std::size_t c = 0; c < parent.mean.size(); ++c) {
-    const double shift = right.mean[c] - left.mean[c];
-    parent.mean[c] = 0.5 * (left.mean[c] + right.mean[c]);
-    parent.squared_deviations[c] =
-        (left.squared_deviations[c] + right.squared_deviations[c]) + (shift * shift) * half_count;
+  for (std::size_t c = 0; c < left.mean.size(); ++c) {
+    merge_equal(left.mean[c], left.squared_deviations[c], right.mean[c], right.squared_deviations[c],
+                half_count, &left.mean[c], &left.squared_deviations[c]);
   }
-  return parent;
+  ++left.range.level;
 }
 
 }  // namespace
@@ -47,15 +45,16 @@ void MomentTable::add(MomentBlock block) {
     const std::uint64_t sibling_first = range.is_left_child() ? range.end() : range.first - range.size();
     const auto sibling = blocks_.find(sibling_first);
     if (sibling == blocks_.end() || sibling->second.range.level != range.level) break;
-    block = range.is_left_child() ? join(block, sibling->second) : join(sibling->second, block);
+    if (!range.is_left_child()) std::swap(block, sibling->second);
+    join(block, sibling->second);
     blocks_.erase(sibling);
   }
   const std::uint64_t first = block.range.first;
   blocks_.emplace(first, std::move(block));
 }
 
-void MomentTable::add(const BatchMoments& batch) {
-  for (const MomentBlock& block : batch.blocks()) add(block);
+void MomentTable::add(BatchMoments batch) {
+  for (MomentBlock& block : batch.release()) add(std::move(block));
 }
 
 void MomentTable::merge(const MomentTable& other) {

@@ -25,7 +25,7 @@ public:
   /// Takes a block in. Throws std::invalid_argument when its realizations are there already or its cells
   /// differ.
   void add(MomentBlock block);
-  void add(const BatchMoments& batch);
+  void add(BatchMoments batch);
   void merge(const MomentTable& other);
 
   /// Moments of each cell over all realizations taken in: the blocks in ascending order, merged from the

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "stochastic_platoon/model/vector_clones.hpp"
+
 namespace platoon {
 
 /// Count, mean and sum of squared deviations of a sample: enough for the mean and the unbiased variance.
@@ -16,6 +18,17 @@ struct Moments {
   /// Adds one value (Welford, 1962).
   void add(double value);
 };
+
+/// Mean and sum of squared deviations of the union of two samples of n values each, with half_count = n / 2
+/// (Chan, Golub and LeVeque, 1983, for equal counts: M = M_left + M_right + (mean_right - mean_left)^2 n /
+/// 2).
+PLATOON_INLINE void merge_equal(double left_mean, double left_deviations, double right_mean,
+                                double right_deviations, double half_count, double* mean,
+                                double* squared_deviations) {
+  const double shift = right_mean - left_mean;
+  *mean = 0.5 * (left_mean + right_mean);
+  *squared_deviations = (left_deviations + right_deviations) + (shift * shift) * half_count;
+}
 
 /// Moments of the union of two disjoint samples (Chan, Golub and LeVeque, 1983). An empty sample changes
 /// nothing.
