@@ -1,6 +1,7 @@
 #include "stochastic_platoon/graph/follower.hpp"
 
 #include "stochastic_platoon/graph/configuration_parameter.hpp"
+#include "stochastic_platoon/graph/receiving_thread.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
 
 namespace {
@@ -21,7 +22,9 @@ std::uint32_t read_index(std::size_t followers) {
 // No rosout: with one publisher per vehicle it would cost more than the platoon.
 int main(int argc, char** argv) {
   return platoon::run_component(
-      argc, argv, "follower", ros::init_options::NoRosout, [](const ros::NodeHandle& node) {
+      argc, argv, "follower", ros::init_options::NoRosout, [](ros::NodeHandle node) {
+        platoon::ReceivingThread receiving_thread;
+        node.setCallbackQueue(&receiving_thread);
         const platoon::Configuration configuration = platoon::read_configuration(node);
         const platoon::Follower follower(node, configuration, read_index(configuration.run.followers));
         ros::spin();
