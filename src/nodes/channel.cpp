@@ -8,7 +8,9 @@ int main(int argc, char** argv) {
   return platoon::run_component(argc, argv, "channel", 0, [](ros::NodeHandle node) {
     platoon::ReceivingThread receiving_thread;
     node.setCallbackQueue(&receiving_thread);
-    const platoon::Channel channel(node, platoon::read_configuration(node));
+    const platoon::Configuration configuration = platoon::read_configuration(node);
+    const platoon::Channel channel(node, configuration, 1,
+                                   static_cast<std::uint32_t>(configuration.run.followers));
     ros::spin();
   });
 }

@@ -18,20 +18,11 @@ Credit::Credit(const BatchSchedule& schedule, const CreditLimits& limits,
   for (const std::string& name : receivers) receivers_[name] = Receiver{};
 }
 
-// Steps of this attempt that the report covers. Batches but the last have equal size, so whole ones can be
-// counted.
-std::int64_t Credit::published_before(const Acknowledgement& report) const {
-  if (report.first_realization < start_) return 0;
-  const auto batches =
-      static_cast<std::int64_t>((report.first_realization - start_ + schedule_.batch - 1) / schedule_.batch);
-  return batches * (schedule_.steps + 1) + (report.step - kNothingYet);
-}
-
 std::int64_t Credit::acknowledged() const {
   std::int64_t least = std::numeric_limits<std::int64_t>::max();
   for (const auto& entry : receivers_) {
     const Receiver& receiver = entry.second;
-    least = std::min(least, receiver.in_attempt ? published_before(*receiver.latest) : 0);
+    least = std::min(least, receiver.in_attempt ? steps_covered(schedule_, start_, *receiver.latest) : 0);
   }
   return least;
 }
@@ -55,7 +46,8 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
   const bool of_this_attempt = attempt_ > 0 && report.attempt == attempt_;
   // Within an attempt reports only grow: one that shrinks comes from a receiver that was restarted.
   const bool lost =
-      sender.in_attempt && (!of_this_attempt || published_before(report) < published_before(*sender.latest));
+      sender.in_attempt && (!of_this_attempt || steps_covered(schedule_, start_, report) <
+                                                    steps_covered(schedule_, start_, *sender.latest));
   const bool through_a_batch = sender.latest && report.first_realization > sender.latest->first_realization;
   sender.latest = report;
   sender.in_attempt = of_this_attempt;

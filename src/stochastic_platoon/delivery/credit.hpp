@@ -48,7 +48,6 @@ private:
     std::optional<Acknowledgement> latest;
     bool in_attempt = false;  ///< its latest report is of the present attempt
   };
-  std::int64_t published_before(const Acknowledgement& report) const;
   std::int64_t acknowledged() const;
   bool all_reported() const;
   void begin_attempt(double now);

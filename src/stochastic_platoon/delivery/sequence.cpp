@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "stochastic_platoon/model/vector_clones.hpp"
+
 namespace platoon {
 
 const char* to_string(Verdict verdict) {
@@ -22,15 +24,24 @@ const char* to_string(Verdict verdict) {
   return "unknown";
 }
 
-bool all_finite(const std::vector<double>& values) {
+namespace detail {
+
+PLATOON_VECTOR_CLONES
+bool all_finite(const double* values, std::size_t count) {
   // Integer arithmetic, so that the loop vectorises: only an exponent of all ones carries into the top bit.
   std::uint64_t carry = 0;
-  for (const double value : values) {
+  for (std::size_t j = 0; j < count; ++j) {
     std::uint64_t bits;
-    std::memcpy(&bits, &value, sizeof bits);
+    std::memcpy(&bits, &values[j], sizeof bits);
     carry |= (bits & 0x7ff0000000000000ULL) + 0x0010000000000000ULL;
   }
   return (carry >> 63) == 0;
+}
+
+}  // namespace detail
+
+bool all_finite(const std::vector<double>& values) {
+  return detail::all_finite(values.data(), values.size());
 }
 
 // Whether it is the next turn of the present attempt.

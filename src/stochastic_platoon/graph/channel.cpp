@@ -8,16 +8,15 @@ namespace platoon {
 
 using stochastic_platoon::Position;
 
-Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration) {
-  const std::size_t followers = configuration.run.followers;
-  for (std::size_t i = 1; i <= followers; ++i) {
-    links_.push_back({NoisyChannel(configuration.model.noise_variance, configuration.run.seed,
-                                   static_cast<std::uint32_t>(i)),
+Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first,
+                 std::uint32_t last) {
+  for (std::uint32_t i = first; i <= last; ++i) {
+    links_.push_back({NoisyChannel(configuration.model.noise_variance, configuration.run.seed, i),
                       platoon.advertise<Position>(predecessor_position_topic(i), kUnboundedQueue),
                       ros::Subscriber()});
   }
-  for (std::size_t i = 1; i <= followers; ++i) {
-    Link& link = links_[i - 1];
+  for (std::uint32_t i = first; i <= last; ++i) {
+    Link& link = links_[i - first];
     const boost::function<void(const Position::ConstPtr&)> receive =
         [this, &link](const Position::ConstPtr& message) { transmit(link, message); };
     link.sent = platoon.subscribe<Position>(position_topic(i - 1), kUnboundedQueue, receive,

@@ -3,6 +3,7 @@
 #include <ros/node_handle.h>
 #include <stochastic_platoon/Position.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
@@ -11,14 +12,15 @@
 
 namespace platoon {
 
-/// The additive white noise channels of the whole string as one ROS component. Every message is passed on at
-/// once with the noise its name calls for; nothing is kept, so that a restart has no consequence but what was
-/// on the way.
+/// The additive white noise channels into followers first .. last as one ROS component. Every message is
+/// passed on at once with the noise its name calls for; nothing is kept, so that a restart has no consequence
+/// but what was on the way.
 ///
-/// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = 1 .. N.
+/// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = first .. last.
 class Channel {
 public:
-  Channel(ros::NodeHandle platoon, const Configuration& configuration);
+  Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first,
+          std::uint32_t last);
 
 private:
   struct Link {

@@ -17,10 +17,6 @@ namespace {
 constexpr double kFirstStepTimeout = 0.1;  // [s] grows by itself: see Credit
 constexpr double kWatchPeriod = 0.02;      // [s]
 
-double now() {
-  return ros::SteadyTime::now().toSec();
-}
-
 }  // namespace
 
 Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration)

@@ -21,14 +21,9 @@ using stochastic_platoon::Progress;
 
 namespace {
 
-constexpr double kHeartbeat = 0.1;         // [s]
 constexpr double kCheckpointPeriod = 1.0;  // [s]
 constexpr double kStatisticsPeriod =
     1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
-
-double now() {
-  return ros::SteadyTime::now().toSec();
-}
 
 // Shares the message's array without copying it.
 Positions positions_of(const Position::ConstPtr& message) {
@@ -49,9 +44,10 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration)
       wall_seconds_before_(statistics_.tally.wall_seconds),
       committed_(statistics_.arrivals().committed()),
       checkpointed_(committed_),
-      progress_(platoon.advertise<Progress>("progress", kUnboundedQueue)),
+      reports_(platoon, "monitor", configuration.run),
       error_statistics_(platoon.advertise<ErrorStatistics>("error_statistics", 1000, true)),
       configuration_text_(platoon.advertise<std_msgs::String>("configuration", 1, true)) {
+  reports_.saw(statistics_.tally.platoon_time);
   if (statistics_.endless()) require_writable_folder(configuration.run.output);
   std_msgs::String text;
   text.data = to_json(configuration).dump();
@@ -76,6 +72,7 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration)
 void Monitor::receive(std::size_t vehicle, const Position::ConstPtr& message) {
   const Turn turn = turn_of(*message);
   statistics_.tally.platoon_time = std::max(statistics_.tally.platoon_time, message->header.stamp.toNSec());
+  reports_.saw(statistics_.tally.platoon_time);
   const Verdict verdict = statistics_.receive(vehicle, turn, positions_of(message));
   if (verdict != Verdict::in_turn) return refusals_[vehicle].count(verdict, turn, message->position.size());
   last_arrival_ = now();
@@ -84,10 +81,7 @@ void Monitor::receive(std::size_t vehicle, const Position::ConstPtr& message) {
   if (began_ < 0.0 && present.step != kNothingYet) began_ = last_arrival_;
   if (arrivals.committed() > committed_) note_commit();
   if (arrivals.complete() && !finished_) finish();
-  if (present.first_realization != acknowledged_.first_realization || present.step != acknowledged_.step ||
-      present.attempt != acknowledged_.attempt) {
-    publish_progress();
-  }
+  reports_.report_if_due(present);
 }
 
 void Monitor::note_commit() {
@@ -104,6 +98,7 @@ void Monitor::save_checkpoint() {
 
 void Monitor::finish() {
   finished_ = true;
+  reports_.set_finished();
   save_checkpoint();
   const RunResult final = statistics_.result(true);
   write_results(configuration_, prediction_, final);
@@ -136,8 +131,8 @@ void Monitor::stop() {
 void Monitor::tick() {
   const double present = now();
   if (statistics_.arrivals().complete() && !finished_) finish();  // resumed when nothing was left to do
-  if (!is_linked()) return report_stall(present);
-  publish_progress();
+  if (!reports_.is_linked(positions_)) return report_stall(present);
+  reports_.report(statistics_.arrivals().acknowledgement());
   if (finished_) return;
   if (!statistics_.endless() && began_ >= 0.0) display_.update(committed_, present);
   report_stall(present);
@@ -145,15 +140,6 @@ void Monitor::tick() {
   if (!statistics_.endless() && present - last_statistics_ < kStatisticsPeriod) return;
   last_statistics_ = present;
   publish_statistics(statistics_.last_step(), statistics_.moments());
-}
-
-// The leader waits for the first report: it comes when every vehicle can be heard, so that no attempt is
-// wasted before.
-bool Monitor::is_linked() {
-  linked_ = linked_ || std::all_of(positions_.begin(), positions_.end(), [](const ros::Subscriber& position) {
-              return position.getNumPublishers() > 0;
-            });
-  return linked_;
 }
 
 // Said once when it is noticed and once when it is over.
@@ -169,18 +155,6 @@ void Monitor::report_stall(double present) {
     ROS_WARN("the platoon moves again");
   }
   stalled_ = stalled;
-}
-
-void Monitor::publish_progress() {
-  acknowledged_ = statistics_.arrivals().acknowledgement();
-  Progress message;
-  message.header.stamp.fromNSec(statistics_.tally.platoon_time);
-  message.receiver = "monitor";
-  message.attempt = acknowledged_.attempt;
-  message.first_realization = acknowledged_.first_realization;
-  message.step = acknowledged_.step;
-  message.finished = finished_;
-  progress_.publish(message);
 }
 
 void Monitor::publish_statistics(std::int64_t step, const std::vector<Moments>& all) {

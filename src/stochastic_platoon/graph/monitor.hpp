@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/refusals.hpp"
 #include "stochastic_platoon/results/progress_display.hpp"
 #include "stochastic_platoon/results/run_statistics.hpp"
@@ -33,11 +34,9 @@ private:
   void receive(std::size_t vehicle, const stochastic_platoon::Position::ConstPtr& message);
   void note_commit();
   void tick();
-  bool is_linked();
   void report_stall(double now);
   void finish();
   void save_checkpoint();
-  void publish_progress();
   void publish_statistics(std::int64_t step, const std::vector<Moments>& all);
 
   Configuration configuration_;
@@ -45,7 +44,6 @@ private:
   RunStatistics statistics_;
   std::vector<Refusals> refusals_;
   ProgressDisplay display_;
-  Acknowledgement acknowledged_{};    ///< the last one published
   double began_ = -1.0;               ///< [s] first complete step of this launch
   double wall_seconds_before_ = 0.0;  ///< [s] of earlier launches
   double last_arrival_ = -1.0;        ///< [s]
@@ -53,10 +51,9 @@ private:
   double last_statistics_ = -1.0;     ///< [s]
   std::uint64_t committed_ = 0;       ///< realizations when last looked at
   std::uint64_t checkpointed_ = 0;    ///< realizations in the latest checkpoint
-  bool linked_ = false;               ///< every vehicle has been heard of
   bool stalled_ = false;
   bool finished_ = false;
-  ros::Publisher progress_;
+  ProgressReports reports_;
   ros::Publisher error_statistics_;
   ros::Publisher configuration_text_;  ///< latched: whoever records the platoon records what it was
   std::vector<ros::Subscriber> positions_;

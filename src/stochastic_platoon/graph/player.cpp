@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kPeriod = 0.005;  // [s] between looks at the clock when nothing else happens
 
-double now() {
-  return ros::SteadyTime::now().toSec();
-}
-
 }  // namespace
 
 Player::Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration& configuration,
@@ -48,14 +44,10 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kPeriod), [this](const auto&) { play(); });
 }
 
-std::int64_t Player::steps_before(std::uint64_t first_realization, std::int64_t step) const {
-  const auto batches = static_cast<std::int64_t>((first_realization + schedule_.batch - 1) / schedule_.batch);
-  return batches * (schedule_.steps + 1) + (step - kNothingYet);
-}
-
 void Player::receive(const Progress::ConstPtr& message) {
   heard_ = true;
-  const std::int64_t acknowledged = steps_before(message->first_realization, message->step);
+  const std::int64_t acknowledged =
+      steps_covered(schedule_, 0, {0, message->first_realization, message->step});
   if (acknowledged != acknowledged_) last_progress_ = now();
   acknowledged_ = acknowledged;
   play();
@@ -68,7 +60,7 @@ bool Player::may_publish(const Position& message) const {
     const double due = (message.header.stamp - first_stamp_).toSec() - options_.start;
     if (now() - began_ < due / options_.rate) return false;
   }
-  return steps_before(message.first_realization, message.step) <= acknowledged_ + window_ ||
+  return steps_covered(schedule_, 0, turn_of(message)) <= acknowledged_ + window_ ||
          now() - last_progress_ > 1.0;
 }
 

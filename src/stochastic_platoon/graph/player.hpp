@@ -35,7 +35,6 @@ private:
   void receive(const stochastic_platoon::Progress::ConstPtr& message);
   void play();
   bool may_publish(const stochastic_platoon::Position& message) const;
-  std::int64_t steps_before(std::uint64_t first_realization, std::int64_t step) const;
 
   BatchSchedule schedule_;
   std::int64_t window_;

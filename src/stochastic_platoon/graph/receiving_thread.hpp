@@ -7,11 +7,13 @@
 
 namespace platoon {
 
-/// A callback queue that keeps nothing: every callback runs at once, in the thread that received the message. This saves a message
-/// one of its three wake-ups on the way (sender's network thread, receiver's network thread, receiver's spinning thread).
+/// A callback queue that keeps nothing: every callback runs at once, in the thread that received the message.
+/// This saves a message one of its three wake-ups on the way (sender's network thread, receiver's network
+/// thread, receiver's spinning thread).
 ///
-/// For a node of its own process whose callbacks only publish. Not for timers, which hold a lock of their own while they add a
-/// callback, nor for components joined by shared pointers, where one publication would call the next.
+/// For a node of its own process whose callbacks only publish. Not for timers, which hold a lock of their own
+/// while they add a callback, nor for components joined by shared pointers, where one publication would call
+/// the next.
 class ReceivingThread : public ros::CallbackQueueInterface {
 public:
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t) override {

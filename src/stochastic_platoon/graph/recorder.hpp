@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "stochastic_platoon/bags/batch_recorder.hpp"
+#include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/refusals.hpp"
 
 namespace platoon {
@@ -26,18 +27,14 @@ public:
 private:
   void receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
   void receive_statistics(const stochastic_platoon::ErrorStatistics::ConstPtr& message);
-  bool is_linked();
   void tick();
   void finish();
-  void publish_progress();
+  void report();
 
   BatchRecorder recorder_;
   std::vector<Refusals> refusals_;
-  Acknowledgement acknowledged_{};
-  std::uint64_t platoon_time_ = 0;  ///< latest stamp seen [ns]
-  double began_ = -1.0;             ///< [s] first message
-  bool linked_ = false;             ///< every stream has been heard of
-  ros::Publisher progress_;
+  double began_ = -1.0;  ///< [s] first message
+  ProgressReports reports_;
   std::vector<ros::Subscriber> positions_;
   ros::Subscriber error_statistics_;
   ros::SteadyTimer timer_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ros/duration.h>
+#include <ros/time.h>
 #include <ros/transport_hints.h>
 #include <stochastic_platoon/Position.h>
 
@@ -11,6 +12,11 @@
 #include "stochastic_platoon/delivery/batch_schedule.hpp"
 
 namespace platoon {
+
+/// Time that never jumps [s].
+inline double now() {
+  return ros::SteadyTime::now().toSec();
+}
 
 /// Queues of data topics are unbounded: memory is bounded by the leader's credit, and a bounded queue would
 /// drop.

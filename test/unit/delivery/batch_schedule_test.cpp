@@ -37,6 +37,16 @@ TEST(BatchSchedule, EndsABatchWithItsLastStep) {
   EXPECT_TRUE((BatchSchedule{20, 8, 1}.is_last_step(0)));
 }
 
+TEST(BatchSchedule, CountsTheStepsAReportCovers) {
+  const BatchSchedule schedule{20, 8, 3};
+  EXPECT_EQ(steps_covered(schedule, 0, {1, 0, kNothingYet}), 0);
+  EXPECT_EQ(steps_covered(schedule, 0, {1, 0, kInitialStep}), 1);
+  EXPECT_EQ(steps_covered(schedule, 0, {1, 8, 1}), 4 + 3);
+  EXPECT_EQ(steps_covered(schedule, 0, {1, 20, kNothingYet}), 12);
+  EXPECT_EQ(steps_covered(schedule, 8, {1, 16, kInitialStep}), 4 + 1);
+  EXPECT_EQ(steps_covered(schedule, 8, {1, 0, 2}), 0);
+}
+
 TEST(BatchSchedule, OfZeroStepsIsEndless) {
   const BatchSchedule schedule{1, 1, 0};
   EXPECT_TRUE(schedule.endless());

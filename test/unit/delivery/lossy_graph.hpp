@@ -10,6 +10,7 @@
 
 #include "stochastic_platoon/delivery/assembly.hpp"
 #include "stochastic_platoon/delivery/credit.hpp"
+#include "stochastic_platoon/delivery/report_pace.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 #include "stochastic_platoon/statistics/ensemble_statistics.hpp"
 
@@ -73,6 +74,8 @@ public:
   int kills() const { return kills_; }
 
 private:
+  static constexpr std::int64_t kWindow = 40;  ///< steps
+
   struct Message {
     Turn turn;
     Positions positions;
@@ -107,10 +110,11 @@ private:
   void start_leader() {
     std::vector<std::string> receivers{"monitor"};
     if (troubles_.recorder) receivers.emplace_back("recorder");
-    credit_ = std::make_unique<Credit>(schedule_, CreditLimits{40, 2.0, 0.1}, receivers);
+    credit_ = std::make_unique<Credit>(schedule_, CreditLimits{kWindow, 2.0, 0.1}, receivers);
   }
 
   void start_monitor() {
+    monitor_pace_ = ReportPace(schedule_, kWindow);
     attempts_seen_ = checkpoint_.attempts;
     positions_received_ = checkpoint_.positions_received;
     statistics_ = std::make_unique<EnsembleStatistics>(followers_.size(), schedule_.steps);
@@ -133,6 +137,7 @@ private:
   }
 
   void start_recorder() {
+    recorder_pace_ = ReportPace(schedule_, kWindow);
     const std::uint64_t first = recorded_.empty() ? 0 : schedule_.next(recorded_.back());
     const ArrivalEvents events{
         [] {}, [this](const CompleteBatch& batch) { recorded_.push_back(batch.first_realization); }};
@@ -192,13 +197,18 @@ private:
 
   void heartbeat() {
     next_heartbeat_ = now_ + 0.1;
-    if (all_up(to_monitor_)) report("monitor", assembly_->arrivals());
-    if (troubles_.recorder && all_up(to_recorder_)) report("recorder", *recorder_);
+    if (all_up(to_monitor_)) report("monitor", assembly_->arrivals(), monitor_pace_);
+    if (troubles_.recorder && all_up(to_recorder_)) report("recorder", *recorder_, recorder_pace_);
     credit_->retry_if_stalled(now_);
   }
 
-  void report(const char* receiver, const Arrivals& arrivals) {
+  void report(const char* receiver, const Arrivals& arrivals, ReportPace& pace) {
+    pace.note_report(arrivals.acknowledgement());
     if (!happens(troubles_.drop)) progress_.push_back({receiver, arrivals.acknowledgement()});
+  }
+
+  void report_if_due(const char* receiver, const Arrivals& arrivals, ReportPace& pace) {
+    if (pace.is_due(arrivals.acknowledgement())) report(receiver, arrivals, pace);
   }
 
   // Lets one thing happen, by chance, of those that can.
@@ -269,12 +279,12 @@ private:
   void observe(std::size_t vehicle, const Message& message) {
     if (assembly_->receive(vehicle, message.turn, message.positions) != Verdict::in_turn) return;
     attempts_seen_ = std::max(attempts_seen_, message.turn.attempt);
-    report("monitor", assembly_->arrivals());
+    report_if_due("monitor", assembly_->arrivals(), monitor_pace_);
   }
 
   void record(std::size_t vehicle, const Message& message) {
     if (recorder_->receive(vehicle, message.turn, *message.positions, [] {}) != Verdict::in_turn) return;
-    report("recorder", *recorder_);
+    report_if_due("recorder", *recorder_, recorder_pace_);
   }
 
   PlatoonModel model_;
@@ -282,6 +292,8 @@ private:
   std::uint64_t noise_seed_;
   Troubles troubles_;
   std::mt19937 chance_;
+  ReportPace monitor_pace_{schedule_, kWindow};
+  ReportPace recorder_pace_{schedule_, kWindow};
   LeaderVehicle leader_;
   std::unique_ptr<Credit> credit_;
   std::vector<Follower> followers_;
