@@ -1,7 +1,5 @@
 // The whole platoon in one process: the components of the nodes, joined by shared pointers.
 
-#include <ros/callback_queue.h>
-
 #include <algorithm>
 #include <cmath>
 #include <future>
@@ -16,6 +14,7 @@
 #include "stochastic_platoon/graph/monitor.hpp"
 #include "stochastic_platoon/graph/recorder.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
+#include "stochastic_platoon/graph/work_queue.hpp"
 
 namespace {
 
@@ -28,7 +27,7 @@ public:
   void start() {
     done_ = std::async(std::launch::async, [this] {
       try {
-        while (ros::ok()) queue_.callAvailable(ros::WallDuration(0.1));
+        queue_.run();
       } catch (...) {
         ros::shutdown();  // the other threads end too, and finish() passes the error on
         throw;
@@ -40,7 +39,7 @@ public:
   void finish() { done_.get(); }
 
 private:
-  ros::CallbackQueue queue_;
+  platoon::WorkQueue queue_;
   ros::NodeHandle node_;
   std::future<void> done_;
 };

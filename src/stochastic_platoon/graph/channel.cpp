@@ -29,7 +29,7 @@ void Channel::transmit(const Link& link, const Position::ConstPtr& message) {
   received->header = message->header;
   set_turn(turn_of(*message), *received);
   link.noise.transmit(message->step, message->first_realization, message->position, received->position);
-  link.received.publish(received);
+  publish(link.received, received);
 }
 
 }  // namespace platoon

@@ -34,7 +34,7 @@ void Follower::receive(const Position::ConstPtr& message) {
 void Follower::publish(const Position::Ptr& message, const Turn& turn, const ros::Time& stamp) {
   set_turn(turn, *message);
   message->header.stamp = stamp;
-  position_.publish(message);
+  platoon::publish(position_, message);
 }
 
 }  // namespace platoon

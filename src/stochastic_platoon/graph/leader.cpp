@@ -85,7 +85,7 @@ bool Leader::publish_one() {
   message->header.stamp = stamp_;
   set_turn(*turn, *message);
   message->position.assign(schedule_.size(turn->first_realization), position);
-  position_.publish(message);
+  platoon::publish(position_, message);
   return true;
 }
 

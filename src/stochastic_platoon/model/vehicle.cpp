@@ -58,8 +58,6 @@ ClosedLoopBatch::ClosedLoopBatch(const StateSpace& system) {
     rest_state_.push_back(rest(i));
   }
   output_row_ = nonzero_terms(system.c());
-  state_.resize(rows_.size());
-  next_state_.resize(rows_.size());
 }
 
 ClosedLoopBatch::Row ClosedLoopBatch::nonzero_terms(const Eigen::RowVectorXd& row) {
@@ -73,42 +71,57 @@ ClosedLoopBatch::Row ClosedLoopBatch::nonzero_terms(const Eigen::RowVectorXd& ro
 }
 
 void ClosedLoopBatch::rest_at(const std::vector<double>& positions) {
-  for (std::size_t i = 0; i < state_.size(); ++i) {
-    state_[i].resize(positions.size());
-    next_state_[i].resize(positions.size());
-    for (std::size_t r = 0; r < positions.size(); ++r) state_[i][r] = rest_state_[i] * positions[r];
+  size_ = positions.size();
+  tiles_.resize((size_ + kTile - 1) / kTile);
+  spare_.resize(rows_.size() * kTile);
+  for (std::size_t t = 0; t < tiles_.size(); ++t) {
+    tiles_[t].resize(rows_.size() * kTile);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      for (std::size_t r = 0; r < tile_size(t); ++r) {
+        tiles_[t][i * kTile + r] = rest_state_[i] * positions[t * kTile + r];
+      }
+    }
   }
 }
 
 // out = row state + gain (input - offset), in the order of the row's terms.
-void ClosedLoopBatch::combine(const Row& row, double gain, const double* input, double offset,
-                              std::vector<double>& out) const {
+void ClosedLoopBatch::combine(const Row& row, const double* state, double gain, const double* input,
+                              double offset, std::size_t size, double* out) {
   const std::size_t terms = row.values.size();
   const std::size_t at_once = std::min(terms, detail::kTermsAtOnce);
   if (gain == 0.0) input = nullptr;
-  if (terms == 0) std::fill(out.begin(), out.end(), 0.0);
+  if (terms == 0) std::fill(out, out + size, 0.0);
   std::array<const double*, detail::kTermsAtOnce> sources{};
-  for (std::size_t j = 0; j < at_once; ++j) sources[j] = state_[row.columns[j]].data();
+  for (std::size_t j = 0; j < at_once; ++j) sources[j] = state + row.columns[j] * kTile;
   const bool all_at_once = terms > 0 && terms == at_once;
   detail::combine(row.values.data(), sources.data(), at_once, gain, all_at_once ? input : nullptr, offset,
-                  out.size(), out.data());
+                  size, out);
   if (all_at_once) return;
   for (std::size_t j = at_once; j < terms; ++j) {
-    detail::add_scaled(row.values[j], state_[row.columns[j]].data(), 0.0, out.size(), out.data());
+    detail::add_scaled(row.values[j], state + row.columns[j] * kTile, 0.0, size, out);
   }
-  if (input != nullptr) detail::add_scaled(gain, input, offset, out.size(), out.data());
+  if (input != nullptr) detail::add_scaled(gain, input, offset, size, out);
 }
 
-void ClosedLoopBatch::step(const std::vector<double>& input, double offset) {
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    combine(rows_[i], input_gain_[i], input.data(), offset, next_state_[i]);
+void ClosedLoopBatch::step(const std::vector<double>& input, double offset, std::vector<double>& positions) {
+  positions.resize(size_);
+  for (std::size_t t = 0; t < tiles_.size(); ++t) {
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      combine(rows_[i], tiles_[t].data(), input_gain_[i], &input[t * kTile], offset, tile_size(t),
+              &spare_[i * kTile]);
+    }
+    tiles_[t].swap(spare_);
+    write_output(t, positions);
   }
-  state_.swap(next_state_);
 }
 
 void ClosedLoopBatch::output(std::vector<double>& positions) const {
-  positions.resize(state_.front().size());
-  combine(output_row_, 0.0, nullptr, 0.0, positions);
+  positions.resize(size_);
+  for (std::size_t t = 0; t < tiles_.size(); ++t) write_output(t, positions);
+}
+
+void ClosedLoopBatch::write_output(std::size_t tile, std::vector<double>& positions) const {
+  combine(output_row_, tiles_[tile].data(), 0.0, nullptr, 0.0, tile_size(tile), &positions[tile * kTile]);
 }
 
 FollowerVehicle::FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index)
@@ -134,8 +147,7 @@ void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count,
 }
 
 void FollowerVehicle::step(const std::vector<double>& received, std::vector<double>& positions) {
-  loop_.step(received, standstill_distance_);
-  loop_.output(positions);
+  loop_.step(received, standstill_distance_, positions);
 }
 
 LeaderVehicle::LeaderVehicle(const PlatoonModel& model)
@@ -151,8 +163,8 @@ double LeaderVehicle::start() {
 
 double LeaderVehicle::step() {
   buffer_.front() = profile_.position(step_);
-  loop_.step(buffer_, 0.0);
-  loop_.output(buffer_);
+  input_ = buffer_;
+  loop_.step(input_, 0.0, buffer_);
   ++step_;
   return buffer_.front();
 }
@@ -167,8 +179,11 @@ void NoisyChannel::transmit(std::int64_t step, std::uint64_t first_realization,
     return;
   }
   received.resize(sent.size());
-  noise_.fill({receiver_, step}, first_realization, sent.size(), received.data());
-  detail::scale_and_add(deviation_, sent.data(), sent.size(), received.data());
+  for (std::size_t r = 0; r < sent.size(); r += kTile) {
+    const std::size_t size = std::min(kTile, sent.size() - r);
+    noise_.fill({receiver_, step}, first_realization + r, size, &received[r]);
+    detail::scale_and_add(deviation_, &sent[r], size, &received[r]);
+  }
 }
 
 }  // namespace platoon

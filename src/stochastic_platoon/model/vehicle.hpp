@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -7,6 +9,9 @@
 #include "stochastic_platoon/model/white_noise.hpp"
 
 namespace platoon {
+
+/// Realizations that are computed in one go: what a vehicle holds of so many stays in the first level cache.
+constexpr std::size_t kTile = 512;
 
 /// One vehicle's closed loop for a batch of realizations: x(k+1) = A x(k) + B u(k), y(k) = C x(k), eq.
 /// (ith-closedloop).
@@ -21,8 +26,9 @@ public:
   /// x = (I - A)^-1 B p: at rest at these positions [m].
   void rest_at(const std::vector<double>& positions);
 
-  /// One step for input [m] minus offset [m]. Input and batch must have the same size.
-  void step(const std::vector<double>& input, double offset);
+  /// One step for input [m] minus offset [m], and its y = C x [m]. Input and batch must have the same size;
+  /// positions gets it.
+  void step(const std::vector<double>& input, double offset, std::vector<double>& positions);
 
   /// y = C x [m], resized to the batch.
   void output(std::vector<double>& positions) const;
@@ -33,15 +39,19 @@ private:
     std::vector<std::size_t> columns;
   };
   static Row nonzero_terms(const Eigen::RowVectorXd& row);
-  void combine(const Row& row, double gain, const double* input, double offset,
-               std::vector<double>& out) const;
+  static void combine(const Row& row, const double* state, double gain, const double* input, double offset,
+                      std::size_t size, double* out);
+  std::size_t tile_size(std::size_t tile) const { return std::min(kTile, size_ - tile * kTile); }
+  void write_output(std::size_t tile, std::vector<double>& positions) const;
 
   std::vector<Row> rows_;           ///< A
   std::vector<double> input_gain_;  ///< B
   Row output_row_;                  ///< C
   std::vector<double> rest_state_;  ///< (I - A)^-1 B
-  std::vector<std::vector<double>> state_;
-  std::vector<std::vector<double>> next_state_;
+  std::size_t size_ = 0;            ///< realizations
+  // Tile by tile, row by row: x_i of realization t kTile + r is tiles_[t][i kTile + r].
+  std::vector<std::vector<double>> tiles_;
+  std::vector<double> spare_;  ///< for a tile's next state, which then changes places with it
 };
 
 /// Vehicle i >= 1. Starts at -i delta + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by the
@@ -80,7 +90,7 @@ private:
   ClosedLoopBatch loop_;
   LeaderProfile profile_;
   std::int64_t step_ = -1;
-  std::vector<double> buffer_;
+  std::vector<double> buffer_, input_;
 };
 
 /// The channel into vehicle i: received = sent + d_i(k), d_i(k) = sqrt(P_d) g(seed, i, k, r) for k >= 0 and 0

@@ -31,7 +31,7 @@ std::vector<double> run_string(const PlatoonModel& model, std::size_t followers,
       loop.output(y);
       own.push_back(y.front());
       const double d = k == 0 ? 0.0 : noise[i * steps + k - 1];
-      loop.step({ahead[k] + d}, model.standstill_distance);
+      loop.step({ahead[k] + d}, model.standstill_distance, y);
     }
     const TrackingError zeta{model.headway, model.standstill_distance};
     for (std::size_t k = 1; k <= steps; ++k) errors.push_back(zeta(ahead[k], own[k], own[k - 1]));
