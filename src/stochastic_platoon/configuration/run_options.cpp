@@ -11,9 +11,11 @@ constexpr std::int64_t kMaxCount = std::int64_t{1}
 }  // namespace
 
 std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers, std::uint64_t recorded_steps) {
+  constexpr std::uint64_t recorded_positions = 300000000 / sizeof(double);
+  constexpr std::uint64_t positions_of_a_step = std::uint64_t{1} << 22;
   std::uint64_t batch = 8192;
-  while (batch > 1 && batch * (2 * followers + 1) * recorded_steps > (std::uint64_t{1} << 25)) batch /= 2;
-  while (batch > 64 && batch * followers > (std::uint64_t{1} << 19)) batch /= 2;
+  while (batch > 1 && batch * (2 * followers + 1) * recorded_steps > recorded_positions) batch /= 2;
+  while (batch > 64 && batch * followers > positions_of_a_step) batch /= 2;
   return std::min(batch, realizations);
 }
 

@@ -44,9 +44,9 @@ RunOptions read_run_options(Section section);
 /// As one mapping for the parameter server. Numbers that may not fit XML-RPC's 32 bits are texts.
 nlohmann::json to_json(const RunOptions& options);
 
-/// Realizations per message where none are asked for: 64 kB messages, smaller for long strings so that one
-/// step of all vehicles stays near the size of the caches, and for a recorder so that it keeps at most about
-/// 256 MB of an unfinished batch (recorded_steps = steps + 1; 0 without recorder).
+/// Realizations per message where none are asked for: 64 kB messages, smaller for strings of thousands so
+/// that the few steps in flight fit the memory, and for a recorder so that it keeps at most about 300 MB of
+/// an unfinished batch (recorded_steps = steps + 1; 0 without recorder).
 std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers,
                            std::uint64_t recorded_steps = 0);
 

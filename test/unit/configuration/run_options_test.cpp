@@ -157,18 +157,17 @@ TEST(ChosenBatch, IsSmallerForLongerStringsAndNeverBeyondTheRealizations) {
     const std::uint64_t batch = chosen_batch(1000000, followers);
     EXPECT_LE(batch, before);
     EXPECT_GE(batch, 64u);
-    EXPECT_TRUE(batch == 64 || batch * followers <= std::uint64_t{1} << 19);
+    EXPECT_TRUE(batch == 64 || batch * followers <= std::uint64_t{1} << 22);
     before = batch;
   }
 }
 
-TEST(ChosenBatch, KeepsWhatARecorderHoldsWithin256Megabytes) {
+TEST(ChosenBatch, KeepsWhatARecorderHoldsWithin300Megabytes) {
   for (const std::size_t followers : {1, 20, 500}) {
     for (const std::uint64_t steps : {10, 100, 10000, 1000000}) {
       const std::uint64_t batch = chosen_batch(1000000, followers, steps);
       EXPECT_GE(batch, 1u);
-      EXPECT_TRUE(batch == 1 || batch * (2 * followers + 1) * steps * sizeof(double) <= std::uint64_t{1}
-                                                                                            << 28);
+      EXPECT_TRUE(batch == 1 || batch * (2 * followers + 1) * steps * sizeof(double) <= 300000000u);
     }
   }
 }
