@@ -33,6 +33,7 @@ Recording::Recording(const RecordingOptions& options, std::string configuration_
 
 void Recording::open() {
   bag_.open(part_name(options_, part_) + suffix_, rosbag::bagmode::Write);
+  write_behind_ = WriteBehind(part_name(options_, part_) + suffix_);
   bag_.setChunkThreshold(kChunkBytes);
   if (options_.compression == "lz4") bag_.setCompression(rosbag::compression::LZ4);
   const auto header = boost::make_shared<ros::M_string>();

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <string>
 
+#include "stochastic_platoon/bags/write_behind.hpp"
+
 namespace platoon {
 
 struct RecordingOptions {
@@ -30,6 +32,7 @@ public:
   template <typename Message>
   void write(const std::string& topic, const Message& message) {
     bag_.write(topic, message.header.stamp, message);
+    write_behind_.advance(bag_.getSize());
   }
 
   /// To be called between two batches: begins another file if this one has its size.
@@ -57,6 +60,7 @@ private:
   std::string suffix_;
   std::uint64_t finished_bytes_ = 0;
   rosbag::Bag bag_;
+  WriteBehind write_behind_;
 };
 
 /// Final name of a file of a recording.

@@ -4,13 +4,14 @@
 #include <ros/ros.h>
 
 #include <exception>
+#include <limits>
 
 namespace platoon {
 
 /// Keeps freed memory for the next message: given back to the system and asked for again, every 64 kB message
 /// would cost its page faults. What is kept is bounded by what was in use at once, which credit bounds.
 inline void keep_freed_memory() {
-  mallopt(M_TRIM_THRESHOLD, 1 << 28);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   mallopt(M_MMAP_THRESHOLD, 1 << 26);
 }
 

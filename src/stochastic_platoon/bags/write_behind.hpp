@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace platoon {
+
+/// Sends a growing file to the disk while it is written and lets go of the page cache it took, so that the
+/// next bytes find warm pages: a recording of many gigabytes neither fills the memory nor waits for a sync at
+/// its end. What it does is advice to the kernel; a file system that does not take it is only slower.
+class WriteBehind {
+public:
+  WriteBehind() = default;
+  /// Opens the file beside its writer. Throws std::runtime_error when it cannot.
+  explicit WriteBehind(const std::string& file);
+  ~WriteBehind();
+  WriteBehind(WriteBehind&& other) noexcept;
+  WriteBehind& operator=(WriteBehind&& other) noexcept;
+
+  /// The writer has come to this length; it may still change the last kTail bytes.
+  void advance(std::uint64_t length);
+
+private:
+  static constexpr std::uint64_t kSpan = 16u << 20;  ///< bytes sent to the disk at once
+  static constexpr std::uint64_t kTail = 8u << 20;
+
+  int descriptor_ = -1;
+  std::uint64_t sent_ = 0;      ///< bytes on their way to the disk
+  std::uint64_t released_ = 0;  ///< bytes there, and out of the page cache
+};
+
+}  // namespace platoon
