@@ -1,6 +1,6 @@
 // A bare roscpp flood: one process publishes Position messages of one size as fast as another takes them.
-// What the graph's deliveries are compared with. Usage: flood source SIZE COUNT | flood sink COUNT. The sink
-// prints JSON.
+// What the graph's deliveries are compared with. Usage: flood source SIZE COUNT | flood sink COUNT, or, with
+// one message on its way at a time, flood ping SIZE COUNT | flood pong COUNT. Sink and ping print JSON.
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -66,14 +66,51 @@ int sink(ros::NodeHandle node, int count) {
   return 0;
 }
 
+int ping(ros::NodeHandle node, std::size_t size, int count) {
+  int returned = 0;
+  ros::SteadyTime began;
+  const auto message = boost::make_shared<Position>();
+  message->position.resize(size);
+  const ros::Publisher out = node.advertise<Position>("flood", 0);
+  const boost::function<void(const Position::ConstPtr&)> receive = [&](const Position::ConstPtr&) {
+    if (++returned < count) out.publish(message);
+  };
+  const ros::Subscriber back = node.subscribe<Position>("flood_back", 0, receive, ros::VoidConstPtr(),
+                                                        ros::TransportHints().tcpNoDelay());
+  while (ros::ok() && (out.getNumSubscribers() == 0 || back.getNumPublishers() == 0))
+    ros::WallDuration(0.01).sleep();
+  ros::WallDuration(0.2).sleep();  // the other side hears, too
+  began = ros::SteadyTime::now();
+  out.publish(message);
+  while (ros::ok() && returned < count) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+  std::printf("{\"round_trips_per_second\": %.6g}\n", count / (ros::SteadyTime::now() - began).toSec());
+  return 0;
+}
+
+int pong(ros::NodeHandle node, int count) {
+  int received = 0;
+  const ros::Publisher back = node.advertise<Position>("flood_back", 0);
+  const boost::function<void(const Position::ConstPtr&)> receive = [&](const Position::ConstPtr& message) {
+    ++received;
+    back.publish(message);
+  };
+  const ros::Subscriber in =
+      node.subscribe<Position>("flood", 0, receive, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  while (ros::ok() && received < count) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+  ros::WallDuration(0.2).sleep();  // the last one is on its way
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "flood", ros::init_options::AnonymousName | ros::init_options::NoRosout);
   const std::string role = argc > 1 ? argv[1] : "";
+  ros::init(argc, argv, "flood_" + role, ros::init_options::NoRosout);
   if (role == "source" && argc == 4)
     return source(ros::NodeHandle(), std::stoul(argv[2]), std::atoi(argv[3]));
   if (role == "sink" && argc == 3) return sink(ros::NodeHandle(), std::atoi(argv[2]));
-  std::fprintf(stderr, "usage: flood source SIZE COUNT | flood sink COUNT\n");
+  if (role == "ping" && argc == 4) return ping(ros::NodeHandle(), std::stoul(argv[2]), std::atoi(argv[3]));
+  if (role == "pong" && argc == 3) return pong(ros::NodeHandle(), std::atoi(argv[2]));
+  std::fprintf(stderr, "usage: flood source|ping SIZE COUNT, flood sink|pong COUNT\n");
   return 2;
 }

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import xmlrpc.client
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(os.path.dirname(HERE), "integration"))
@@ -53,47 +54,138 @@ class Machine:
         return port, dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
                           ROS_HOME=self.folder)
 
-    def launch(self, **arguments):
-        """summary.json of a run of platoon.launch."""
+    def roslaunch(self, port, environment, *words):
+        return subprocess.Popen(["roslaunch", "--port", str(port)] + list(words), stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL, env=environment)
+
+    def launch(self, watch=None, **arguments):
+        """summary.json of a run of platoon.launch; watch(process) is called again and again while it runs."""
         output = self.fresh("run")
         port, environment = self.environment()
         arguments.setdefault("output", output)
         words = ["{}:={}".format(name, value) for name, value in arguments.items()]
-        subprocess.run(["roslaunch", "--port", str(port), "stochastic_platoon", "platoon.launch"] + words, check=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
+        process = self.roslaunch(port, environment, "stochastic_platoon", "platoon.launch", *words)
+        while process.poll() is None:
+            if watch:
+                watch(process)
+            time.sleep(0.02)
         with open(os.path.join(output, "summary.json")) as file:
             summary = json.load(file)
         if not summary["complete"] or summary["positions_lost"] != 0:
             raise SystemExit("a run was not complete: nothing is compared with it")
         return summary
 
-    def flood(self, size, count):
+    def speed(self, **arguments):
+        return self.launch(**arguments)["vehicle_steps_per_second"]
+
+    def memory(self, **arguments):
+        """Largest sum of the proportional set sizes [bytes] of all processes of a run."""
+        peak = [0]
+
+        def watch(process):
+            peak[0] = max(peak[0], sum(map(proportional_set_size, descendants(process.pid))))
+
+        self.launch(watch, **arguments)
+        return peak[0]
+
+    def seconds_to_first_step(self, followers):
+        port, environment = self.environment()
+        waiting = subprocess.Popen([live_platoon.executable("first_step")], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        began = time.perf_counter()
+        process = self.roslaunch(port, environment, "stochastic_platoon", "platoon.launch", "followers:={}".format(followers),
+                                 "realizations:=100000000", "output:=" + self.fresh("run"))
+        waiting.wait()
+        seconds = time.perf_counter() - began
+        process.send_signal(signal.SIGINT)
+        process.wait()
+        return seconds
+
+    def seconds_to_empty_nodes(self, count):
+        """The same number of nodes that do nothing: up when the master knows them all."""
+        port, environment = self.environment()
+        file = os.path.join(self.folder, "empty.launch")
+        node = '<node pkg="stochastic_platoon" type="empty_node" name="empty_{}"/>'
+        with open(file, "w") as launch:
+            launch.write("<launch>{}</launch>".format("".join(node.format(n) for n in range(count))))
+        began = time.perf_counter()
+        process = self.roslaunch(port, environment, file)
+        live_platoon.wait_for(lambda: known_nodes(environment["ROS_MASTER_URI"]) >= count, "the empty nodes")
+        seconds = time.perf_counter() - began
+        process.send_signal(signal.SIGINT)
+        process.wait()
+        return seconds
+
+    def core(self, act):
+        """act(environment) beside a roscore."""
         port, environment = self.environment()
         core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL,
                                 stderr=subprocess.DEVNULL)
         try:
             live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", environment["ROS_MASTER_URI"]), "the master")
-            flood = live_platoon.executable("flood")
-            source = subprocess.Popen([flood, "source", str(size), str(count)], env=environment)
-            result = output_of([flood, "sink", str(count)], env=environment)
-            source.wait()
-            return result
+            return act(environment)
         finally:
             core.send_signal(signal.SIGINT)
             core.wait()
 
+    def flood(self, size, count):
+        flood = live_platoon.executable("flood")
+
+        def act(environment):
+            source = subprocess.Popen([flood, "source", str(size), str(count)], env=environment)
+            result = output_of([flood, "sink", str(count)], env=environment)
+            source.wait()
+            return result
+
+        return self.core(act)
+
+    def ping_pong(self, size, count):
+        flood = live_platoon.executable("flood")
+
+        def act(environment):
+            pong = subprocess.Popen([flood, "pong", str(count)], env=environment)
+            result = output_of([flood, "ping", str(size), str(count)], env=environment)
+            pong.wait()
+            return result["round_trips_per_second"]
+
+        return self.core(act)
+
+
+def descendants(pid):
+    """A process and all below it."""
+    with open("/proc/{0}/task/{0}/children".format(pid)) as file:
+        return [pid] + [below for child in file.read().split() for below in descendants(int(child))]
+
+
+def proportional_set_size(pid):
+    try:
+        with open("/proc/{}/smaps_rollup".format(pid)) as file:
+            return next(1024 * int(line.split()[1]) for line in file if line.startswith("Pss:"))
+    except (OSError, StopIteration):
+        return 0  # it has just ended
+
+
+def known_nodes(master):
+    """Every node has a logger service, at least."""
+    try:
+        services = xmlrpc.client.ServerProxy(master).getSystemState("/benchmark")[2][2]
+    except (xmlrpc.client.Error, OSError):
+        return 0
+    return len({node for _, nodes in services for node in nodes})
+
 
 def monte_carlo(machine):
     folder = machine.fresh("monte_carlo")
-    subprocess.run([live_platoon.executable("monte_carlo"), "--model", MODEL, "--realizations", str(REALIZATIONS), "--output",
+    subprocess.run([live_platoon.executable("monte_carlo"), "--model", MODEL, "--realizations", "1000000", "--output",
                     folder], check=True, stdout=subprocess.DEVNULL)
     with open(os.path.join(folder, "summary.json")) as file:
         return json.load(file)["vehicle_steps_per_second"]
 
 
-def peer(*arguments):
+def peer(program, *arguments):
+    """A program for the same Monte Carlo, on one core."""
     environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
-    return output_of(["/usr/bin/python3", os.path.join(HERE, "peer_numpy.py")] + list(arguments), env=environment)
+    interpreter = ["/usr/bin/python3"] if program.endswith(".py") else ["octave-cli", "--no-gui"]
+    return output_of(interpreter + [os.path.join(HERE, program)] + list(arguments), env=environment, stderr=subprocess.DEVNULL)
 
 
 def timed(command):
@@ -103,51 +195,73 @@ def timed(command):
 
 
 def pairs(machine):
-    """(what, against, value, value of the other): larger ratios are better."""
+    """(what, against, value, value of the other)."""
     ours, theirs = in_turn(lambda: output_of([live_platoon.executable("noise_benchmark")])["normals_per_second"],
-                           lambda: peer("normals")["normals_per_second"])
+                           lambda: peer("peer_numpy.py", "normals")["normals_per_second"])
     yield "normals per second, one core", "NumPy standard_normal", ours, theirs
     speed = "vehicle_steps_per_second"
-    core, numpy, one, many = in_turn(
-        lambda: monte_carlo(machine), lambda: peer(str(REALIZATIONS), "1024")[speed],
-        lambda: machine.launch(realizations=REALIZATIONS, hosting="one_process")[speed],
-        lambda: machine.launch(realizations=REALIZATIONS)[speed])
+    core, numpy, scipy, octave, one, many = in_turn(
+        lambda: monte_carlo(machine), lambda: peer("peer_numpy.py", str(REALIZATIONS), "1024")[speed],
+        lambda: peer("peer_scipy.py", str(REALIZATIONS // 4), "256")[speed],
+        lambda: peer("peer_octave.m", str(REALIZATIONS // 4), "256")[speed],
+        lambda: machine.speed(realizations=1000000, hosting="one_process"),
+        lambda: machine.speed(realizations=4 * REALIZATIONS))
     yield "monte_carlo, vehicle-steps per second", "NumPy program, one core", core, numpy
+    yield "monte_carlo", "SciPy lfilter program, one core", core, scipy
+    yield "monte_carlo", "Octave program", core, octave
     yield "one_process", "monte_carlo", one, core
     yield "processes", "NumPy program, one core", many, numpy
     # Three crossings of a socket for every position: to the channel, to the monitor, to the follower.
-    flood = in_turn(lambda: machine.flood(8192, 20000)["bytes_per_second"])[0]
+    flood, = in_turn(lambda: machine.flood(8192, 20000)["bytes_per_second"])
     yield "processes, bytes per second", "flood of 64 kB messages", 24.0 * many, flood
-    single, small = in_turn(lambda: machine.launch(realizations=100, batch=1)[speed],
+    single, small = in_turn(lambda: machine.speed(realizations=200, batch=1),
                             lambda: machine.flood(1, 300000)["messages_per_second"])
     yield "one realization a message, deliveries per second", "flood of small messages", 3.05 * single, small
+    # A step goes from the leader to the monitor, and the credit for it back.
+    steps, round_trips = in_turn(lambda: machine.speed(followers=1, realizations=200, batch=1),
+                                 lambda: machine.ping_pong(1, 20000))
+    yield "steps per second of one follower", "round trips of a ping-pong", steps, round_trips
+    for hosting, followers in (("processes", 100), ("one_process", 500)):
+        short, long = in_turn(lambda: machine.speed(hosting=hosting, realizations=4 * REALIZATIONS),
+                              lambda: machine.speed(hosting=hosting, realizations=REALIZATIONS, followers=followers))
+        yield "cost of a vehicle-step at N = {}, {}".format(followers, hosting), "N = 20", short, long
+    # leader, channel, monitor, until_complete, and a configure that is no node
+    first, empty = in_turn(lambda: machine.seconds_to_first_step(100), lambda: machine.seconds_to_empty_nodes(104))
+    yield "seconds to the first step, N = 100", "104 empty nodes up", first, empty
+    large, small = machine.memory(realizations=1000000), machine.memory(realizations=10000)
+    yield "memory of the graph, 10^6 realizations [byte]", "10^4 realizations", large, small
     bag = os.path.join(machine.folder, "run.bag")
 
     def record():
         machine.fresh("run.bag")
-        return machine.launch(realizations=REALIZATIONS, record=bag)[speed]
+        return machine.speed(realizations=REALIZATIONS, record=bag)
 
-    recorded, plain = in_turn(record, lambda: machine.launch(realizations=REALIZATIONS)[speed])
+    recorded, plain = in_turn(record, lambda: machine.speed(realizations=REALIZATIONS))
     yield "recorded at full speed", "the same unrecorded", recorded, plain
     reading, bare = in_turn(lambda: 1.0 / timed([live_platoon.executable("bag_statistics"), bag]),
                             lambda: 1.0 / timed([live_platoon.executable("view_loop"), bag]))
     yield "bag_statistics, bags per second", "a bare rosbag::View loop", reading, bare
 
 
+def processor():
+    with open("/proc/cpuinfo") as file:
+        return next(line.split(":")[1].strip() for line in file if line.startswith("model name"))
+
+
 def main():
     machine = Machine()
-    print("{} {}, {} cores; medians of {}".format(platform.system(), platform.machine(), os.cpu_count(), ROUNDS))
-    print("{:>7}  {:<50} {:<26} {:>10} {:>10}".format("ratio", "what", "against", "value", "other"))
+    print("{}, {} cores; medians of {}".format(processor(), os.cpu_count(), ROUNDS))
+    print("{:>7}  {:<50} {:<31} {:>10} {:>10}".format("ratio", "what", "against", "value", "other"))
     rows = []
     try:
         for what, against, value, other in pairs(machine):
-            print("{:7.2f}  {:<50} {:<26} {:10.3g} {:10.3g}".format(value / other, what, against, value, other), flush=True)
+            print("{:7.2f}  {:<50} {:<31} {:10.3g} {:10.3g}".format(value / other, what, against, value, other), flush=True)
             rows.append({"what": what, "against": against, "ratio": value / other, "value": value, "other": other})
     finally:
         shutil.rmtree(machine.folder, ignore_errors=True)
     if len(sys.argv) > 1:
         with open(sys.argv[1], "w") as file:
-            json.dump({"machine": platform.platform(), "cores": os.cpu_count(), "rounds": ROUNDS, "ratios": rows}, file, indent=1)
+            json.dump({"machine": platform.platform(), "processor": processor(), "cores": os.cpu_count(), "rounds": ROUNDS, "ratios": rows}, file, indent=1)
 
 
 if __name__ == "__main__":

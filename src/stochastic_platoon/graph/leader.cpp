@@ -14,8 +14,11 @@ using stochastic_platoon::Progress;
 
 namespace {
 
-constexpr double kFirstStepTimeout = 0.1;  // [s] grows by itself: see Credit
-constexpr double kWatchPeriod = 0.02;      // [s]
+// The first step of an attempt passes through the string from vehicle to vehicle, each of which may touch its
+// memory for the first time. Grows by itself: see Credit.
+constexpr double kFirstStepTimeout = 0.1;              // [s]
+constexpr double kFirstStepTimeoutPerVehicle = 0.015;  // [s]
+constexpr double kWatchPeriod = 0.02;                  // [s]
 
 }  // namespace
 
@@ -26,7 +29,9 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration)
       paced_(configuration.run.rate > 0.0),
       credit_(schedule_,
               {window_, configuration.run.stall_timeout,
-               std::min(kFirstStepTimeout, configuration.run.stall_timeout)},
+               std::min(kFirstStepTimeout +
+                            kFirstStepTimeoutPerVehicle * static_cast<double>(configuration.run.followers),
+                        configuration.run.stall_timeout)},
               configuration.run.receivers()),
       vehicle_(configuration.model),
       recorded_(recorded_leader(bag_files(configuration.run.leader_bags), configuration.run.steps)),

@@ -1,0 +1,9 @@
+// A roscpp node that does nothing: what start-up is compared with.
+
+#include <ros/ros.h>
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "empty_node", ros::init_options::NoRosout);
+  const ros::NodeHandle node;
+  ros::spin();
+}
