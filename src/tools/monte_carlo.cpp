@@ -48,8 +48,7 @@ int main(int argc, char** argv) {
   settings.erase("threads");
   try {
     settings.emplace("model", platoon::paper_model_file());
-    settings.emplace("batch",
-                     "256");  // one vehicle's 64 steps of so many realizations fit the second level cache
+    settings.emplace("batch", "512");  // what a vehicle needs of so many fits the second level cache
     platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));
     configuration.run.hosting = "monte_carlo";

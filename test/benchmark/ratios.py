@@ -152,8 +152,12 @@ class Machine:
 
 def descendants(pid):
     """A process and all below it."""
-    with open("/proc/{0}/task/{0}/children".format(pid)) as file:
-        return [pid] + [below for child in file.read().split() for below in descendants(int(child))]
+    try:
+        with open("/proc/{0}/task/{0}/children".format(pid)) as file:
+            children = file.read().split()
+    except OSError:
+        return []  # it has just ended
+    return [pid] + [below for child in children for below in descendants(int(child))]
 
 
 def proportional_set_size(pid):
