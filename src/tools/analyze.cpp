@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
       if (own.count(option) == 0 || own.count("sweep_headway") > 0) continue;
       throw platoon::ConfigurationError({std::string(option) + ": given: must go with --sweep-headway"});
     }
-    if (settings.count("model") == 0) settings["model"] = platoon::paper_model_file();
+    settings.emplace("model", platoon::paper_model_file());
     std::cout << settings["model"] << "\n";
     const platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));

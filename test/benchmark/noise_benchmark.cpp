@@ -1,4 +1,4 @@
-// Normals per second on one core, and of the bare generator under them. Prints JSON.
+// Normals per second on one core. Prints JSON.
 
 #include <chrono>
 #include <cstdio>

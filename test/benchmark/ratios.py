@@ -19,6 +19,7 @@ import live_platoon  # noqa: E402
 
 ROUNDS = 3
 REALIZATIONS = 50000
+MILLION = 1000000
 MODEL = live_platoon.shared("config", "paper.yaml")
 
 
@@ -88,66 +89,48 @@ class Machine:
         self.launch(watch, **arguments)
         return peak[0]
 
-    def seconds_to_first_step(self, followers):
+    def start_up(self, words, wait):
+        """Seconds from roslaunch until wait(environment) returns."""
         port, environment = self.environment()
-        waiting = subprocess.Popen([live_platoon.executable("first_step")], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         began = time.perf_counter()
-        process = self.roslaunch(port, environment, "stochastic_platoon", "platoon.launch", "followers:={}".format(followers),
-                                 "realizations:=100000000", "output:=" + self.fresh("run"))
-        waiting.wait()
+        process = self.roslaunch(port, environment, *words)
+        wait(environment)
         seconds = time.perf_counter() - began
         process.send_signal(signal.SIGINT)
         process.wait()
         return seconds
 
+    def seconds_to_first_step(self, followers):
+        words = ["stochastic_platoon", "platoon.launch", "followers:={}".format(followers), "realizations:=100000000",
+                 "output:=" + self.fresh("run")]
+        return self.start_up(words, lambda environment: subprocess.run(
+            [live_platoon.executable("first_step")], check=True, env=environment, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL))
+
     def seconds_to_empty_nodes(self, count):
         """The same number of nodes that do nothing: up when the master knows them all."""
-        port, environment = self.environment()
         file = os.path.join(self.folder, "empty.launch")
         node = '<node pkg="stochastic_platoon" type="empty_node" name="empty_{}"/>'
         with open(file, "w") as launch:
             launch.write("<launch>{}</launch>".format("".join(node.format(n) for n in range(count))))
-        began = time.perf_counter()
-        process = self.roslaunch(port, environment, file)
-        live_platoon.wait_for(lambda: known_nodes(environment["ROS_MASTER_URI"]) >= count, "the empty nodes")
-        seconds = time.perf_counter() - began
-        process.send_signal(signal.SIGINT)
-        process.wait()
-        return seconds
+        return self.start_up([file], lambda environment: live_platoon.wait_for(
+            lambda: known_nodes(environment["ROS_MASTER_URI"]) >= count, "the empty nodes"))
 
-    def core(self, act):
-        """act(environment) beside a roscore."""
+    def flood(self, *roles):
+        """What the second of two floods prints, run side by side beside a roscore."""
         port, environment = self.environment()
         core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL,
                                 stderr=subprocess.DEVNULL)
+        first, second = [[live_platoon.executable("flood")] + [str(word) for word in role] for role in roles]
         try:
             live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", environment["ROS_MASTER_URI"]), "the master")
-            return act(environment)
+            other = subprocess.Popen(first, env=environment)
+            result = output_of(second, env=environment)
+            other.wait()
+            return result
         finally:
             core.send_signal(signal.SIGINT)
             core.wait()
-
-    def flood(self, size, count):
-        flood = live_platoon.executable("flood")
-
-        def act(environment):
-            source = subprocess.Popen([flood, "source", str(size), str(count)], env=environment)
-            result = output_of([flood, "sink", str(count)], env=environment)
-            source.wait()
-            return result
-
-        return self.core(act)
-
-    def ping_pong(self, size, count):
-        flood = live_platoon.executable("flood")
-
-        def act(environment):
-            pong = subprocess.Popen([flood, "pong", str(count)], env=environment)
-            result = output_of([flood, "ping", str(size), str(count)], env=environment)
-            pong.wait()
-            return result["round_trips_per_second"]
-
-        return self.core(act)
 
 
 def descendants(pid):
@@ -179,7 +162,7 @@ def known_nodes(master):
 
 def monte_carlo(machine):
     folder = machine.fresh("monte_carlo")
-    subprocess.run([live_platoon.executable("monte_carlo"), "--model", MODEL, "--realizations", "1000000", "--output",
+    subprocess.run([live_platoon.executable("monte_carlo"), "--model", MODEL, "--realizations", str(MILLION), "--output",
                     folder], check=True, stdout=subprocess.DEVNULL)
     with open(os.path.join(folder, "summary.json")) as file:
         return json.load(file)["vehicle_steps_per_second"]
@@ -208,7 +191,7 @@ def pairs(machine):
         lambda: monte_carlo(machine), lambda: peer("peer_numpy.py", str(REALIZATIONS), "1024")[speed],
         lambda: peer("peer_scipy.py", str(REALIZATIONS // 4), "256")[speed],
         lambda: peer("peer_octave.m", str(REALIZATIONS // 4), "256")[speed],
-        lambda: machine.speed(realizations=1000000, hosting="one_process"),
+        lambda: machine.speed(realizations=MILLION, hosting="one_process"),
         lambda: machine.speed(realizations=4 * REALIZATIONS))
     yield "monte_carlo, vehicle-steps per second", "NumPy program, one core", core, numpy
     yield "monte_carlo", "SciPy lfilter program, one core", core, scipy
@@ -216,14 +199,14 @@ def pairs(machine):
     yield "one_process", "monte_carlo", one, core
     yield "processes", "NumPy program, one core", many, numpy
     # Three crossings of a socket for every position: to the channel, to the monitor, to the follower.
-    flood, = in_turn(lambda: machine.flood(8192, 20000)["bytes_per_second"])
+    flood, = in_turn(lambda: machine.flood(("source", 8192, 20000), ("sink", 20000))["bytes_per_second"])
     yield "processes, bytes per second", "flood of 64 kB messages", 24.0 * many, flood
     single, small = in_turn(lambda: machine.speed(realizations=200, batch=1),
-                            lambda: machine.flood(1, 300000)["messages_per_second"])
+                            lambda: machine.flood(("source", 1, 300000), ("sink", 300000))["messages_per_second"])
     yield "one realization a message, deliveries per second", "flood of small messages", 3.05 * single, small
     # A step goes from the leader to the monitor, and the credit for it back.
     steps, round_trips = in_turn(lambda: machine.speed(followers=1, realizations=200, batch=1),
-                                 lambda: machine.ping_pong(1, 20000))
+                                 lambda: machine.flood(("pong", 20000), ("ping", 1, 20000))["round_trips_per_second"])
     yield "steps per second of one follower", "round trips of a ping-pong", steps, round_trips
     for hosting, followers in (("processes", 100), ("one_process", 500)):
         short, long = in_turn(lambda: machine.speed(hosting=hosting, realizations=4 * REALIZATIONS),
@@ -232,7 +215,7 @@ def pairs(machine):
     # leader, channel, monitor, until_complete, and a configure that is no node
     first, empty = in_turn(lambda: machine.seconds_to_first_step(100), lambda: machine.seconds_to_empty_nodes(104))
     yield "seconds to the first step, N = 100", "104 empty nodes up", first, empty
-    large, small = machine.memory(realizations=1000000), machine.memory(realizations=10000)
+    large, small = machine.memory(realizations=MILLION), machine.memory(realizations=10000)
     yield "memory of the graph, 10^6 realizations [byte]", "10^4 realizations", large, small
     bag = os.path.join(machine.folder, "run.bag")
 

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "stochastic_platoon/model/vector_clones.hpp"
+
 namespace platoon {
 
 /// zeta_i(k) = y_{i-1}(k) - y_i(k) - delta - h [y_i(k) - y_i(k-1)] [m], paper eq. (error1), with the distance
@@ -10,7 +12,7 @@ struct TrackingError {
   double headway;              ///< h, in sample periods
   double standstill_distance;  ///< delta [m]
 
-  double operator()(double predecessor, double own, double own_before) const {
+  PLATOON_INLINE double operator()(double predecessor, double own, double own_before) const {
     return predecessor - own - standstill_distance - headway * (own - own_before);
   }
 

@@ -151,7 +151,7 @@ void FollowerVehicle::step(const std::vector<double>& received, std::vector<doub
 }
 
 LeaderVehicle::LeaderVehicle(const PlatoonModel& model)
-    : loop_(model.loop.realization), profile_(model.leader), buffer_(1) {}
+    : loop_(model.loop.realization), profile_(model.leader), buffer_(1), input_(1) {}
 
 double LeaderVehicle::start() {
   step_ = -1;
@@ -162,8 +162,7 @@ double LeaderVehicle::start() {
 }
 
 double LeaderVehicle::step() {
-  buffer_.front() = profile_.position(step_);
-  input_ = buffer_;
+  input_.front() = profile_.position(step_);
   loop_.step(input_, 0.0, buffer_);
   ++step_;
   return buffer_.front();

@@ -2,7 +2,8 @@
 
 #include <Random123/philox.h>
 
-#if defined(__x86_64__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define PLATOON_NAMED_WIDTHS
 #include <immintrin.h>
 #endif
 
@@ -115,7 +116,7 @@ PLATOON_INLINE Pair cos_sin(std::uint64_t word) {
 
 namespace detail {
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#ifdef PLATOON_NAMED_WIDTHS
 
 #pragma GCC push_options
 #pragma GCC target("avx512f")
@@ -141,37 +142,29 @@ inline Lanes multiply_low(Lanes a, Lanes b) {
 }  // namespace avx2
 #pragma GCC pop_options
 
+#endif
+
 namespace baseline {
 typedef std::uint64_t Lanes __attribute__((vector_size(16)));
 inline Lanes multiply_low(Lanes a, Lanes b) {
+#ifdef PLATOON_NAMED_WIDTHS
   return reinterpret_cast<Lanes>(_mm_mul_epu32(reinterpret_cast<__m128i>(a), reinterpret_cast<__m128i>(b)));
+#else
+  return (a & 0xffffffffULL) * (b & 0xffffffffULL);
+#endif
 }
 #include "stochastic_platoon/model/philox_lanes.inc"
 }  // namespace baseline
 
 std::vector<DrawWords> draw_words_versions() {
   std::vector<DrawWords> versions;
+#ifdef PLATOON_NAMED_WIDTHS
   if (__builtin_cpu_supports("avx512f")) versions.push_back(avx512::draw_words);
   if (__builtin_cpu_supports("avx2")) versions.push_back(avx2::draw_words);
+#endif
   versions.push_back(baseline::draw_words);
   return versions;
 }
-
-#else
-
-namespace baseline {
-typedef std::uint64_t Lanes __attribute__((vector_size(16)));
-inline Lanes multiply_low(Lanes a, Lanes b) {
-  return (a & 0xffffffffULL) * (b & 0xffffffffULL);
-}
-#include "stochastic_platoon/model/philox_lanes.inc"
-}  // namespace baseline
-
-std::vector<DrawWords> draw_words_versions() {
-  return {baseline::draw_words};
-}
-
-#endif
 
 PLATOON_VECTOR_CLONES
 void box_muller(const std::uint64_t* radius, const std::uint64_t* angle, std::size_t pairs, double* normals) {
