@@ -156,6 +156,15 @@ class Killed(BagTest):
                     self.assert_whole(self.bag, 3, 20, 20)
                 self.assertEqual(self.csv_of(*bags), live_platoon.statistics(self.output))
 
+    def test_kill_9_of_a_follower_leaves_nothing_of_the_attempt_it_ended(self):
+        terminal = self.launch(record=self.bag, followers=3, steps=20, realizations=20000, batch=1000, rate=120, stall_timeout=0.5)
+        terminal.wait_for_text("/20000 realizations")
+        live_platoon.kill("/platoon/vehicle_2", terminal.master)
+        terminal.wait()
+        self.assertGreater(live_platoon.completed_summary(self.output)["attempts"], 1)
+        self.assert_whole(self.bag, 3, 20, 20)
+        self.assertEqual(self.csv_of(self.bag), live_platoon.statistics(self.output))
+
     def test_kill_9_of_recorder_and_monitor_at_once_costs_no_message(self):
         terminal = self.launch(record=self.bag, followers=3, steps=20, realizations=20000, batch=1000, rate=120, stall_timeout=0.5,
                                hosting="one_process")

@@ -2,17 +2,20 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <tuple>
 
 #include "stochastic_platoon/bags/bag_reader.hpp"
 
 namespace platoon {
 
 using stochastic_platoon::ErrorStatistics;
+using stochastic_platoon::Position;
 
 namespace {
 
 constexpr char kRecoveredSuffix[] = ".recovered";
+
+// A file of this size is written again at once, a larger one when it is complete: the run does not wait.
+constexpr std::uint64_t kBytesToRewriteAtOnce = 64u << 20;
 
 bool is_of_launch(const std::string& configuration_text, const std::string& launch) {
   return parse_configuration(YAML::Load(configuration_text)).run.launch == launch;
@@ -23,13 +26,11 @@ bool is_of_launch(const std::string& configuration_text, const std::string& laun
 BatchRecorder::BatchRecorder(const Configuration& configuration, const std::string& name_space)
     : configuration_(configuration),
       name_space_(name_space),
-      options_{configuration.run.record, static_cast<std::uint64_t>(configuration.run.record_split_mb) << 20,
-               configuration.run.record_compression},
-      configuration_text_(to_json(configuration).dump()),
+      recorded_configuration_{name_space + "/configuration", to_json(configuration).dump()},
       arrivals_(configuration.run.schedule(), 2 * configuration.run.followers + 1,
                 configuration.run.first_realization, 0,
-                {[this] { open_.clear(); },
-                 [this](const CompleteBatch& batch) { write_batch(batch.first_realization); }}) {
+                {[this] { restarted(); },
+                 [this](const CompleteBatch& batch) { batch_complete(batch.first_realization); }}) {
   recover();
   if (!finished_ && !recording_) recording_ = record_to(kActiveSuffix);
 }
@@ -40,9 +41,15 @@ std::string BatchRecorder::topic(std::size_t stream) const {
   return name_space_ + "/vehicle_" + vehicle + (stream > followers ? "/predecessor_position" : "/position");
 }
 
+std::string BatchRecorder::name_of_part(std::size_t part) const {
+  const std::string& name = configuration_.run.record;
+  if (configuration_.run.record_split_mb == 0) return name;
+  return name.substr(0, name.size() - 4) + "_" + std::to_string(part) + ".bag";
+}
+
 std::unique_ptr<Recording> BatchRecorder::record_to(const std::string& suffix) const {
-  return std::make_unique<Recording>(options_, name_space_ + "/configuration", configuration_text_, part_,
-                                     suffix);
+  return std::make_unique<Recording>(name_of_part(part_), suffix, configuration_.run.record_compression,
+                                     recorded_configuration_);
 }
 
 Verdict BatchRecorder::receive(std::size_t stream, const Message& message) {
@@ -51,69 +58,87 @@ Verdict BatchRecorder::receive(std::size_t stream, const Message& message) {
 }
 
 void BatchRecorder::take(std::size_t stream, const Message& message) {
-  if (configuration_.run.steps == 0) return recording_->write(topic(stream), *message);
-  if (message->first_realization < arrivals_.committed()) return;  // recorded already
-  open_[message->first_realization].push_back({stream, message});
+  if (!recording_ || message->first_realization < arrivals_.committed()) return;  // recorded already
+  const std::pair<std::uint64_t, std::int64_t> key{message->first_realization, message->step};
+  Step& step = open_[key];
+  step.messages.resize(2 * configuration_.run.followers + 1);
+  step.messages[stream] = message;
+  if (++step.arrived < step.messages.size()) return;
+  for (std::size_t s = 0; s < step.messages.size(); ++s) recording_->write(topic(s), *step.messages[s]);
+  open_.erase(key);
+  partial_ = true;
 }
 
-// In a thread of its own, so that the next batch arrives meanwhile. There is one at a time, and nothing else
-// touches the recording before it has ended.
-void BatchRecorder::write_batch(std::uint64_t first_realization) {
-  wait_for_writing();
-  std::vector<Kept> batch = std::move(open_[first_realization]);
-  open_.erase(first_realization);
-  writing_ = std::async(std::launch::async, [this, kept = std::move(batch)]() mutable {
-    std::stable_sort(kept.begin(), kept.end(), [](const Kept& left, const Kept& right) {
-      return std::make_tuple(left.message->step, left.stream) <
-             std::make_tuple(right.message->step, right.stream);
-    });
-    for (Kept& each : kept) {
-      recording_->write(topic(each.stream), *each.message);
-      each.message.reset();
-    }
-    recording_->between_batches();
+void BatchRecorder::restarted() {
+  open_.clear();
+  if (!partial_) return;
+  partial_ = false;
+  given_up_ = true;
+  if (configuration_.run.steps > 0 && recording_->bytes() < kBytesToRewriteAtOnce) {
+    recording_->close();
+    rewrite(name_of_part(part_) + kActiveSuffix);
+  }
+}
+
+void BatchRecorder::batch_complete(std::uint64_t first_realization) {
+  const std::uint32_t attempt = arrivals_.attempt();
+  if (whole_.empty() || whole_.back().attempt != attempt)
+    whole_.push_back({attempt, first_realization, first_realization});
+  whole_.back().end = arrivals_.committed();
+  partial_ = false;
+  const auto split_bytes = static_cast<std::uint64_t>(configuration_.run.record_split_mb) << 20;
+  if (!recording_ || split_bytes == 0 || recording_->bytes() < split_bytes) return;
+  complete_file();
+  ++part_;
+  recording_ = record_to(kActiveSuffix);
+}
+
+bool BatchRecorder::is_whole(const Position& message) const {
+  if (configuration_.run.steps == 0) return true;
+  return std::any_of(whole_.begin(), whole_.end(), [&message](const Whole& whole) {
+    return message.attempt == whole.attempt && message.first_realization >= whole.begin &&
+           message.first_realization < whole.end;
   });
-}
-
-void BatchRecorder::wait_for_writing() {
-  if (writing_.valid()) writing_.get();
-  bytes_ = recording_ ? recording_->bytes() : 0;
 }
 
 void BatchRecorder::receive(const ErrorStatistics& message) {
   if (finished_ || message.header.stamp.isZero()) return;
-  wait_for_writing();
-  recording_->write(name_space_ + "/error_statistics", message);
+  if (recording_) recording_->write(name_space_ + "/error_statistics", message);
   if (message.realizations == configuration_.run.realizations &&
       message.step + 1 == configuration_.run.steps) {
     final_statistics_ = true;
   }
 }
 
-bool BatchRecorder::finish() {
-  if (finished_ || !arrivals_.complete() || !final_statistics_) return finished_;
-  wait_for_writing();
-  recording_->complete();
-  bytes_ = recording_->bytes();
+void BatchRecorder::finish() {
+  complete_file();
+  recording_.reset();
   finished_ = true;
-  return true;
+}
+
+void BatchRecorder::complete_file() {
+  if (given_up_) {
+    recording_->close();
+    rewrite(name_of_part(part_) + kActiveSuffix);
+  }
+  recording_->complete();
+  completed_bytes_ += recording_->bytes();
 }
 
 void BatchRecorder::stop() {
-  wait_for_writing();
   if (!finished_) recording_->close();
 }
 
 // What a killed recorder of the same launch has left behind.
 void BatchRecorder::recover() {
-  while (std::filesystem::exists(part_name(options_, part_))) {
-    if (options_.split_bytes == 0) {
+  while (std::filesystem::exists(name_of_part(part_))) {
+    if (configuration_.run.record_split_mb == 0) {
       finished_ = true;
       return;
     }
     ++part_;
   }
-  const std::string active = part_name(options_, part_) + kActiveSuffix;
+  const std::string active = name_of_part(part_) + kActiveSuffix;
   if (part_ > 0) {
     arrivals_.resume_at(end_of_part(part_ - 1));
     if (arrivals_.complete() && !std::filesystem::exists(active)) {
@@ -130,12 +155,12 @@ std::uint64_t BatchRecorder::end_of_part(std::size_t part) const {
   content.position = [&end](const PlatoonTopic&, const Message& message) {
     end = std::max<std::uint64_t>(end, message->first_realization + message->position.size());
   };
-  read_bags({part_name(options_, part)}, content);
+  read_bags({name_of_part(part)}, content);
   return end;
 }
 
+// Finds out which batches are whole in a file, and keeps those.
 void BatchRecorder::take_over(const std::string& file) {
-  recording_ = record_to(kRecoveredSuffix);
   bool of_this_launch = false;
   BagContent content;
   content.configuration = [&](const PlatoonTopic&, const std::string& text) {
@@ -156,10 +181,27 @@ void BatchRecorder::take_over(const std::string& file) {
     receive(*message);
   };
   read_damaged_bag(file, content);
-  wait_for_writing();
-  open_.clear();
+  rewrite(file);
+}
+
+// Copies what is whole in a closed file, and puts the copy in its place.
+void BatchRecorder::rewrite(const std::string& file) {
+  recording_ = record_to(kRecoveredSuffix);
+  BagContent content;
+  content.position = [&](const PlatoonTopic& topic, const Message& message) {
+    if (is_whole(*message)) recording_->write(this->topic(topic.vehicle), *message);
+  };
+  content.predecessor_position = [&](const PlatoonTopic& topic, const Message& message) {
+    if (is_whole(*message))
+      recording_->write(this->topic(configuration_.run.followers + topic.vehicle), *message);
+  };
+  content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) {
+    recording_->write(name_space_ + "/error_statistics", *message);
+  };
+  read_damaged_bag(file, content);
   std::filesystem::remove(file);
   recording_->set_suffix(kActiveSuffix);
+  given_up_ = false;
 }
 
 }  // namespace platoon

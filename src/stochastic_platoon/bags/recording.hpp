@@ -11,23 +11,21 @@
 
 namespace platoon {
 
-struct RecordingOptions {
-  std::string file;           ///< final name, ends in .bag
-  std::uint64_t split_bytes;  ///< begin another file at the next batch beyond this size; 0: one file
-  std::string compression;    ///< "none" or "lz4"
+/// What every file of a recording begins with, latched, so that it explains itself.
+struct RecordedConfiguration {
+  std::string topic;
+  std::string json;
 };
 
-/// A bag, or a row of bags NAME_0.bag, NAME_1.bag, ... that is being written. A file bears its final name
-/// only once it is whole and synced; until then it ends in ".active".
+/// A bag that is being written. It bears its final name only once it is whole and synced.
 ///
 /// Recorded times are platoon time. Not thread-safe. Throws rosbag::BagException and std::runtime_error on
 /// what the disk refuses.
 class Recording {
 public:
-  /// Starts file number `part` (0 without splitting), under `suffix` beside its final name. `configuration`
-  /// opens every file, latched, on configuration_topic.
-  Recording(const RecordingOptions& options, std::string configuration_topic, std::string configuration,
-            std::size_t part, const std::string& suffix);
+  /// Begins the file `name` + `suffix` anew. `compression` is "none" or "lz4".
+  Recording(std::string name, const std::string& suffix, const std::string& compression,
+            const RecordedConfiguration& configuration);
 
   template <typename Message>
   void write(const std::string& topic, const Message& message) {
@@ -35,36 +33,25 @@ public:
     write_behind_.advance(bag_.getSize());
   }
 
-  /// To be called between two batches: begins another file if this one has its size.
-  void between_batches();
-
   /// Closes the file, syncs it and gives it its final name.
   void complete();
 
   /// Closes the file under the name it has.
-  void close() { bag_.close(); }
+  void close();
 
   /// Renames the file while it is being written.
   void set_suffix(const std::string& suffix);
 
-  /// Bytes written, over all files of this object.
-  std::uint64_t bytes() const { return finished_bytes_ + (bag_.isOpen() ? bag_.getSize() : 0); }
+  /// Bytes written.
+  std::uint64_t bytes() const { return bag_.isOpen() ? bag_.getSize() : closed_bytes_; }
 
 private:
-  void open();
-
-  RecordingOptions options_;
-  std::string configuration_topic_;
-  std::string configuration_;
-  std::size_t part_;
+  std::string name_;
   std::string suffix_;
-  std::uint64_t finished_bytes_ = 0;
+  std::uint64_t closed_bytes_ = 0;
   rosbag::Bag bag_;
   WriteBehind write_behind_;
 };
-
-/// Final name of a file of a recording.
-std::string part_name(const RecordingOptions& options, std::size_t part);
 
 constexpr char kActiveSuffix[] = ".active";
 

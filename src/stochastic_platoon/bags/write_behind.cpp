@@ -1,6 +1,7 @@
 #include "stochastic_platoon/bags/write_behind.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,7 +11,7 @@
 
 namespace platoon {
 
-WriteBehind::WriteBehind(const std::string& file) : descriptor_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
+WriteBehind::WriteBehind(const std::string& file) : descriptor_(::open(file.c_str(), O_RDWR | O_CLOEXEC)) {
   if (descriptor_ < 0) {
     throw std::runtime_error(file + ": cannot be opened: " + std::generic_category().message(errno));
   }
@@ -26,6 +27,7 @@ WriteBehind::WriteBehind(WriteBehind&& other) noexcept {
 
 WriteBehind& WriteBehind::operator=(WriteBehind&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
+  std::swap(reserved_, other.reserved_);
   std::swap(sent_, other.sent_);
   std::swap(released_, other.released_);
   return *this;
@@ -33,19 +35,28 @@ WriteBehind& WriteBehind::operator=(WriteBehind&& other) noexcept {
 
 void WriteBehind::advance(std::uint64_t length) {
   if (descriptor_ < 0 || length < sent_ + kSpan + kTail) return;
+  if (length + kAhead / 2 > reserved_) {
+    ::fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, static_cast<off64_t>(length), kAhead);
+    reserved_ = length + kAhead;
+  }
   const std::uint64_t ready = length - kTail;
   ::sync_file_range(descriptor_, static_cast<off64_t>(sent_), static_cast<off64_t>(ready - sent_),
                     SYNC_FILE_RANGE_WRITE);
-  // By now the span before has had the time of a span to arrive.
-  const auto begin = static_cast<off64_t>(released_);
-  const auto size = static_cast<off64_t>(sent_ - released_);
-  if (size > 0) {
-    ::sync_file_range(descriptor_, begin, size,
-                      SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER);
-    ::posix_fadvise(descriptor_, begin, size, POSIX_FADV_DONTNEED);
-  }
-  released_ = sent_;
   sent_ = ready;
+  while (sent_ - released_ > kOnTheWay) {
+    const auto begin = static_cast<off64_t>(released_);
+    ::sync_file_range(descriptor_, begin, kSpan,
+                      SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER);
+    ::posix_fadvise(descriptor_, begin, kSpan, POSIX_FADV_DONTNEED);
+    released_ += kSpan;
+  }
+}
+
+void WriteBehind::finish() {
+  struct stat status;
+  if (reserved_ == 0 || ::fstat(descriptor_, &status) != 0) return;
+  // Changes no byte of the file: what fails here only leaves its blocks reserved.
+  if (::ftruncate(descriptor_, status.st_size) == 0) reserved_ = 0;
 }
 
 }  // namespace platoon

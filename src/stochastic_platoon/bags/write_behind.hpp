@@ -5,9 +5,10 @@
 
 namespace platoon {
 
-/// Sends a growing file to the disk while it is written and lets go of the page cache it took, so that the
-/// next bytes find warm pages: a recording of many gigabytes neither fills the memory nor waits for a sync at
-/// its end. What it does is advice to the kernel; a file system that does not take it is only slower.
+/// Makes a growing file cheaper to write: has its blocks found ahead of the writer, sends what was written to
+/// the disk meanwhile, and lets go of the page cache it took, so that the next bytes find warm pages. A
+/// recording of many gigabytes neither fills the memory nor waits for a sync at its end. What it does is
+/// advice to the kernel; a file system that does not take it is only slower.
 class WriteBehind {
 public:
   WriteBehind() = default;
@@ -20,12 +21,18 @@ public:
   /// The writer has come to this length; it may still change the last kTail bytes.
   void advance(std::uint64_t length);
 
+  /// The writer has ended: gives back the blocks beyond the file's end.
+  void finish();
+
 private:
-  static constexpr std::uint64_t kSpan = 16u << 20;  ///< bytes sent to the disk at once
-  static constexpr std::uint64_t kTail = 8u << 20;
+  static constexpr std::uint64_t kSpan = 4u << 20;       ///< bytes sent to the disk at once
+  static constexpr std::uint64_t kOnTheWay = 16u << 20;  ///< bytes that may be on their way to the disk
+  static constexpr std::uint64_t kTail = 2u << 20;
+  static constexpr std::uint64_t kAhead = 256u << 20;  ///< bytes whose blocks are found at once
 
   int descriptor_ = -1;
-  std::uint64_t sent_ = 0;      ///< bytes on their way to the disk
+  std::uint64_t reserved_ = 0;  ///< bytes that have their blocks
+  std::uint64_t sent_ = 0;      ///< bytes on their way to the disk, or there
   std::uint64_t released_ = 0;  ///< bytes there, and out of the page cache
 };
 

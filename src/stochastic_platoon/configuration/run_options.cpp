@@ -10,12 +10,11 @@ constexpr std::int64_t kMaxCount = std::int64_t{1}
                                    << 46;  // of realizations and steps: what the noise's counter can name
 }  // namespace
 
-std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers, std::uint64_t recorded_steps) {
-  constexpr std::uint64_t recorded_positions = 300000000 / sizeof(double);
-  constexpr std::uint64_t positions_of_a_step = std::uint64_t{1} << 22;
-  std::uint64_t batch = 8192;
-  while (batch > 1 && batch * (2 * followers + 1) * recorded_steps > recorded_positions) batch /= 2;
-  while (batch > 64 && batch * followers > positions_of_a_step) batch /= 2;
+std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers, bool recorded) {
+  const std::uint64_t positions_of_a_step = std::uint64_t{1} << (recorded ? 21 : 22);
+  const std::uint64_t streams = recorded ? 2 * followers + 1 : followers;
+  std::uint64_t batch = recorded ? 32768 : 8192;
+  while (batch > 64 && batch * streams > positions_of_a_step) batch /= 2;
   return std::min(batch, realizations);
 }
 
@@ -48,9 +47,7 @@ RunOptions read_run_options(Section section) {
   section.reject_unknown_keys();
   if (options.steps == 0) options.realizations = 1;
   if (options.batch == 0) {
-    const std::uint64_t recorded_steps =
-        options.record.empty() ? 0 : static_cast<std::uint64_t>(options.steps) + 1;
-    options.batch = chosen_batch(options.realizations, options.followers, recorded_steps);
+    options.batch = chosen_batch(options.realizations, options.followers, !options.record.empty());
   }
   options.batch = std::min(options.batch, options.realizations);
   if (options.window == 0) options.window = chosen_window(options.batch, options.followers);

@@ -44,11 +44,10 @@ RunOptions read_run_options(Section section);
 /// As one mapping for the parameter server. Numbers that may not fit XML-RPC's 32 bits are texts.
 nlohmann::json to_json(const RunOptions& options);
 
-/// Realizations per message where none are asked for: 64 kB messages, smaller for strings of thousands so
-/// that the few steps in flight fit the memory, and for a recorder so that it keeps at most about 300 MB of
-/// an unfinished batch (recorded_steps = steps + 1; 0 without recorder).
-std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers,
-                           std::uint64_t recorded_steps = 0);
+/// Realizations per message where none are asked for: 64 kB messages, or 256 kB where a recorder writes them
+/// (its cost per message is higher); smaller for strings of hundreds and more, so that the few steps in
+/// flight fit the memory.
+std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers, bool recorded = false);
 
 /// Steps in flight where none are asked for: enough to keep every process busy, within about 100 MB for the
 /// whole graph.

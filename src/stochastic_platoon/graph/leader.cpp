@@ -16,9 +16,16 @@ namespace {
 
 // The first step of an attempt passes through the string from vehicle to vehicle, each of which may touch its
 // memory for the first time. Grows by itself: see Credit.
-constexpr double kFirstStepTimeout = 0.1;              // [s]
-constexpr double kFirstStepTimeoutPerVehicle = 0.015;  // [s]
-constexpr double kWatchPeriod = 0.02;                  // [s]
+double first_step_timeout(const RunOptions& run) {
+  constexpr double kForAll = 0.1;        // [s]
+  constexpr double kPerVehicle = 0.015;  // [s]
+  constexpr double kPerPosition = 2e-6;  // [s]
+  const auto followers = static_cast<double>(run.followers);
+  const double sought = kForAll + followers * (kPerVehicle + kPerPosition * static_cast<double>(run.batch));
+  return std::min(sought, run.stall_timeout);
+}
+
+constexpr double kWatchPeriod = 0.02;  // [s]
 
 }  // namespace
 
@@ -27,11 +34,7 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration)
       period_(platoon_period(configuration.model.sample_period)),
       window_(configuration.run.window),
       paced_(configuration.run.rate > 0.0),
-      credit_(schedule_,
-              {window_, configuration.run.stall_timeout,
-               std::min(kFirstStepTimeout +
-                            kFirstStepTimeoutPerVehicle * static_cast<double>(configuration.run.followers),
-                        configuration.run.stall_timeout)},
+      credit_(schedule_, {window_, configuration.run.stall_timeout, first_step_timeout(configuration.run)},
               configuration.run.receivers()),
       vehicle_(configuration.model),
       recorded_(recorded_leader(bag_files(configuration.run.leader_bags), configuration.run.steps)),

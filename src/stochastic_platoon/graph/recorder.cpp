@@ -54,7 +54,10 @@ void Recorder::receive_statistics(const ErrorStatistics::ConstPtr& message) {
 }
 
 void Recorder::finish() {
-  if (recorder_.finished() || !recorder_.finish()) return;
+  if (!recorder_.ready_to_finish()) return;
+  if (recorder_.holds_given_up())
+    ROS_INFO("writing the bag once more, without the attempts that were given up");
+  recorder_.finish();
   ROS_INFO_STREAM("recorded " << recorder_.bytes() / 1000000 << " MB");
   reports_.set_finished();
   report();

@@ -162,13 +162,13 @@ TEST(ChosenBatch, IsSmallerForLongerStringsAndNeverBeyondTheRealizations) {
   }
 }
 
-TEST(ChosenBatch, KeepsWhatARecorderHoldsWithin300Megabytes) {
-  for (const std::size_t followers : {1, 20, 500}) {
-    for (const std::uint64_t steps : {10, 100, 10000, 1000000}) {
-      const std::uint64_t batch = chosen_batch(1000000, followers, steps);
-      EXPECT_GE(batch, 1u);
-      EXPECT_TRUE(batch == 1 || batch * (2 * followers + 1) * steps * sizeof(double) <= 300000000u);
-    }
+TEST(ChosenBatch, OfARecordedRunIsLargerAndKeepsAStepWithin17Megabytes) {
+  EXPECT_EQ(chosen_batch(1000000, 20, true), 32768u);
+  EXPECT_EQ(chosen_batch(100, 20, true), 100u);
+  for (std::size_t followers = 1; followers <= 100000; followers *= 10) {
+    const std::uint64_t batch = chosen_batch(1000000, followers, true);
+    EXPECT_GE(batch, 64u);
+    EXPECT_TRUE(batch == 64 || batch * (2 * followers + 1) * sizeof(double) <= std::uint64_t{1} << 24);
   }
 }
 
