@@ -10,12 +10,15 @@ constexpr std::int64_t kMaxCount = std::int64_t{1}
                                    << 46;  // of realizations and steps: what the noise's counter can name
 }  // namespace
 
-std::uint64_t chosen_batch(std::uint64_t realizations, std::size_t followers, bool recorded) {
+std::uint64_t chosen_batch(const RunOptions& options) {
+  constexpr std::size_t long_string = 64;
+  const bool recorded = !options.record.empty();
+  const bool processes = options.hosting == "processes";
   const std::uint64_t positions_of_a_step = std::uint64_t{1} << (recorded ? 21 : 22);
-  const std::uint64_t streams = recorded ? 2 * followers + 1 : followers;
-  std::uint64_t batch = recorded ? 32768 : 8192;
+  const std::uint64_t streams = recorded ? 2 * options.followers + 1 : options.followers;
+  std::uint64_t batch = recorded ? 32768 : processes && options.followers > long_string ? 4096 : 8192;
   while (batch > 64 && batch * streams > positions_of_a_step) batch /= 2;
-  return std::min(batch, realizations);
+  return std::min(batch, options.realizations);
 }
 
 std::int64_t chosen_window(std::uint64_t batch, std::size_t followers) {
@@ -46,9 +49,7 @@ RunOptions read_run_options(Section section) {
   options.burn_in = section.integer("burn_in", 0, kMaxCount);
   section.reject_unknown_keys();
   if (options.steps == 0) options.realizations = 1;
-  if (options.batch == 0) {
-    options.batch = chosen_batch(options.realizations, options.followers, !options.record.empty());
-  }
+  if (options.batch == 0) options.batch = chosen_batch(options);
   options.batch = std::min(options.batch, options.realizations);
   if (options.window == 0) options.window = chosen_window(options.batch, options.followers);
   return options;

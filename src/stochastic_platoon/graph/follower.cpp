@@ -1,7 +1,5 @@
 #include "stochastic_platoon/graph/follower.hpp"
 
-#include <ros/init.h>
-
 #include "stochastic_platoon/graph/wire.hpp"
 
 namespace platoon {
@@ -14,16 +12,11 @@ Follower::Follower(ros::NodeHandle platoon, const Configuration& configuration, 
       vehicle_(configuration.model, configuration.run.seed, index),
       sequence_(schedule_),
       refusals_(platoon.resolveName(predecessor_position_topic(index))),
+      position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)),
       predecessor_position_(platoon.subscribe(predecessor_position_topic(index), kUnboundedQueue,
-                                              &Follower::receive, this, no_delay())) {
-  // The leader begins when the monitor can hear every vehicle: by then each should hear its predecessor.
-  while (ros::ok() && predecessor_position_.getNumPublishers() == 0) ros::WallDuration(0.005).sleep();
-  position_ = platoon.advertise<Position>(position_topic(index), kUnboundedQueue);
-  advertised_ = true;
-}
+                                              &Follower::receive, this, no_delay())) {}
 
 void Follower::receive(const Position::ConstPtr& message) {
-  if (!advertised_) return;  // of an attempt that this vehicle came too late for
   const Turn turn = turn_of(*message);
   const Verdict verdict = sequence_.receive(turn, message->position);
   if (verdict != Verdict::in_turn) return refusals_.count(verdict, turn, message->position.size());

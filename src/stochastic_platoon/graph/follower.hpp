@@ -3,8 +3,6 @@
 #include <ros/node_handle.h>
 #include <stochastic_platoon/Position.h>
 
-#include <atomic>
-
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/sequence.hpp"
 #include "stochastic_platoon/graph/message_pool.hpp"
@@ -17,8 +15,7 @@ namespace platoon {
 /// 1; on step -1 first its own step -1.
 ///
 /// Subscribes: vehicle_<i>/predecessor_position. Publishes: vehicle_<i>/position. Both
-/// stochastic_platoon/Position. It advertises its own topic when it hears the other one: the constructor
-/// waits for that.
+/// stochastic_platoon/Position.
 class Follower {
 public:
   Follower(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t index);
@@ -34,8 +31,7 @@ private:
   Refusals refusals_;
   MessagePool messages_;
   ros::Publisher position_;
-  std::atomic<bool> advertised_{false};  ///< the receiving thread may be ahead of the constructor
-  ros::Subscriber predecessor_position_;
+  ros::Subscriber predecessor_position_;  ///< last: its thread may be ahead of the constructor
 };
 
 }  // namespace platoon

@@ -18,8 +18,8 @@ namespace {
 // memory for the first time. Grows by itself: see Credit.
 double first_step_timeout(const RunOptions& run) {
   constexpr double kForAll = 0.1;        // [s]
-  constexpr double kPerVehicle = 0.015;  // [s]
-  constexpr double kPerPosition = 2e-6;  // [s]
+  constexpr double kPerVehicle = 0.01;   // [s]
+  constexpr double kPerPosition = 5e-7;  // [s]
   const auto followers = static_cast<double>(run.followers);
   const double sought = kForAll + followers * (kPerVehicle + kPerPosition * static_cast<double>(run.batch));
   return std::min(sought, run.stall_timeout);

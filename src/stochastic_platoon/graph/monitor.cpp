@@ -22,6 +22,7 @@ using stochastic_platoon::Progress;
 namespace {
 
 constexpr double kCheckpointPeriod = 1.0;  // [s]
+constexpr double kStartTime = 0.05;        // [s] a vehicle, from launch to its first message
 constexpr double kStatisticsPeriod =
     1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
 
@@ -146,8 +147,9 @@ void Monitor::tick() {
 void Monitor::report_stall(double present) {
   const double rate = configuration_.run.rate;
   const double pace = rate > 0.0 ? 1.0 / rate + (began_ < 0.0 ? kObserverTime : 0.0) : 0.0;
+  const double start = began_ < 0.0 ? kStartTime * static_cast<double>(configuration_.run.followers) : 0.0;
   if (last_arrival_ < 0.0) last_arrival_ = present;
-  const bool stalled = present - last_arrival_ > 0.75 * configuration_.run.stall_timeout + pace;
+  const bool stalled = present - last_arrival_ > 0.75 * configuration_.run.stall_timeout + pace + start;
   if (stalled && !stalled_) {
     ROS_WARN_STREAM("the platoon stands still: " << culprit(statistics_.arrivals().latest(),
                                                             configuration_.run.schedule()));

@@ -13,7 +13,7 @@
 
 namespace platoon {
 
-constexpr double kHeartbeat = 0.1;  ///< [s] between reports when nothing else calls for one
+constexpr double kHeartbeat = 0.05;  ///< [s] between reports when nothing else calls for one
 
 /// A receiver's reports on topic progress: what the leader's credit lives on.
 ///

@@ -148,13 +148,22 @@ TEST(RunOptions, AreTheSameWhenWrittenAndReadAgain) {
   }
 }
 
+RunOptions run_of(std::uint64_t realizations, std::size_t followers) {
+  RunOptions options{};
+  options.realizations = realizations;
+  options.followers = followers;
+  options.hosting = "processes";
+  return options;
+}
+
 TEST(ChosenBatch, IsSmallerForLongerStringsAndNeverBeyondTheRealizations) {
-  EXPECT_EQ(chosen_batch(1000000, 1), 8192u);
-  EXPECT_EQ(chosen_batch(1000000, 20), 8192u);
-  EXPECT_EQ(chosen_batch(100, 20), 100u);
+  EXPECT_EQ(chosen_batch(run_of(1000000, 1)), 8192u);
+  EXPECT_EQ(chosen_batch(run_of(1000000, 20)), 8192u);
+  EXPECT_EQ(chosen_batch(run_of(1000000, 100)), 4096u);
+  EXPECT_EQ(chosen_batch(run_of(100, 20)), 100u);
   std::uint64_t before = 8192;
   for (std::size_t followers = 1; followers <= 100000; followers *= 10) {
-    const std::uint64_t batch = chosen_batch(1000000, followers);
+    const std::uint64_t batch = chosen_batch(run_of(1000000, followers));
     EXPECT_LE(batch, before);
     EXPECT_GE(batch, 64u);
     EXPECT_TRUE(batch == 64 || batch * followers <= std::uint64_t{1} << 22);
@@ -162,13 +171,24 @@ TEST(ChosenBatch, IsSmallerForLongerStringsAndNeverBeyondTheRealizations) {
   }
 }
 
+TEST(ChosenBatch, InOneProcessIsTheSameForHundredsOfVehicles) {
+  RunOptions options = run_of(1000000, 500);
+  options.hosting = "one_process";
+  EXPECT_EQ(chosen_batch(options), 8192u);
+}
+
 TEST(ChosenBatch, OfARecordedRunIsLargerAndKeepsAStepWithin17Megabytes) {
-  EXPECT_EQ(chosen_batch(1000000, 20, true), 32768u);
-  EXPECT_EQ(chosen_batch(100, 20, true), 100u);
-  for (std::size_t followers = 1; followers <= 100000; followers *= 10) {
-    const std::uint64_t batch = chosen_batch(1000000, followers, true);
+  RunOptions options = run_of(1000000, 20);
+  options.record = "run.bag";
+  EXPECT_EQ(chosen_batch(options), 32768u);
+  options.realizations = 100;
+  EXPECT_EQ(chosen_batch(options), 100u);
+  options.realizations = 1000000;
+  for (options.followers = 1; options.followers <= 100000; options.followers *= 10) {
+    const std::uint64_t batch = chosen_batch(options);
     EXPECT_GE(batch, 64u);
-    EXPECT_TRUE(batch == 64 || batch * (2 * followers + 1) * sizeof(double) <= std::uint64_t{1} << 24);
+    EXPECT_TRUE(batch == 64 || batch * (2 * options.followers + 1) * sizeof(double) <= std::uint64_t{1}
+                                                                                           << 24);
   }
 }
 
