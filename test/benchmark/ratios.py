@@ -221,9 +221,9 @@ def pairs(machine):
 
     def record():
         machine.fresh("run.bag")
-        return machine.speed(realizations=REALIZATIONS, record=bag)
+        return machine.speed(realizations=4 * REALIZATIONS, record=bag)
 
-    recorded, plain = in_turn(record, lambda: machine.speed(realizations=REALIZATIONS))
+    recorded, plain = in_turn(record, lambda: machine.speed(realizations=4 * REALIZATIONS))
     yield "recorded at full speed", "the same unrecorded", recorded, plain
     reading, bare = in_turn(lambda: 1.0 / timed([live_platoon.executable("bag_statistics"), bag]),
                             lambda: 1.0 / timed([live_platoon.executable("view_loop"), bag]))

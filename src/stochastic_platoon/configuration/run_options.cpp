@@ -11,12 +11,10 @@ constexpr std::int64_t kMaxCount = std::int64_t{1}
 }  // namespace
 
 std::uint64_t chosen_batch(const RunOptions& options) {
-  constexpr std::size_t long_string = 64;
   const bool recorded = !options.record.empty();
-  const bool processes = options.hosting == "processes";
   const std::uint64_t positions_of_a_step = std::uint64_t{1} << (recorded ? 21 : 22);
   const std::uint64_t streams = recorded ? 2 * options.followers + 1 : options.followers;
-  std::uint64_t batch = recorded ? 32768 : processes && options.followers > long_string ? 4096 : 8192;
+  std::uint64_t batch = recorded ? 32768 : 8192;
   while (batch > 64 && batch * streams > positions_of_a_step) batch /= 2;
   return std::min(batch, options.realizations);
 }

@@ -44,9 +44,9 @@ RunOptions read_run_options(Section section);
 /// As one mapping for the parameter server. Numbers that may not fit XML-RPC's 32 bits are texts.
 nlohmann::json to_json(const RunOptions& options);
 
-/// Realizations per message where none are asked for: 64 kB messages; 256 kB where a recorder writes them
-/// (its cost per message is higher); 32 kB from one process to the next of a long string, whose first step
-/// touches memory vehicle by vehicle; less for thousands, so that the few steps in flight fit the memory.
+/// Realizations per message where none are asked for: 64 kB messages, or 256 kB where a recorder writes them
+/// (its cost per message is higher); smaller for strings of hundreds and more, so that the few steps in
+/// flight fit the memory.
 std::uint64_t chosen_batch(const RunOptions& options);
 
 /// Steps in flight where none are asked for: enough to keep every process busy, within about 100 MB for the

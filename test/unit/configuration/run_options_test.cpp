@@ -152,14 +152,13 @@ RunOptions run_of(std::uint64_t realizations, std::size_t followers) {
   RunOptions options{};
   options.realizations = realizations;
   options.followers = followers;
-  options.hosting = "processes";
   return options;
 }
 
 TEST(ChosenBatch, IsSmallerForLongerStringsAndNeverBeyondTheRealizations) {
   EXPECT_EQ(chosen_batch(run_of(1000000, 1)), 8192u);
   EXPECT_EQ(chosen_batch(run_of(1000000, 20)), 8192u);
-  EXPECT_EQ(chosen_batch(run_of(1000000, 100)), 4096u);
+  EXPECT_EQ(chosen_batch(run_of(1000000, 500)), 8192u);
   EXPECT_EQ(chosen_batch(run_of(100, 20)), 100u);
   std::uint64_t before = 8192;
   for (std::size_t followers = 1; followers <= 100000; followers *= 10) {
@@ -169,12 +168,6 @@ TEST(ChosenBatch, IsSmallerForLongerStringsAndNeverBeyondTheRealizations) {
     EXPECT_TRUE(batch == 64 || batch * followers <= std::uint64_t{1} << 22);
     before = batch;
   }
-}
-
-TEST(ChosenBatch, InOneProcessIsTheSameForHundredsOfVehicles) {
-  RunOptions options = run_of(1000000, 500);
-  options.hosting = "one_process";
-  EXPECT_EQ(chosen_batch(options), 8192u);
 }
 
 TEST(ChosenBatch, OfARecordedRunIsLargerAndKeepsAStepWithin17Megabytes) {
