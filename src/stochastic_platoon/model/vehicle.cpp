@@ -8,38 +8,59 @@
 
 namespace platoon {
 
+namespace {
+
+constexpr std::size_t kLanes = 32;  // what of u and y stays in registers
+
+struct Gains {
+  const double* output;
+  const double* input;
+  std::size_t order;
+};
+
+// ClosedLoopBatch's step for some realizations of a tile; state, input and positions begin with those.
+PLATOON_INLINE void step_lanes(const Gains& gains, std::size_t output_place, std::size_t lanes, double* state,
+                               const double* input, double offset, double* positions) {
+  std::array<double, kLanes> u, y;
+  double* place = state + output_place * kTile;
+  for (std::size_t r = 0; r < lanes; ++r) u[r] = input[r] - offset;
+  for (std::size_t r = 0; r < lanes; ++r) y[r] = place[r];
+  for (std::size_t j = 0; j + 1 < gains.order; ++j) {
+    place = place == state + (gains.order - 1) * kTile ? state : place + kTile;
+    const double a = gains.output[j];
+    const double b = gains.input[j];
+    for (std::size_t r = 0; r < lanes; ++r) place[r] = a * y[r] + place[r] + b * u[r];
+  }
+  place = state + output_place * kTile;
+  const double a = gains.output[gains.order - 1];
+  const double b = gains.input[gains.order - 1];
+  for (std::size_t r = 0; r < lanes; ++r) place[r] = a * y[r] + b * u[r];
+  const double* output = state + (output_place + 1) % gains.order * kTile;
+  for (std::size_t r = 0; r < lanes; ++r) positions[r] = output[r];
+}
+
+// The realization itself, if its y is its first state and what else a state hears is the next one.
+StateSpace in_observable_coordinates(const StateSpace& system) {
+  const Eigen::Index n = system.order();
+  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(n, n);
+  shift.col(0) = system.a().col(0);
+  shift.diagonal(1).setOnes();
+  const bool already = system.a() == shift && system.c() == Eigen::RowVectorXd::Unit(n, 0);
+  return already ? system : observable_canonical(transfer_function(system));
+}
+
+}  // namespace
+
 namespace detail {
 
-// out = value_0 source_0 + value_1 source_1 + ... + gain (input - offset), in this order; without an input
-// where it is null.
-template <std::size_t terms>
-PLATOON_INLINE void combine_terms(const double* values, const double* const* sources, double gain,
-                                  const double* input, double offset, std::size_t size, double* out) {
-  std::array<double, terms> value;
-  std::array<const double*, terms> source;
-  std::copy(values, values + terms, value.begin());
-  std::copy(sources, sources + terms, source.begin());
-  for (std::size_t r = 0; r < size; ++r) {
-    double sum = value[0] * source[0][r];
-    for (std::size_t j = 1; j < terms; ++j) sum += value[j] * source[j][r];
-    out[r] = input == nullptr ? sum : sum + gain * (input[r] - offset);
-  }
-}
-
-// One pass over the memory for several terms: an observable canonical row has one or two.
-constexpr std::size_t kTermsAtOnce = 3;
-
 PLATOON_VECTOR_CLONES
-void combine(const double* values, const double* const* sources, std::size_t terms, double gain,
-             const double* input, double offset, std::size_t size, double* out) {
-  if (terms == 1) combine_terms<1>(values, sources, gain, input, offset, size, out);
-  if (terms == 2) combine_terms<2>(values, sources, gain, input, offset, size, out);
-  if (terms == 3) combine_terms<3>(values, sources, gain, input, offset, size, out);
-}
-
-PLATOON_VECTOR_CLONES
-void add_scaled(double value, const double* in, double offset, std::size_t size, double* out) {
-  for (std::size_t r = 0; r < size; ++r) out[r] += value * (in[r] - offset);
+void step_tile(const Gains& gains, std::size_t output_place, std::size_t size, double* state,
+               const double* input, double offset, double* positions) {
+  const Gains here = gains;  // a copy, which writing the state cannot change
+  std::size_t r = 0;
+  for (; r + kLanes <= size; r += kLanes)
+    step_lanes(here, output_place, kLanes, state + r, input + r, offset, positions + r);
+  step_lanes(here, output_place, size - r, state + r, input + r, offset, positions + r);
 }
 
 // out = in + value out
@@ -51,77 +72,43 @@ void scale_and_add(double value, const double* in, std::size_t size, double* out
 }  // namespace detail
 
 ClosedLoopBatch::ClosedLoopBatch(const StateSpace& system) {
-  const Eigen::VectorXd rest = unit_rest_state(system);
-  for (Eigen::Index i = 0; i < system.order(); ++i) {
-    rows_.push_back(nonzero_terms(system.a().row(i)));
-    input_gain_.push_back(system.b()(i));
-    rest_state_.push_back(rest(i));
+  const StateSpace canonical = in_observable_coordinates(system);
+  const Eigen::VectorXd rest = unit_rest_state(canonical);
+  for (Eigen::Index j = 0; j < canonical.order(); ++j) {
+    output_gain_.push_back(canonical.a()(j, 0));
+    input_gain_.push_back(canonical.b()(j));
+    rest_state_.push_back(rest(j));
   }
-  output_row_ = nonzero_terms(system.c());
-}
-
-ClosedLoopBatch::Row ClosedLoopBatch::nonzero_terms(const Eigen::RowVectorXd& row) {
-  Row terms;
-  for (Eigen::Index j = 0; j < row.size(); ++j) {
-    if (row(j) == 0.0) continue;
-    terms.values.push_back(row(j));
-    terms.columns.push_back(static_cast<std::size_t>(j));
-  }
-  return terms;
 }
 
 void ClosedLoopBatch::rest_at(const std::vector<double>& positions) {
   size_ = positions.size();
-  tiles_.resize((size_ + kTile - 1) / kTile);
-  spare_.resize(rows_.size() * kTile);
-  for (std::size_t t = 0; t < tiles_.size(); ++t) {
-    tiles_[t].resize(rows_.size() * kTile);
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      for (std::size_t r = 0; r < tile_size(t); ++r) {
-        tiles_[t][i * kTile + r] = rest_state_[i] * positions[t * kTile + r];
-      }
+  output_place_ = 0;
+  state_.resize(tiles() * order() * kTile);
+  for (std::size_t t = 0; t < tiles(); ++t) {
+    for (std::size_t j = 0; j < order(); ++j) {
+      double* state = &state_[(t * order() + j) * kTile];
+      for (std::size_t r = 0; r < tile_size(t); ++r) state[r] = rest_state_[j] * positions[t * kTile + r];
     }
   }
-}
-
-// out = row state + gain (input - offset), in the order of the row's terms.
-void ClosedLoopBatch::combine(const Row& row, const double* state, double gain, const double* input,
-                              double offset, std::size_t size, double* out) {
-  const std::size_t terms = row.values.size();
-  const std::size_t at_once = std::min(terms, detail::kTermsAtOnce);
-  if (gain == 0.0) input = nullptr;
-  if (terms == 0) std::fill(out, out + size, 0.0);
-  std::array<const double*, detail::kTermsAtOnce> sources{};
-  for (std::size_t j = 0; j < at_once; ++j) sources[j] = state + row.columns[j] * kTile;
-  const bool all_at_once = terms > 0 && terms == at_once;
-  detail::combine(row.values.data(), sources.data(), at_once, gain, all_at_once ? input : nullptr, offset,
-                  size, out);
-  if (all_at_once) return;
-  for (std::size_t j = at_once; j < terms; ++j) {
-    detail::add_scaled(row.values[j], state + row.columns[j] * kTile, 0.0, size, out);
-  }
-  if (input != nullptr) detail::add_scaled(gain, input, offset, size, out);
 }
 
 void ClosedLoopBatch::step(const std::vector<double>& input, double offset, std::vector<double>& positions) {
   positions.resize(size_);
-  for (std::size_t t = 0; t < tiles_.size(); ++t) {
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      combine(rows_[i], tiles_[t].data(), input_gain_[i], &input[t * kTile], offset, tile_size(t),
-              &spare_[i * kTile]);
-    }
-    tiles_[t].swap(spare_);
-    write_output(t, positions);
+  const Gains gains{output_gain_.data(), input_gain_.data(), order()};
+  for (std::size_t t = 0; t < tiles(); ++t) {
+    detail::step_tile(gains, output_place_, tile_size(t), &state_[t * order() * kTile], &input[t * kTile],
+                      offset, &positions[t * kTile]);
   }
+  output_place_ = (output_place_ + 1) % order();
 }
 
 void ClosedLoopBatch::output(std::vector<double>& positions) const {
   positions.resize(size_);
-  for (std::size_t t = 0; t < tiles_.size(); ++t) write_output(t, positions);
-}
-
-void ClosedLoopBatch::write_output(std::size_t tile, std::vector<double>& positions) const {
-  combine(output_row_, tiles_[tile].data(), 0.0, nullptr, 0.0, tile_size(tile), &positions[tile * kTile]);
+  for (std::size_t t = 0; t < tiles(); ++t) {
+    const double* output = &state_[(t * order() + output_place_) * kTile];
+    std::copy(output, output + tile_size(t), &positions[t * kTile]);
+  }
 }
 
 FollowerVehicle::FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <boost/align/aligned_allocator.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -15,6 +16,12 @@ constexpr std::size_t kTile = 512;
 
 /// One vehicle's closed loop for a batch of realizations: x(k+1) = A x(k) + B u(k), y(k) = C x(k), eq.
 /// (ith-closedloop).
+///
+/// The state is held in observable canonical coordinates, whatever those of the realization given:
+///     x_j(k+1) = a_j y(k) + x_{j+1}(k) + b_j u(k), j = 0 .. n - 2,
+///     x_{n-1}(k+1) = a_{n-1} y(k) + b_{n-1} u(k),   y = x_0,
+/// a shift register: x_j(k+1) takes the place of x_{j+1}(k), and x_{n-1}(k+1) that of y(k). So one pass over
+/// the state does the step.
 ///
 /// Every realization is computed by the same operations in the same order, so its bits do not depend on the
 /// batch it is in.
@@ -34,24 +41,17 @@ public:
   void output(std::vector<double>& positions) const;
 
 private:
-  struct Row {  ///< the nonzero entries of a row of A or C
-    std::vector<double> values;
-    std::vector<std::size_t> columns;
-  };
-  static Row nonzero_terms(const Eigen::RowVectorXd& row);
-  static void combine(const Row& row, const double* state, double gain, const double* input, double offset,
-                      std::size_t size, double* out);
+  std::size_t order() const { return output_gain_.size(); }
+  std::size_t tiles() const { return (size_ + kTile - 1) / kTile; }
   std::size_t tile_size(std::size_t tile) const { return std::min(kTile, size_ - tile * kTile); }
-  void write_output(std::size_t tile, std::vector<double>& positions) const;
 
-  std::vector<Row> rows_;           ///< A
-  std::vector<double> input_gain_;  ///< B
-  Row output_row_;                  ///< C
-  std::vector<double> rest_state_;  ///< (I - A)^-1 B
-  std::size_t size_ = 0;            ///< realizations
-  // Tile by tile, row by row: x_i of realization t kTile + r is tiles_[t][i kTile + r].
-  std::vector<std::vector<double>> tiles_;
-  std::vector<double> spare_;  ///< for a tile's next state, which then changes places with it
+  std::vector<double> output_gain_;  ///< a, first column of A
+  std::vector<double> input_gain_;   ///< b, B
+  std::vector<double> rest_state_;   ///< (I - A)^-1 B
+  std::size_t size_ = 0;             ///< realizations
+  std::size_t output_place_ = 0;     ///< where x_0 is; x_j is j places behind it, modulo n
+  /// Tile by tile, place by place. Aligned, because a vector register across two cache lines costs two.
+  std::vector<double, boost::alignment::aligned_allocator<double, 64>> state_;
 };
 
 /// Vehicle i >= 1. Starts at -i delta + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by the

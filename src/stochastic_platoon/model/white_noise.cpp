@@ -36,15 +36,16 @@ PLATOON_INLINE double in_one_to_two(std::uint64_t word) {
   return from_bits(kOne | (word >> 12));
 }
 
-// -ln u for u in (0, 1], by u = 2^e m with m in [sqrt(1/2), sqrt(2)) and ln m = 2 artanh((m - 1) / (m + 1)).
-PLATOON_INLINE double minus_log(double u) {
+// sqrt(-2 ln u) / 2 for u in (0, 1], by u = 2^e m with m in [sqrt(1/2), sqrt(2)) and -ln m = 2 artanh((m - 1)
+// /
+// (-1 - m)). Half of it, as factors of two and signs change no bit and cost an operation each.
+PLATOON_INLINE double half_radius(double u) {
   constexpr std::uint64_t kSqrtHalf = 0x3fe6a09e667f3bcdULL;  // bits of sqrt(1/2)
   const std::uint64_t offset = to_bits(u) - kSqrtHalf + (1023ULL << 52);
-  const std::uint64_t biased_exponent = offset >> 52;  // e + 1023
-  const double m = from_bits(to_bits(u) - ((biased_exponent - 1023ULL) << 52));
+  const double m = from_bits((offset & 0xfffffffffffffULL) + kSqrtHalf);
   // A small integer becomes a double by way of the mantissa of 2^52: no integer conversion, which AVX2 lacks.
-  const double e = from_bits(0x4330000000000000ULL | biased_exponent) - 4503599627371519.0;  // 2^52 + 1023
-  const double s = (m - 1.0) / (m + 1.0);
+  const double e = from_bits(0x4330000000000000ULL | (offset >> 52)) - 4503599627371519.0;  // 2^52 + 1023
+  const double s = (m - 1.0) / (-1.0 - m);
   const double t = s * s;
   double p = 1.0 / 21.0;
   p = p * t + 1.0 / 19.0;
@@ -56,8 +57,8 @@ PLATOON_INLINE double minus_log(double u) {
   p = p * t + 1.0 / 7.0;
   p = p * t + 1.0 / 5.0;
   p = p * t + 1.0 / 3.0;
-  const double log_m = 2.0 * (s + s * (t * p));
-  return -(e * 0.693147180559945309417232121458 + log_m);
+  constexpr double kHalfLn2 = 0.5 * 0.693147180559945309417232121458;
+  return std::sqrt((s + s * (t * p)) - e * kHalfLn2);
 }
 
 // sin x for |x| <= pi/4, Taylor to x^15.
@@ -92,24 +93,21 @@ struct Pair {
   double sine;
 };
 
-// cos and sin of 2 pi u2, with u2 the 52 bits below the two that name the quadrant: exact reduction.
-PLATOON_INLINE Pair cos_sin(std::uint64_t word) {
+constexpr std::uint64_t kSign = 1ULL << 63;
+
+// 2 cos and 2 sin of 2 pi u2 up to a sign that both share, the leading bit of the word. The next bit is set
+// in every other quadrant, and the 52 below are u2 within the quadrant: exact reduction.
+PLATOON_INLINE Pair twice_cos_sin(std::uint64_t word) {
   const double fraction =
       in_one_to_two(word << 2) - 1.5;  // in [-1/2, 1/2): quarter turns from the quadrant's middle
   const double x = fraction * 1.57079632679489661923132169164;
   const double c = cos_polynomial(x);
   const double s = sin_polynomial(x);
-  // The middle of a quadrant lies at 45 degrees.
-  constexpr double kSqrtHalf = 0.707106781186547524400844362105;
-  const double plus = kSqrtHalf * (c + s);
-  const double minus = kSqrtHalf * (c - s);
-  const std::uint64_t quadrant = word >> 62;
-  const std::uint64_t swap = std::uint64_t{0} - (quadrant & 1);
-  const std::uint64_t bits_cos = (to_bits(minus) & ~swap) | (to_bits(plus) & swap);
-  const std::uint64_t bits_sin = (to_bits(plus) & ~swap) | (to_bits(minus) & swap);
-  const std::uint64_t sign_cos = ((quadrant ^ (quadrant >> 1)) & 1) << 63;
-  const std::uint64_t sign_sin = (quadrant >> 1) << 63;
-  return {from_bits(bits_cos ^ sign_cos), from_bits(bits_sin ^ sign_sin)};
+  // The middle of a quadrant lies at 45 degrees. Over to the next quadrant, (c - s, c + s) turns to
+  // (-c - s, c - s).
+  const std::uint64_t turned = (word << 1) & kSign;
+  constexpr double kSqrtTwo = 2.0 * 0.707106781186547524400844362105;
+  return {kSqrtTwo * (from_bits(to_bits(c) ^ turned) - s), kSqrtTwo * (c + from_bits(to_bits(s) ^ turned))};
 }
 
 }  // namespace
@@ -169,9 +167,9 @@ std::vector<DrawWords> draw_words_versions() {
 PLATOON_VECTOR_CLONES
 void box_muller(const std::uint64_t* radius, const std::uint64_t* angle, std::size_t pairs, double* normals) {
   for (std::size_t j = 0; j < pairs; ++j) {
-    const double u1 = 2.0 - in_one_to_two(radius[j]);
-    const double r = std::sqrt(2.0 * minus_log(u1));
-    const Pair direction = cos_sin(angle[j]);
+    const double half = half_radius(2.0 - in_one_to_two(radius[j]));
+    const double r = from_bits(to_bits(half) ^ (angle[j] & kSign));
+    const Pair direction = twice_cos_sin(angle[j]);
     normals[2 * j] = r * direction.cosine;
     normals[2 * j + 1] = r * direction.sine;
   }

@@ -35,7 +35,7 @@ private:
 
 namespace detail {
 
-constexpr std::size_t kBlocks = 64;  // drawn at once: their words stay in the first level cache
+constexpr std::size_t kBlocks = 256;  // drawn at once: their words stay in the first level cache
 
 using Words = std::array<std::uint64_t, kBlocks>;
 
