@@ -12,41 +12,27 @@ namespace {
 
 constexpr std::size_t kLanes = 32;  // what of u and y stays in registers
 
-struct Gains {
-  const double* output;
-  const double* input;
-  std::size_t order;
-};
-
-// ClosedLoopBatch's step for some realizations of a tile; state, input and positions begin with those.
-PLATOON_INLINE void step_lanes(const Gains& gains, std::size_t output_place, std::size_t lanes, double* state,
-                               const double* input, double offset, double* positions) {
+// A shift register's step for some realizations of a tile; state, input and positions begin with those.
+PLATOON_INLINE void shift_lanes(const double* a, const double* b, std::size_t order, std::size_t output_place,
+                                std::size_t lanes, double* state, const double* input, double offset,
+                                double* positions) {
   std::array<double, kLanes> u, y;
-  double* place = state + output_place * kTile;
+  double* const first = state + output_place * kTile;
+  double* const last = state + (order - 1) * kTile;
   for (std::size_t r = 0; r < lanes; ++r) u[r] = input[r] - offset;
-  for (std::size_t r = 0; r < lanes; ++r) y[r] = place[r];
-  for (std::size_t j = 0; j + 1 < gains.order; ++j) {
-    place = place == state + (gains.order - 1) * kTile ? state : place + kTile;
-    const double a = gains.output[j];
-    const double b = gains.input[j];
-    for (std::size_t r = 0; r < lanes; ++r) place[r] = a * y[r] + place[r] + b * u[r];
+  for (std::size_t r = 0; r < lanes; ++r) y[r] = first[r];
+  double* place = first;
+  for (std::size_t j = 0; j + 1 < order; ++j) {
+    place = place == last ? state : place + kTile;
+    const double a_j = a[j];
+    const double b_j = b[j];
+    for (std::size_t r = 0; r < lanes; ++r) place[r] = a_j * y[r] + place[r] + b_j * u[r];
   }
-  place = state + output_place * kTile;
-  const double a = gains.output[gains.order - 1];
-  const double b = gains.input[gains.order - 1];
-  for (std::size_t r = 0; r < lanes; ++r) place[r] = a * y[r] + b * u[r];
-  const double* output = state + (output_place + 1) % gains.order * kTile;
+  const double a_j = a[order - 1];
+  const double b_j = b[order - 1];
+  for (std::size_t r = 0; r < lanes; ++r) first[r] = a_j * y[r] + b_j * u[r];
+  const double* const output = state + (output_place + 1) % order * kTile;
   for (std::size_t r = 0; r < lanes; ++r) positions[r] = output[r];
-}
-
-// The realization itself, if its y is its first state and what else a state hears is the next one.
-StateSpace in_observable_coordinates(const StateSpace& system) {
-  const Eigen::Index n = system.order();
-  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(n, n);
-  shift.col(0) = system.a().col(0);
-  shift.diagonal(1).setOnes();
-  const bool already = system.a() == shift && system.c() == Eigen::RowVectorXd::Unit(n, 0);
-  return already ? system : observable_canonical(transfer_function(system));
 }
 
 }  // namespace
@@ -54,13 +40,26 @@ StateSpace in_observable_coordinates(const StateSpace& system) {
 namespace detail {
 
 PLATOON_VECTOR_CLONES
-void step_tile(const Gains& gains, std::size_t output_place, std::size_t size, double* state,
-               const double* input, double offset, double* positions) {
-  const Gains here = gains;  // a copy, which writing the state cannot change
+void shift_tile(const double* a, const double* b, std::size_t order, std::size_t output_place,
+                std::size_t size, double* state, const double* input, double offset, double* positions) {
   std::size_t r = 0;
   for (; r + kLanes <= size; r += kLanes)
-    step_lanes(here, output_place, kLanes, state + r, input + r, offset, positions + r);
-  step_lanes(here, output_place, size - r, state + r, input + r, offset, positions + r);
+    shift_lanes(a, b, order, output_place, kLanes, state + r, input + r, offset, positions + r);
+  shift_lanes(a, b, order, output_place, size - r, state + r, input + r, offset, positions + r);
+}
+
+// out = row state, in the order of the row.
+PLATOON_VECTOR_CLONES
+void combine(const double* row, std::size_t order, const double* state, std::size_t size, double* out) {
+  for (std::size_t r = 0; r < size; ++r) out[r] = row[0] * state[r];
+  for (std::size_t j = 1; j < order; ++j) {
+    for (std::size_t r = 0; r < size; ++r) out[r] += row[j] * state[j * kTile + r];
+  }
+}
+
+PLATOON_VECTOR_CLONES
+void add_scaled(double value, const double* in, double offset, std::size_t size, double* out) {
+  for (std::size_t r = 0; r < size; ++r) out[r] += value * (in[r] - offset);
 }
 
 // out = in + value out
@@ -71,14 +70,27 @@ void scale_and_add(double value, const double* in, std::size_t size, double* out
 
 }  // namespace detail
 
-ClosedLoopBatch::ClosedLoopBatch(const StateSpace& system) {
-  const StateSpace canonical = in_observable_coordinates(system);
-  const Eigen::VectorXd rest = unit_rest_state(canonical);
-  for (Eigen::Index j = 0; j < canonical.order(); ++j) {
-    output_gain_.push_back(canonical.a()(j, 0));
-    input_gain_.push_back(canonical.b()(j));
-    rest_state_.push_back(rest(j));
+namespace {
+
+bool is_shift_register(const StateSpace& system) {
+  const Eigen::Index n = system.order();
+  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(n, n);
+  shift.col(0) = system.a().col(0);
+  shift.diagonal(1).setOnes();
+  return system.a() == shift && system.c() == Eigen::RowVectorXd::Unit(n, 0);
+}
+
+}  // namespace
+
+ClosedLoopBatch::ClosedLoopBatch(const StateSpace& system) : shift_register_(is_shift_register(system)) {
+  const Eigen::VectorXd rest = unit_rest_state(system);
+  for (Eigen::Index i = 0; i < system.order(); ++i) {
+    for (Eigen::Index j = 0; j < (shift_register_ ? 1 : system.order()); ++j) a_.push_back(system.a()(i, j));
+    b_.push_back(system.b()(i));
+    c_.push_back(system.c()(i));
+    rest_state_.push_back(rest(i));
   }
+  next_.resize(order() * kTile);
 }
 
 void ClosedLoopBatch::rest_at(const std::vector<double>& positions) {
@@ -95,19 +107,34 @@ void ClosedLoopBatch::rest_at(const std::vector<double>& positions) {
 
 void ClosedLoopBatch::step(const std::vector<double>& input, double offset, std::vector<double>& positions) {
   positions.resize(size_);
-  const Gains gains{output_gain_.data(), input_gain_.data(), order()};
   for (std::size_t t = 0; t < tiles(); ++t) {
-    detail::step_tile(gains, output_place_, tile_size(t), &state_[t * order() * kTile], &input[t * kTile],
-                      offset, &positions[t * kTile]);
+    double* const state = &state_[t * order() * kTile];
+    const double* const u = &input[t * kTile];
+    if (shift_register_) {
+      detail::shift_tile(a_.data(), b_.data(), order(), output_place_, tile_size(t), state, u, offset,
+                         &positions[t * kTile]);
+      continue;
+    }
+    for (std::size_t i = 0; i < order(); ++i) {
+      double* const next = &next_[i * kTile];
+      detail::combine(&a_[i * order()], order(), state, tile_size(t), next);
+      detail::add_scaled(b_[i], u, offset, tile_size(t), next);
+    }
+    std::copy(next_.begin(), next_.end(), state);
+    detail::combine(c_.data(), order(), state, tile_size(t), &positions[t * kTile]);
   }
-  output_place_ = (output_place_ + 1) % order();
+  if (shift_register_) output_place_ = (output_place_ + 1) % order();
 }
 
 void ClosedLoopBatch::output(std::vector<double>& positions) const {
   positions.resize(size_);
   for (std::size_t t = 0; t < tiles(); ++t) {
-    const double* output = &state_[(t * order() + output_place_) * kTile];
-    std::copy(output, output + tile_size(t), &positions[t * kTile]);
+    const double* const state = &state_[t * order() * kTile];
+    if (shift_register_) {
+      std::copy_n(state + output_place_ * kTile, tile_size(t), &positions[t * kTile]);
+    } else {
+      detail::combine(c_.data(), order(), state, tile_size(t), &positions[t * kTile]);
+    }
   }
 }
 

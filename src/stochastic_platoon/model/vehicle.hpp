@@ -17,11 +17,11 @@ constexpr std::size_t kTile = 512;
 /// One vehicle's closed loop for a batch of realizations: x(k+1) = A x(k) + B u(k), y(k) = C x(k), eq.
 /// (ith-closedloop).
 ///
-/// The state is held in observable canonical coordinates, whatever those of the realization given:
+/// In observable canonical form, as a plant and a controller give it, this is a shift register,
 ///     x_j(k+1) = a_j y(k) + x_{j+1}(k) + b_j u(k), j = 0 .. n - 2,
-///     x_{n-1}(k+1) = a_{n-1} y(k) + b_{n-1} u(k),   y = x_0,
-/// a shift register: x_j(k+1) takes the place of x_{j+1}(k), and x_{n-1}(k+1) that of y(k). So one pass over
-/// the state does the step.
+///     x_{n-1}(k+1) = a_{n-1} y(k) + b_{n-1} u(k),   y = x_0:
+/// x_j(k+1) takes the place of x_{j+1}(k), and x_{n-1}(k+1) that of y(k), so that one pass over the state
+/// does the step. Any other realization is computed as it is given.
 ///
 /// Every realization is computed by the same operations in the same order, so its bits do not depend on the
 /// batch it is in.
@@ -41,17 +41,20 @@ public:
   void output(std::vector<double>& positions) const;
 
 private:
-  std::size_t order() const { return output_gain_.size(); }
+  using Values = std::vector<double, boost::alignment::aligned_allocator<double, 64>>;
+  std::size_t order() const { return b_.size(); }
   std::size_t tiles() const { return (size_ + kTile - 1) / kTile; }
   std::size_t tile_size(std::size_t tile) const { return std::min(kTile, size_ - tile * kTile); }
 
-  std::vector<double> output_gain_;  ///< a, first column of A
-  std::vector<double> input_gain_;   ///< b, B
-  std::vector<double> rest_state_;   ///< (I - A)^-1 B
-  std::size_t size_ = 0;             ///< realizations
-  std::size_t output_place_ = 0;     ///< where x_0 is; x_j is j places behind it, modulo n
+  bool shift_register_;
+  std::vector<double> a_;           ///< A row by row; of a shift register its first column
+  std::vector<double> b_, c_;       ///< B, C
+  std::vector<double> rest_state_;  ///< (I - A)^-1 B
+  std::size_t size_ = 0;            ///< realizations
+  std::size_t output_place_ = 0;    ///< where x_0 is; x_j is j places behind it, modulo n
   /// Tile by tile, place by place. Aligned, because a vector register across two cache lines costs two.
-  std::vector<double, boost::alignment::aligned_allocator<double, 64>> state_;
+  Values state_;
+  Values next_;  ///< of one tile, which is then copied
 };
 
 /// Vehicle i >= 1. Starts at -i delta + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by the

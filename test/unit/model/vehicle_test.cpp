@@ -19,7 +19,7 @@ StateSpace dense_loop() {
   return {basis * paper.a() * basis.inverse(), basis * paper.b(), paper.c() * basis.inverse()};
 }
 
-// More states than a row takes in one go, and T(1) = 1.
+// Five states, and T(1) = 1.
 StateSpace large_loop() {
   constexpr Eigen::Index kOrder = 5;
   Eigen::MatrixXd a(kOrder, kOrder);
@@ -32,8 +32,12 @@ StateSpace large_loop() {
   return {a, b, c / gain};
 }
 
+// Shift registers of three, five, one states, and loops that are none.
 std::vector<StateSpace> loops() {
-  return {paper_platoon(3.2).loop.realization, dense_loop(), large_loop()};
+  const StateSpace first_order(Eigen::MatrixXd::Constant(1, 1, 0.4), Eigen::VectorXd::Constant(1, 0.6),
+                               Eigen::RowVectorXd::Ones(1));
+  return {paper_platoon(3.2).loop.realization, observable_canonical(transfer_function(large_loop())),
+          first_order, dense_loop(), large_loop()};
 }
 
 std::vector<double> random_values(std::size_t count, unsigned seed) {
@@ -100,15 +104,17 @@ TEST(ClosedLoopBatch, StaysAtRest) {
 }
 
 TEST(ClosedLoopBatch, RestsWhereItIsPutWhateverItDidBefore) {
-  ClosedLoopBatch loop(dense_loop()), fresh(dense_loop());
-  loop.rest_at({1.0, 2.0, 3.0});
-  std::vector<double> output, expected;
-  for (int k = 0; k < 5; ++k) loop.step({9.0, -9.0, 4.0}, 0.0, output);
-  for (ClosedLoopBatch* batch : {&loop, &fresh}) batch->rest_at({5.0, -1.0});
-  for (int k = 0; k < 5; ++k) {
-    loop.step({0.5, 0.25}, 0.0, output);
-    fresh.step({0.5, 0.25}, 0.0, expected);
-    EXPECT_EQ(output, expected);
+  for (const StateSpace& system : loops()) {
+    ClosedLoopBatch loop(system), fresh(system);
+    loop.rest_at({1.0, 2.0, 3.0});
+    std::vector<double> output, expected;
+    for (int k = 0; k < 5; ++k) loop.step({9.0, -9.0, 4.0}, 0.0, output);
+    for (ClosedLoopBatch* batch : {&loop, &fresh}) batch->rest_at({5.0, -1.0});
+    for (int k = 0; k < 5; ++k) {
+      loop.step({0.5, 0.25}, 0.0, output);
+      fresh.step({0.5, 0.25}, 0.0, expected);
+      EXPECT_EQ(output, expected);
+    }
   }
 }
 
