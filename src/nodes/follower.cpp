@@ -26,7 +26,8 @@ int main(int argc, char** argv) {
         platoon::ReceivingThread receiving_thread;
         node.setCallbackQueue(&receiving_thread);
         const platoon::Configuration configuration = platoon::read_configuration(node);
-        const platoon::Follower follower(node, configuration, read_index(configuration.run.followers));
-        ros::spin();
+        const platoon::Follower follower(node, configuration, read_index(configuration.run.followers),
+                                         platoon::MessagePool());
+        platoon::spin();
       });
 }

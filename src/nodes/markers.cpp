@@ -6,6 +6,6 @@
 int main(int argc, char** argv) {
   return platoon::run_component(argc, argv, "markers", 0, [](const ros::NodeHandle& node) {
     const platoon::Markers markers(node, platoon::read_configuration(node));
-    ros::spin();
+    platoon::spin();
   });
 }

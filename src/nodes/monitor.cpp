@@ -6,7 +6,7 @@
 int main(int argc, char** argv) {
   return platoon::run_component(argc, argv, "monitor", 0, [](const ros::NodeHandle& node) {
     platoon::Monitor monitor(node, platoon::read_configuration(node));
-    ros::spin();
+    platoon::spin();
     monitor.stop();
   });
 }

@@ -1,7 +1,6 @@
 // The whole platoon in one process: the components of the nodes, joined by shared pointers.
 
 #include <algorithm>
-#include <cmath>
 #include <future>
 #include <memory>
 #include <thread>
@@ -11,6 +10,7 @@
 #include "stochastic_platoon/graph/configuration_parameter.hpp"
 #include "stochastic_platoon/graph/follower.hpp"
 #include "stochastic_platoon/graph/leader.hpp"
+#include "stochastic_platoon/graph/message_pool.hpp"
 #include "stochastic_platoon/graph/monitor.hpp"
 #include "stochastic_platoon/graph/recorder.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
@@ -18,16 +18,25 @@
 
 namespace {
 
-// A queue with the one thread that serves it: each component is built on one queue, so none needs a lock.
+// A queue with the one thread that serves it. Components are built on one queue, so that none needs a lock
+// but the monitor, which is built on all.
 class Worker {
 public:
-  explicit Worker(const ros::NodeHandle& node) : node_(node) { node_.setCallbackQueue(&queue_); }
+  explicit Worker(const ros::NodeHandle& node) : node_(node), node_at_once_(node) {
+    node_.setCallbackQueue(&queue_);
+    node_at_once_.setCallbackQueue(&at_once_);
+  }
   const ros::NodeHandle& node() const { return node_; }
+  /// For what should be called as soon as the callback that caused it is over.
+  const ros::NodeHandle& at_once() const { return node_at_once_; }
+
+  /// For the components of this thread.
+  const platoon::MessagePool& messages() const { return messages_; }
 
   void start() {
     done_ = std::async(std::launch::async, [this] {
       try {
-        queue_.run();
+        queue_.run(at_once_);
       } catch (...) {
         ros::shutdown();  // the other threads end too, and finish() passes the error on
         throw;
@@ -39,8 +48,9 @@ public:
   void finish() { done_.get(); }
 
 private:
-  platoon::WorkQueue queue_;
-  ros::NodeHandle node_;
+  platoon::WorkQueue queue_, at_once_;
+  ros::NodeHandle node_, node_at_once_;
+  platoon::MessagePool messages_;
   std::future<void> done_;
 };
 
@@ -49,34 +59,35 @@ private:
 int main(int argc, char** argv) {
   return platoon::run_component(argc, argv, "platoon", 0, [](const ros::NodeHandle& node) {
     const platoon::Configuration configuration = platoon::read_configuration(node);
-    // Each thread has a part of the string with its channels, so that most messages stay in its core's
-    // caches. The monitor looks at every position, which costs a quarter of making it.
-    constexpr double kMonitorShare = 0.25;
+    // Each thread has two segments of the string: vehicles, the channels into them, and what the monitor does
+    // of their positions. So most messages stay in one core's caches. Two, one as far from the front as the
+    // other from the end: a batch reaches the end of the string later, and is over there earlier.
     const std::size_t followers = configuration.run.followers;
     const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, followers);
     std::vector<std::unique_ptr<Worker>> workers;
     for (std::size_t t = 0; t < threads; ++t) workers.push_back(std::make_unique<Worker>(node));
-    platoon::Monitor monitor(workers.back()->node(), configuration);
+    const auto worker_of = [&](std::size_t vehicle) -> const Worker& {
+      const std::size_t segment = vehicle == 0 ? 0 : (vehicle - 1) * 2 * threads / followers;
+      return *workers[std::min(segment, 2 * threads - 1 - segment)];
+    };
+    platoon::Monitor monitor(workers.back()->node(), configuration,
+                             [&](std::size_t vehicle) { return worker_of(vehicle).node(); });
     std::unique_ptr<platoon::Recorder> recorder;
     if (!configuration.run.record.empty()) {
       recorder = std::make_unique<platoon::Recorder>(workers.back()->node(), configuration);
     }
     std::vector<std::unique_ptr<platoon::Channel>> channels;
     std::vector<std::unique_ptr<platoon::Follower>> vehicles;
-    std::uint32_t first = 1;
-    for (std::size_t t = 0; t < threads; ++t) {
-      const double share = (1.0 + kMonitorShare) * static_cast<double>(t + 1) / static_cast<double>(threads);
-      const double upto = std::min(1.0, share) * static_cast<double>(followers);
-      const auto last = static_cast<std::uint32_t>(std::lround(upto));
-      channels.push_back(std::make_unique<platoon::Channel>(workers[t]->node(), configuration, first, last));
-      for (std::uint32_t i = first; i <= last; ++i) {
-        vehicles.push_back(std::make_unique<platoon::Follower>(workers[t]->node(), configuration, i));
-      }
-      first = last + 1;
+    for (std::uint32_t i = 1; i <= followers; ++i) {
+      const Worker& worker = worker_of(i);
+      channels.push_back(
+          std::make_unique<platoon::Channel>(worker.node(), configuration, i, i, worker.messages()));
+      vehicles.push_back(
+          std::make_unique<platoon::Follower>(worker.at_once(), configuration, i, worker.messages()));
     }
     const platoon::Leader leader(workers.front()->node(), configuration);
     for (auto& worker : workers) worker->start();
-    ros::spin();  // the global queue carries nothing but the signal to end
+    platoon::spin();  // the global queue carries nothing but the signal to end
     for (auto& worker : workers) worker->finish();
     monitor.stop();
     if (recorder) recorder->stop();

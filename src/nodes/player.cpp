@@ -16,6 +16,6 @@ int main(int argc, char** argv) {
     options.start = own.param("start", 0.0);
     options.paused = own.param("pause", false);
     const platoon::Player player(node, own, platoon::read_configuration(node), options);
-    ros::spin();
+    platoon::spin();
   });
 }

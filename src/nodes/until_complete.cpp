@@ -24,6 +24,6 @@ int main(int argc, char** argv) {
             ros::shutdown();
         };
     const ros::Subscriber progress = node.subscribe<stochastic_platoon::Progress>("progress", 100, receive);
-    ros::spin();
+    platoon::spin();
   });
 }

@@ -34,6 +34,7 @@ Verdict Arrivals::receive(std::size_t stream, const Turn& turn, const std::vecto
   if (verdict != Verdict::in_turn) return verdict;
   if (new_attempt) restart(turn);
   take();
+  if (turn.attempt < attempt_) return Verdict::stale;
   count(stream, positions.size());
   return verdict;
 }

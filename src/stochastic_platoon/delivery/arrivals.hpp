@@ -36,7 +36,8 @@ public:
            ArrivalEvents events);
 
   /// Takes a message of a stream. Only those in turn have any effect: then `take` is called, after
-  /// restarted() and before batch_complete(), to keep the message.
+  /// restarted() and before batch_complete(), to keep the message. If messages of other streams are received
+  /// meanwhile and begin a newer attempt, this one is stale.
   Verdict receive(std::size_t stream, const Turn& turn, const std::vector<double>& positions,
                   const std::function<void()>& take);
 

@@ -9,7 +9,8 @@ namespace platoon {
 using stochastic_platoon::Position;
 
 Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first,
-                 std::uint32_t last) {
+                 std::uint32_t last, const MessagePool& messages)
+    : messages_(messages) {
   for (std::uint32_t i = first; i <= last; ++i) {
     links_.push_back({NoisyChannel(configuration.model.noise_variance, configuration.run.seed, i),
                       platoon.advertise<Position>(predecessor_position_topic(i), kUnboundedQueue),

@@ -20,7 +20,7 @@ namespace platoon {
 class Channel {
 public:
   Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first,
-          std::uint32_t last);
+          std::uint32_t last, const MessagePool& messages);
 
 private:
   struct Link {

@@ -6,12 +6,14 @@ namespace platoon {
 
 using stochastic_platoon::Position;
 
-Follower::Follower(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t index)
+Follower::Follower(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t index,
+                   const MessagePool& messages)
     : schedule_(configuration.run.schedule()),
       period_(platoon_period(configuration.model.sample_period)),
       vehicle_(configuration.model, configuration.run.seed, index),
       sequence_(schedule_),
       refusals_(platoon.resolveName(predecessor_position_topic(index))),
+      messages_(messages),
       position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)),
       predecessor_position_(platoon.subscribe(predecessor_position_topic(index), kUnboundedQueue,
                                               &Follower::receive, this, no_delay())) {}

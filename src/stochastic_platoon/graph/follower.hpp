@@ -18,7 +18,8 @@ namespace platoon {
 /// stochastic_platoon/Position.
 class Follower {
 public:
-  Follower(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t index);
+  Follower(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t index,
+           const MessagePool& messages);
 
 private:
   void receive(const stochastic_platoon::Position::ConstPtr& message);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <boost/function.hpp>
 #include <cstdio>
+#include <mutex>
 
 #include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/delivery/culprit.hpp"
@@ -26,6 +27,18 @@ constexpr double kStartTime = 0.05;        // [s] a vehicle, from launch to its 
 constexpr double kStatisticsPeriod =
     1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
 
+// Lets go of a lock for as long as it lives.
+class Unlocked {
+public:
+  explicit Unlocked(SpinLock& lock) : lock_(lock) { lock_.unlock(); }
+  ~Unlocked() { lock_.lock(); }
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+private:
+  SpinLock& lock_;
+};
+
 // Shares the message's array without copying it.
 Positions positions_of(const Position::ConstPtr& message) {
   return Positions(&message->position, [message](const std::vector<double>*) {});
@@ -33,11 +46,16 @@ Positions positions_of(const Position::ConstPtr& message) {
 
 }  // namespace
 
-Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration)
+Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
+                 const std::function<ros::NodeHandle(std::size_t)>& of_vehicle)
     : configuration_(configuration),
       prediction_(predict(
           configuration, recorded_leader(bag_files(configuration.run.leader_bags), configuration.run.steps))),
-      statistics_(configuration, configuration.run.steps == 0 ? std::nullopt : starting_point(configuration)),
+      statistics_(configuration, configuration.run.steps == 0 ? std::nullopt : starting_point(configuration),
+                  [this](const std::function<void()>& work) {
+                    const Unlocked unlocked(lock_);
+                    work();
+                  }),
       display_(
           configuration.run.realizations, "realizations",
           static_cast<double>(configuration.run.followers) * static_cast<double>(configuration.run.steps),
@@ -59,18 +77,20 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration)
   for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
     const boost::function<void(const Position::ConstPtr&)> callback =
         [this, i](const Position::ConstPtr& message) { receive(i, message); };
-    positions_.push_back(platoon.subscribe<Position>(position_topic(i), kUnboundedQueue, callback,
-                                                     ros::VoidConstPtr(), no_delay()));
+    positions_.push_back(of_vehicle(i).subscribe<Position>(position_topic(i), kUnboundedQueue, callback,
+                                                           ros::VoidConstPtr(), no_delay()));
   }
   notes_ = platoon.subscribe<Progress>(
       "progress", 10,
       boost::function<void(const Progress::ConstPtr&)>([this](const Progress::ConstPtr& message) {
+        const std::lock_guard<SpinLock> lock(lock_);
         if (message->receiver != "monitor") display_.set_note(message->note);
       }));
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
 }
 
 void Monitor::receive(std::size_t vehicle, const Position::ConstPtr& message) {
+  const std::lock_guard<SpinLock> lock(lock_);
   const Turn turn = turn_of(*message);
   statistics_.tally.platoon_time = std::max(statistics_.tally.platoon_time, message->header.stamp.toNSec());
   reports_.saw(statistics_.tally.platoon_time);
@@ -130,6 +150,7 @@ void Monitor::stop() {
 }
 
 void Monitor::tick() {
+  const std::lock_guard<SpinLock> lock(lock_);
   const double present = now();
   if (statistics_.arrivals().complete() && !finished_) finish();  // resumed when nothing was left to do
   if (!reports_.is_linked(positions_)) return report_stall(present);

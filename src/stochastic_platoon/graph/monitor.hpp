@@ -4,11 +4,13 @@
 #include <stochastic_platoon/ErrorStatistics.h>
 #include <stochastic_platoon/Position.h>
 
+#include <functional>
 #include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/refusals.hpp"
+#include "stochastic_platoon/graph/spin_lock.hpp"
 #include "stochastic_platoon/results/progress_display.hpp"
 #include "stochastic_platoon/results/run_statistics.hpp"
 
@@ -24,8 +26,12 @@ namespace platoon {
 /// error_statistics, configuration (std_msgs/String, latched: the model and the run as JSON).
 class Monitor {
 public:
-  /// Throws ConfigurationError as starting_point() does.
-  Monitor(ros::NodeHandle platoon, const Configuration& configuration);
+  /// Throws ConfigurationError as starting_point() does. `of_vehicle` gives the node whose queue receives the
+  /// positions of vehicle i: several threads may serve these queues.
+  Monitor(ros::NodeHandle platoon, const Configuration& configuration,
+          const std::function<ros::NodeHandle(std::size_t vehicle)>& of_vehicle);
+  Monitor(const ros::NodeHandle& platoon, const Configuration& configuration)
+      : Monitor(platoon, configuration, [&platoon](std::size_t) { return platoon; }) {}
 
   /// Writes down what there is of an unfinished run. Call it when the callbacks have ended.
   void stop();
@@ -39,6 +45,7 @@ private:
   void save_checkpoint();
   void publish_statistics(std::int64_t step, const std::vector<Moments>& all);
 
+  SpinLock lock_;  ///< of everything below, but for the arithmetic of the statistics
   Configuration configuration_;
   Prediction prediction_;
   RunStatistics statistics_;

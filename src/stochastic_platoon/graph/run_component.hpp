@@ -1,10 +1,13 @@
 #pragma once
 
 #include <malloc.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
+#include <chrono>
 #include <exception>
 #include <limits>
+#include <thread>
 
 namespace platoon {
 
@@ -13,6 +16,15 @@ namespace platoon {
 inline void keep_freed_memory() {
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   mallopt(M_MMAP_THRESHOLD, 1 << 26);
+}
+
+/// ros::spin() without its busy loop at the end: while ROS shuts down, the global queue no longer waits for
+/// callbacks, which would cost a hundred vehicles seconds of both cores.
+inline void spin() {
+  while (ros::ok()) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+    if (ros::isShuttingDown()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
 }
 
 /// The main of a node: `run` builds its component and spins. An error ends the process with status 1 and a

@@ -6,14 +6,13 @@
 #include <ros/transport_hints.h>
 #include <stochastic_platoon/Position.h>
 
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <mutex>
 #include <string>
-#include <thread>
 
 #include "stochastic_platoon/delivery/batch_schedule.hpp"
+#include "stochastic_platoon/graph/spin_lock.hpp"
 
 namespace platoon {
 
@@ -25,18 +24,6 @@ inline double now() {
 /// Queues of data topics are unbounded: memory is bounded by the leader's credit, and a bounded queue would
 /// drop.
 constexpr std::uint32_t kUnboundedQueue = 0;
-
-/// A lock for a moment: who waits gives way but does not sleep.
-class SpinLock {
-public:
-  void lock() {
-    while (taken_.test_and_set(std::memory_order_acquire)) std::this_thread::yield();
-  }
-  void unlock() { taken_.clear(std::memory_order_release); }
-
-private:
-  std::atomic_flag taken_ = ATOMIC_FLAG_INIT;
-};
 
 /// Publishes a position. roscpp publishes under one lock of the process, which puts a thread that has to wait
 /// for it to sleep: the threads of `one_process` would do so all the time. Here they wait awake.

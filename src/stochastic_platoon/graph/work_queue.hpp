@@ -33,14 +33,15 @@ public:
                    waiting_.end());
   }
 
-  /// Serves the queue from the calling thread until ROS shuts down.
-  void run() {
-    std::vector<Entry> taken;
+  /// Serves the queue from the calling thread until ROS shuts down, and `at_once` after each of its
+  /// callbacks.
+  void run(WorkQueue& at_once) {
+    std::vector<Entry> taken, urgent;
     while (ros::ok()) {
       if (!take(taken)) sleep();
       for (const Entry& entry : taken) {
-        if (entry.callback->call() == ros::CallbackInterface::TryAgain)
-          addCallback(entry.callback, entry.owner);
+        call(entry);
+        at_once.serve(urgent);
       }
       taken.clear();
     }
@@ -51,6 +52,19 @@ private:
     std::uint64_t owner;
     ros::CallbackInterfacePtr callback;
   };
+
+  void call(const Entry& entry) {
+    if (entry.callback->call() == ros::CallbackInterface::TryAgain) addCallback(entry.callback, entry.owner);
+  }
+
+  void serve(std::vector<Entry>& taken) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      taken.swap(waiting_);
+    }
+    for (const Entry& entry : taken) call(entry);
+    taken.clear();
+  }
 
   bool take(std::vector<Entry>& taken) {
     constexpr std::chrono::microseconds patience(50);  // about what a sleep and a wake-up cost

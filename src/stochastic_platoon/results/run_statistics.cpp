@@ -4,16 +4,18 @@
 
 namespace platoon {
 
-RunStatistics::RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start)
-    : RunStatistics(configuration, start ? start->table.count() : 0, start ? start->tally : Tally{}) {
+RunStatistics::RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start,
+                             const Arithmetic& arithmetic)
+    : RunStatistics(configuration, start ? start->table.count() : 0, start ? start->tally : Tally{},
+                    arithmetic) {
   if (start) ensemble_.merge(start->table);
 }
 
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization)
-    : RunStatistics(configuration, first_realization, Tally{}) {}
+    : RunStatistics(configuration, first_realization, Tally{}, do_at_once) {}
 
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization,
-                             const Tally& start)
+                             const Tally& start, const Arithmetic& arithmetic)
     : tally(start),
       configuration_(configuration),
       ensemble_(configuration.run.followers, configuration.run.steps),
@@ -28,7 +30,7 @@ RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t f
                    ensemble_.commit(batch.first_realization);
                    tally.positions_received += batch.positions_received;
                  },
-                 [this] { restart(); }}) {}
+                 [this] { restart(); }, configuration.run.steps == 0 ? do_at_once : arithmetic}) {}
 
 Verdict RunStatistics::receive(std::size_t vehicle, const Turn& turn, const Positions& positions) {
   const Verdict verdict = assembly_.receive(vehicle, turn, positions);

@@ -15,8 +15,10 @@ namespace platoon {
 /// Assembly joined to the ensemble statistics of a run with steps or to the time averages of an endless one.
 class RunStatistics {
 public:
-  /// Starts from the checkpoint if there is one, else with nothing committed.
-  RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start);
+  /// Starts from the checkpoint if there is one, else with nothing committed. `arithmetic` as in
+  /// AssemblyEvents; an endless run, whose errors count in the order of their steps, makes no use of it.
+  RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start,
+                const Arithmetic& arithmetic = do_at_once);
   RunStatistics(const RunStatistics&) = delete;
   RunStatistics& operator=(const RunStatistics&) = delete;
 
@@ -44,7 +46,8 @@ public:
   Tally tally;  ///< positions and attempts are counted here; times are for the owner to keep
 
 private:
-  RunStatistics(const Configuration& configuration, std::uint64_t first_realization, const Tally& start);
+  RunStatistics(const Configuration& configuration, std::uint64_t first_realization, const Tally& start,
+                const Arithmetic& arithmetic);
   void take_errors(std::size_t follower, const Turn& turn, const std::vector<double>& errors);
   void restart();
 

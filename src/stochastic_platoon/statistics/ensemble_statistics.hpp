@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "stochastic_platoon/statistics/moment_table.hpp"
@@ -23,7 +25,8 @@ public:
   EnsembleStatistics(std::size_t followers, std::int64_t steps)
       : steps_(steps), table_(followers * static_cast<std::size_t>(steps)) {}
 
-  /// zeta_i(k) of the batch that begins at first_realization, one value per realization [m].
+  /// zeta_i(k) of the batch that begins at first_realization, one value per realization [m]. Several threads
+  /// may do so at once, each for cells of its own.
   void add(std::size_t follower, std::int64_t step, std::uint64_t first_realization,
            const std::vector<double>& errors);
 
@@ -31,7 +34,7 @@ public:
   void commit(std::uint64_t first_realization);
 
   /// Forgets the open batches.
-  void discard_open() { open_.clear(); }
+  void discard_open();
 
   /// Takes over what an earlier run had committed. Throws std::invalid_argument as MomentTable::merge does.
   void merge(const MomentTable& earlier) { table_.merge(earlier); }
@@ -40,9 +43,13 @@ public:
   std::int64_t steps() const { return steps_; }
 
 private:
+  std::shared_ptr<BatchMoments> open(std::uint64_t first_realization, std::size_t size);
+
   std::int64_t steps_;
   MomentTable table_;
-  std::map<std::uint64_t, BatchMoments> open_;
+  std::mutex opening_;
+  /// Shared with who is adding: a batch may be discarded meanwhile.
+  std::map<std::uint64_t, std::shared_ptr<BatchMoments>> open_;
 };
 
 }  // namespace platoon

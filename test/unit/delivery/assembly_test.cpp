@@ -251,6 +251,31 @@ TEST(Assembly, ForgetsTheUnfinishedBatchesWhenANewerAttemptBegins) {
   expect_whole_run(assembled, assembled.assembly());
 }
 
+TEST(Assembly, TellsNoErrorOfAnAttemptThatEndsWhileItsErrorsAreFormed) {
+  const BatchSchedule schedule{2, 2, 3};
+  const Positions message = positions(0, {1, 0, 0}, 2);
+  Assembly* receiver = nullptr;
+  std::vector<std::uint32_t> told;
+  const auto begin_second_attempt = [&] { receiver->receive(0, {2, 0, kInitialStep}, message); };
+  AssemblyEvents events{[&](std::size_t, const Turn& turn, const auto&) { told.push_back(turn.attempt); },
+                        [](const CompleteBatch&) {}, [] {},
+                        [&](const auto& work) {
+                          if (receiver->arrivals().attempt() == 1 && told.size() == 1) begin_second_attempt();
+                          work();
+                        }};
+  Assembly assembly(schedule, 1, kError, 0, 0, events);
+  receiver = &assembly;
+  for (std::int64_t k = kInitialStep; k <= 1; ++k) {
+    for (std::size_t i = 0; i <= 1; ++i) {
+      const Verdict expected = k == 1 && i == 1 ? Verdict::stale : Verdict::in_turn;
+      EXPECT_EQ(assembly.receive(i, {1, 0, k}, message), expected);
+    }
+  }
+  EXPECT_EQ(told, std::vector<std::uint32_t>{1});
+  EXPECT_EQ(assembly.arrivals().attempt(), 2u);
+  EXPECT_FALSE(assembly.arrivals().latest(1));
+}
+
 TEST(Assembly, RefusesAnAttemptThatBeginsWhereItCannotGoOn) {
   Assembled assembled;
   assembled.receive_steps(1, 0, -1, 2);

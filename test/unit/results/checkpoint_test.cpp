@@ -8,8 +8,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "../paper_run.hpp"
 #include "../temporary_folder.hpp"
-#include "paper_run.hpp"
 #include "stochastic_platoon/model/white_noise.hpp"
 
 namespace platoon {

@@ -6,8 +6,8 @@
 #include <set>
 #include <sstream>
 
+#include "../paper_run.hpp"
 #include "../temporary_folder.hpp"
-#include "paper_run.hpp"
 #include "stochastic_platoon/statistics/ensemble_statistics.hpp"
 
 namespace platoon {

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <future>
+#include <mutex>
 
-#include "paper_run.hpp"
+#include "../paper_run.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 #include "stochastic_platoon/simulation/platoon_string.hpp"
 
@@ -79,6 +81,68 @@ TEST(RunStatistics, AreTheMonteCarlosToTheBit) {
   EXPECT_EQ(result.realizations, 20u);
   EXPECT_EQ(result.tally.positions_received, positions_expected(configuration.run, 20));
   EXPECT_EQ(result.tally.attempts, 1u);
+}
+
+TEST(RunStatistics, FromSeveralThreadsAreTheMonteCarlosToTheBit) {
+  Configuration configuration = paper_run("");
+  configuration.run.followers = 5;
+  configuration.run.steps = 40;
+  configuration.run.realizations = 400;
+  std::mutex mutex;
+  RunStatistics statistics(configuration, std::nullopt, [&mutex](const auto& work) {
+    mutex.unlock();
+    work();
+    mutex.lock();
+  });
+  const BatchSchedule schedule = configuration.run.schedule();
+  const auto receive_vehicles = [&](std::size_t first_vehicle) {
+    for (std::uint64_t first = 0; !schedule.is_complete(first); first = schedule.next(first)) {
+      const auto all = positions_of(configuration, first, schedule.size(first), configuration.run.steps);
+      for (std::int64_t k = kInitialStep; k < configuration.run.steps; ++k) {
+        for (std::size_t i = first_vehicle; i <= configuration.run.followers; i += 2) {
+          const std::lock_guard<std::mutex> lock(mutex);
+          EXPECT_EQ(statistics.receive(i, {1, first, k}, all[i][static_cast<std::size_t>(k + 1)]),
+                    Verdict::in_turn);
+        }
+      }
+    }
+  };
+  const auto other = std::async(std::launch::async, receive_vehicles, 1);
+  receive_vehicles(0);
+  other.wait();
+  EXPECT_TRUE(statistics.arrivals().complete());
+  expect_monte_carlo(statistics.moments(), configuration, 400);
+  EXPECT_EQ(statistics.tally.positions_received, positions_expected(configuration.run, 400));
+}
+
+TEST(RunStatistics, CountNothingOfAnAttemptThatEndsWhileItsErrorsAreFormed) {
+  const Configuration configuration = paper_run("");
+  const auto all = positions_of(configuration, 0, 8, 3);
+  RunStatistics* receiver = nullptr;
+  RunStatistics statistics(configuration, std::nullopt, [&](const auto& work) {
+    const bool last_of_batch =
+        receiver->arrivals().attempt() == 1 && receiver->arrivals().latest(2)->step == 2;
+    if (last_of_batch) {
+      EXPECT_EQ(receiver->receive(0, {2, 0, -1}, all[0][0]), Verdict::in_turn);
+    }
+    work();
+  });
+  receiver = &statistics;
+  for (std::size_t i = 0; i <= 2; ++i) {
+    for (std::int64_t k = -1; k <= 2; ++k) {
+      EXPECT_EQ(statistics.receive(i, {1, 0, k}, all[i][static_cast<std::size_t>(k + 1)]),
+                i == 2 && k == 2 ? Verdict::stale : Verdict::in_turn);
+    }
+  }
+  EXPECT_TRUE(statistics.empty());
+  EXPECT_EQ(statistics.tally.positions_received, 0u);
+  for (std::size_t i = 0; i <= 2; ++i) {
+    for (std::int64_t k = i == 0 ? 0 : -1; k <= 2; ++k) {
+      EXPECT_EQ(statistics.receive(i, {2, 0, k}, all[i][static_cast<std::size_t>(k + 1)]), Verdict::in_turn);
+    }
+  }
+  EXPECT_EQ(statistics.realizations(), 8u);
+  expect_monte_carlo(statistics.moments(), configuration, 8);
 }
 
 TEST(RunStatistics, CountNothingOfAnUnfinishedBatch) {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "../paper_platoon.hpp"
+#include "paper_platoon.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
 
 namespace platoon {
