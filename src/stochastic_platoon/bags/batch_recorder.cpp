@@ -27,8 +27,7 @@ BatchRecorder::BatchRecorder(const Configuration& configuration, const std::stri
     : configuration_(configuration),
       name_space_(name_space),
       recorded_configuration_{name_space + "/configuration", to_json(configuration).dump()},
-      arrivals_(configuration.run.schedule(), 2 * configuration.run.followers + 1,
-                configuration.run.first_realization, 0,
+      arrivals_(configuration.run.schedule(), streams(), configuration.run.first_realization, 0,
                 {[this] { restarted(); },
                  [this](const CompleteBatch& batch) { batch_complete(batch.first_realization); }}) {
   recover();
@@ -61,7 +60,7 @@ void BatchRecorder::take(std::size_t stream, const Message& message) {
   if (!recording_ || message->first_realization < arrivals_.committed()) return;  // recorded already
   const std::pair<std::uint64_t, std::int64_t> key{message->first_realization, message->step};
   Step& step = open_[key];
-  step.messages.resize(2 * configuration_.run.followers + 1);
+  step.messages.resize(streams());
   step.messages[stream] = message;
   if (++step.arrived < step.messages.size()) return;
   for (std::size_t s = 0; s < step.messages.size(); ++s) recording_->write(topic(s), *step.messages[s]);
@@ -74,10 +73,7 @@ void BatchRecorder::restarted() {
   if (!partial_) return;
   partial_ = false;
   given_up_ = true;
-  if (configuration_.run.steps > 0 && recording_->bytes() < kBytesToRewriteAtOnce) {
-    recording_->close();
-    rewrite(name_of_part(part_) + kActiveSuffix);
-  }
+  if (configuration_.run.steps > 0 && recording_->bytes() < kBytesToRewriteAtOnce) rewrite();
 }
 
 void BatchRecorder::batch_complete(std::uint64_t first_realization) {
@@ -117,10 +113,7 @@ void BatchRecorder::finish() {
 }
 
 void BatchRecorder::complete_file() {
-  if (given_up_) {
-    recording_->close();
-    rewrite(name_of_part(part_) + kActiveSuffix);
-  }
+  if (given_up_) rewrite();
   recording_->complete();
   completed_bytes_ += recording_->bytes();
 }
@@ -181,11 +174,13 @@ void BatchRecorder::take_over(const std::string& file) {
     receive(*message);
   };
   read_damaged_bag(file, content);
-  rewrite(file);
+  rewrite();
 }
 
-// Copies what is whole in a closed file, and puts the copy in its place.
-void BatchRecorder::rewrite(const std::string& file) {
+// Copies what is whole in the unfinished file, and puts the copy in its place.
+void BatchRecorder::rewrite() {
+  const std::string file = name_of_part(part_) + kActiveSuffix;
+  if (recording_) recording_->close();
   recording_ = record_to(kRecoveredSuffix);
   BagContent content;
   content.position = [&](const PlatoonTopic& topic, const Message& message) {

@@ -46,6 +46,7 @@ public:
   /// Bytes written, over all files.
   std::uint64_t bytes() const { return completed_bytes_ + (recording_ ? recording_->bytes() : 0); }
 
+  std::size_t streams() const { return 2 * configuration_.run.followers + 1; }
   /// Topic of a stream.
   std::string topic(std::size_t stream) const;
 
@@ -67,7 +68,7 @@ private:
   void complete_file();
   void recover();
   void take_over(const std::string& file);
-  void rewrite(const std::string& file);
+  void rewrite();
   std::uint64_t end_of_part(std::size_t part) const;
   std::string name_of_part(std::size_t part) const;
   std::unique_ptr<Recording> record_to(const std::string& suffix) const;

@@ -23,9 +23,8 @@ std::string parent_of(const std::string& name) {
 Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration)
     : recorder_(configuration, parent_of(platoon.resolveName("configuration"))),
       reports_(platoon, "recorder", configuration.run) {
-  const std::size_t streams = 2 * configuration.run.followers + 1;
-  for (std::size_t s = 0; s < streams; ++s) refusals_.emplace_back(recorder_.topic(s));
-  for (std::size_t s = 0; s < streams; ++s) {
+  for (std::size_t s = 0; s < recorder_.streams(); ++s) refusals_.emplace_back(recorder_.topic(s));
+  for (std::size_t s = 0; s < recorder_.streams(); ++s) {
     const boost::function<void(const Position::ConstPtr&)> callback =
         [this, s](const Position::ConstPtr& message) { receive(s, message); };
     positions_.push_back(platoon.subscribe<Position>(recorder_.topic(s), kUnboundedQueue, callback,

@@ -2,14 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <boost/make_shared.hpp>
-#include <filesystem>
 #include <string>
 #include <tuple>
 #include <vector>
 
-#include "../paper_platoon.hpp"
+#include "../paper_run.hpp"
 #include "../temporary_folder.hpp"
 #include "stochastic_platoon/bags/bag_reader.hpp"
 
@@ -27,19 +25,12 @@ protected:
   using Place = std::tuple<std::uint32_t, std::uint64_t, std::int64_t>;  // attempt, first realization, step
 
   Configuration run(std::uint64_t realizations, std::uint64_t batch) const {
-    RunOptions options{};
-    options.followers = 2;
-    options.steps = 3;
-    options.realizations = realizations;
-    options.batch = batch;
-    options.seed = 1;
-    options.hosting = "processes";
-    options.record = folder_ / "run.bag";
-    options.record_compression = "none";
-    options.launch = "this launch";
-    options.window = 4;
-    options.stall_timeout = 2.0;
-    return {paper_platoon(), options};
+    Configuration configuration = paper_run("");
+    configuration.run.realizations = realizations;
+    configuration.run.batch = batch;
+    configuration.run.record = folder_ / "run.bag";
+    configuration.run.record_compression = "none";
+    return configuration;
   }
 
   static Verdict send_one(BatchRecorder* recorder, std::size_t stream, const Place& place, std::size_t size) {
