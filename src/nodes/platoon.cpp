@@ -59,16 +59,20 @@ private:
 int main(int argc, char** argv) {
   return platoon::run_component(argc, argv, "platoon", 0, [](const ros::NodeHandle& node) {
     const platoon::Configuration configuration = platoon::read_configuration(node);
-    // Each thread has two segments of the string: vehicles, the channels into them, and what the monitor does
-    // of their positions. So most messages stay in one core's caches. Two, one as far from the front as the
-    // other from the end: a batch reaches the end of the string later, and is over there earlier.
+    // The string is cut into short segments: vehicles, the channels into them, and what the monitor does of
+    // their positions. So most messages stay in one core's caches, and a batch on its way through a long
+    // string still keeps all threads busy. They are dealt out there and back, because a batch reaches the end
+    // of the string later and is over there earlier.
+    constexpr std::size_t kLongestSegment = 5;
     const std::size_t followers = configuration.run.followers;
     const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, followers);
+    const std::size_t round = 2 * threads;
+    const std::size_t length = std::min(kLongestSegment, (followers + round - 1) / round);
     std::vector<std::unique_ptr<Worker>> workers;
     for (std::size_t t = 0; t < threads; ++t) workers.push_back(std::make_unique<Worker>(node));
     const auto worker_of = [&](std::size_t vehicle) -> const Worker& {
-      const std::size_t segment = vehicle == 0 ? 0 : (vehicle - 1) * 2 * threads / followers;
-      return *workers[std::min(segment, 2 * threads - 1 - segment)];
+      const std::size_t segment = vehicle == 0 ? 0 : (vehicle - 1) / length % round;
+      return *workers[std::min(segment, round - 1 - segment)];
     };
     platoon::Monitor monitor(workers.back()->node(), configuration,
                              [&](std::size_t vehicle) { return worker_of(vehicle).node(); });
