@@ -36,9 +36,9 @@ PLATOON_INLINE double in_one_to_two(std::uint64_t word) {
   return from_bits(kOne | (word >> 12));
 }
 
-// sqrt(-2 ln u) / 2 for u in (0, 1], by u = 2^e m with m in [sqrt(1/2), sqrt(2)) and -ln m = 2 artanh((m - 1)
-// /
-// (-1 - m)). Half of it, as factors of two and signs change no bit and cost an operation each.
+// sqrt(-2 ln u) / 2 for u in (0, 1], by u = 2^e m with m in [sqrt(1/2), sqrt(2)) and
+// -ln m = 2 artanh((m - 1) / (-1 - m)). Half of it, as factors of two and signs change no bit and cost an
+// operation each.
 PLATOON_INLINE double half_radius(double u) {
   constexpr std::uint64_t kSqrtHalf = 0x3fe6a09e667f3bcdULL;  // bits of sqrt(1/2)
   const std::uint64_t offset = to_bits(u) - kSqrtHalf + (1023ULL << 52);
