@@ -1,10 +1,15 @@
 #include "stochastic_platoon/graph/all_channels.hpp"
-#include "stochastic_platoon/graph/configuration_parameter.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
 
+namespace {
+
+void run(const ros::NodeHandle& node, const platoon::Configuration& configuration) {
+  const platoon::AllChannels channels(node, configuration);
+  platoon::spin();
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "channel", 0, [](const ros::NodeHandle& node) {
-    const platoon::AllChannels channels(node, platoon::read_configuration(node));
-    platoon::spin();
-  });
+  return platoon::run_component(argc, argv, "channel", 0, run);
 }

@@ -1,6 +1,5 @@
 #include "stochastic_platoon/graph/follower.hpp"
 
-#include "stochastic_platoon/graph/configuration_parameter.hpp"
 #include "stochastic_platoon/graph/receiving_thread.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
 
@@ -17,17 +16,17 @@ std::uint32_t read_index(std::size_t followers) {
                                      ", the number of followers"});
 }
 
+void run(ros::NodeHandle node, const platoon::Configuration& configuration) {
+  platoon::ReceivingThread receiving_thread;
+  node.setCallbackQueue(&receiving_thread);
+  const platoon::Follower follower(node, configuration, read_index(configuration.run.followers),
+                                   platoon::MessagePool());
+  platoon::spin();
+}
+
 }  // namespace
 
 // No rosout: with one publisher per vehicle it would cost more than the platoon.
 int main(int argc, char** argv) {
-  return platoon::run_component(
-      argc, argv, "follower", ros::init_options::NoRosout, [](ros::NodeHandle node) {
-        platoon::ReceivingThread receiving_thread;
-        node.setCallbackQueue(&receiving_thread);
-        const platoon::Configuration configuration = platoon::read_configuration(node);
-        const platoon::Follower follower(node, configuration, read_index(configuration.run.followers),
-                                         platoon::MessagePool());
-        platoon::spin();
-      });
+  return platoon::run_component(argc, argv, "follower", ros::init_options::NoRosout, run);
 }

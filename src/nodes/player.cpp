@@ -4,18 +4,23 @@
 #include "stochastic_platoon/graph/player.hpp"
 
 #include "stochastic_platoon/bags/bag_reader.hpp"
-#include "stochastic_platoon/graph/configuration_parameter.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
 
+namespace {
+
+void run(const ros::NodeHandle& node, const platoon::Configuration& configuration) {
+  ros::NodeHandle own("~");
+  platoon::PlayerOptions options;
+  options.bags = platoon::bag_files(own.param<std::string>("bags", ""));
+  options.rate = own.param("rate", 0.0);
+  options.start = own.param("start", 0.0);
+  options.paused = own.param("pause", false);
+  const platoon::Player player(node, own, configuration, options);
+  platoon::spin();
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "player", 0, [](const ros::NodeHandle& node) {
-    ros::NodeHandle own("~");
-    platoon::PlayerOptions options;
-    options.bags = platoon::bag_files(own.param<std::string>("bags", ""));
-    options.rate = own.param("rate", 0.0);
-    options.start = own.param("start", 0.0);
-    options.paused = own.param("pause", false);
-    const platoon::Player player(node, own, platoon::read_configuration(node), options);
-    platoon::spin();
-  });
+  return platoon::run_component(argc, argv, "player", 0, run);
 }

@@ -4,15 +4,19 @@
 #include "stochastic_platoon/graph/recorder.hpp"
 
 #include "stochastic_platoon/graph/all_channels.hpp"
-#include "stochastic_platoon/graph/configuration_parameter.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
 
+namespace {
+
+void run(const ros::NodeHandle& node, const platoon::Configuration& configuration) {
+  platoon::Recorder recorder(node, configuration);
+  const platoon::AllChannels channels(node, configuration);
+  platoon::spin();
+  recorder.stop();
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "recorder", 0, [](const ros::NodeHandle& node) {
-    const platoon::Configuration configuration = platoon::read_configuration(node);
-    platoon::Recorder recorder(node, configuration);
-    const platoon::AllChannels channels(node, configuration);
-    platoon::spin();
-    recorder.stop();
-  });
+  return platoon::run_component(argc, argv, "recorder", 0, run);
 }

@@ -6,24 +6,28 @@
 #include <algorithm>
 #include <map>
 
-#include "stochastic_platoon/graph/configuration_parameter.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
 #include "stochastic_platoon/graph/wire.hpp"
 
+namespace {
+
+void run(ros::NodeHandle node, const platoon::Configuration& configuration) {
+  std::map<std::string, bool> finished;
+  for (const std::string& receiver : configuration.run.receivers()) finished[receiver] = false;
+  const boost::function<void(const stochastic_platoon::Progress::ConstPtr&)> receive =
+      [&finished](const stochastic_platoon::Progress::ConstPtr& message) {
+        const auto receiver = finished.find(message->receiver);
+        if (receiver == finished.end()) return;
+        receiver->second = message->finished;
+        if (std::all_of(finished.begin(), finished.end(), [](const auto& entry) { return entry.second; }))
+          ros::shutdown();
+      };
+  const ros::Subscriber progress = node.subscribe<stochastic_platoon::Progress>("progress", 100, receive);
+  platoon::spin();
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "until_complete", 0, [](ros::NodeHandle node) {
-    std::map<std::string, bool> finished;
-    for (const std::string& receiver : platoon::read_configuration(node).run.receivers())
-      finished[receiver] = false;
-    const boost::function<void(const stochastic_platoon::Progress::ConstPtr&)> receive =
-        [&finished](const stochastic_platoon::Progress::ConstPtr& message) {
-          const auto receiver = finished.find(message->receiver);
-          if (receiver == finished.end()) return;
-          receiver->second = message->finished;
-          if (std::all_of(finished.begin(), finished.end(), [](const auto& entry) { return entry.second; }))
-            ros::shutdown();
-        };
-    const ros::Subscriber progress = node.subscribe<stochastic_platoon::Progress>("progress", 100, receive);
-    platoon::spin();
-  });
+  return platoon::run_component(argc, argv, "until_complete", 0, run);
 }

@@ -9,19 +9,24 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/bags/bag_reader.hpp"
-#include "stochastic_platoon/graph/configuration_parameter.hpp"
 #include "stochastic_platoon/graph/run_component.hpp"
 
+namespace {
+
+void run(const ros::NodeHandle& node, const platoon::Configuration& configuration) {
+  ros::NodeHandle own("~");
+  const platoon::VehicleReplay replay(node, configuration,
+                                      platoon::bag_files(own.param<std::string>("bags", "")),
+                                      static_cast<std::size_t>(own.param("vehicle", 0)));
+  while (ros::ok() && !replay.done()) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+  if (!replay.done()) return;
+  std::printf("%s\n", replay.verdict().c_str());
+  std::fflush(stdout);
+  if (!replay.equal()) throw std::runtime_error(replay.verdict());
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "vehicle_replay", 0, [](const ros::NodeHandle& node) {
-    ros::NodeHandle own("~");
-    const platoon::VehicleReplay replay(node, platoon::read_configuration(node),
-                                        platoon::bag_files(own.param<std::string>("bags", "")),
-                                        static_cast<std::size_t>(own.param("vehicle", 0)));
-    while (ros::ok() && !replay.done()) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
-    if (!replay.done()) return;
-    std::printf("%s\n", replay.verdict().c_str());
-    std::fflush(stdout);
-    if (!replay.equal()) throw std::runtime_error(replay.verdict());
-  });
+  return platoon::run_component(argc, argv, "vehicle_replay", 0, run);
 }

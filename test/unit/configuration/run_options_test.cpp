@@ -192,7 +192,7 @@ TEST(ChosenWindow, KeepsEveryProcessBusyWithinTheMemory) {
       EXPECT_GE(window, 4);
       EXPECT_LE(window, 256);
       const auto positions = static_cast<double>(window) * static_cast<double>(batch * followers);
-      EXPECT_TRUE(window == 4 || positions <= static_cast<double>(1 << 22));
+      EXPECT_TRUE(window == 4 || positions <= static_cast<double>(5 << 19));
     }
   }
   EXPECT_GT(read({}).window, 0);
