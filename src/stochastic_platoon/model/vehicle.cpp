@@ -87,10 +87,10 @@ ClosedLoopBatch::ClosedLoopBatch(const StateSpace& system) : shift_register_(is_
   for (Eigen::Index i = 0; i < system.order(); ++i) {
     for (Eigen::Index j = 0; j < (shift_register_ ? 1 : system.order()); ++j) a_.push_back(system.a()(i, j));
     b_.push_back(system.b()(i));
-    c_.push_back(system.c()(i));
+    if (!shift_register_) c_.push_back(system.c()(i));
     rest_state_.push_back(rest(i));
   }
-  next_.resize(order() * kTile);
+  if (!shift_register_) next_.resize(order() * kTile);
 }
 
 void ClosedLoopBatch::rest_at(const std::vector<double>& positions) {
@@ -105,14 +105,13 @@ void ClosedLoopBatch::rest_at(const std::vector<double>& positions) {
   }
 }
 
-void ClosedLoopBatch::step(const std::vector<double>& input, double offset, std::vector<double>& positions) {
-  positions.resize(size_);
+void ClosedLoopBatch::step(const double* input, double offset, double* positions) {
   for (std::size_t t = 0; t < tiles(); ++t) {
     double* const state = &state_[t * order() * kTile];
-    const double* const u = &input[t * kTile];
+    const double* const u = input + t * kTile;
+    double* const y = positions + t * kTile;
     if (shift_register_) {
-      detail::shift_tile(a_.data(), b_.data(), order(), output_place_, tile_size(t), state, u, offset,
-                         &positions[t * kTile]);
+      detail::shift_tile(a_.data(), b_.data(), order(), output_place_, tile_size(t), state, u, offset, y);
       continue;
     }
     for (std::size_t i = 0; i < order(); ++i) {
@@ -121,7 +120,7 @@ void ClosedLoopBatch::step(const std::vector<double>& input, double offset, std:
       detail::add_scaled(b_[i], u, offset, tile_size(t), next);
     }
     std::copy(next_.begin(), next_.end(), state);
-    detail::combine(c_.data(), order(), state, tile_size(t), &positions[t * kTile]);
+    detail::combine(c_.data(), order(), state, tile_size(t), y);
   }
   if (shift_register_) output_place_ = (output_place_ + 1) % order();
 }
@@ -160,10 +159,6 @@ void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count,
   loop_.output(positions);
 }
 
-void FollowerVehicle::step(const std::vector<double>& received, std::vector<double>& positions) {
-  loop_.step(received, standstill_distance_, positions);
-}
-
 LeaderVehicle::LeaderVehicle(const PlatoonModel& model)
     : loop_(model.loop.realization), profile_(model.leader), buffer_(1), input_(1) {}
 
@@ -185,17 +180,16 @@ double LeaderVehicle::step() {
 NoisyChannel::NoisyChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver)
     : noise_(seed), deviation_(std::sqrt(noise_variance)), receiver_(receiver) {}
 
-void NoisyChannel::transmit(std::int64_t step, std::uint64_t first_realization,
-                            const std::vector<double>& sent, std::vector<double>& received) const {
+void NoisyChannel::transmit(std::int64_t step, std::uint64_t first_realization, const double* sent,
+                            std::size_t count, double* received) const {
   if (step < 0 || deviation_ == 0.0) {
-    received = sent;
+    std::copy_n(sent, count, received);
     return;
   }
-  received.resize(sent.size());
-  for (std::size_t r = 0; r < sent.size(); r += kTile) {
-    const std::size_t size = std::min(kTile, sent.size() - r);
-    noise_.fill({receiver_, step}, first_realization + r, size, &received[r]);
-    detail::scale_and_add(deviation_, &sent[r], size, &received[r]);
+  for (std::size_t r = 0; r < count; r += kTile) {
+    const std::size_t size = std::min(kTile, count - r);
+    noise_.fill({receiver_, step}, first_realization + r, size, received + r);
+    detail::scale_and_add(deviation_, sent + r, size, received + r);
   }
 }
 

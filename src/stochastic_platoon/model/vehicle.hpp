@@ -14,6 +14,9 @@ namespace platoon {
 /// Realizations that are computed in one go: what a vehicle holds of so many stays in the first level cache.
 constexpr std::size_t kTile = 512;
 
+/// Values from a cache line's border on, as a vector register across two lines costs two.
+using AlignedValues = std::vector<double, boost::alignment::aligned_allocator<double, 64>>;
+
 /// One vehicle's closed loop for a batch of realizations: x(k+1) = A x(k) + B u(k), y(k) = C x(k), eq.
 /// (ith-closedloop).
 ///
@@ -33,28 +36,30 @@ public:
   /// x = (I - A)^-1 B p: at rest at these positions [m].
   void rest_at(const std::vector<double>& positions);
 
-  /// One step for input [m] minus offset [m], and its y = C x [m]. Input and batch must have the same size;
-  /// positions gets it.
-  void step(const std::vector<double>& input, double offset, std::vector<double>& positions);
+  /// One step for input [m] minus offset [m], and its y = C x [m]. Both have the size of the batch.
+  void step(const double* input, double offset, double* positions);
+  void step(const std::vector<double>& input, double offset, std::vector<double>& positions) {
+    positions.resize(size_);
+    step(input.data(), offset, positions.data());
+  }
 
   /// y = C x [m], resized to the batch.
   void output(std::vector<double>& positions) const;
 
 private:
-  using Values = std::vector<double, boost::alignment::aligned_allocator<double, 64>>;
   std::size_t order() const { return b_.size(); }
   std::size_t tiles() const { return (size_ + kTile - 1) / kTile; }
   std::size_t tile_size(std::size_t tile) const { return std::min(kTile, size_ - tile * kTile); }
 
   bool shift_register_;
   std::vector<double> a_;           ///< A row by row; of a shift register its first column
-  std::vector<double> b_, c_;       ///< B, C
+  std::vector<double> b_;           ///< B
+  std::vector<double> c_;           ///< C; empty for a shift register
   std::vector<double> rest_state_;  ///< (I - A)^-1 B
   std::size_t size_ = 0;            ///< realizations
   std::size_t output_place_ = 0;    ///< where x_0 is; x_j is j places behind it, modulo n
-  /// Tile by tile, place by place. Aligned, because a vector register across two cache lines costs two.
-  Values state_;
-  Values next_;  ///< of one tile, which is then copied
+  AlignedValues state_;             ///< tile by tile, place by place
+  AlignedValues next_;              ///< of one tile, which is then copied; empty for a shift register
 };
 
 /// Vehicle i >= 1. Starts at -i delta + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by the
@@ -66,8 +71,13 @@ public:
   /// Step -1 of realizations first .. first + count - 1; writes y_i(-1).
   void start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions);
 
-  /// From the predecessor's step k, as received, to the own step k + 1.
-  void step(const std::vector<double>& received, std::vector<double>& positions);
+  /// From the predecessor's step k, as received, to the own step k + 1. Both have the size of the batch.
+  void step(const double* received, double* positions) {
+    loop_.step(received, standstill_distance_, positions);
+  }
+  void step(const std::vector<double>& received, std::vector<double>& positions) {
+    loop_.step(received, standstill_distance_, positions);
+  }
 
 private:
   ClosedLoopBatch loop_;
@@ -102,8 +112,13 @@ class NoisyChannel {
 public:
   NoisyChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver);
 
+  void transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,
+                double* received) const;
   void transmit(std::int64_t step, std::uint64_t first_realization, const std::vector<double>& sent,
-                std::vector<double>& received) const;
+                std::vector<double>& received) const {
+    received.resize(sent.size());
+    transmit(step, first_realization, sent.data(), sent.size(), received.data());
+  }
 
 private:
   WhiteNoise noise_;

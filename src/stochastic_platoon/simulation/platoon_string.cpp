@@ -21,26 +21,29 @@ PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std:
 }
 
 void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t steps, const ErrorSink& sink) {
+  received_.resize(count);
   errors_.resize(count);
+  for (AlignedValues& positions : predecessor_) positions.resize(count);
+  for (AlignedValues& positions : own_) positions.resize(count);
   latest_.resize(followers_.size() + 1);
   latest_[0].assign(count, leader_.start());
   for (std::size_t i = 1; i < latest_.size(); ++i) followers_[i - 1].start(first, count, latest_[i]);
   for (std::int64_t from = 0; from < steps; from += kStepsAtOnce) {
     const auto here = static_cast<std::size_t>(std::min(kStepsAtOnce, steps - from));
-    own_[0] = latest_[0];
-    for (std::size_t j = 1; j <= here; ++j) own_[j].assign(count, leader_.step());
-    latest_[0] = own_[here];
+    std::copy(latest_[0].begin(), latest_[0].end(), own_[0].begin());
+    for (std::size_t j = 1; j <= here; ++j) std::fill(own_[j].begin(), own_[j].end(), leader_.step());
+    std::copy(own_[here].begin(), own_[here].end(), latest_[0].begin());
     for (std::size_t i = 1; i < latest_.size(); ++i) {
       own_.swap(predecessor_);
-      own_[0] = latest_[i];
+      std::copy(latest_[i].begin(), latest_[i].end(), own_[0].begin());
       for (std::size_t j = 1; j <= here; ++j) {
         const std::int64_t k = from + static_cast<std::int64_t>(j) - 1;
-        channels_[i - 1].transmit(k - 1, first, predecessor_[j - 1], received_);
-        followers_[i - 1].step(received_, own_[j]);
+        channels_[i - 1].transmit(k - 1, first, predecessor_[j - 1].data(), count, received_.data());
+        followers_[i - 1].step(received_.data(), own_[j].data());
         error_(predecessor_[j].data(), own_[j].data(), own_[j - 1].data(), count, errors_.data());
         sink(i, k, errors_);
       }
-      latest_[i] = own_[here];
+      std::copy(own_[here].begin(), own_[here].end(), latest_[i].begin());
     }
   }
 }
@@ -71,9 +74,10 @@ MomentTable work(const PlatoonModel& model, const Ensemble& ensemble, BatchQueue
   std::uint64_t first;
   std::size_t count;
   while (queue.take(&first, &count)) {
+    BatchMoments& batch = statistics.open(first, count);
     string.run(first, count, ensemble.steps,
                [&](std::size_t follower, std::int64_t step, const auto& errors) {
-                 statistics.add(follower, step, first, errors);
+                 batch.set(cell(follower, step, ensemble.steps), errors.data());
                });
     statistics.commit(first);
     queue.finish(count);

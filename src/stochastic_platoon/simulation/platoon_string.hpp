@@ -43,10 +43,11 @@ private:
   TrackingError error_;
 
   // Kept from batch to batch: nothing is allocated in steady state.
-  std::vector<std::vector<double>> latest_;       ///< y_i at the last step made, of every vehicle
-  std::vector<std::vector<double>> predecessor_;  ///< y_{i-1}(from - 1), y_{i-1}(from), ...
-  std::vector<std::vector<double>> own_;          ///< y_i(from - 1), y_i(from), ...
-  std::vector<double> received_, errors_;
+  std::vector<std::vector<double>> latest_;  ///< y_i at the last step made, of every vehicle
+  std::vector<AlignedValues> predecessor_;   ///< y_{i-1}(from - 1), y_{i-1}(from), ...
+  std::vector<AlignedValues> own_;           ///< y_i(from - 1), y_i(from), ...
+  AlignedValues received_;
+  std::vector<double> errors_;
 };
 
 /// Moments of every zeta_i(k) over the realizations, on this many threads. `progress` is called with the

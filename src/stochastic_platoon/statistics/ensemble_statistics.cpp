@@ -6,16 +6,11 @@
 
 namespace platoon {
 
-void EnsembleStatistics::add(std::size_t follower, std::int64_t step, std::uint64_t first_realization,
-                             const std::vector<double>& errors) {
-  open(first_realization, errors.size())->set(cell(follower, step, steps_), errors.data());
-}
-
-std::shared_ptr<BatchMoments> EnsembleStatistics::open(std::uint64_t first_realization, std::size_t size) {
+BatchMoments& EnsembleStatistics::open(std::uint64_t first_realization, std::size_t size) {
   const std::lock_guard<std::mutex> lock(opening_);
-  std::shared_ptr<BatchMoments>& batch = open_[first_realization];
-  if (!batch) batch = std::make_shared<BatchMoments>(first_realization, size, table_.cells());
-  return batch;
+  const auto found = open_.find(first_realization);
+  if (found != open_.end()) return found->second;
+  return open_.try_emplace(first_realization, first_realization, size, table_.cells()).first->second;
 }
 
 void EnsembleStatistics::commit(std::uint64_t first_realization) {
@@ -25,7 +20,7 @@ void EnsembleStatistics::commit(std::uint64_t first_realization) {
     throw std::invalid_argument("batch at realization " + std::to_string(first_realization) +
                                 ": must be open");
   }
-  table_.add(std::move(*batch->second));
+  table_.add(std::move(batch->second));
   open_.erase(batch);
 }
 

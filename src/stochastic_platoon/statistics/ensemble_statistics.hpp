@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -25,15 +24,21 @@ public:
   EnsembleStatistics(std::size_t followers, std::int64_t steps)
       : steps_(steps), table_(followers * static_cast<std::size_t>(steps)) {}
 
+  /// The batch of `size` realizations from first_realization on, begun if it is not open yet. Stays where it
+  /// is until it is committed or discarded.
+  BatchMoments& open(std::uint64_t first_realization, std::size_t size);
+
   /// zeta_i(k) of the batch that begins at first_realization, one value per realization [m]. Several threads
-  /// may do so at once, each for cells of its own.
+  /// may do so at once, each for cells of its own, also while another batch is committed.
   void add(std::size_t follower, std::int64_t step, std::uint64_t first_realization,
-           const std::vector<double>& errors);
+           const std::vector<double>& errors) {
+    open(first_realization, errors.size()).set(cell(follower, step, steps_), errors.data());
+  }
 
   /// Counts the batch in. Throws std::invalid_argument when it is not open.
   void commit(std::uint64_t first_realization);
 
-  /// Forgets the open batches.
+  /// Forgets the open batches. Nobody may be adding to one.
   void discard_open();
 
   /// Takes over what an earlier run had committed. Throws std::invalid_argument as MomentTable::merge does.
@@ -43,13 +48,10 @@ public:
   std::int64_t steps() const { return steps_; }
 
 private:
-  std::shared_ptr<BatchMoments> open(std::uint64_t first_realization, std::size_t size);
-
   std::int64_t steps_;
   MomentTable table_;
-  std::mutex opening_;
-  /// Shared with who is adding: a batch may be discarded meanwhile.
-  std::map<std::uint64_t, std::shared_ptr<BatchMoments>> open_;
+  std::mutex opening_;  ///< of open_
+  std::map<std::uint64_t, BatchMoments> open_;
 };
 
 }  // namespace platoon
