@@ -27,18 +27,6 @@ constexpr double kStartTime = 0.05;        // [s] a vehicle, from launch to its 
 constexpr double kStatisticsPeriod =
     1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
 
-// Lets go of a lock for as long as it lives.
-class Unlocked {
-public:
-  explicit Unlocked(SpinLock& lock) : lock_(lock) { lock_.unlock(); }
-  ~Unlocked() { lock_.lock(); }
-  Unlocked(const Unlocked&) = delete;
-  Unlocked& operator=(const Unlocked&) = delete;
-
-private:
-  SpinLock& lock_;
-};
-
 // Shares the message's array without copying it.
 Positions positions_of(const Position::ConstPtr& message) {
   return Positions(&message->position, [message](const std::vector<double>*) {});
@@ -53,7 +41,7 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
           configuration, recorded_leader(bag_files(configuration.run.leader_bags), configuration.run.steps))),
       statistics_(configuration, configuration.run.steps == 0 ? std::nullopt : starting_point(configuration),
                   [this](const std::function<void()>& work) {
-                    const Unlocked unlocked(lock_);
+                    const Unlocked<SpinLock> unlocked(lock_);
                     work();
                   }),
       display_(

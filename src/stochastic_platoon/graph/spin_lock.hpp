@@ -17,4 +17,17 @@ private:
   std::atomic_flag taken_ = ATOMIC_FLAG_INIT;
 };
 
+/// Lets go of a lock for as long as it lives.
+template <typename Lock>
+class Unlocked {
+public:
+  explicit Unlocked(Lock& lock) : lock_(lock) { lock_.unlock(); }
+  ~Unlocked() { lock_.lock(); }
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+private:
+  Lock& lock_;
+};
+
 }  // namespace platoon

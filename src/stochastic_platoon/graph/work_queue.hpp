@@ -38,7 +38,7 @@ public:
   void run(WorkQueue& at_once) {
     std::vector<Entry> taken, urgent;
     while (ros::ok()) {
-      if (!take(taken)) sleep();
+      if (!wait_for_more(taken)) sleep();
       for (const Entry& entry : taken) {
         call(entry);
         at_once.serve(urgent);
@@ -57,24 +57,24 @@ private:
     if (entry.callback->call() == ros::CallbackInterface::TryAgain) addCallback(entry.callback, entry.owner);
   }
 
+  // All that wait, to an empty list.
+  bool take(std::vector<Entry>& taken) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    taken.swap(waiting_);
+    return !taken.empty();
+  }
+
   void serve(std::vector<Entry>& taken) {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      taken.swap(waiting_);
-    }
+    take(taken);
     for (const Entry& entry : taken) call(entry);
     taken.clear();
   }
 
-  bool take(std::vector<Entry>& taken) {
+  bool wait_for_more(std::vector<Entry>& taken) {
     constexpr std::chrono::microseconds patience(50);  // about what a sleep and a wake-up cost
     const auto until = std::chrono::steady_clock::now() + patience;
     do {
-      {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        taken.swap(waiting_);
-      }
-      if (!taken.empty()) return true;
+      if (take(taken)) return true;
       std::this_thread::yield();
     } while (std::chrono::steady_clock::now() < until);
     return false;
