@@ -215,7 +215,7 @@ def pairs(machine):
     # leader, channel, monitor, until_complete, and a configure that is no node
     first, empty = in_turn(lambda: machine.seconds_to_first_step(100), lambda: machine.seconds_to_empty_nodes(104))
     yield "seconds to the first step, N = 100", "104 empty nodes up", first, empty
-    large, small = machine.memory(realizations=MILLION), machine.memory(realizations=10000)
+    large, small = in_turn(lambda: machine.memory(realizations=MILLION), lambda: machine.memory(realizations=10000))
     yield "memory of the graph, 10^6 realizations [byte]", "10^4 realizations", large, small
     bag = os.path.join(machine.folder, "run.bag")
 

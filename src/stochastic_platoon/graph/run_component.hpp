@@ -16,13 +16,13 @@
 namespace platoon {
 
 /// Keeps freed memory for the next message: given back to the system and asked for again, every 64 kB message
-/// would cost its page faults. Kept are sixteen messages of every vehicle here, about what credit lets be on
-/// their way, or at least a MiB; what a rare burst needed beyond is given back. Otherwise a long run would
-/// sum up the largest burst of every process.
+/// would cost its page faults. Kept are 24 messages of every vehicle here, more than are mostly on their way,
+/// or at least a MiB; what a rare burst needed beyond is given back. Otherwise a long run would sum up the
+/// largest burst of every process.
 inline void keep_freed_memory(const RunOptions& run) {
   const std::size_t vehicles = run.hosting == "one_process" ? run.followers + 1 : 1;
   const std::size_t kept =
-      std::clamp<std::size_t>(16 * vehicles * run.batch * sizeof(double), 1 << 20, 1 << 30);
+      std::clamp<std::size_t>(24 * vehicles * run.batch * sizeof(double), 1 << 20, 1 << 30);
   mallopt(M_TOP_PAD, static_cast<int>(kept));
   mallopt(M_TRIM_THRESHOLD, static_cast<int>(kept + kept / 2));
   mallopt(M_MMAP_THRESHOLD, 1 << 26);
