@@ -20,7 +20,7 @@ std::uint64_t chosen_batch(const RunOptions& options) {
 }
 
 std::int64_t chosen_window(std::uint64_t batch, std::size_t followers) {
-  const std::uint64_t positions_in_flight = std::uint64_t{5} << 19;
+  const std::uint64_t positions_in_flight = std::uint64_t{5} << 19;  // 20 MiB
   const std::uint64_t per_step = std::max<std::uint64_t>(batch * followers, 1);
   return static_cast<std::int64_t>(std::clamp<std::uint64_t>(positions_in_flight / per_step, 4, 256));
 }

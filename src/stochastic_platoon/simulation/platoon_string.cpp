@@ -30,12 +30,12 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
   for (std::size_t i = 1; i < latest_.size(); ++i) followers_[i - 1].start(first, count, latest_[i]);
   for (std::int64_t from = 0; from < steps; from += kStepsAtOnce) {
     const auto here = static_cast<std::size_t>(std::min(kStepsAtOnce, steps - from));
-    std::copy(latest_[0].begin(), latest_[0].end(), own_[0].begin());
-    for (std::size_t j = 1; j <= here; ++j) std::fill(own_[j].begin(), own_[j].end(), leader_.step());
-    std::copy(own_[here].begin(), own_[here].end(), latest_[0].begin());
+    own_[0].assign(latest_[0].begin(), latest_[0].end());
+    for (std::size_t j = 1; j <= here; ++j) own_[j].assign(count, leader_.step());
+    latest_[0].assign(own_[here].begin(), own_[here].end());
     for (std::size_t i = 1; i < latest_.size(); ++i) {
       own_.swap(predecessor_);
-      std::copy(latest_[i].begin(), latest_[i].end(), own_[0].begin());
+      own_[0].assign(latest_[i].begin(), latest_[i].end());
       for (std::size_t j = 1; j <= here; ++j) {
         const std::int64_t k = from + static_cast<std::int64_t>(j) - 1;
         channels_[i - 1].transmit(k - 1, first, predecessor_[j - 1].data(), count, received_.data());
@@ -43,7 +43,7 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
         error_(predecessor_[j].data(), own_[j].data(), own_[j - 1].data(), count, errors_.data());
         sink(i, k, errors_);
       }
-      std::copy(own_[here].begin(), own_[here].end(), latest_[i].begin());
+      latest_[i].assign(own_[here].begin(), own_[here].end());
     }
   }
 }

@@ -8,8 +8,6 @@ namespace platoon {
 
 BatchMoments& EnsembleStatistics::open(std::uint64_t first_realization, std::size_t size) {
   const std::lock_guard<std::mutex> lock(opening_);
-  const auto found = open_.find(first_realization);
-  if (found != open_.end()) return found->second;
   return open_.try_emplace(first_realization, first_realization, size, table_.cells()).first->second;
 }
 
