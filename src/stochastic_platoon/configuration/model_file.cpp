@@ -127,7 +127,7 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
   const std::optional<Loop> loop = read_loop(document, headway, problems);
   document.reject_unknown_keys();
   if (problems.size() == before) {
-    for (const std::string& problem : inadmissibilities(loop->closed, headway, allow_unstable))
+    for (const std::string& problem : violated_assumptions(loop->closed, headway, allow_unstable))
       problems.push_back(problem);
   }
   if (problems.size() > before) return std::nullopt;

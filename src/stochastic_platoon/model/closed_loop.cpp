@@ -49,7 +49,7 @@ bool is_inside_unit_circle(std::complex<double> mode) {
 
 }  // namespace
 
-std::vector<std::string> inadmissibilities(const ClosedLoop& loop, double headway, bool allow_unstable) {
+std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double headway, bool allow_unstable) {
   std::vector<std::string> found;
   const auto report = [&found](const std::ostringstream& text) { found.push_back(text.str()); };
   if (!loop.transfer.is_strictly_proper()) {
@@ -81,7 +81,7 @@ std::vector<std::string> inadmissibilities(const ClosedLoop& loop, double headwa
     report(text);
   }
   try {
-    unit_rest_state(loop.realization);
+    unit_equilibrium(loop.realization);
   } catch (const std::invalid_argument& error) {
     found.emplace_back(error.what());
   }

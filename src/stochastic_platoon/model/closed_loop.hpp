@@ -36,11 +36,11 @@ ClosedLoop closed_loop_from(const StateSpace& realization);
 /// S(z) = 1 - H(z) T(z), not reduced (paper, section 3).
 TransferFunction sensitivity(const TransferFunction& transfer, double headway);
 
-/// What keeps the loop from being admissible, one sentence each, none when it is admissible:
+/// The assumptions that the loop violates, one sentence each; none for a loop that can be run. Assumed are
 /// - T strictly proper and double integral action of G K, that is S with two zeros at z = 1 (paper,
-/// assumption 1 a and b),
+///   assumption 1 a and b),
 /// - rho(A) < 1 and no hidden mode outside the open unit disk, unless `allow_unstable`,
-/// - a state of rest exists, from which the vehicles start.
-std::vector<std::string> inadmissibilities(const ClosedLoop& loop, double headway, bool allow_unstable);
+/// - an equilibrium exists, in which the vehicles start.
+std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double headway, bool allow_unstable);
 
 }  // namespace platoon

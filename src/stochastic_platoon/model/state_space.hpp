@@ -28,9 +28,10 @@ private:
 /// rho(A), the largest modulus of an eigenvalue of A.
 double spectral_radius(const StateSpace& system);
 
-/// State that holds the output at 1 under the constant input 1, (I - A)^-1 B divided by T(1), shape n x 1.
-/// Throws std::invalid_argument when I - A is singular (a mode at z = 1) or T(1) = 0: no such rest exists.
-Eigen::VectorXd unit_rest_state(const StateSpace& system);
+/// Equilibrium with output 1: the state x = A x + B u, C x = 1 of a constant input u, that is (I - A)^-1 B /
+/// T(1), shape n x 1. Throws std::invalid_argument when I - A is singular (a mode at z = 1) or T(1) = 0: then
+/// there is none.
+Eigen::VectorXd unit_equilibrium(const StateSpace& system);
 
 /// Observable canonical realization of a strictly proper fraction: C = [1 0 ... 0]. Minimal if the fraction
 /// is in lowest terms. Throws std::invalid_argument when the fraction is not strictly proper.

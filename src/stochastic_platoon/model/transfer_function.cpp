@@ -13,12 +13,12 @@ namespace {
 
 /// Quotient of a division that is known to leave no remainder.
 Polynomial exact_quotient(const Polynomial& dividend, const Polynomial& divisor) {
-  Polynomial rest = dividend;
+  Polynomial remainder = dividend;
   const Eigen::Index terms = dividend.size() - divisor.size() + 1;
   Polynomial quotient(terms);
   for (Eigen::Index i = 0; i < terms; ++i) {
-    quotient(i) = rest(i) / divisor(0);
-    rest.segment(i, divisor.size()) -= quotient(i) * divisor;
+    quotient(i) = remainder(i) / divisor(0);
+    remainder.segment(i, divisor.size()) -= quotient(i) * divisor;
   }
   return quotient;
 }

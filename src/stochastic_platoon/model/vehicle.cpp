@@ -83,24 +83,24 @@ bool is_shift_register(const StateSpace& system) {
 }  // namespace
 
 ClosedLoopBatch::ClosedLoopBatch(const StateSpace& system) : shift_register_(is_shift_register(system)) {
-  const Eigen::VectorXd rest = unit_rest_state(system);
+  const Eigen::VectorXd equilibrium = unit_equilibrium(system);
   for (Eigen::Index i = 0; i < system.order(); ++i) {
     for (Eigen::Index j = 0; j < (shift_register_ ? 1 : system.order()); ++j) a_.push_back(system.a()(i, j));
     b_.push_back(system.b()(i));
     if (!shift_register_) c_.push_back(system.c()(i));
-    rest_state_.push_back(rest(i));
+    equilibrium_.push_back(equilibrium(i));
   }
   if (!shift_register_) next_.resize(order() * kTile);
 }
 
-void ClosedLoopBatch::rest_at(const std::vector<double>& positions) {
+void ClosedLoopBatch::start_at_equilibrium(const std::vector<double>& positions) {
   size_ = positions.size();
   output_place_ = 0;
   state_.resize(tiles() * order() * kTile);
   for (std::size_t t = 0; t < tiles(); ++t) {
     for (std::size_t j = 0; j < order(); ++j) {
       double* state = &state_[(t * order() + j) * kTile];
-      for (std::size_t r = 0; r < tile_size(t); ++r) state[r] = rest_state_[j] * positions[t * kTile + r];
+      for (std::size_t r = 0; r < tile_size(t); ++r) state[r] = equilibrium_[j] * positions[t * kTile + r];
     }
   }
 }
@@ -155,7 +155,7 @@ void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count,
   } else {
     positions.assign(count, place);
   }
-  loop_.rest_at(positions);
+  loop_.start_at_equilibrium(positions);
   loop_.output(positions);
 }
 
@@ -165,7 +165,7 @@ LeaderVehicle::LeaderVehicle(const PlatoonModel& model)
 double LeaderVehicle::start() {
   step_ = -1;
   buffer_.assign(1, profile_.position(step_));
-  loop_.rest_at(buffer_);
+  loop_.start_at_equilibrium(buffer_);
   loop_.output(buffer_);
   return buffer_.front();
 }

@@ -30,11 +30,11 @@ using AlignedValues = std::vector<double, boost::alignment::aligned_allocator<do
 /// batch it is in.
 class ClosedLoopBatch {
 public:
-  /// Throws std::invalid_argument when the loop has no state of rest.
+  /// Throws std::invalid_argument when the loop has no equilibrium.
   explicit ClosedLoopBatch(const StateSpace& system);
 
-  /// x = (I - A)^-1 B p: at rest at these positions [m].
-  void rest_at(const std::vector<double>& positions);
+  /// x = (I - A)^-1 B p / T(1): in equilibrium with y = p, p being these positions [m].
+  void start_at_equilibrium(const std::vector<double>& positions);
 
   /// One step for input [m] minus offset [m], and its y = C x [m]. Both have the size of the batch.
   void step(const double* input, double offset, double* positions);
@@ -52,14 +52,14 @@ private:
   std::size_t tile_size(std::size_t tile) const { return std::min(kTile, size_ - tile * kTile); }
 
   bool shift_register_;
-  std::vector<double> a_;           ///< A row by row; of a shift register its first column
-  std::vector<double> b_;           ///< B
-  std::vector<double> c_;           ///< C; empty for a shift register
-  std::vector<double> rest_state_;  ///< (I - A)^-1 B
-  std::size_t size_ = 0;            ///< realizations
-  std::size_t output_place_ = 0;    ///< where x_0 is; x_j is j places behind it, modulo n
-  AlignedValues state_;             ///< tile by tile, place by place
-  AlignedValues next_;              ///< of one tile, which is then copied; empty for a shift register
+  std::vector<double> a_;            ///< A row by row; of a shift register its first column
+  std::vector<double> b_;            ///< B
+  std::vector<double> c_;            ///< C; empty for a shift register
+  std::vector<double> equilibrium_;  ///< (I - A)^-1 B / T(1)
+  std::size_t size_ = 0;             ///< realizations
+  std::size_t output_place_ = 0;     ///< where x_0 is; x_j is j places behind it, modulo n
+  AlignedValues state_;              ///< tile by tile, place by place
+  AlignedValues next_;               ///< of one tile, which is then copied; empty for a shift register
 };
 
 /// Vehicle i >= 1. Starts at -i delta + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by the
@@ -87,7 +87,7 @@ private:
   std::uint32_t index_;
 };
 
-/// Vehicle 0: the same closed loop, at rest at 0 and driven noise-free by the virtual leader r_0. One
+/// Vehicle 0: the same closed loop, in equilibrium at 0 and driven noise-free by the virtual leader r_0. One
 /// realization stands for all, as nothing random reaches it.
 class LeaderVehicle {
 public:

@@ -65,7 +65,7 @@ ErrorResponses noise_responses(const LoopFilter& filter, double headway, std::si
 
 /// a_0 = -Hw, a_1 = S w, ... from step -1.
 ErrorResponses position_responses(const LoopFilter& filter, const PlatoonModel& model, std::size_t steps) {
-  const Sequence w = filter.free_response(unit_rest_state(model.loop.realization), steps + 1);
+  const Sequence w = filter.free_response(unit_equilibrium(model.loop.realization), steps + 1);
   const Sequence hw = with_headway(w, model.headway);
   const Sequence sensitivity_of_w = difference(w, with_headway(filter(w), model.headway));
   return {filter, difference(Sequence(steps + 1, 0.0), hw), sensitivity_of_w};
@@ -92,22 +92,22 @@ Sequence leader_displacements(const LeaderProfile& profile, std::size_t steps) {
 std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) {
   const std::size_t count = checked_steps(steps);
   const StateSpace& loop = model.loop.realization;
-  unit_rest_state(loop);
-  // With x = rest r_0 + g the large positions drop out: g(k+1) = A g(k) - rest (r_0(k+1) - r_0(k)) and
-  // y_0 = T(1) r_0 + C g, where T(1) = 1 up to the digits the model was given with.
-  const Eigen::VectorXd rest =
+  unit_equilibrium(loop);
+  // With x = e r_0 + g, e = (I - A)^-1 B, the large positions drop out: g(k+1) = A g(k) - e (r_0(k+1) -
+  // r_0(k)) and y_0 = T(1) r_0 + C g, where T(1) = 1 up to the digits the model was given with.
+  const Eigen::VectorXd equilibrium =
       Eigen::MatrixXd(Eigen::MatrixXd::Identity(loop.order(), loop.order()) - loop.a())
           .fullPivLu()
           .solve(loop.b());
   const bool unit_gain =
       multiplicity_at_one(sensitivity(model.loop.transfer, model.headway).numerator(), 1e-12) > 0;
-  const double gain = unit_gain ? 1.0 : static_cast<double>(loop.c() * rest);
+  const double gain = unit_gain ? 1.0 : static_cast<double>(loop.c() * equilibrium);
   Eigen::VectorXd g = Eigen::VectorXd::Zero(loop.order());
   Sequence error(count, 0.0);
   double lag_before = 0.0;
   const Sequence moved = leader_displacements(model.leader, count);
   for (std::size_t k = 1; k < count; ++k) {
-    g = loop.a() * g - rest * moved[k];
+    g = loop.a() * g - equilibrium * moved[k];
     const double lag = loop.c() * g;
     error[k] = (1.0 - gain) * model.leader.position(static_cast<std::int64_t>(k)) -
                model.headway * gain * moved[k] - (1.0 + model.headway) * lag + model.headway * lag_before;

@@ -32,7 +32,8 @@ private:
 /// structure of the string: eq. (mu_z_recursive_all) and S = 1 - HT make the response of zeta_{j+m} to the
 /// noise d_j
 ///     g_0 = -HT,   g_m = S T^m for m >= 1,
-/// and to the initial position p_j, with w(k) = C A^{k+1} x the way x(-1) = x p_j comes to rest,
+/// and to the initial position p_j, with w(k) = C A^{k+1} x the free motion that begins at x(-1) = x p_j, x
+/// the unit equilibrium,
 ///     a_0 = -H w,  a_m = S T^{m-1} w for m >= 1 (sequences that begin at step -1).
 /// With P_d the noise variance, mu and V mean and variance of the initial positions, and zeta_0 the leader's
 /// error,
@@ -41,7 +42,7 @@ private:
 /// The standstill distance cancels. O(followers steps) time, O(steps) memory beyond the result. Holds for
 /// unstable loops too, as far as the numbers reach.
 ///
-/// Throws std::invalid_argument unless followers >= 1 and steps >= 1, and when the loop has no state of rest.
+/// Throws std::invalid_argument unless followers >= 1 and steps >= 1, and when the loop has no equilibrium.
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
 /// zeta_0(k) [m] for k = 0 .. steps-1, the error of the leader behind the virtual leader: zeta_0 = S r_0

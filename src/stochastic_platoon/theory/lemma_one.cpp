@@ -31,12 +31,12 @@ InitialString initial_string(const PlatoonModel& model, std::size_t followers) {
   const double h = model.headway;
   const Eigen::Index n = vehicle.order();
   const auto count = static_cast<Eigen::Index>(followers);
-  const Eigen::VectorXd rest = unit_rest_state(vehicle);
-  const Eigen::VectorXd left = vehicle.a() * rest;
+  const Eigen::VectorXd equilibrium = unit_equilibrium(vehicle);
+  const Eigen::VectorXd left = vehicle.a() * equilibrium;
   InitialString initial;
   initial.response = Eigen::MatrixXd::Zero(n * count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    initial.response.block(i * n, i, n, 1) = h * rest - (1.0 + h) * left;
+    initial.response.block(i * n, i, n, 1) = h * equilibrium - (1.0 + h) * left;
     if (i > 0) initial.response.block(i * n, i - 1, n, 1) = left - (1.0 + h) * vehicle.b();
     if (i > 1) initial.response.block(i * n, i - 2, n, 1) = vehicle.b();
   }

@@ -13,8 +13,8 @@
 
 namespace platoon {
 
-/// Mean and covariance of xi(0), as the platoon starts: at step -1 follower i rests at p_i = mean + noise in
-/// the formation's coordinates, x_i(-1) = x p_i with x the unit state of rest, x_0(-1) = 0, no noise; so
+/// Mean and covariance of xi(0), as the platoon starts: at step -1 follower i stands at p_i = mean + noise in
+/// the formation's coordinates, x_i(-1) = x p_i with x the unit equilibrium, x_0(-1) = 0, no noise; so
 ///     xi_i(0) = (h x - (1+h) A x) p_i + (A x - (1+h) B) p_{i-1} + B p_{i-2},   p_0 = p_{-1} = 0.
 struct InitialString {
   Eigen::MatrixXd response;    ///< nN x N: xi(0) = response p
@@ -22,7 +22,7 @@ struct InitialString {
   Eigen::MatrixXd covariance;  ///< nN x nN [m^2], of rank N at most
 };
 
-/// Throws std::invalid_argument unless followers >= 1 and h > 0, and when the loop has no state of rest.
+/// Throws std::invalid_argument unless followers >= 1, and when the loop has no equilibrium.
 InitialString initial_string(const PlatoonModel& model, std::size_t followers);
 
 /// Eqs. (means_all) and (variance_all) for k = 0 .. steps-1. Throws as error_moments does.

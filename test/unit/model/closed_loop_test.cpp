@@ -52,7 +52,7 @@ TEST(ClosedLoop, OfThePapersExampleHasOrderThreeAndTheseCoefficients) {
     const Eigen::Vector4d denominator(1.0, -1.11, 1.0 - 2.0 * 0.89 + 1.35, 0.89 - k * h);
     EXPECT_LT((loop.transfer.denominator() - denominator).cwiseAbs().maxCoeff(), 1e-15);
     EXPECT_EQ(loop.hidden_modes, Zeros{0.0});
-    EXPECT_TRUE(inadmissibilities(loop, h, false).empty());
+    EXPECT_TRUE(violated_assumptions(loop, h, false).empty());
   }
 }
 
@@ -124,7 +124,7 @@ TEST(ClosedLoop, HasEveryOrderFromTwoToSix) {
         ramp_tracking(random_polynomial(order, generator), 3.0, order > 2 ? 0.01 : 0.0);
     const ClosedLoop loop = closed_loop_from(observable_canonical(t));
     EXPECT_EQ(loop.transfer.denominator().size() - 1, order);
-    EXPECT_TRUE(inadmissibilities(loop, 3.0, false).empty()) << order;
+    EXPECT_TRUE(violated_assumptions(loop, 3.0, false).empty()) << order;
   }
 }
 
@@ -140,7 +140,7 @@ TEST(ClosedLoop, GivenByItsRealizationIsKeptAsItIs) {
   EXPECT_EQ(loop.realization.c(), dense.c());
   EXPECT_LT(distance(loop.transfer, paper.transfer), 1e-12);
   EXPECT_TRUE(loop.hidden_modes.empty());
-  EXPECT_TRUE(inadmissibilities(loop, 3.2, false).empty());
+  EXPECT_TRUE(violated_assumptions(loop, 3.2, false).empty());
 }
 
 TEST(ClosedLoop, GivenByARealizationThatIsNotMinimalHasAMinimalTransferFunction) {
@@ -155,7 +155,7 @@ TEST(ClosedLoop, GivenByARealizationThatIsNotMinimalHasAMinimalTransferFunction)
   const ClosedLoop loop = closed_loop_from({a, b, c});
   EXPECT_EQ(loop.realization.order(), 4);
   EXPECT_EQ(loop.transfer.denominator().size() - 1, 3);
-  EXPECT_TRUE(inadmissibilities(loop, 3.2, false).empty());
+  EXPECT_TRUE(violated_assumptions(loop, 3.2, false).empty());
 }
 
 TEST(ClosedLoop, ThatIsNotStrictlyProperIsRefused) {
@@ -164,14 +164,14 @@ TEST(ClosedLoop, ThatIsNotStrictlyProperIsRefused) {
   EXPECT_THROW(close_loop(plant, fraction(0.1, {0.5, 0.4, 0.3, 0.1}, {0.2}), 3.2), std::invalid_argument);
   const ClosedLoop paper = paper_platoon().loop;
   const ClosedLoop proper{fraction(0.1, {0.5}, {0.2}), paper.realization, {}};
-  EXPECT_TRUE(any_contains(inadmissibilities(proper, 3.2, true), "T(z) is not strictly proper"));
+  EXPECT_TRUE(any_contains(violated_assumptions(proper, 3.2, true), "T(z) is not strictly proper"));
 }
 
-TEST(Inadmissibilities, NameTheMissingDoubleIntegralAction) {
+TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralAction) {
   const TransferFunction controller = fraction(0.05, {0.0}, {-0.89});
   for (const Zeros& poles : {Zeros{1.0, 0.5}, Zeros{0.5, 0.6}, Zeros{{0.9, 0.3}}}) {
     const std::vector<std::string> found =
-        inadmissibilities(close_loop(fraction(1.0, {}, poles), controller, 3.2), 3.2, true);
+        violated_assumptions(close_loop(fraction(1.0, {}, poles), controller, 3.2), 3.2, true);
     ASSERT_EQ(found.size(), 1u);
     EXPECT_NE(found[0].find(
                   "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and "
@@ -180,94 +180,94 @@ TEST(Inadmissibilities, NameTheMissingDoubleIntegralAction) {
   }
   // A controller zero at 1 takes one of the plant's two integrators away.
   const ClosedLoop loop = close_loop(fraction(0.1, {}, {1.0, 1.0}), fraction(1.0, {1.0}, {0.2}), 3.2);
-  EXPECT_TRUE(any_contains(inadmissibilities(loop, 3.2, true), "no double integral action"));
+  EXPECT_TRUE(any_contains(violated_assumptions(loop, 3.2, true), "no double integral action"));
 }
 
-TEST(Inadmissibilities, AreSilentAboutTripleIntegralAction) {
+TEST(ViolatedAssumptions, AreSilentAboutTripleIntegralAction) {
   const ClosedLoop loop =
       close_loop(fraction(0.02, {}, {1.0, 1.0}), fraction(1.0, {0.97, 0.9}, {1.0, 0.1}), 5.0);
-  EXPECT_TRUE(inadmissibilities(loop, 5.0, false).empty());
+  EXPECT_TRUE(violated_assumptions(loop, 5.0, false).empty());
 }
 
 // A vehicle with drag (time constant 50 s) and engine lag (0.3 s), sampled at 200 Hz, has one integrator
 // only.
-TEST(Inadmissibilities, NameTheMissingDoubleIntegralActionOfAFastSampledVehicle) {
+TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralActionOfAFastSampledVehicle) {
   const TransferFunction plant = fraction(1e-6, {}, {1.0, 0.9999, 0.983});
   const ClosedLoop loop = close_loop(plant, fraction(1.0, {0.99}, {0.5}), 200.0);
-  EXPECT_TRUE(any_contains(inadmissibilities(loop, 200.0, true), "no double integral action"));
+  EXPECT_TRUE(any_contains(violated_assumptions(loop, 200.0, true), "no double integral action"));
 }
 
 // T(1) = 1, yet dT/dz(1) is half of what a ramp asks for: three closed loop poles at 0.97.
-TEST(Inadmissibilities, NameTheMissingDoubleIntegralActionOfASlowLoop) {
+TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralActionOfASlowLoop) {
   const Polynomial d = polynomial_with_zeros({0.97, 0.97, 0.97});
   const ClosedLoop loop = closed_loop_from(observable_canonical(ramp_tracking(d, 0.5)));
-  ASSERT_TRUE(inadmissibilities(loop, 0.5, false).empty());
-  EXPECT_TRUE(any_contains(inadmissibilities(loop, 1.0, false), "no double integral action"));
+  ASSERT_TRUE(violated_assumptions(loop, 0.5, false).empty());
+  EXPECT_TRUE(any_contains(violated_assumptions(loop, 1.0, false), "no double integral action"));
 }
 
-TEST(Inadmissibilities, AcceptARealizationGivenToSixDigits) {
+TEST(ViolatedAssumptions, AcceptARealizationGivenToSixDigits) {
   const auto rounded = [](double value) { return std::stod(std::to_string(value)); };
   const StateSpace paper = paper_platoon().loop.realization;
   const StateSpace given(paper.a().unaryExpr(rounded), paper.b().unaryExpr(rounded), paper.c());
-  EXPECT_TRUE(inadmissibilities(closed_loop_from(given), 3.2, false).empty());
+  EXPECT_TRUE(violated_assumptions(closed_loop_from(given), 3.2, false).empty());
 }
 
-TEST(Inadmissibilities, NameTheUnstableLoopUnlessItIsAllowed) {
+TEST(ViolatedAssumptions, NameTheUnstableLoopUnlessItIsAllowed) {
   const ClosedLoop loop = close_loop(fraction(1.0, {}, {1.0, 1.0}), fraction(3.0, {0.0}, {-0.89}), 3.2);
   ASSERT_GT(spectral_radius(loop.realization), 1.0);
-  const std::vector<std::string> found = inadmissibilities(loop, 3.2, false);
+  const std::vector<std::string> found = violated_assumptions(loop, 3.2, false);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].find("the closed loop is unstable: rho(A) = "), 0u);
   EXPECT_NE(found[0].find("must be < 1 (allow_unstable: true runs it all the same)"), std::string::npos);
-  EXPECT_TRUE(inadmissibilities(loop, 3.2, true).empty());
+  EXPECT_TRUE(violated_assumptions(loop, 3.2, true).empty());
 }
 
-TEST(Inadmissibilities, NameTheHiddenUnstableModeUnlessItIsAllowed) {
+TEST(ViolatedAssumptions, NameTheHiddenUnstableModeUnlessItIsAllowed) {
   const ClosedLoop real =
       close_loop(fraction(0.02, {}, {1.0, 1.0, 1.25}), fraction(1.0, {0.9, 1.25}, {0.1, -0.2}), 5.0);
   ASSERT_LT(spectral_radius(real.realization), 1.0);
-  EXPECT_EQ(inadmissibilities(real, 5.0, false),
+  EXPECT_EQ(violated_assumptions(real, 5.0, false),
             std::vector<std::string>{
                 "G(z) K(z) cancels an unstable mode at z = 1.25: cancelled modes must lie inside "
                 "the unit circle (allow_unstable: true runs it all the same)"});
-  EXPECT_TRUE(inadmissibilities(real, 5.0, true).empty());
+  EXPECT_TRUE(violated_assumptions(real, 5.0, true).empty());
   const std::complex<double> mode(0.75, 1.0);
   const ClosedLoop pair =
       close_loop(fraction(0.02, {}, {1.0, 1.0, mode}), fraction(1.0, {0.9, mode}, {0.1, -0.2, 0.3}), 5.0);
-  const std::vector<std::string> found = inadmissibilities(pair, 5.0, false);
+  const std::vector<std::string> found = violated_assumptions(pair, 5.0, false);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NE(found[0].find("at z = 0.75 +- i 1:"), std::string::npos) << found[0];
 }
 
 // The plant's third integrator against the controller's zero at 1; the mode's modulus is 1 up to rounding.
-TEST(Inadmissibilities, NameTheHiddenModeOnTheUnitCircle) {
+TEST(ViolatedAssumptions, NameTheHiddenModeOnTheUnitCircle) {
   int silent = 0;
   for (int trial = 0; trial < 100; ++trial) {
     const double pole = -0.5 + 0.01 * trial;
     const ClosedLoop loop =
         close_loop(fraction(0.02, {}, {1.0, 1.0, 1.0}), fraction(1.0, {1.0, 0.9}, {pole, -0.2}), 5.0);
     ASSERT_EQ(loop.hidden_modes.size(), 1u);
-    if (!any_contains(inadmissibilities(loop, 5.0, false), "cancels an unstable mode at z = 1")) ++silent;
+    if (!any_contains(violated_assumptions(loop, 5.0, false), "cancels an unstable mode at z = 1")) ++silent;
   }
   EXPECT_EQ(silent, 0) << "of 100 loops";
 }
 
-TEST(Inadmissibilities, AreSilentAboutAHiddenStableMode) {
+TEST(ViolatedAssumptions, AreSilentAboutAHiddenStableMode) {
   const ClosedLoop loop =
       close_loop(fraction(0.02, {}, {1.0, 1.0, 0.8}), fraction(1.0, {0.9, 0.8}, {0.1, -0.2}), 5.0);
   EXPECT_EQ(loop.hidden_modes.size(), 1u);
-  EXPECT_TRUE(inadmissibilities(loop, 5.0, false).empty());
+  EXPECT_TRUE(violated_assumptions(loop, 5.0, false).empty());
 }
 
-TEST(Inadmissibilities, NameTheMissingStateOfRest) {
+TEST(ViolatedAssumptions, NameTheMissingEquilibrium) {
   Eigen::Matrix2d a;
   a << 1.0, 0.1, 0.0, 0.5;
   const ClosedLoop integrator =
       closed_loop_from({a, Eigen::Vector2d(0.0, 1.0), Eigen::RowVector2d(1.0, 0.0)});
-  EXPECT_TRUE(any_contains(inadmissibilities(integrator, 3.2, true), "A: has an eigenvalue at 1"));
+  EXPECT_TRUE(any_contains(violated_assumptions(integrator, 3.2, true), "A: has an eigenvalue at 1"));
   const ClosedLoop blocked = closed_loop_from(observable_canonical(fraction(0.1, {1.0}, {0.5, 0.2})));
-  const std::vector<std::string> found = inadmissibilities(blocked, 3.2, false);
-  EXPECT_TRUE(any_contains(found, "T(1) = 0: no state of rest with output 1 exists"));
+  const std::vector<std::string> found = violated_assumptions(blocked, 3.2, false);
+  EXPECT_TRUE(any_contains(found, "T(1) = 0: no equilibrium with output 1 exists"));
   EXPECT_TRUE(any_contains(found, "no double integral action"));
 }
 

@@ -110,7 +110,7 @@ TEST(StateSpace, RestStateStaysAndHasTheOutputOne) {
   std::mt19937 generator(3);
   for (Eigen::Index order = 1; order <= 6; ++order) {
     const StateSpace system = random_system(order, generator);
-    const Eigen::VectorXd state = unit_rest_state(system);
+    const Eigen::VectorXd state = unit_equilibrium(system);
     const double gain = transfer_function(system)(1.0).real();
     EXPECT_LT((system.a() * state + system.b() / gain - state).norm(), 1e-12 * (1.0 + state.norm()));
     EXPECT_NEAR(system.c() * state, 1.0, 1e-12);
@@ -121,8 +121,8 @@ TEST(StateSpace, WithoutAStateOfRestThereIsNone) {
   const Eigen::Vector2d b(1.0, 1.0);
   Eigen::Matrix2d integrator;
   integrator << 1.0, 0.0, 0.0, 0.5;
-  EXPECT_THROW(unit_rest_state({integrator, b, Eigen::RowVector2d(1.0, 1.0)}), std::invalid_argument);
-  EXPECT_THROW(unit_rest_state({0.5 * Eigen::Matrix2d::Identity(), b, Eigen::RowVector2d(1.0, -1.0)}),
+  EXPECT_THROW(unit_equilibrium({integrator, b, Eigen::RowVector2d(1.0, 1.0)}), std::invalid_argument);
+  EXPECT_THROW(unit_equilibrium({0.5 * Eigen::Matrix2d::Identity(), b, Eigen::RowVector2d(1.0, -1.0)}),
                std::invalid_argument);
 }
 

@@ -63,7 +63,7 @@ TEST(ClosedLoopBatch, AnswersWithTheConvolutionOfItsImpulseResponse) {
     }
     const std::vector<double> input = random_values(kSteps, 1);
     ClosedLoopBatch loop(system);
-    loop.rest_at({0.0});
+    loop.start_at_equilibrium({0.0});
     std::vector<double> output;
     for (std::size_t k = 0; k < kSteps; ++k) {
       double expected = 0.0;
@@ -79,8 +79,8 @@ TEST(ClosedLoopBatch, AnswersWithTheConvolutionOfItsImpulseResponse) {
 TEST(ClosedLoopBatch, TakesTheOffsetFromItsInput) {
   ClosedLoopBatch with_offset(dense_loop()), without(dense_loop());
   std::vector<double> one, other;
-  with_offset.rest_at({1.0, -2.0});
-  without.rest_at({1.0, -2.0});
+  with_offset.start_at_equilibrium({1.0, -2.0});
+  without.start_at_equilibrium({1.0, -2.0});
   for (int k = 0; k < 20; ++k) {
     with_offset.step({4.0 + k, 7.0}, 2.5, one);
     without.step({1.5 + k, 4.5}, 0.0, other);
@@ -92,7 +92,7 @@ TEST(ClosedLoopBatch, StaysAtRest) {
   const std::vector<double> places = {0.0, 1.0, -3.7, 250.0};
   for (const StateSpace& system : loops()) {
     ClosedLoopBatch loop(system);
-    loop.rest_at(places);
+    loop.start_at_equilibrium(places);
     for (int k = 0; k < 500; ++k) {
       std::vector<double> output;
       loop.output(output);
@@ -106,10 +106,10 @@ TEST(ClosedLoopBatch, StaysAtRest) {
 TEST(ClosedLoopBatch, RestsWhereItIsPutWhateverItDidBefore) {
   for (const StateSpace& system : loops()) {
     ClosedLoopBatch loop(system), fresh(system);
-    loop.rest_at({1.0, 2.0, 3.0});
+    loop.start_at_equilibrium({1.0, 2.0, 3.0});
     std::vector<double> output, expected;
     for (int k = 0; k < 5; ++k) loop.step({9.0, -9.0, 4.0}, 0.0, output);
-    for (ClosedLoopBatch* batch : {&loop, &fresh}) batch->rest_at({5.0, -1.0});
+    for (ClosedLoopBatch* batch : {&loop, &fresh}) batch->start_at_equilibrium({5.0, -1.0});
     for (int k = 0; k < 5; ++k) {
       loop.step({0.5, 0.25}, 0.0, output);
       fresh.step({0.5, 0.25}, 0.0, expected);
@@ -129,7 +129,7 @@ TEST(ClosedLoopBatch, GivesTheSameBitsInEveryBatch) {
         return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(count));
       };
       ClosedLoopBatch loop(system);
-      loop.rest_at(part(places, 0));
+      loop.start_at_equilibrium(part(places, 0));
       std::vector<std::vector<double>> outputs(kSteps);
       for (std::size_t k = 0; k < kSteps; ++k) loop.step(part(input, k), 0.3, outputs[k]);
       return outputs;

@@ -46,10 +46,10 @@ TEST(PlatoonString, ErrorsAreThoseOfTheEquationsWrittenOut) {
     WhiteNoise(8).fill({i, k}, kRealization, 1, &value);
     return value;
   };
-  const Eigen::VectorXd rest = unit_rest_state(loop);
-  std::vector<Eigen::VectorXd> x = {0.0 * rest};
+  const Eigen::VectorXd equilibrium = unit_equilibrium(loop);
+  std::vector<Eigen::VectorXd> x = {0.0 * equilibrium};
   for (std::uint32_t i = 1; i <= kFollowers; ++i)
-    x.push_back(rest * (-7.0 * i + 0.8 + std::sqrt(0.3) * g(i, -1)));
+    x.push_back(equilibrium * (-7.0 * i + 0.8 + std::sqrt(0.3) * g(i, -1)));
   PlatoonString string(model, 8, kFollowers);
   const Errors found = errors_of(string, kRealization, 1, kSteps);
   ASSERT_EQ(found.size(), static_cast<std::size_t>(kFollowers * kSteps));

@@ -24,7 +24,7 @@ std::vector<double> run_string(const PlatoonModel& model, std::size_t followers,
   if (!led) ahead.assign(steps + 1, 0.0);
   for (std::size_t i = 0; i < followers; ++i) {
     ClosedLoopBatch loop(model.loop.realization);
-    loop.rest_at({initial[i]});
+    loop.start_at_equilibrium({initial[i]});
     std::vector<double> own;
     for (std::size_t k = 0; k <= steps; ++k) {
       std::vector<double> y;
@@ -99,7 +99,7 @@ TEST(ErrorMoments, FirstErrorsAreKnownInClosedForm) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const ErrorMoments moments = error_moments(model, 2, 1);
   const double b = model.loop.realization.c() * model.loop.realization.a() *
-                   unit_rest_state(model.loop.realization);  // y(0) of a vehicle at 1 that hears 0
+                   unit_equilibrium(model.loop.realization);  // y(0) of a vehicle at 1 that hears 0
   EXPECT_NEAR(moments.mean_at(1, 0), -0.8 * (4.2 * b - 3.2), 1e-14);
   EXPECT_NEAR(moments.variance_at(1, 0), 0.3 * (4.2 * b - 3.2) * (4.2 * b - 3.2), 1e-14);
 }

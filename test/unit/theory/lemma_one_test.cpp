@@ -32,12 +32,12 @@ TEST(LemmaOne, InitialStateIsThatOfVehiclesThatStoodStillAndMadeOneStep) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const StateSpace& loop = model.loop.realization;
   const Eigen::Vector3d p(0.7, -1.1, 0.4);
-  const Eigen::VectorXd rest = unit_rest_state(loop);
+  const Eigen::VectorXd equilibrium = unit_equilibrium(loop);
   const Eigen::VectorXd xi = initial_string(model, 3).response * p;
   Eigen::VectorXd ahead = Eigen::VectorXd::Zero(3);  // x_{i-1}(0)
   double heard = 0.0;                                // y_{i-1}(-1)
   for (Eigen::Index i = 0; i < 3; ++i) {
-    const Eigen::VectorXd before = rest * p(i);
+    const Eigen::VectorXd before = equilibrium * p(i);
     const Eigen::VectorXd now = loop.a() * before + loop.b() * heard;
     const Eigen::VectorXd expected = ahead - now - 3.2 * (now - before);
     EXPECT_LT((xi.segment(3 * i, 3) - expected).cwiseAbs().maxCoeff(), 1e-14);

@@ -34,7 +34,7 @@ TEST(LoopFilter, IsLinearAndTimeInvariant) {
 
 TEST(LoopFilter, UnitRestDecaysFromOneUnderNoInput) {
   const StateSpace loop = paper_loop(3.2).realization;
-  const std::vector<double> w = LoopFilter(loop).free_response(unit_rest_state(loop), 5000);
+  const std::vector<double> w = LoopFilter(loop).free_response(unit_equilibrium(loop), 5000);
   EXPECT_NEAR(w[0], 1.0, 1e-15);
   EXPECT_EQ(w[4999], 0.0) << "a decayed state is zero, not subnormal";
 }
