@@ -4,7 +4,7 @@
 platoon_packages=(
   cmake g++ make
   ros-core rosbash ros-message-generation ros-message-runtime libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev libvisualization-msgs-dev ros-std-msgs
-  libboost-program-options-dev libeigen3-dev librandom123-dev libyaml-cpp-dev nlohmann-json3-dev
+  libboost-program-options-dev libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev
   python3-matplotlib python3-numpy
 )
 

@@ -25,7 +25,7 @@ inline void keep_freed_memory(const RunOptions& run) {
       std::clamp<std::size_t>(24 * vehicles * run.batch * sizeof(double), 1 << 20, 1 << 30);
   mallopt(M_TOP_PAD, static_cast<int>(kept));
   mallopt(M_TRIM_THRESHOLD, static_cast<int>(kept + kept / 2));
-  mallopt(M_MMAP_THRESHOLD, 1 << 26);
+  mallopt(M_MMAP_THRESHOLD, 1 << 25);  // 32 MiB: the most that older glibc takes
 }
 
 /// ros::spin() without its busy loop at the end: while ROS shuts down, the global queue no longer waits for

@@ -1,7 +1,5 @@
 #include "stochastic_platoon/model/white_noise.hpp"
 
-#include <Random123/philox.h>
-
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define PLATOON_NAMED_WIDTHS
 #include <immintrin.h>
@@ -113,6 +111,12 @@ PLATOON_INLINE Pair twice_cos_sin(std::uint64_t word) {
 }  // namespace
 
 namespace detail {
+
+// Philox4x32: the multipliers of a round and what a round adds to the key (Salmon et al., 2011).
+constexpr std::uint64_t kMultiplier0 = 0xd2511f53;
+constexpr std::uint64_t kMultiplier1 = 0xcd9e8d57;
+constexpr std::uint32_t kWeyl0 = 0x9e3779b9;
+constexpr std::uint32_t kWeyl1 = 0xbb67ae85;
 
 #ifdef PLATOON_NAMED_WIDTHS
 
