@@ -28,15 +28,21 @@ platoon_setup() {
   # Catkin breaks with a python3 other than Debian's.
   export PATH=/usr/bin:$PATH
   platoon_install "${platoon_packages[@]}" "$@"
-  local build=$source_folder/build
+  local build=$source_folder/build devel=$source_folder/devel
   local testing=${platoon_testing:-OFF}
-  if [ ! -f "$build/Makefile" ] ||
+  # rosrun passes over everything under <package>/build, hence a devel space beside it. Of one that lies there still, roslaunch
+  # would find each program twice.
+  if ! grep -qsxF "CATKIN_DEVEL_PREFIX:PATH=$devel" "$build/CMakeCache.txt"; then
+    rm -rf "$build/devel" "$build/CMakeCache.txt"
+  fi
+  if [ ! -f "$build/Makefile" ] || [ ! -f "$build/CMakeCache.txt" ] ||
     { [ "$testing" = ON ] && ! grep -q '^CATKIN_ENABLE_TESTING:BOOL=ON' "$build/CMakeCache.txt"; }; then
-    cmake -S "$source_folder" -B "$build" -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING="$testing"
+    cmake -S "$source_folder" -B "$build" -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_DEVEL_PREFIX="$devel" \
+      -DCATKIN_ENABLE_TESTING="$testing"
   fi
   make --no-print-directory -C "$build" -j"$(nproc)" ${platoon_targets:-all}
   set +u
-  . "$build/devel/setup.bash"
+  . "$devel/setup.bash"
   set -u
   # Everything stays on this machine.
   export ROS_HOSTNAME=localhost
