@@ -35,7 +35,7 @@ platoon_setup() {
   if ! grep -qsxF "CATKIN_DEVEL_PREFIX:PATH=$devel" "$build/CMakeCache.txt"; then
     rm -rf "$build/devel" "$build/CMakeCache.txt"
   fi
-  if [ ! -f "$build/Makefile" ] || [ ! -f "$build/CMakeCache.txt" ] ||
+  if [ ! -f "$build/Makefile" ] || [ ! -f "$build/CMakeCache.txt" ] || [ ! -f "$devel/setup.bash" ] ||
     { [ "$testing" = ON ] && ! grep -q '^CATKIN_ENABLE_TESTING:BOOL=ON' "$build/CMakeCache.txt"; }; then
     cmake -S "$source_folder" -B "$build" -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_DEVEL_PREFIX="$devel" \
       -DCATKIN_ENABLE_TESTING="$testing"
