@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "stochastic_platoon/bags/bag_statistics.hpp"
+#include "stochastic_platoon/configuration/version.hpp"
 #include "stochastic_platoon/results/atomic_file.hpp"
 #include "stochastic_platoon/results/progress_display.hpp"
 #include "stochastic_platoon/results/text.hpp"
@@ -28,6 +29,7 @@ Arguments parse(int argc, char** argv) {
   options::options_description description(
       "bag_statistics BAG...: statistics of a recorded platoon (several bags: a split one)");
   description.add_options()("help", "print this")                                     //
+      ("version", "print the version")                                                //
       ("bag", options::value(&arguments.bags), "bag files; may stand without --bag")  //
       ("output", options::value(&arguments.output),
        "folder for statistics.csv and summary.json; without it none")                              //
@@ -40,6 +42,10 @@ Arguments parse(int argc, char** argv) {
   options::store(options::command_line_parser(argc, argv).options(description).positional(positional).run(),
                  values);
   options::notify(values);
+  if (values.count("version") > 0) {
+    std::cout << "stochastic_platoon " << platoon::kVersion << "\n";
+    std::exit(0);
+  }
   if (values.count("help") > 0 || arguments.bags.empty()) {
     (values.count("help") > 0 ? std::cout : std::cerr) << description;
     std::exit(values.count("help") > 0 ? 0 : 2);

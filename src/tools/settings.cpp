@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <iostream>
 
+#include "stochastic_platoon/configuration/version.hpp"
+
 namespace platoon {
 
 namespace {
@@ -53,7 +55,7 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
   std::map<std::string, std::string> help = extra;
   for (const std::string& name : accepted) help[name] = setting_help().at(name);
   options::options_description description(purpose);
-  description.add_options()("help", "print this");
+  description.add_options()("help", "print this")("version", "print the version");
   for (const auto& entry : help) {
     description.add_options()(option_name(entry.first).c_str(), options::value<std::string>(),
                               entry.second.c_str());
@@ -72,6 +74,10 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
                    values);
     if (values.count("help") > 0) {
       std::cout << description;
+      std::exit(0);
+    }
+    if (values.count("version") > 0) {
+      std::cout << "stochastic_platoon " << kVersion << "\n";
       std::exit(0);
     }
     for (const auto& entry : help) {

@@ -10,7 +10,8 @@ namespace platoon {
 /// in `accepted`, and for the tool's own `extra` options (name -> help). Values are checked by the
 /// configuration's parser, not here.
 ///
-/// Prints the help and exits for --help; prints what is wrong and exits with status 2 for an unknown option.
+/// Prints the help or the version and exits for --help and --version; prints what is wrong and exits with
+/// status 2 for an unknown option.
 std::map<std::string, std::string> parse_command_line(int argc, char** argv, const std::string& purpose,
                                                       const std::set<std::string>& accepted,
                                                       const std::map<std::string, std::string>& extra);

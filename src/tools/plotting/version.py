@@ -1,0 +1,15 @@
+"""The version of the package that this program belongs to."""
+
+import os
+import xml.etree.ElementTree
+
+# Where package.xml lies, seen from here: in the source tree, and where the package is installed.
+MANIFESTS = ("../../../package.xml", "../../../share/stochastic_platoon/package.xml")
+
+
+def package_version():
+    for manifest in MANIFESTS:
+        path = os.path.join(os.path.dirname(os.path.realpath(__file__)), manifest)
+        if os.path.exists(path):
+            return xml.etree.ElementTree.parse(path).findtext("version")
+    return "unknown"
