@@ -1,0 +1,60 @@
+#!/usr/bin/python3
+"""The tools that need no master, as programs: what all have in common, and the bits of the paper's example."""
+
+import hashlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import live_platoon
+
+TOOLS = ["analyze", "bag_statistics", "configure", "monte_carlo"]
+
+
+def run(*command):
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+
+
+class EveryTool(unittest.TestCase):
+    def programs(self):
+        return [live_platoon.executable(tool) for tool in TOOLS] + [live_platoon.shared("src", "tools", "plot")]
+
+    def test_prints_the_version_of_the_package(self):
+        version = run("rosversion", "stochastic_platoon").stdout.strip()
+        for program in self.programs():
+            done = run(program, "--version")
+            self.assertEqual((done.returncode, done.stdout), (0, "stochastic_platoon {}\n".format(version)), program)
+
+    def test_prints_its_help(self):
+        for program in self.programs():
+            done = run(program, "--help")
+            self.assertEqual(done.returncode, 0, program)
+            self.assertIn("--version", done.stdout)
+
+    def test_refuses_an_option_that_it_does_not_know(self):
+        for program in self.programs():
+            self.assertNotEqual(run(program, "--nothing").returncode, 0, program)
+
+
+class PaperExample(unittest.TestCase):
+    """20 followers, 100 steps, 10000 realizations, seed 1. A change that is meant to give other numbers changes these digests, and
+    says so in CHANGELOG.rst: recordings and checkpoints of before then no longer go with the program."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def digest(self, headway):
+        csv = live_platoon.reference(self.folder, headway=headway, followers=20, steps=100, realizations=10000, seed=1)
+        return hashlib.sha256(csv).hexdigest()
+
+    def test_keeps_its_bits_where_the_string_is_stable(self):
+        self.assertEqual(self.digest(3.2), "cecd050f752f8e2311b629b5433921810d07552ec0a653c8901b951c8b96f49a")
+
+    def test_keeps_its_bits_where_the_string_is_not_stable(self):
+        self.assertEqual(self.digest(2.4), "b850513af6785eec82749c504607b16a6e906094282f9f728875593c1496a1d6")
+
+
+if __name__ == "__main__":
+    unittest.main()

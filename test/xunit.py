@@ -1,0 +1,49 @@
+#!/usr/bin/python3
+"""xunit.py RESULT NAME PROGRAM...: runs a program as a test that `catkin test` and ctest see, with RESULT as its JUnit file.
+
+The test fails unless the program ends with status 0; status 77 means that it cannot be run here. What it prints goes to the screen
+as it comes, and, of a test that has not passed, into the file.
+"""
+
+import os
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as tree
+
+SKIPPED = 77
+
+
+def run(program):
+    """Status and output."""
+    process = subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, errors="replace")
+    printed = []
+    for line in process.stdout:
+        sys.stdout.write(line)
+        sys.stdout.flush()
+        printed.append(line)
+    return process.wait(), "".join(printed)
+
+
+def report(name, status, printed, seconds):
+    passed, skipped = status == 0, status == SKIPPED
+    suite = tree.Element("testsuite", name=name, tests="1", errors="0", failures=str(int(not passed and not skipped)),
+                         skipped=str(int(skipped)), time="{:.3f}".format(seconds))
+    case = tree.SubElement(suite, "testcase", classname=name, name=name, time=suite.get("time"))
+    if not passed:
+        found = tree.SubElement(case, "skipped" if skipped else "failure", message="status {}".format(status))
+        # XML has no place for most control characters.
+        found.text = "".join(character for character in printed if character.isprintable() or character in "\n\t")
+    return tree.ElementTree(suite)
+
+
+def main(result, name, *program):
+    os.makedirs(os.path.dirname(os.path.abspath(result)), exist_ok=True)
+    began = time.monotonic()
+    status, printed = run(program)
+    report(name, status, printed, time.monotonic() - began).write(result, encoding="utf-8", xml_declaration=True)
+    return 0 if status == SKIPPED else status
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
