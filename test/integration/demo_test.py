@@ -1,0 +1,78 @@
+#!/usr/bin/python3
+"""launch/demo as a person runs it: on a terminal, into a file, and when it fails."""
+
+import os
+import pty
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+DEMO = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "launch", "demo")
+
+
+class Demo(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.results = os.path.join(self.folder, "demo")
+
+    def environment(self, realizations):
+        return dict(os.environ, HOME=self.folder, ROS_HOME=self.folder, REALIZATIONS=str(realizations))
+
+    def run_demo(self, realizations):
+        return subprocess.run([DEMO, self.results], env=self.environment(realizations), stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, universal_newlines=True, errors="replace")
+
+    def run_demo_on_a_terminal(self, realizations):
+        """Status, and what came to the terminal."""
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen([DEMO, self.results], env=self.environment(realizations), stdout=theirs, stderr=theirs,
+                                   stdin=theirs)
+        os.close(theirs)
+        printed = b""
+        try:
+            while True:
+                printed += os.read(ours, 4096)
+        except OSError:  # the terminal's other end is closed
+            os.close(ours)
+        return process.wait(), printed.decode(errors="replace")
+
+    def check_screen(self, text):
+        for headway in ("3.2", "2.4"):
+            self.assertIn("roslaunch's own output: {}/headway-{}.log".format(self.results, headway), text)
+            self.assertIn("Platoon of 20 followers, h = {}".format(headway), text)
+            self.assertTrue(os.path.exists("{}/headway-{}.log".format(self.results, headway)))
+        self.assertEqual(len(re.findall(r"^ +20 ", text, re.MULTILINE)), 2)
+        self.assertIn("h = 3.2: string stable", text)
+        self.assertIn("h = 2.4: NOT string stable", text)
+        self.assertIn("100 %", text)
+        self.assertTrue(os.path.exists(self.results + "/errors.png"))
+        self.assertIn(self.results + "/errors.png", text)
+        for noise in ("process[", "SUMMARY", "REQUIRED", "killing on exit"):
+            self.assertNotIn(noise, text)
+
+    def test_prints_progress_a_table_per_headway_and_the_verdicts(self):
+        done = self.run_demo(2000)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.check_screen(done.stdout)
+
+    def test_keeps_the_progress_on_one_line_of_a_terminal(self):
+        status, text = self.run_demo_on_a_terminal(50000)
+        self.assertEqual(status, 0, text)
+        self.check_screen(text)
+        progress = [line for line in text.split("\n") if " realizations  " in line]
+        self.assertEqual(len(progress), 2)
+        self.assertGreater(progress[0].count("\r["), 2)
+
+    def test_shows_the_whole_log_of_a_run_that_fails(self):
+        done = self.run_demo(0)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("realizations: 0: must be", done.stdout)
+        self.assertIn("The run did not end complete", done.stdout)
+        self.assertNotIn("h = 2.4", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
