@@ -15,6 +15,10 @@ platoon_install() {
     [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
   done
   [ ${#missing[@]} -eq 0 ] && return
+  if ! grep -qs '^VERSION_CODENAME=bookworm' /etc/os-release; then
+    echo "Missing: ${missing[*]}. These are Debian 12's names: on ROS Noetic build the package in a catkin workspace (README.md)." >&2
+    return 1
+  fi
   echo "Installing: ${missing[*]}"
   local root=()
   [ "$(id -u)" -eq 0 ] || root=(sudo)
