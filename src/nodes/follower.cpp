@@ -1,32 +1,47 @@
+// One follower. Parameter ~index: i of vehicle_<i>, 1 or more. It outlives runs: where there is none yet, or
+// none that has a vehicle of its index, it waits for one.
+
 #include "stochastic_platoon/graph/follower.hpp"
 
-#include "stochastic_platoon/graph/receiving_thread.hpp"
-#include "stochastic_platoon/graph/run_component.hpp"
+#include "stochastic_platoon/hosting/receiving_thread.hpp"
+#include "stochastic_platoon/hosting/run_component.hpp"
 
 namespace {
 
-// Private parameter ~index: i of vehicle_<i>, 1 .. N.
-std::uint32_t read_index(std::size_t followers) {
+std::uint32_t read_index() {
   int index = 0;
   const bool given = ros::NodeHandle("~").getParam("index", index);
-  if (given && index >= 1 && static_cast<std::size_t>(index) <= followers)
-    return static_cast<std::uint32_t>(index);
+  if (given && index >= 1) return static_cast<std::uint32_t>(index);
   throw platoon::ConfigurationError({"~index: " + (given ? std::to_string(index) : std::string("missing")) +
-                                     ": must be a whole number from 1 to " + std::to_string(followers) +
-                                     ", the number of followers"});
+                                     ": must be a whole number, 1 or more"});
 }
 
-void run(ros::NodeHandle node, const platoon::Configuration& configuration) {
+// The present run, if there is one that this vehicle can take part in.
+std::optional<platoon::Configuration> present_run(const ros::NodeHandle& platoon, std::uint32_t index) {
+  try {
+    const std::optional<platoon::Configuration> found = platoon::read_configuration(platoon);
+    if (!found || index <= found->run.followers) return found;
+    ROS_WARN_STREAM("~index: " << index << ": must be a whole number from 1 to " << found->run.followers
+                               << ", the number of followers of the present run: waiting for another run");
+  } catch (const platoon::ConfigurationError& error) {
+    ROS_WARN_STREAM("vehicle_" << index << " waits for another run: " << error.what());
+  }
+  return std::nullopt;
+}
+
+void run(ros::NodeHandle platoon) {
+  const std::uint32_t index = read_index();
   platoon::ReceivingThread receiving_thread;
-  node.setCallbackQueue(&receiving_thread);
-  const platoon::Follower follower(node, configuration, read_index(configuration.run.followers),
-                                   platoon::MessagePool());
-  platoon::spin();
+  platoon.setCallbackQueue(&receiving_thread);
+  const platoon::Follower follower(
+      platoon, present_run(platoon, index), index, platoon::MessagePool(),
+      [](const platoon::Configuration& joined) { platoon::keep_freed_memory(joined.run, 1); });
+  platoon::Superseded().spin();
 }
 
 }  // namespace
 
 // No rosout: with one publisher per vehicle it would cost more than the platoon.
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "follower", ros::init_options::NoRosout, run);
+  return platoon::run_node(argc, argv, {"follower", ros::init_options::NoRosout}, run);
 }

@@ -1,16 +1,17 @@
 #include "stochastic_platoon/graph/markers.hpp"
 
-#include "stochastic_platoon/graph/run_component.hpp"
+#include "stochastic_platoon/hosting/run_component.hpp"
 
 namespace {
 
-void run(const ros::NodeHandle& node, const platoon::Configuration& configuration) {
-  const platoon::Markers markers(node, configuration);
-  platoon::spin();
+void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
+         platoon::Superseded& superseded) {
+  const platoon::Markers markers(platoon, configuration, superseded.join());
+  superseded.spin();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "markers", 0, run);
+  return platoon::run_component(argc, argv, {"markers"}, run);
 }

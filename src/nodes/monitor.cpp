@@ -1,17 +1,19 @@
 #include "stochastic_platoon/graph/monitor.hpp"
 
-#include "stochastic_platoon/graph/run_component.hpp"
+#include "stochastic_platoon/hosting/run_component.hpp"
 
 namespace {
 
-void run(const ros::NodeHandle& node, const platoon::Configuration& configuration) {
-  platoon::Monitor monitor(node, configuration);
-  platoon::spin();
+void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
+         platoon::Superseded& superseded) {
+  const auto all_on_one = [&platoon](std::size_t) { return platoon; };
+  platoon::Monitor monitor(platoon, configuration, all_on_one, superseded.join());
+  superseded.spin();
   monitor.stop();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "monitor", 0, run);
+  return platoon::run_component(argc, argv, {"monitor"}, run);
 }

@@ -4,23 +4,24 @@
 #include "stochastic_platoon/graph/player.hpp"
 
 #include "stochastic_platoon/bags/bag_reader.hpp"
-#include "stochastic_platoon/graph/run_component.hpp"
+#include "stochastic_platoon/hosting/run_component.hpp"
 
 namespace {
 
-void run(const ros::NodeHandle& node, const platoon::Configuration& configuration) {
-  ros::NodeHandle own("~");
+void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
+         platoon::Superseded& superseded) {
+  const ros::NodeHandle own("~");
   platoon::PlayerOptions options;
   options.bags = platoon::bag_files(own.param<std::string>("bags", ""));
   options.rate = own.param("rate", 0.0);
   options.start = own.param("start", 0.0);
   options.paused = own.param("pause", false);
-  const platoon::Player player(node, own, configuration, options);
-  platoon::spin();
+  const platoon::Player player(platoon, own, configuration, options);
+  superseded.spin();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "player", 0, run);
+  return platoon::run_component(argc, argv, {"player"}, run);
 }

@@ -6,28 +6,31 @@
 #include <algorithm>
 #include <map>
 
-#include "stochastic_platoon/graph/run_component.hpp"
-#include "stochastic_platoon/graph/wire.hpp"
+#include "stochastic_platoon/hosting/run_component.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace {
 
-void run(ros::NodeHandle node, const platoon::Configuration& configuration) {
+void run(ros::NodeHandle platoon, const platoon::Configuration& configuration,
+         platoon::Superseded& superseded) {
+  const std::uint64_t own_run = platoon::run_identity(configuration);
   std::map<std::string, bool> finished;
   for (const std::string& receiver : configuration.run.receivers()) finished[receiver] = false;
   const boost::function<void(const stochastic_platoon::Progress::ConstPtr&)> receive =
-      [&finished](const stochastic_platoon::Progress::ConstPtr& message) {
+      [&finished, own_run](const stochastic_platoon::Progress::ConstPtr& message) {
         const auto receiver = finished.find(message->receiver);
-        if (receiver == finished.end()) return;
+        if (receiver == finished.end() || message->run != own_run) return;
         receiver->second = message->finished;
         if (std::all_of(finished.begin(), finished.end(), [](const auto& entry) { return entry.second; }))
           ros::shutdown();
       };
-  const ros::Subscriber progress = node.subscribe<stochastic_platoon::Progress>("progress", 100, receive);
-  platoon::spin();
+  const ros::Subscriber progress =
+      platoon.subscribe<stochastic_platoon::Progress>(platoon::kProgressTopic, 100, receive);
+  superseded.spin();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "until_complete", 0, run);
+  return platoon::run_component(argc, argv, {"until_complete"}, run);
 }

@@ -9,13 +9,15 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/bags/bag_reader.hpp"
-#include "stochastic_platoon/graph/run_component.hpp"
+#include "stochastic_platoon/hosting/run_component.hpp"
 
 namespace {
 
-void run(const ros::NodeHandle& node, const platoon::Configuration& configuration) {
-  ros::NodeHandle own("~");
-  const platoon::VehicleReplay replay(node, configuration,
+void run(const ros::NodeHandle& platoon) {
+  const std::optional<platoon::Configuration> configuration = platoon::wait_for_configuration(platoon);
+  if (!configuration) return;
+  const ros::NodeHandle own("~");
+  const platoon::VehicleReplay replay(platoon, *configuration,
                                       platoon::bag_files(own.param<std::string>("bags", "")),
                                       static_cast<std::size_t>(own.param("vehicle", 0)));
   while (ros::ok() && !replay.done()) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
@@ -28,5 +30,5 @@ void run(const ros::NodeHandle& node, const platoon::Configuration& configuratio
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, "vehicle_replay", 0, run);
+  return platoon::run_node(argc, argv, {"vehicle_replay"}, run);
 }

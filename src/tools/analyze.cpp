@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <iostream>
 
+#include "stochastic_platoon/analysis/analysis.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
-#include "stochastic_platoon/results/analysis.hpp"
-#include "stochastic_platoon/results/atomic_file.hpp"
+#include "stochastic_platoon/io/atomic_file.hpp"
 #include "tools/settings.hpp"
 
 namespace {
@@ -31,14 +31,16 @@ void write(const std::string& file, const std::string& content) {
   platoon::write_atomically(std::filesystem::absolute(file).string(), content);
 }
 
-void run_sweep(const platoon::PlatoonModel& model, const std::map<std::string, std::string>& own,
-               nlohmann::json& document) {
+std::vector<platoon::SweepPoint> run_sweep(const platoon::PlatoonModel& model,
+                                           const std::map<std::string, std::string>& own) {
+  if (own.count("sweep_headway") == 0) return {};
   const std::vector<double> headways = spaced("--sweep-headway", own.at("sweep_headway"));
   const std::vector<double> gains =
       own.count("sweep_gain") > 0 ? spaced("--sweep-gain", own.at("sweep_gain")) : std::vector<double>();
-  const std::vector<platoon::SweepPoint> points = platoon::sweep(model, headways, gains);
-  document["sweep"] = platoon::to_json(points);
-  if (own.count("csv") > 0) return write(own.at("csv"), platoon::to_csv(points));
+  return platoon::sweep(model, headways, gains);
+}
+
+void print(const std::vector<platoon::SweepPoint>& points) {
   std::cout << "\n   headway        gain      rho(A)    peak |T|   string stable\n";
   for (const platoon::SweepPoint& point : points) {
     std::printf("%10.6g %11.6g %11.6g %11.9g   %s\n", point.headway, point.gain,
@@ -73,14 +75,17 @@ int main(int argc, char** argv) {
     std::cout << settings["model"] << "\n";
     const platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));
-    if (configuration.run.steps == 0)
+    if (configuration.run.averaging() == platoon::Averaging::over_time)
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 here"});
     const platoon::PlatoonModel& model = configuration.model;
+    const std::vector<platoon::SweepPoint> points = run_sweep(model, own);
     const platoon::Analysis analysis =
         platoon::analyze(model, configuration.run.followers, configuration.run.steps);
     std::cout << platoon::report(model, analysis);
     nlohmann::json document = platoon::to_json(model, analysis);
-    if (own.count("sweep_headway") > 0) run_sweep(model, own, document);
+    if (!points.empty()) document["sweep"] = platoon::to_json(points);
+    if (own.count("csv") > 0) write(own["csv"], platoon::to_csv(points));
+    if (!points.empty() && own.count("csv") == 0) print(points);
     if (own.count("json") > 0) write(own["json"], document.dump(1) + "\n");
     return 0;
   } catch (const std::exception& error) {

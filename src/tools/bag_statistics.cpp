@@ -9,9 +9,10 @@
 
 #include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/configuration/version.hpp"
-#include "stochastic_platoon/results/atomic_file.hpp"
-#include "stochastic_platoon/results/progress_display.hpp"
-#include "stochastic_platoon/results/text.hpp"
+#include "stochastic_platoon/io/atomic_file.hpp"
+#include "stochastic_platoon/io/progress_display.hpp"
+#include "stochastic_platoon/io/text.hpp"
+#include "stochastic_platoon/results/run_report.hpp"
 
 namespace {
 
@@ -73,8 +74,9 @@ bool is_usable(const platoon::BagStatistics& statistics, const Arguments& argume
     std::cerr << platoon::printable(topic) << ": foreign: passed over\n";
   }
   for (const std::string& finding : statistics.findings) std::cerr << finding << "\n";
-  const bool whole =
-      statistics.findings.empty() && (statistics.result.complete || statistics.configuration.run.steps == 0);
+  const bool whole = statistics.findings.empty() &&
+                     (statistics.result.complete ||
+                      statistics.configuration.run.averaging() == platoon::Averaging::over_time);
   if (!whole && !arguments.partial) {
     std::cerr << arguments.bags.front()
               << ": the recording is not complete; --partial uses its whole batches\n";
@@ -92,12 +94,12 @@ int main(int argc, char** argv) {
     platoon::BagStatistics statistics = read(arguments);
     if (!is_usable(statistics, arguments)) return 1;
     platoon::Configuration& configuration = statistics.configuration;
-    configuration.run.hosting = "bag";
+    configuration.run.hosting = platoon::Hosting::bag;
     configuration.run.output = arguments.output;
     const platoon::Prediction prediction = platoon::predict(configuration);
     if (!arguments.output.empty()) {
       configuration.run.resume = false;
-      configuration.run.launch.clear();
+      configuration.run.launch_id.clear();
       platoon::starting_point(configuration);  // refuses a folder that holds results
       platoon::write_results(configuration, prediction, statistics.result);
     }

@@ -11,9 +11,11 @@
 #include <iostream>
 #include <optional>
 
+#include "stochastic_platoon/bags/bag_reader.hpp"
 #include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
-#include "stochastic_platoon/results/atomic_file.hpp"
+#include "stochastic_platoon/configuration/settings.hpp"
+#include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/results/checkpoint.hpp"
 #include "tools/settings.hpp"
 
@@ -73,41 +75,45 @@ std::map<std::string, std::string> given(const std::map<std::string, std::string
 
 // The recorded configuration for another run: nothing of where and how the recorded one ran.
 platoon::Configuration recorded(const std::string& bags) {
-  platoon::Configuration configuration =
-      platoon::recorded_platoon(platoon::bag_files(bags), false).configuration;
+  platoon::Configuration configuration = platoon::recorded_platoon(platoon::bag_files(bags)).configuration;
   configuration.run.record.clear();
-  configuration.run.leader_bags.clear();
   configuration.run.resume = false;
   configuration.run.rate = 0.0;
-  configuration.run.hosting = "processes";
+  configuration.run.first_realization = 0;
   return configuration;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::set<std::string> accepted;
-  for (const auto& entry : platoon::default_settings()) accepted.insert(entry.first);
+  std::set<std::string> accepted{"model"};
+  for (const platoon::Setting& setting : platoon::settings()) accepted.insert(setting.name);
   std::map<std::string, std::string> settings = platoon::parse_command_line(
       argc, argv, "Checks a platoon's configuration and prints it for the parameter server", accepted,
-      {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"}});
+      {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
+       {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"}});
   try {
     const std::string bags = settings["bag"];
+    const bool behind_recorded_leader = settings["recorded_leader"] == "true";
     settings.erase("bag");
-    if (settings["launch"].empty()) settings["launch"] = new_launch_name();
-    if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch"]);
+    settings.erase("recorded_leader");
+    if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();
+    if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);
     settings["output"] = absolute(settings["output"]);
     if (!settings["record"].empty()) settings["record"] = absolute(settings["record"]);
     platoon::Configuration configuration = platoon::parse_configuration(
         bags.empty() ? platoon::configuration_document(settings)
                      : platoon::configuration_document(recorded(bags), given(settings)));
-    if (configuration.run.steps > 0) {
+    if (behind_recorded_leader) {
+      configuration.model.recorded_leader =
+          platoon::recorded_leader(platoon::bag_files(bags), configuration.run.steps);
+    }
+    if (configuration.run.averaging() == platoon::Averaging::over_realizations) {
       const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
       if (start) configuration.run.first_realization = start->table.count();
     }
-    platoon::recorded_leader(platoon::bag_files(configuration.run.leader_bags), configuration.run.steps);
     require_free_recording(configuration.run);
-    std::cout << platoon::to_json(configuration).dump(2) << "\n";
+    std::cout << platoon::to_json(configuration).dump() << "\n";
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "\nstochastic_platoon: the configuration is not valid: " << error.what() << "\n\n";

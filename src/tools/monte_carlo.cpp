@@ -5,8 +5,9 @@
 #include <iostream>
 #include <thread>
 
-#include "stochastic_platoon/results/progress_display.hpp"
-#include "stochastic_platoon/results/run_result.hpp"
+#include "stochastic_platoon/io/progress_display.hpp"
+#include "stochastic_platoon/results/checkpoint.hpp"
+#include "stochastic_platoon/results/run_report.hpp"
 #include "stochastic_platoon/simulation/platoon_string.hpp"
 #include "tools/settings.hpp"
 
@@ -51,8 +52,8 @@ int main(int argc, char** argv) {
     settings.emplace("batch", "512");  // what a vehicle needs of so many fits the second level cache
     platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));
-    configuration.run.hosting = "monte_carlo";
-    if (configuration.run.steps == 0)
+    configuration.run.hosting = platoon::Hosting::monte_carlo;
+    if (configuration.run.averaging() == platoon::Averaging::over_time)
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
     if (configuration.run.output.empty())
       throw platoon::ConfigurationError({"output: (empty): must be a folder"});

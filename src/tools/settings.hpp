@@ -6,7 +6,7 @@
 
 namespace platoon {
 
-/// The command line of a tool: --name value for every setting of the platoon (see default_settings()) named
+/// The command line of a tool: --name value for every setting of the platoon (see settings()) named
 /// in `accepted`, and for the tool's own `extra` options (name -> help). Values are checked by the
 /// configuration's parser, not here.
 ///

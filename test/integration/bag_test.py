@@ -86,14 +86,7 @@ class RecordAndReplay(BagTest):
         self.assertEqual(self.csv_of(*[os.path.join(self.folder, part) for part in parts]), live_platoon.statistics(self.output))
 
     def test_plain_rosbag_record_of_a_paced_run_is_complete(self):
-        port = live_platoon.free_port()
-        environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
-                           ROS_HOME=self.folder)
-        core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL,
-                                stderr=subprocess.DEVNULL)
-        self.addCleanup(core.wait)
-        self.addCleanup(core.terminate)
-        live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", environment["ROS_MASTER_URI"]), "the master")
+        environment = dict(os.environ, ROS_MASTER_URI=self.roscore(), ROS_HOSTNAME="localhost", ROS_HOME=self.folder)
         plain = os.path.join(self.folder, "plain.bag")
         recorder = subprocess.Popen([live_platoon.system_executable("rosbag", "record"), "-a", "-O", plain, "__name:=plain"],
                                     env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -145,7 +138,7 @@ class Killed(BagTest):
                 terminal = self.launch(record=self.bag, followers=3, steps=20, realizations=20000, batch=1000, rate=120,
                                        stall_timeout=0.5, record_split_mb=split)
                 terminal.wait_for_text("/20000 realizations")
-                live_platoon.kill("/platoon/recorder", terminal.master)
+                live_platoon.kill("/platoon/channel", terminal.master)
                 terminal.wait()
                 self.assertGreater(live_platoon.completed_summary(self.output)["attempts"], 1)
                 names = [name for name in sorted(os.listdir(self.folder)) if name.startswith("run{}".format(split))]
@@ -224,6 +217,28 @@ class SmallBag(unittest.TestCase):
         with open(os.path.join(DATA, "small_statistics.csv"), "rb") as file:
             self.assertEqual(live_platoon.statistics(output), file.read())
         self.assertTrue(live_platoon.completed_summary(output))
+
+    def test_a_bag_of_version_0_1_0_is_refused_by_name(self):
+        self.refused(os.path.join(DATA, "small_0.1.0.bag"), "small_0.1.0.bag: was recorded by stochastic_platoon 0.1.0: must be of")
+
+    def test_messages_of_another_run_are_named_and_not_used(self):
+        def forge(topic, message):
+            if topic.endswith("vehicle_1/position") and message.first_realization == 4:
+                message.run ^= 1
+            return 1
+
+        self.refused(self.altered("foreign.bag", forge), "vehicle_1/position: step -1 of the realizations from 4 is of another run")
+        self.assertEqual(self.partial(os.path.join(self.folder, "foreign.bag"))["realizations"], 4)
+
+    def test_a_bag_of_two_runs_is_refused(self):
+        from std_msgs.msg import String
+        path = os.path.join(self.folder, "two.bag")
+        with rosbag.Bag(self.small) as source, rosbag.Bag(path, "w") as target:
+            for topic, message, time in source.read_messages():
+                target.write(topic, message, time)
+                if topic.endswith("configuration"):
+                    target.write(topic, String(message.data.replace('"seed":1', '"seed":2')), time)
+        self.refused(path, "two.bag: holds more than one run of a platoon: must hold one")
 
     def test_results_are_not_written_over(self):
         output = os.path.join(self.folder, "run")

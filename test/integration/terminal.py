@@ -56,8 +56,21 @@ class LaunchTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         self.output = os.path.join(self.folder, "run")
 
+    def roscore(self):
+        """A master that outlives launches; its address."""
+        port = live_platoon.free_port()
+        master = "http://localhost:{}".format(port)
+        environment = dict(os.environ, ROS_MASTER_URI=master, ROS_HOSTNAME="localhost", ROS_HOME=self.folder)
+        core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL)
+        self.addCleanup(core.wait)
+        self.addCleanup(core.terminate)
+        live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", master), "the master")
+        return master
+
     def launch(self, file="platoon.launch", **arguments):
         arguments.setdefault("output", self.output)
+        arguments = {name: value for name, value in arguments.items() if value is not None}
         terminal = Terminal(self.folder, file, **arguments)
         self.addCleanup(terminal.end)
         return terminal

@@ -18,8 +18,8 @@ BATCH = 10
 REALIZATIONS = 1200
 
 
-def message(attempt, first, step, position):
-    return Position(attempt=attempt, first_realization=first, step=step, position=position)
+def message(run, attempt, first, step, position):
+    return Position(run=run, attempt=attempt, first_realization=first, step=step, position=position)
 
 
 class Wire(unittest.TestCase):
@@ -50,17 +50,20 @@ class Wire(unittest.TestCase):
                     (now.step, BATCH, 1.0),     # a duplicate
                     (STEPS + 8, 3, 1.0),        # a wrong batch size and out of turn
             ]:
-                publisher.publish(message(now.attempt, now.first_realization, step, [value] * size))
+                publisher.publish(message(now.run, now.attempt, now.first_realization, step, [value] * size))
             # In turn by their names, as a new attempt at the first batch, but not to be used.
-            publisher.publish(message(now.attempt + 1, 0, -1, [1.0] * (BATCH + 1)))
-            publisher.publish(message(now.attempt + 1, 0, -1, []))
-            publisher.publish(message(now.attempt + 1, 0, -1, [math.nan] * BATCH))
-            publisher.publish(message(now.attempt + 1, 0, -1, [math.inf] * BATCH))
+            publisher.publish(message(now.run, now.attempt + 1, 0, -1, [1.0] * (BATCH + 1)))
+            publisher.publish(message(now.run, now.attempt + 1, 0, -1, []))
+            publisher.publish(message(now.run, now.attempt + 1, 0, -1, [math.nan] * BATCH))
+            publisher.publish(message(now.run, now.attempt + 1, 0, -1, [math.inf] * BATCH))
+            # A new attempt by its name, but of another run.
+            publisher.publish(message(now.run ^ 1, now.attempt + 1, 0, -1, [1.0] * BATCH))
+            publisher.publish(message(0, now.attempt + 1, 0, -1, [1.0] * BATCH))
 
         def all_counted():
             # A report comes once a second at most, with the counts so far: one more foreign message brings the next.
-            publishers[0].publish(message(now.attempt, now.first_realization, STEPS + 7, [1.0] * BATCH))
-            counts = [re.search(r"vehicle_2/position: .*so far (\d+) out of turn, (\d+) of wrong size, (\d+) not finite", text)
+            publishers[0].publish(message(now.run, now.attempt, now.first_realization, STEPS + 7, [1.0] * BATCH))
+            counts = [re.search(r"vehicle_2/position: .*so far (\d+) out of turn, (\d+) of wrong size, (\d+) not finite, (\d+) of another run", text)
                       for text in cls.said]
             return [match.groups() for match in counts if match and "0" not in match.groups()]
 
@@ -73,9 +76,9 @@ class Wire(unittest.TestCase):
         self.assertEqual(self.summary["attempts"], self.attempts, "a foreign message began an attempt")
 
     def test_they_are_reported(self):
-        out_of_turn, wrong_size, not_finite = (int(count) for count in self.counted[-1])
+        out_of_turn, wrong_size, not_finite, foreign_run = (int(count) for count in self.counted[-1])
         self.assertGreaterEqual(out_of_turn, 4)
-        self.assertEqual((wrong_size, not_finite), (2, 2))
+        self.assertEqual((wrong_size, not_finite, foreign_run), (2, 2, 2))
 
     def test_the_stamps_are_platoon_time_and_never_go_back(self):
         period = 0.1

@@ -15,9 +15,9 @@ inline Configuration paper_run(const std::string& output, double headway = 3.2) 
   run.realizations = 20;
   run.batch = 8;
   run.seed = 1;
-  run.hosting = "processes";
+  run.hosting = Hosting::processes;
   run.output = output;
-  run.launch = "this launch";
+  run.launch_id = "this launch";
   run.window = 4;
   run.stall_timeout = 2.0;
   return {paper_platoon(headway), run};

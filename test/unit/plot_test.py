@@ -73,6 +73,7 @@ class PlotTest(unittest.TestCase):
     def make_analysis(self, name="analysis.json", **changes):
         analysis = {"spectral_radius": 0.5, "mean_square_stable": True, "string_stable": True,
                     "stationary_variance": [2.0, 3.0, 3.5], "limit_variance": 4.0, "transfer": transfer(3.2),
+                    "peak_gain": 1.0, "peak_frequency": 0.0,
                     "norms": {"mean_l2": [0.4, 0.7, 1.1], "variance_linf": [2.0, 3.0, 4.0],
                               "mean_bound": 1.5, "variance_bound": 4.5}}
         analysis.update(changes)
@@ -193,15 +194,14 @@ class Figures(PlotTest):
 
 
 class Numbers(PlotTest):
-    def test_the_peak_of_the_gain_is_the_papers(self):
-        loop = plot.gain.Loop("", **transfer(2.4))
-        self.assertAlmostEqual(plot.gain.peak(loop)[0], 0.610896, 6)
-        self.assertAlmostEqual(plot.gain.peak(loop)[1], 1.1588996213, 9)
-
-    def test_the_peak_of_a_string_stable_platoon_is_one_at_frequency_zero(self):
-        frequency, height = plot.gain.peak(plot.gain.Loop("", **transfer(3.2)))
-        self.assertEqual(frequency, 0.0)
-        self.assertAlmostEqual(height, 1.0, 12)
+    def test_the_peak_of_the_gain_is_where_the_analysis_has_it(self):
+        path = self.make_analysis(transfer=transfer(2.4), peak_gain=1.1588996213, peak_frequency=0.610896)
+        loop = plot.gain.read_loop(plot.inputs.read_analysis(path))
+        figure = plot.gain.draw([loop], [])
+        self.assertEqual(figure.axes[0].get_lines()[1].get_xydata().tolist(), [[0.610896, 1.1588996213]])
+        # The curve itself has its highest point there, to the square of its grid's width.
+        curve = figure.axes[0].get_lines()[0]
+        self.assertAlmostEqual(max(curve.get_ydata()), 1.1588996213, 6)
 
     def test_curves_hold_the_files_values(self):
         run = plot.inputs.read_run(self.make_run(rows=list(reversed(self.rows()))))

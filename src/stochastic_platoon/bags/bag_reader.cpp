@@ -66,13 +66,13 @@ TopicReading reading_of(const BagContent& content, const std::string& name, cons
   return {};
 }
 
-BagRest read_bags(const std::vector<std::string>& files, const BagContent& content) {
-  BagRest rest;
+BagRemainder read_bags(const std::vector<std::string>& files, const BagContent& content) {
+  BagRemainder remainder;
   std::map<std::string, PlatoonTopic> wanted;
   const auto is_wanted = [&](const rosbag::ConnectionInfo* connection) {
     const TopicReading reading =
         reading_of(content, connection->topic, connection->datatype, connection->md5sum);
-    if (!reading.topic) rest.foreign_topics.insert(connection->topic);
+    if (!reading.topic) remainder.foreign_topics.insert(connection->topic);
     if (reading.wanted) wanted.emplace(connection->topic, *reading.topic);
     return reading.wanted;
   };
@@ -99,7 +99,7 @@ BagRest read_bags(const std::vector<std::string>& files, const BagContent& conte
   } catch (const ros::serialization::StreamOverrunException& reason) {
     throw BagError(files.front() + ": holds a message that is cut off: " + reason.what());
   }
-  return rest;
+  return remainder;
 }
 
 }  // namespace platoon

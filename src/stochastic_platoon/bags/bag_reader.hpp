@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/bags/platoon_topic.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
@@ -26,7 +26,7 @@ std::unique_ptr<rosbag::Bag> open_bag(const std::string& file);
 /// File names from a text that separates them by spaces.
 std::vector<std::string> bag_files(const std::string& text);
 
-/// Who is told of what a bag holds, in the order of the recorded times. What is left empty is not read.
+/// Callbacks in the order of the recorded times; topics with an empty callback are skipped.
 struct BagContent {
   std::function<void(const PlatoonTopic&, const std::string& json)> configuration;
   std::function<void(const PlatoonTopic&, const stochastic_platoon::Position::ConstPtr&)> position;
@@ -37,19 +37,19 @@ struct BagContent {
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  ///< in messages, of an intact bag
 };
 
-/// What a bag holds besides.
-struct BagRest {
+/// What a bag holds besides, and what was wrong with it.
+struct BagRemainder {
   std::set<std::string> foreign_topics;  ///< of other names or types: passed over
   std::string damage;                    ///< of a damaged bag: what is wrong and where reading ended
 };
 
 /// Reads closed bags, several together as one. Throws BagError for a missing, damaged, unfinished or foreign
 /// file.
-BagRest read_bags(const std::vector<std::string>& files, const BagContent& content);
+BagRemainder read_bags(const std::vector<std::string>& files, const BagContent& content);
 
 /// Reads what there is of a truncated bag, or of the .active file of a recorder that was killed: records from
 /// the start of the file to the first that is cut off or makes no sense, in the order of the file. Throws
 /// BagError when it is no bag at all.
-BagRest read_damaged_bag(const std::string& file, const BagContent& content);
+BagRemainder read_damaged_bag(const std::string& file, const BagContent& content);
 
 }  // namespace platoon

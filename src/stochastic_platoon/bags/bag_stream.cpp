@@ -22,7 +22,7 @@ BagStream::BagStream(const std::vector<std::string>& files,
 std::optional<RecordedPosition> BagStream::next() {
   if (position_ == view_.end()) return std::nullopt;
   try {
-    const Position::ConstPtr message = position_->instantiate<Position>();
+    const Position::Ptr message = position_->instantiate<Position>();
     if (!message) throw BagError(position_->getTopic() + ": holds a message that cannot be read");
     RecordedPosition recorded{*parse_topic(position_->getTopic()), message};
     ++position_;

@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/bags/platoon_topic.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
-/// One recorded message of a vehicle.
+/// One recorded message of a vehicle, the reader's own.
 struct RecordedPosition {
   PlatoonTopic topic;
-  stochastic_platoon::Position::ConstPtr message;
+  stochastic_platoon::Position::Ptr message;
 };
 
 /// The positions of closed bags, one at a time in the order of the recorded times: for those who must not

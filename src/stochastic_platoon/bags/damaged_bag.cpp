@@ -106,7 +106,7 @@ public:
     while (const std::optional<Record> record = next_record(stream)) take(*record);
   }
 
-  BagRest rest;
+  BagRemainder remainder;
 
 private:
   void take(const Record& record) {
@@ -149,7 +149,7 @@ private:
       return fields.count(name) > 0 ? fields.at(name) : std::string();
     };
     const TopicReading reading = reading_of(content_, topic->second, value("type"), value("md5sum"));
-    if (!reading.topic) rest.foreign_topics.insert(topic->second);
+    if (!reading.topic) remainder.foreign_topics.insert(topic->second);
     readings_[number_field<std::uint32_t>(record.header, "conn")] = reading;
   }
 
@@ -175,7 +175,7 @@ private:
 
 }  // namespace
 
-BagRest read_damaged_bag(const std::string& file, const BagContent& content) {
+BagRemainder read_damaged_bag(const std::string& file, const BagContent& content) {
   std::ifstream stream(file, std::ios::binary);
   char version[sizeof kVersionLine - 1];
   stream.read(version, sizeof version);
@@ -186,11 +186,11 @@ BagRest read_damaged_bag(const std::string& file, const BagContent& content) {
   try {
     bag.read(stream);
   } catch (const Cut& reason) {
-    bag.rest.damage = reason.what();
+    bag.remainder.damage = reason.what();
   } catch (const ros::serialization::StreamOverrunException& reason) {
-    bag.rest.damage = std::string("a message is cut off: ") + reason.what();
+    bag.remainder.damage = std::string("a message is cut off: ") + reason.what();
   }
-  return bag.rest;
+  return bag.remainder;
 }
 
 }  // namespace platoon

@@ -5,10 +5,9 @@
 
 namespace platoon {
 
-/// Makes a growing file cheaper to write: has its blocks found ahead of the writer, sends what was written to
-/// the disk meanwhile, and lets go of the page cache it took, so that the next bytes find warm pages. A
-/// recording of many gigabytes neither fills the memory nor waits for a sync at its end. What it does is
-/// advice to the kernel; a file system that does not take it is only slower.
+/// Makes a growing file cheaper to write: preallocates blocks, starts write-back early, drops written pages
+/// from the cache. A recording of many gigabytes neither fills the memory nor waits for a sync at its end. All
+/// of it is advice to the kernel: a file system that ignores it is only slower.
 class WriteBehind {
 public:
   WriteBehind() = default;

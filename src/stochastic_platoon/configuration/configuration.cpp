@@ -1,106 +1,126 @@
 #include "stochastic_platoon/configuration/configuration.hpp"
 
+#include "stochastic_platoon/configuration/settings.hpp"
+#include "stochastic_platoon/configuration/version.hpp"
+
 namespace platoon {
+
+namespace {
+
+void require_version(Section& document, std::vector<std::string>& problems) {
+  if (!document.is_mapping()) return;
+  if (!document.has("version")) {
+    problems.emplace_back("version: missing: must be " + std::string(kVersion) +
+                          ", this program's (version 0.1.0 wrote none)");
+    return;
+  }
+  const std::string version = document.text("version");
+  if (version != kVersion) document.reject("version", version, std::string(kVersion) + ", this program's");
+}
+
+}  // namespace
 
 Configuration parse_configuration(const YAML::Node& node) {
   std::vector<std::string> problems;
   Section document(node, "", problems);
+  if (problems.empty()) require_version(document, problems);
   if (!problems.empty()) throw ConfigurationError(problems);
   const RunOptions run = read_run_options(document.section("run"));
   const std::optional<PlatoonModel> model = read_model(document.section("model"), problems);
   document.reject_unknown_keys();
+  if (model && !model->recorded_leader.empty()) {
+    const auto needed = static_cast<std::size_t>(run.steps) + 1;
+    if (run.averaging() == Averaging::over_time || model->recorded_leader.size() < needed) {
+      problems.push_back("model/leader/positions: " + std::to_string(model->recorded_leader.size()) +
+                         " given: must be at least steps + 1 = " + std::to_string(needed) +
+                         ", and steps above 0");
+    }
+  }
   if (!problems.empty()) throw ConfigurationError(problems);
   return {*model, run};
 }
 
-std::map<std::string, std::string> default_settings() {
-  return {{"model", ""},
-          {"headway", ""},
-          {"noise_variance", ""},
-          {"followers", "20"},
-          {"steps", "100"},
-          {"realizations", "10000"},
-          {"batch", "0"},
-          {"rate", "0"},
-          {"seed", "1"},
-          {"hosting", "processes"},
-          {"output", ""},
-          {"resume", "false"},
-          {"launch", ""},
-          {"leader_bags", ""},
-          {"first_realization", "0"},
-          {"record", ""},
-          {"record_split_mb", "0"},
-          {"record_compression", "none"},
-          {"window", "0"},
-          {"stall_timeout", "2.0"},
-          {"burn_in", "200"}};
+Configuration parse_configuration(const std::string& text) {
+  YAML::Node document;
+  try {
+    document = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError({std::string("configuration: must be YAML or JSON: ") + error.what()});
+  }
+  return parse_configuration(document);
+}
+
+nlohmann::json to_json(const Configuration& configuration) {
+  return {
+      {"version", kVersion}, {"model", to_json(configuration.model)}, {"run", to_json(configuration.run)}};
 }
 
 namespace {
 
-void require_known(const std::map<std::string, std::string>& settings) {
-  const std::map<std::string, std::string> known = default_settings();
-  std::vector<std::string> problems;
+void require_known(const std::map<std::string, std::string>& given) {
+  std::set<std::string> known{"model"};
+  for (const Setting& setting : settings()) known.insert(setting.name);
   std::string allowed;
-  for (const auto& entry : known) allowed += (allowed.empty() ? "" : ", ") + entry.first;
-  for (const auto& entry : settings) {
+  for (const std::string& name : known) allowed += (allowed.empty() ? "" : ", ") + name;
+  std::vector<std::string> problems;
+  for (const auto& entry : given) {
     if (known.count(entry.first) == 0)
       problems.push_back(entry.first + ": unknown setting: allowed are " + allowed);
   }
   if (!problems.empty()) throw ConfigurationError(problems);
 }
 
-// Which settings are part of the model, and their keys there.
-const std::map<std::string, std::string> kModelKeys = {{"headway", "time_headway"},
-                                                       {"noise_variance", "noise_variance"}};
-
 // A model that is no mapping takes no override: read_model() says what is wrong with it.
-void override_with(const std::map<std::string, std::string>& settings, YAML::Node& document) {
-  const bool model_takes_keys = document["model"].IsMap();
-  for (const auto& entry : settings) {
-    if (entry.first == "model") continue;
-    const auto model_key = kModelKeys.find(entry.first);
-    if (model_key == kModelKeys.end()) {
-      document["run"][entry.first] = entry.second;
-    } else if (!entry.second.empty() && model_takes_keys) {
-      document["model"][model_key->second] = entry.second;
-    }
+void put(const Setting& setting, const std::string& value, YAML::Node& document) {
+  if (setting.model_key == nullptr) {
+    document["run"][setting.name] = value;
+  } else if (!value.empty() && document["model"].IsMap()) {
+    document["model"][setting.model_key] = value;
   }
 }
 
 }  // namespace
 
-YAML::Node configuration_document(const std::map<std::string, std::string>& settings) {
-  require_known(settings);
-  std::map<std::string, std::string> values = default_settings();
-  for (const auto& entry : settings) values[entry.first] = entry.second;
+YAML::Node configuration_document(const std::map<std::string, std::string>& given) {
+  require_known(given);
   YAML::Node document;
-  document["model"] = load_yaml(values["model"]);
-  override_with(values, document);
+  document["version"] = kVersion;
+  document["model"] = load_yaml(given.count("model") > 0 ? given.at("model") : "");
+  for (const Setting& setting : settings()) {
+    const auto value = given.find(setting.name);
+    put(setting, value == given.end() ? setting.default_value : value->second, document);
+  }
   return document;
 }
 
 YAML::Node configuration_document(const Configuration& base,
-                                  const std::map<std::string, std::string>& settings) {
-  require_known(settings);
+                                  const std::map<std::string, std::string>& given) {
+  require_known(given);
   YAML::Node document = YAML::Load(to_json(base).dump());
-  const auto model = settings.find("model");
-  if (model != settings.end() && !model->second.empty()) document["model"] = load_yaml(model->second);
-  override_with(settings, document);
+  if (given.count("model") > 0 && !given.at("model").empty())
+    document["model"] = load_yaml(given.at("model"));
+  for (const Setting& setting : settings()) {
+    const auto value = given.find(setting.name);
+    if (value != given.end()) put(setting, value->second, document);
+  }
   return document;
 }
 
-nlohmann::json to_json(const Configuration& configuration) {
-  return {{"model", to_json(configuration.model)}, {"run", to_json(configuration.run)}};
+std::uint64_t run_identity(const Configuration& configuration) {
+  std::uint64_t digest = 0xcbf29ce484222325;
+  for (const char c : to_json(configuration).dump()) {
+    digest = (digest ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  }
+  return digest == 0 ? 1 : digest;
 }
 
 nlohmann::json statistics_identity(const Configuration& configuration) {
   nlohmann::json identity = to_json(configuration.model);
+  identity["version"] = kVersion;
+  identity["realization"] = to_json(configuration.model.loop.realization);
   identity["seed"] = configuration.run.seed;
   identity["followers"] = configuration.run.followers;
   identity["steps"] = configuration.run.steps;
-  identity["leader_bags"] = configuration.run.leader_bags;
   return identity;
 }
 

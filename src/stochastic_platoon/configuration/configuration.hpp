@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,32 +12,38 @@
 namespace platoon {
 
 /// All that a node or a tool is told: the model and the run.
+///
+/// It travels as one JSON text: `configure` prints it, the parameter `configuration` holds it, the topic
+/// `configuration` and bags carry it.
 struct Configuration {
   PlatoonModel model;
   RunOptions run;
 };
 
-/// Parses {model: .., run: ..}. Throws ConfigurationError with all that is wrong in both.
+/// Parses {version: .., model: .., run: ..}. Throws ConfigurationError with all that is wrong in both, or when
+/// it was made by another version of this package.
 Configuration parse_configuration(const YAML::Node& document);
-
-/// The document for parse_configuration: the model file with `headway` and `noise_variance` put in its place
-/// where they are not empty, and the run's settings. Settings are named as the launch arguments; those not
-/// given keep their defaults (default_settings()). Throws ConfigurationError when the file cannot be read or
-/// a setting is unknown.
-YAML::Node configuration_document(const std::map<std::string, std::string>& settings);
-
-/// The document of a configuration with some settings changed: those given, `model`, `headway` and
-/// `noise_variance` where they are not empty. Throws as above.
-YAML::Node configuration_document(const Configuration& base,
-                                  const std::map<std::string, std::string>& settings);
-
-/// Every setting with its default, as text: what platoon.launch documents.
-std::map<std::string, std::string> default_settings();
+/// The same from text. Throws ConfigurationError when that is no YAML (JSON is).
+Configuration parse_configuration(const std::string& text);
 
 /// As a document for parse_configuration.
 nlohmann::json to_json(const Configuration& configuration);
 
-/// What the statistics are a function of, beside the set of realizations: model, seed, followers, steps.
+/// The document for parse_configuration: the model file, and the settings (see settings()) that are given;
+/// those that are not keep their defaults. `model` names the file. Throws ConfigurationError when the file
+/// cannot be read or a setting is unknown.
+YAML::Node configuration_document(const std::map<std::string, std::string>& given);
+
+/// The document of a configuration with some settings changed: those given, and the model file where `model`
+/// is not empty. Throws as above.
+YAML::Node configuration_document(const Configuration& base, const std::map<std::string, std::string>& given);
+
+/// The run's identity: a 64 bit digest (FNV-1a) of the configuration with its launch and this package's
+/// version. Every message carries it; 0 is no run's.
+std::uint64_t run_identity(const Configuration& configuration);
+
+/// What the statistics are a function of, beside the set of realizations: version, model with the bits of its
+/// closed loop, seed, followers, steps.
 nlohmann::json statistics_identity(const Configuration& configuration);
 
 }  // namespace platoon

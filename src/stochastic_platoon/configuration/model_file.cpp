@@ -38,7 +38,13 @@ std::optional<ClosedLoop> read_given_loop(Section section, std::vector<std::stri
   }
 }
 
-LeaderProfile read_leader(Section section, double sample_period, std::vector<std::string>& problems) {
+// What drives vehicle 0: the virtual leader's speeds, or vehicle 0's own positions as recorded.
+struct LeaderContent {
+  LeaderProfile profile{{}, 1.0};
+  std::vector<double> recorded;  ///< y_0(-1), y_0(0), ... [m]
+};
+
+LeaderProfile read_profile(Section& section, double sample_period, std::vector<std::string>& problems) {
   const std::size_t before = problems.size();
   std::vector<SpeedChange> changes;
   for (Section& entry : section.sections("speed")) {
@@ -46,7 +52,6 @@ LeaderProfile read_leader(Section section, double sample_period, std::vector<std
     changes.push_back({step, entry.number("value", kAnyFinite)});
     entry.reject_unknown_keys();
   }
-  section.reject_unknown_keys();
   if (problems.size() > before) return LeaderProfile({}, 1.0);
   try {
     return LeaderProfile(changes, sample_period);
@@ -54,6 +59,19 @@ LeaderProfile read_leader(Section section, double sample_period, std::vector<std
     problems.push_back(std::string("leader/speed: ") + error.what());
     return LeaderProfile({}, 1.0);
   }
+}
+
+LeaderContent read_leader(Section section, double sample_period, std::vector<std::string>& problems) {
+  LeaderContent leader;
+  if (section.has("positions")) {
+    const Eigen::VectorXd positions = section.numbers("positions");
+    leader.recorded.assign(positions.data(), positions.data() + positions.size());
+    if (section.has("speed")) section.reject("speed", "given", "absent beside positions");
+  } else {
+    leader.profile = read_profile(section, sample_period, problems);
+  }
+  section.reject_unknown_keys();
+  return leader;
 }
 
 InitialPosition read_initial_position(Section section) {
@@ -114,6 +132,10 @@ nlohmann::json to_json(const TransferFunction& fraction) {
 
 }  // namespace
 
+nlohmann::json to_json(const StateSpace& loop) {
+  return {{"A", to_json(loop.a())}, {"B", to_list(loop.b())}, {"C", to_list(loop.c())}};
+}
+
 std::optional<PlatoonModel> read_model(Section document, std::vector<std::string>& problems) {
   if (!document.is_mapping()) return std::nullopt;
   const std::size_t before = problems.size();
@@ -122,7 +144,7 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
   const double sample_period = document.number("sample_period", kSamplePeriod);
   const double noise_variance = document.number("noise_variance", kNotNegative);
   const bool allow_unstable = document.has("allow_unstable") && document.boolean("allow_unstable");
-  const LeaderProfile leader = read_leader(document.section("leader"), sample_period, problems);
+  const LeaderContent leader = read_leader(document.section("leader"), sample_period, problems);
   const InitialPosition initial = read_initial_position(document.section("initial_position"));
   const std::optional<Loop> loop = read_loop(document, headway, problems);
   document.reject_unknown_keys();
@@ -131,8 +153,8 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
       problems.push_back(problem);
   }
   if (problems.size() > before) return std::nullopt;
-  return PlatoonModel{loop->closed, headway, standstill_distance, sample_period, noise_variance,
-                      leader,       initial, allow_unstable,      loop->design};
+  return PlatoonModel{loop->closed,   headway, standstill_distance, sample_period, noise_variance,
+                      leader.profile, initial, allow_unstable,      loop->design,  leader.recorded};
 }
 
 PlatoonModel parse_model(const YAML::Node& node) {
@@ -164,7 +186,8 @@ nlohmann::json to_json(const PlatoonModel& model) {
       {"standstill_distance", model.standstill_distance},
       {"sample_period", model.sample_period},
       {"noise_variance", model.noise_variance},
-      {"leader", {{"speed", speed}}},
+      {"leader", model.recorded_leader.empty() ? nlohmann::json{{"speed", speed}}
+                                               : nlohmann::json{{"positions", model.recorded_leader}}},
       {"initial_position",
        {{"mean", model.initial_position.mean}, {"variance", model.initial_position.variance}}},
       {"allow_unstable", model.allow_unstable}};
@@ -173,8 +196,7 @@ nlohmann::json to_json(const PlatoonModel& model) {
     document["controller"] = to_json(model.design->controller);
     document["controller"]["divide_by_one_plus_headway"] = model.design->divide_by_one_plus_headway;
   } else {
-    const StateSpace& loop = model.loop.realization;
-    document["closed_loop"] = {{"A", to_json(loop.a())}, {"B", to_list(loop.b())}, {"C", to_list(loop.c())}};
+    document["closed_loop"] = to_json(model.loop.realization);
   }
   return document;
 }

@@ -24,8 +24,10 @@ PlatoonModel parse_model(const YAML::Node& document);
 /// The YAML document of a file. Throws ConfigurationError when the file is missing or is not YAML.
 YAML::Node load_yaml(const std::string& file);
 
-/// The model in the words of the model file: what a run's figures
-/// depend on.
+/// The model in the words of the model file: what a run's figures depend on.
 nlohmann::json to_json(const PlatoonModel& model);
+
+/// {A: [[..]], B: [..], C: [..]}, as under the key closed_loop.
+nlohmann::json to_json(const StateSpace& loop);
 
 }  // namespace platoon

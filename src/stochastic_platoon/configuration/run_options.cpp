@@ -5,10 +5,31 @@
 namespace platoon {
 
 namespace {
-constexpr std::int64_t kMaxFollowers = 100000;
-constexpr std::int64_t kMaxCount = std::int64_t{1}
-                                   << 46;  // of realizations and steps: what the noise's counter can name
+constexpr std::int64_t kMaxFollowers = 1000000;
+// Of realizations and steps: what the noise's counter can name.
+constexpr std::int64_t kMaxCount = std::int64_t{1} << 46;
+
+// Cells of statistics: followers times steps. A run keeps some 200 bytes a cell.
+constexpr std::int64_t kMaxCells = 20000000;
+
+Hosting parsed_hosting(const std::string& text) {
+  return text == to_string(Hosting::one_process) ? Hosting::one_process : Hosting::processes;
+}
 }  // namespace
+
+const char* to_string(Hosting hosting) {
+  switch (hosting) {
+    case Hosting::processes:
+      return "processes";
+    case Hosting::one_process:
+      return "one_process";
+    case Hosting::monte_carlo:
+      return "monte_carlo";
+    case Hosting::bag:
+      return "bag";
+  }
+  return "unknown";
+}
 
 std::uint64_t chosen_batch(const RunOptions& options) {
   const bool recorded = !options.record.empty();
@@ -33,19 +54,25 @@ RunOptions read_run_options(Section section) {
   options.batch = static_cast<std::uint64_t>(section.integer("batch", 0, 1 << 24));
   options.rate = section.number("rate", kNotNegative);
   options.seed = static_cast<std::uint64_t>(section.integer("seed", 0, INT64_MAX));
-  options.hosting = section.choice("hosting", {"processes", "one_process"});
+  options.hosting = parsed_hosting(
+      section.choice("hosting", {to_string(Hosting::processes), to_string(Hosting::one_process)}));
   options.output = section.text("output");
   options.resume = section.boolean("resume");
   options.first_realization = static_cast<std::uint64_t>(section.integer("first_realization", 0, kMaxCount));
   options.record = section.text("record");
   options.record_split_mb = section.integer("record_split_mb", 0, 1 << 30);
   options.record_compression = section.choice("record_compression", {"none", "lz4"});
-  options.leader_bags = section.text("leader_bags");
-  options.launch = section.text("launch");
+  options.launch_id = section.text("launch_id");
   options.window = section.integer("window", 0, 1 << 20);
   options.stall_timeout = section.number("stall_timeout", kPositive);
   options.burn_in = section.integer("burn_in", 0, kMaxCount);
   section.reject_unknown_keys();
+  const auto followers = static_cast<std::int64_t>(options.followers);
+  if (options.steps > kMaxCells / followers) {
+    section.reject("steps x followers", std::to_string(options.steps) + " x " + std::to_string(followers),
+                   "at most " + std::to_string(kMaxCells) +
+                       ", as statistics are kept for each (steps: 0 averages over time instead)");
+  }
   if (options.steps == 0) options.realizations = 1;
   if (options.batch == 0) options.batch = chosen_batch(options);
   options.batch = std::min(options.batch, options.realizations);
@@ -61,23 +88,22 @@ std::vector<std::string> RunOptions::receivers() const {
 
 nlohmann::json to_json(const RunOptions& options) {
   return {{"followers", options.followers},
-          {"steps", std::to_string(options.steps)},
-          {"realizations", std::to_string(options.realizations)},
+          {"steps", options.steps},
+          {"realizations", options.realizations},
           {"batch", options.batch},
           {"rate", options.rate},
-          {"seed", std::to_string(options.seed)},
-          {"hosting", options.hosting},
+          {"seed", options.seed},
+          {"hosting", to_string(options.hosting)},
           {"output", options.output},
           {"resume", options.resume},
-          {"first_realization", std::to_string(options.first_realization)},
+          {"first_realization", options.first_realization},
           {"record", options.record},
           {"record_split_mb", options.record_split_mb},
           {"record_compression", options.record_compression},
-          {"leader_bags", options.leader_bags},
-          {"launch", options.launch},
+          {"launch_id", options.launch_id},
           {"window", options.window},
           {"stall_timeout", options.stall_timeout},
-          {"burn_in", std::to_string(options.burn_in)}};
+          {"burn_in", options.burn_in}};
 }
 
 }  // namespace platoon

@@ -7,8 +7,15 @@
 
 #include "stochastic_platoon/configuration/section.hpp"
 #include "stochastic_platoon/delivery/batch_schedule.hpp"
+#include "stochastic_platoon/statistics/error_averages.hpp"
 
 namespace platoon {
+
+/// Where the vehicles of a run are computed. Launch files know the first two.
+enum class Hosting { processes, one_process, monte_carlo, bag };
+
+/// "processes", ...
+const char* to_string(Hosting hosting);
 
 /// One run of a platoon: the launch arguments in C++.
 struct RunOptions {
@@ -18,30 +25,31 @@ struct RunOptions {
   std::uint64_t batch;         ///< realizations per message, >= 1
   double rate;                 ///< steps per second of wall time; 0 = as fast as credit allows
   std::uint64_t seed;
-  std::string hosting;              ///< "processes" or "one_process"
+  Hosting hosting;
   std::string output;               ///< folder for the results
   bool resume;                      ///< go on from what the folder holds
   std::uint64_t first_realization;  ///< those before it were committed by earlier launches
   std::string record;               ///< bag to record to; empty: none
   std::int64_t record_split_mb;     ///< begin another bag beyond this size [MiB]; 0: one bag
   std::string record_compression;   ///< "none" or "lz4"
-  std::string
-      leader_bags;      ///< recordings whose vehicle 0 is the leader, separated by spaces; empty: the model's
-  std::string launch;   ///< names one launch: a checkpoint of the same launch is always gone on from
-  std::int64_t window;  ///< steps that may be unacknowledged, >= 1
-  double stall_timeout;  ///< [s]
-  std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
+  std::string launch_id;  ///< names one launch: a checkpoint of the same launch is always gone on from
+  std::int64_t window;    ///< steps that may be unacknowledged, >= 1
+  double stall_timeout;   ///< [s]
+  std::int64_t burn_in;   ///< steps left out of the time averages of an endless run
 
   /// Who has to acknowledge every step.
   std::vector<std::string> receivers() const;
 
   BatchSchedule schedule() const { return {realizations, batch, steps}; }
+
+  /// What the statistics of the run are taken over.
+  Averaging averaging() const { return steps == 0 ? Averaging::over_time : Averaging::over_realizations; }
 };
 
 /// Reads them from a section; what is wrong goes into the section's problems. batch, window: 0 = choose.
 RunOptions read_run_options(Section section);
 
-/// As one mapping for the parameter server. Numbers that may not fit XML-RPC's 32 bits are texts.
+/// For read_run_options.
 nlohmann::json to_json(const RunOptions& options);
 
 /// Realizations per message where none are asked for: 64 kB messages, or 256 kB where a recorder writes them

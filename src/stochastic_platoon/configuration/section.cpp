@@ -11,12 +11,19 @@ namespace {
 
 constexpr double kUnbound = std::numeric_limits<double>::quiet_NaN();
 
-std::string shown(const YAML::Node& node) {
+std::string whole_text(const YAML::Node& node) {
   if (!node || node.IsNull()) return "(nothing)";
   if (node.IsScalar()) return node.Scalar().empty() ? "(empty)" : node.Scalar();
   YAML::Emitter emitter;
   emitter << YAML::Flow << node;
   return emitter.c_str();
+}
+
+// Long values are cut: what matters is which one is meant.
+std::string shown(const YAML::Node& node) {
+  constexpr std::size_t kLongest = 80;
+  const std::string text = whole_text(node);
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
 }
 
 // The whole text as a number, in the C locale; nullopt for anything else. "nan" and "inf" are not read.

@@ -21,16 +21,23 @@ struct BatchSchedule {
   std::uint64_t next(std::uint64_t first) const { return first + size(first); }
 };
 
-/// The name of one message: which try, which batch, which step.
-struct Turn {
+/// What names a vehicle's message within a run: which attempt, which batch, which step.
+struct MessageId {
   std::uint32_t attempt;
   std::uint64_t first_realization;
   std::int64_t step;
 };
 
-/// A receiver's report: all turns of this attempt up to this one have arrived, and every earlier batch is
+/// What delivery needs to know of a message of positions.
+struct Heading {
+  MessageId id;
+  std::size_t size;  ///< positions, one per realization
+  bool finite;       ///< all of them
+};
+
+/// A receiver's report: all messages of this attempt up to this one have arrived, and every earlier batch is
 /// committed. step = kNothingYet: nothing of this batch so far.
-using Acknowledgement = Turn;
+using Acknowledgement = MessageId;
 constexpr std::int64_t kInitialStep = -1;
 constexpr std::int64_t kNothingYet = -2;
 

@@ -38,7 +38,8 @@ bool Credit::complete() const {
          });
 }
 
-bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& report, double now) {
+bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& report, double now,
+                         std::uint64_t messages) {
   const auto found = receivers_.find(receiver);
   if (found == receivers_.end()) return false;
   Receiver& sender = found->second;
@@ -50,6 +51,8 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
                                                     steps_covered(schedule_, start_, *sender.latest));
   const bool through_a_batch = sender.latest && report.first_realization > sender.latest->first_realization;
   sender.latest = report;
+  if (of_this_attempt && messages > (sender.in_attempt ? sender.messages : 0)) last_activity_ = now;
+  sender.messages = messages;
   sender.in_attempt = of_this_attempt;
   if (lost && !complete()) begin_attempt(now);
   if (acknowledged() > before) {
@@ -73,23 +76,23 @@ void Credit::begin_attempt(double now) {
   last_activity_ = now;
 }
 
-std::optional<Turn> Credit::next(double now) {
+std::optional<MessageId> Credit::next(double now) {
   if (!all_reported() || complete()) return std::nullopt;
   if (attempt_ == 0) begin_attempt(now);
   if (schedule_.is_complete(upcoming_.first_realization)) return std::nullopt;
   const std::int64_t acknowledged_steps = acknowledged();
   const std::int64_t allowed = acknowledged_steps == 0 ? 1 : limits_.window;
   if (published_ - acknowledged_steps >= allowed) return std::nullopt;
-  const Turn turn = upcoming_;
+  const MessageId id = upcoming_;
   if (published_ == acknowledged_steps)
     last_activity_ = now;  // idle until now: the wait for an answer begins here
   ++published_;
-  if (schedule_.is_last_step(turn.step)) {
-    upcoming_ = {attempt_, schedule_.next(turn.first_realization), kInitialStep};
+  if (schedule_.is_last_step(id.step)) {
+    upcoming_ = {attempt_, schedule_.next(id.first_realization), kInitialStep};
   } else {
     ++upcoming_.step;
   }
-  return turn;
+  return id;
 }
 
 bool Credit::retry_if_stalled(double now) {

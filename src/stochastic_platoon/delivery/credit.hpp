@@ -21,19 +21,20 @@ struct CreditLimits {
 /// Knows no clock and no topic: the time is an argument [s]. It waits until every receiver has reported;
 /// starts an attempt at the earliest realization any of them still needs; allows one step until the first
 /// acknowledgement of the attempt and then `window` unacknowledged ones. The next attempt begins when the
-/// timeout passes without progress, or as soon as a receiver shows that it has lost what it had. Each stall
-/// in a row is waited for 1.5 times longer than the one before, so that a machine too slow for the timeout
-/// still gets through.
+/// timeout passes without progress, or as soon as a receiver shows that it has lost what it had. The timeout
+/// grows by a factor of 1.5 with each consecutive stall, so that a machine too slow for it still gets through.
 class Credit {
 public:
   Credit(const BatchSchedule& schedule, const CreditLimits& limits,
          const std::vector<std::string>& receivers);
 
-  /// Takes a report. Unknown receivers are ignored; returns false for them.
-  bool acknowledge(const std::string& receiver, const Acknowledgement& report, double now);
+  /// Takes a report; `messages` are those that the receiver has counted in the attempt: progress, too, as the
+  /// first step of a batch alone takes many of them. Unknown receivers are ignored; returns false for them.
+  bool acknowledge(const std::string& receiver, const Acknowledgement& report, double now,
+                   std::uint64_t messages = 0);
 
-  /// The next turn to publish, if credit allows one now; counts it as published.
-  std::optional<Turn> next(double now);
+  /// The next message to publish, if credit allows one now; counts it as published.
+  std::optional<MessageId> next(double now);
 
   /// Begins a new attempt if the present one has stalled; true if it did.
   bool retry_if_stalled(double now);
@@ -46,7 +47,8 @@ public:
 private:
   struct Receiver {
     std::optional<Acknowledgement> latest;
-    bool in_attempt = false;  ///< its latest report is of the present attempt
+    bool in_attempt = false;     ///< its latest report is of the present attempt
+    std::uint64_t messages = 0;  ///< that it has counted in the attempt
   };
   std::int64_t acknowledged() const;
   bool all_reported() const;
@@ -57,7 +59,7 @@ private:
   std::map<std::string, Receiver> receivers_;
   std::uint32_t attempt_ = 0;   ///< 0: none begun
   std::uint64_t start_ = 0;     ///< first realization of the attempt
-  Turn upcoming_{};             ///< the turn to publish next
+  MessageId upcoming_{};        ///< the message to publish next
   std::int64_t published_ = 0;  ///< steps published in this attempt
   double last_activity_ = 0.0;  ///< [s]
   double first_step_patience_;  ///< [s] grows while attempts find no answer

@@ -1,18 +1,23 @@
 #include "stochastic_platoon/graph/channel.hpp"
 
 #include <boost/function.hpp>
+#include <utility>
 
-#include "stochastic_platoon/graph/wire.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/messages/position.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
 using stochastic_platoon::Position;
 
 Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first,
-                 std::uint32_t last, const MessagePool& messages)
-    : messages_(messages) {
+                 std::uint32_t last, const MessagePool& messages, RunMembership::Join superseded)
+    : membership_(platoon, "channel", run_identity(configuration), std::move(superseded)),
+      messages_(messages) {
   for (std::uint32_t i = first; i <= last; ++i) {
     links_.push_back({NoisyChannel(configuration.model.noise_variance, configuration.run.seed, i),
+                      DropCounter(platoon.resolveName(position_topic(i - 1)) + " (channel)"),
                       platoon.advertise<Position>(predecessor_position_topic(i), kUnboundedQueue),
                       ros::Subscriber()});
   }
@@ -25,11 +30,14 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
   }
 }
 
-void Channel::transmit(const Link& link, const Position::ConstPtr& message) {
+void Channel::transmit(Link& link, const Position::ConstPtr& message) {
+  const MessageId id = id_of(*message);
+  if (!membership_.admits(message->run))
+    return link.drops.count(Verdict::foreign_run, {id, message->position.size(), true});
   const auto received = messages_.take();
   received->header = message->header;
-  set_turn(turn_of(*message), *received);
-  link.noise.transmit(message->step, message->first_realization, message->position, received->position);
+  set_id(message->run, id, *received);
+  link.noise.transmit(id.step, id.first_realization, message->position, received->position);
   publish(link.received, received);
 }
 

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
-#include "stochastic_platoon/graph/message_pool.hpp"
+#include "stochastic_platoon/graph/drop_counter.hpp"
+#include "stochastic_platoon/graph/run_membership.hpp"
+#include "stochastic_platoon/messages/message_pool.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 
 namespace platoon {
@@ -16,20 +18,24 @@ namespace platoon {
 /// passed on at once with the noise its name calls for; nothing is kept, so that a restart has no consequence
 /// but what was on the way.
 ///
-/// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = first .. last.
+/// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = first .. last. Both
+/// stochastic_platoon/Position.
 class Channel {
 public:
+  /// `superseded` is called with a configuration that has taken the present one's place.
   Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first,
-          std::uint32_t last, const MessagePool& messages);
+          std::uint32_t last, const MessagePool& messages, RunMembership::Join superseded);
 
 private:
   struct Link {
     NoisyChannel noise;
+    DropCounter drops;
     ros::Publisher received;
     ros::Subscriber sent;
   };
-  void transmit(const Link& link, const stochastic_platoon::Position::ConstPtr& message);
+  void transmit(Link& link, const stochastic_platoon::Position::ConstPtr& message);
 
+  RunMembership membership_;
   MessagePool messages_;
   std::vector<Link> links_;  ///< never resized after construction: the callbacks point into it
 };

@@ -1,40 +1,64 @@
 #include "stochastic_platoon/graph/follower.hpp"
 
-#include "stochastic_platoon/graph/wire.hpp"
+#include <utility>
+
+#include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/messages/position.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
 using stochastic_platoon::Position;
 
-Follower::Follower(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t index,
-                   const MessagePool& messages)
-    : schedule_(configuration.run.schedule()),
-      period_(platoon_period(configuration.model.sample_period)),
-      vehicle_(configuration.model, configuration.run.seed, index),
-      sequence_(schedule_),
-      refusals_(platoon.resolveName(predecessor_position_topic(index))),
+Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index,
+                   const MessagePool& messages, Joined joined)
+    : index_(index),
+      joined_(std::move(joined)),
+      membership_(platoon, "vehicle_" + std::to_string(index), 0,
+                  [this](const Configuration& configuration) { begin(configuration); }),
+      drops_(platoon.resolveName(predecessor_position_topic(index))),
       messages_(messages),
-      position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)),
-      predecessor_position_(platoon.subscribe(predecessor_position_topic(index), kUnboundedQueue,
-                                              &Follower::receive, this, no_delay())) {}
-
-void Follower::receive(const Position::ConstPtr& message) {
-  const Turn turn = turn_of(*message);
-  const Verdict verdict = sequence_.receive(turn, message->position);
-  if (verdict != Verdict::in_turn) return refusals_.count(verdict, turn, message->position.size());
-  if (turn.step == kInitialStep) {
-    const auto initial = messages_.take();
-    vehicle_.start(turn.first_realization, message->position.size(), initial->position);
-    publish(initial, turn, message->header.stamp);
-  }
-  if (schedule_.is_last_step(turn.step)) return;
-  const auto next = messages_.take();
-  vehicle_.step(message->position, next->position);
-  publish(next, {turn.attempt, turn.first_realization, turn.step + 1}, message->header.stamp + period_);
+      position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)) {
+  if (present) membership_.join(*present);
+  // Last: its thread may be ahead of this one.
+  predecessor_position_ = platoon.subscribe(predecessor_position_topic(index), kUnboundedQueue,
+                                            &Follower::receive, this, no_delay());
 }
 
-void Follower::publish(const Position::Ptr& message, const Turn& turn, const ros::Time& stamp) {
-  set_turn(turn, *message);
+void Follower::begin(const Configuration& configuration) {
+  const std::size_t followers = configuration.run.followers;
+  if (index_ < 1 || index_ > followers) {
+    throw ConfigurationError({"~index: " + std::to_string(index_) + ": must be a whole number from 1 to " +
+                              std::to_string(followers) + ", the number of followers"});
+  }
+  const BatchSchedule schedule = configuration.run.schedule();
+  part_.emplace(Part{schedule, platoon_period(configuration.model.sample_period),
+                     FollowerVehicle(configuration.model, configuration.run.seed, index_),
+                     MessageOrder(schedule)});
+  if (joined_) joined_(configuration);
+}
+
+void Follower::receive(const Position::ConstPtr& message) {
+  if (!membership_.admits(message->run)) {
+    return drops_.count(Verdict::foreign_run, {id_of(*message), message->position.size(), true});
+  }
+  const Heading heading = heading_of(*message);
+  const MessageId& id = heading.id;
+  const Verdict verdict = part_->order.receive(heading);
+  if (verdict != Verdict::in_turn) return drops_.count(verdict, heading);
+  if (id.step == kInitialStep) {
+    const auto initial = messages_.take();
+    part_->vehicle.start(id.first_realization, heading.size, initial->position);
+    publish(initial, id, message->header.stamp);
+  }
+  if (part_->schedule.is_last_step(id.step)) return;
+  const auto next = messages_.take();
+  part_->vehicle.step(message->position, next->position);
+  publish(next, {id.attempt, id.first_realization, id.step + 1}, message->header.stamp + part_->period);
+}
+
+void Follower::publish(const Position::Ptr& message, const MessageId& id, const ros::Time& stamp) {
+  set_id(membership_.run(), id, *message);
   message->header.stamp = stamp;
   platoon::publish(position_, message);
 }

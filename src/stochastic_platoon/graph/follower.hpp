@@ -3,10 +3,15 @@
 #include <ros/node_handle.h>
 #include <stochastic_platoon/Position.h>
 
+#include <cstdint>
+#include <functional>
+#include <optional>
+
 #include "stochastic_platoon/configuration/configuration.hpp"
-#include "stochastic_platoon/delivery/sequence.hpp"
-#include "stochastic_platoon/graph/message_pool.hpp"
-#include "stochastic_platoon/graph/refusals.hpp"
+#include "stochastic_platoon/delivery/message_order.hpp"
+#include "stochastic_platoon/graph/drop_counter.hpp"
+#include "stochastic_platoon/graph/run_membership.hpp"
+#include "stochastic_platoon/messages/message_pool.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 
 namespace platoon {
@@ -14,25 +19,40 @@ namespace platoon {
 /// Vehicle i >= 1 as a ROS component. On its predecessor's step k, as received, it publishes its own step k +
 /// 1; on step -1 first its own step -1.
 ///
+/// It may outlive runs: its links stay up, and the first message of another run makes it start over under that
+/// run's configuration.
+///
 /// Subscribes: vehicle_<i>/predecessor_position. Publishes: vehicle_<i>/position. Both
 /// stochastic_platoon/Position.
 class Follower {
 public:
-  Follower(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t index,
-           const MessagePool& messages);
+  using Joined = std::function<void(const Configuration&)>;
+
+  /// Takes part in the run of `present`, if there is one yet. `joined` is called with the configuration of
+  /// every run that it takes part in. Throws ConfigurationError when the run has no vehicle of this index.
+  Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index,
+           const MessagePool& messages, Joined joined = {});
 
 private:
+  /// What it is within one run.
+  struct Part {
+    BatchSchedule schedule;
+    ros::Duration period;
+    FollowerVehicle vehicle;
+    MessageOrder order;
+  };
+  void begin(const Configuration& configuration);
   void receive(const stochastic_platoon::Position::ConstPtr& message);
-  void publish(const stochastic_platoon::Position::Ptr& message, const Turn& turn, const ros::Time& stamp);
+  void publish(const stochastic_platoon::Position::Ptr& message, const MessageId& id, const ros::Time& stamp);
 
-  BatchSchedule schedule_;
-  ros::Duration period_;
-  FollowerVehicle vehicle_;
-  Sequence sequence_;
-  Refusals refusals_;
+  std::uint32_t index_;
+  Joined joined_;
+  RunMembership membership_;
+  std::optional<Part> part_;
+  DropCounter drops_;
   MessagePool messages_;
   ros::Publisher position_;
-  ros::Subscriber predecessor_position_;  ///< last: its thread may be ahead of the constructor
+  ros::Subscriber predecessor_position_;
 };
 
 }  // namespace platoon

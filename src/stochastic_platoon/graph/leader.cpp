@@ -4,8 +4,9 @@
 
 #include <algorithm>
 
-#include "stochastic_platoon/bags/bag_statistics.hpp"
-#include "stochastic_platoon/graph/wire.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/messages/position.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
@@ -29,17 +30,17 @@ constexpr double kWatchPeriod = 0.02;  // [s]
 
 }  // namespace
 
-Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration)
-    : schedule_(configuration.run.schedule()),
+Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded)
+    : membership_(platoon, "vehicle_0", run_identity(configuration), std::move(superseded)),
+      schedule_(configuration.run.schedule()),
       period_(platoon_period(configuration.model.sample_period)),
       window_(configuration.run.window),
       paced_(configuration.run.rate > 0.0),
       credit_(schedule_, {window_, configuration.run.stall_timeout, first_step_timeout(configuration.run)},
               configuration.run.receivers()),
       vehicle_(configuration.model),
-      recorded_(recorded_leader(bag_files(configuration.run.leader_bags), configuration.run.steps)),
       position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
-      progress_(platoon.subscribe("progress", kUnboundedQueue, &Leader::receive, this, no_delay())) {
+      progress_(platoon.subscribe(kProgressTopic, kUnboundedQueue, &Leader::receive, this, no_delay())) {
   stall_timer_ = platoon.createSteadyTimer(ros::WallDuration(kWatchPeriod), [this](const auto&) { watch(); });
   if (paced_) {
     pace_timer_ = platoon.createSteadyTimer(ros::WallDuration(1.0 / configuration.run.rate),
@@ -48,14 +49,16 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration)
 }
 
 void Leader::receive(const Progress::ConstPtr& message) {
-  if (!credit_.acknowledge(message->receiver, {message->attempt, message->first_realization, message->step},
-                           now())) {
+  if (!membership_.admits(message->run)) return;
+  const Acknowledgement report{message->attempt, message->first_realization, message->step};
+  if (!credit_.acknowledge(message->receiver, report, now(), message->messages)) {
+    const bool notice = !message->note.empty();  // of a vehicle that cannot take part: the monitor's business
+    if (notice) return;
     ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report from \""
                                       << message->receiver << "\": it is no receiver of this run");
     return;
   }
-  if (paced_ && credit_.attempt() == 0 && message->attempt == 0 && begin_ == 0.0)
-    begin_ = now() + kObserverTime;
+  if (paced_ && credit_.attempt() == 0 && message->attempt == 0 && !begin_) begin_ = now() + kObserverTime;
   // After a restart time goes on past everything that may still be on its way.
   const ros::Time seen = message->header.stamp;
   if (credit_.attempt() == 0 && !seen.isZero()) {
@@ -77,22 +80,16 @@ void Leader::publish_allowed() {
   }
 }
 
-// In the order of steps, each batch from -1 on.
-double Leader::position_at(std::int64_t step) {
-  if (!recorded_.empty()) return recorded_[static_cast<std::size_t>(step + 1)];
-  return step == kInitialStep ? vehicle_.start() : vehicle_.step();
-}
-
 bool Leader::publish_one() {
-  if (now() < begin_) return false;
-  const std::optional<Turn> turn = credit_.next(now());
-  if (!turn) return false;
+  if (begin_ && now() < *begin_) return false;
+  const std::optional<MessageId> id = credit_.next(now());
+  if (!id) return false;
   stamp_ += period_;
-  const double position = position_at(turn->step);
+  const double position = id->step == kInitialStep ? vehicle_.start() : vehicle_.step();
   const auto message = messages_.take();
   message->header.stamp = stamp_;
-  set_turn(*turn, *message);
-  message->position.assign(schedule_.size(turn->first_realization), position);
+  set_id(membership_.run(), *id, *message);
+  message->position.assign(schedule_.size(id->first_realization), position);
   platoon::publish(position_, message);
   return true;
 }

@@ -4,11 +4,10 @@
 #include <stochastic_platoon/Position.h>
 #include <stochastic_platoon/Progress.h>
 
-#include <vector>
-
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/credit.hpp"
-#include "stochastic_platoon/graph/message_pool.hpp"
+#include "stochastic_platoon/graph/run_membership.hpp"
+#include "stochastic_platoon/messages/message_pool.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 
 namespace platoon {
@@ -17,28 +16,29 @@ namespace platoon {
 /// publishes a step when the receivers' progress gives it credit, at most `rate` steps per second, and begins
 /// a batch again when it stalls.
 ///
-/// Subscribes: progress. Publishes: vehicle_0/position.
+/// Subscribes: progress (stochastic_platoon/Progress). Publishes: vehicle_0/position
+/// (stochastic_platoon/Position).
 class Leader {
 public:
-  Leader(ros::NodeHandle platoon, const Configuration& configuration);
+  /// `superseded` is called with a configuration that has taken the present one's place.
+  Leader(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
 private:
   void receive(const stochastic_platoon::Progress::ConstPtr& message);
   void watch();
   void publish_allowed();
   bool publish_one();
-  double position_at(std::int64_t step);
 
+  RunMembership membership_;
   BatchSchedule schedule_;
   ros::Duration period_;
   std::int64_t window_;
   bool paced_;
   Credit credit_;
   LeaderVehicle vehicle_;
-  std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... of a recording; empty: the vehicle's own
-  ros::Time stamp_;               ///< of the latest step published; zero before the first
+  ros::Time stamp_;  ///< of the latest step published; zero before the first
   MessagePool messages_;
-  double begin_ = 0.0;  ///< [s] no step before
+  std::optional<double> begin_;  ///< [s] no step before
   ros::Publisher position_;
   ros::Subscriber progress_;
   ros::SteadyTimer stall_timer_;

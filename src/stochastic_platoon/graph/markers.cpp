@@ -6,8 +6,9 @@
 #include <boost/function.hpp>
 #include <cmath>
 
-#include "stochastic_platoon/graph/wire.hpp"
-#include "stochastic_platoon/results/text.hpp"
+#include "stochastic_platoon/io/text.hpp"
+#include "stochastic_platoon/messages/position.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
@@ -44,8 +45,9 @@ Marker marker(int id, int type, double x, double z) {
 
 }  // namespace
 
-Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration)
-    : error_{configuration.model.headway, configuration.model.standstill_distance},
+Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded)
+    : membership_(platoon, "markers", run_identity(configuration), std::move(superseded)),
+      error_{configuration.model.headway, configuration.model.standstill_distance},
       vehicles_(configuration.run.followers + 1),
       markers_(platoon.advertise<visualization_msgs::MarkerArray>("markers", 1)) {
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
@@ -57,7 +59,7 @@ Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration)
 }
 
 void Markers::receive(std::size_t vehicle, const Position::ConstPtr& message) {
-  if (message->position.empty()) return;
+  if (message->position.empty() || !membership_.admits(message->run)) return;
   Vehicle& shown = vehicles_[vehicle];
   const double position = message->position.front();
   shown.before = shown.seen && message->step > kInitialStep ? shown.position : position;

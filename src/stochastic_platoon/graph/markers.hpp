@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/graph/run_membership.hpp"
 #include "stochastic_platoon/model/tracking_error.hpp"
 
 namespace platoon {
@@ -14,11 +15,12 @@ namespace platoon {
 /// follower to dark red for the last as in the paper's figures, with its tracking error beside it. Shows the
 /// first realization of the latest messages; a spectator, that may miss some.
 ///
-/// Subscribes: vehicle_<i>/position. Publishes: markers (visualization_msgs/MarkerArray) in the frame
-/// "platoon".
+/// Subscribes: vehicle_<i>/position (stochastic_platoon/Position). Publishes: markers
+/// (visualization_msgs/MarkerArray) in the frame "platoon".
 class Markers {
 public:
-  Markers(ros::NodeHandle platoon, const Configuration& configuration);
+  /// `superseded` is called with a configuration that has taken the present one's place.
+  Markers(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
 private:
   struct Vehicle {
@@ -29,6 +31,7 @@ private:
   void receive(std::size_t vehicle, const stochastic_platoon::Position::ConstPtr& message);
   void publish() const;
 
+  RunMembership membership_;
   TrackingError error_;
   std::vector<Vehicle> vehicles_;
   ros::Publisher markers_;

@@ -2,17 +2,19 @@
 
 #include <ros/console.h>
 #include <std_msgs/String.h>
-#include <stochastic_platoon/Progress.h>
+#include <stochastic_platoon/ErrorStatistics.h>
 
-#include <algorithm>
 #include <boost/function.hpp>
 #include <cstdio>
 #include <mutex>
+#include <utility>
 
-#include "stochastic_platoon/bags/bag_statistics.hpp"
-#include "stochastic_platoon/delivery/culprit.hpp"
-#include "stochastic_platoon/graph/wire.hpp"
-#include "stochastic_platoon/results/atomic_file.hpp"
+#include "stochastic_platoon/delivery/stall_diagnosis.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/io/atomic_file.hpp"
+#include "stochastic_platoon/messages/position.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
+#include "stochastic_platoon/results/run_report.hpp"
 
 namespace platoon {
 
@@ -22,112 +24,154 @@ using stochastic_platoon::Progress;
 
 namespace {
 
+using Locked = std::lock_guard<SpinLock>;
+
 constexpr double kCheckpointPeriod = 1.0;  // [s]
 constexpr double kStartTime = 0.05;        // [s] a vehicle, from launch to its first message
 constexpr double kStatisticsPeriod =
     1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
 
-// Shares the message's array without copying it.
-Positions positions_of(const Position::ConstPtr& message) {
-  return Positions(&message->position, [message](const std::vector<double>*) {});
+std::optional<Checkpoint> checkpoint_of(const Configuration& configuration) {
+  if (configuration.run.averaging() == Averaging::over_realizations) return starting_point(configuration);
+  require_writable_folder(configuration.run.output);
+  return std::nullopt;
 }
 
 }  // namespace
 
 Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
-                 const std::function<ros::NodeHandle(std::size_t)>& of_vehicle)
+                 const NodeOfVehicle& node_of_vehicle, RunMembership::Join superseded)
     : configuration_(configuration),
-      prediction_(predict(
-          configuration, recorded_leader(bag_files(configuration.run.leader_bags), configuration.run.steps))),
-      statistics_(configuration, configuration.run.steps == 0 ? std::nullopt : starting_point(configuration),
-                  [this](const std::function<void()>& work) {
-                    const Unlocked<SpinLock> unlocked(lock_);
-                    work();
-                  }),
+      membership_(platoon, "monitor", run_identity(configuration), std::move(superseded)),
+      prediction_(predict(configuration)),
+      statistics_(configuration, checkpoint_of(configuration)),
+      reports_(platoon, "monitor", configuration),
       display_(
           configuration.run.realizations, "realizations",
           static_cast<double>(configuration.run.followers) * static_cast<double>(configuration.run.steps),
           "vehicle-steps"),
-      wall_seconds_before_(statistics_.tally.wall_seconds),
-      committed_(statistics_.arrivals().committed()),
-      checkpointed_(committed_),
-      reports_(platoon, "monitor", configuration.run),
-      error_statistics_(platoon.advertise<ErrorStatistics>("error_statistics", 1000, true)),
-      configuration_text_(platoon.advertise<std_msgs::String>("configuration", 1, true)) {
-  reports_.saw(statistics_.tally.platoon_time);
-  if (statistics_.endless()) require_writable_folder(configuration.run.output);
+      checkpointed_(statistics_.arrivals().committed()),
+      error_statistics_(platoon.advertise<ErrorStatistics>(kErrorStatisticsTopic, 1000, true)),
+      configuration_text_(platoon.advertise<std_msgs::String>(kConfigurationTopic, 1, true)) {
+  wall_seconds_before_ = statistics_.tally().wall_seconds;
+  reports_.saw(statistics_.tally().platoon_time);
   std_msgs::String text;
   text.data = to_json(configuration).dump();
   configuration_text_.publish(text);
-  for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
-    refusals_.emplace_back(platoon.resolveName(position_topic(i)));
-  }
-  for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
-    const boost::function<void(const Position::ConstPtr&)> callback =
-        [this, i](const Position::ConstPtr& message) { receive(i, message); };
-    positions_.push_back(of_vehicle(i).subscribe<Position>(position_topic(i), kUnboundedQueue, callback,
-                                                           ros::VoidConstPtr(), no_delay()));
-  }
-  notes_ = platoon.subscribe<Progress>(
-      "progress", 10,
-      boost::function<void(const Progress::ConstPtr&)>([this](const Progress::ConstPtr& message) {
-        const std::lock_guard<SpinLock> lock(lock_);
-        if (message->receiver != "monitor") display_.set_note(message->note);
-      }));
+  subscribe(platoon, node_of_vehicle);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
 }
 
+void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle) {
+  const std::size_t followers = configuration_.run.followers;
+  for (std::size_t i = 0; i <= followers; ++i) drops_.emplace_back(platoon.resolveName(position_topic(i)));
+  for (std::size_t i = 0; i <= followers; ++i) {
+    const boost::function<void(const Position::ConstPtr&)> callback =
+        [this, i](const Position::ConstPtr& message) { receive(i, message); };
+    positions_.push_back(node_of_vehicle(i).subscribe<Position>(position_topic(i), kUnboundedQueue, callback,
+                                                                ros::VoidConstPtr(), no_delay()));
+  }
+  others_ = platoon.subscribe(kProgressTopic, 100, &Monitor::receive_note, this);
+}
+
 void Monitor::receive(std::size_t vehicle, const Position::ConstPtr& message) {
-  const std::lock_guard<SpinLock> lock(lock_);
-  const Turn turn = turn_of(*message);
-  statistics_.tally.platoon_time = std::max(statistics_.tally.platoon_time, message->header.stamp.toNSec());
-  reports_.saw(statistics_.tally.platoon_time);
-  const Verdict verdict = statistics_.receive(vehicle, turn, positions_of(message));
-  if (verdict != Verdict::in_turn) return refusals_[vehicle].count(verdict, turn, message->position.size());
-  last_arrival_ = now();
-  const Arrivals& arrivals = statistics_.arrivals();
-  const Acknowledgement present = arrivals.acknowledgement();
-  if (began_ < 0.0 && present.step != kNothingYet) began_ = last_arrival_;
-  if (arrivals.committed() > committed_) note_commit();
-  if (arrivals.complete() && !finished_) finish();
-  reports_.report_if_due(present);
+  const bool of_this_run = membership_.admits(message->run);
+  const Heading heading = heading_of(*message);
+  RunStatistics::Receipt receipt{Verdict::foreign_run, {}};
+  {
+    const Locked lock(lock_);
+    if (of_this_run) {
+      statistics_.saw(message->header.stamp.toNSec());
+      reports_.saw(message->header.stamp.toNSec());
+      receipt = statistics_.receive(vehicle, heading, positions_of(message));
+    }
+    if (receipt.verdict != Verdict::in_turn) return drops_[vehicle].count(receipt.verdict, heading);
+  }
+  const RunStatistics::Computed computed = statistics_.compute(receipt.work);
+  const Locked lock(lock_);
+  const double present = now();
+  stall_.arrived(present);
+  const bool committed = statistics_.settle(computed);
+  if (!began_ && statistics_.arrivals().acknowledgement().step != kNothingYet) began_ = present;
+  if (committed) statistics_.set_wall_seconds(wall_seconds_before_ + (began_ ? present - *began_ : 0.0));
+  reports_.report_if_due(statistics_.arrivals());
 }
 
-void Monitor::note_commit() {
-  committed_ = statistics_.arrivals().committed();
-  statistics_.tally.wall_seconds = wall_seconds_before_ + (last_arrival_ - began_);
-  if (last_arrival_ - last_checkpoint_ >= kCheckpointPeriod) save_checkpoint();
+void Monitor::receive_note(const Progress::ConstPtr& message) {
+  if (message->receiver == "monitor" || message->run != membership_.run()) return;
+  const Locked lock(lock_);
+  notes_[message->receiver] = message->note;
 }
 
-void Monitor::save_checkpoint() {
-  write_checkpoint(configuration_.run.output, statistics_.checkpoint());
-  last_checkpoint_ = now();
-  checkpointed_ = committed_;
+void Monitor::tick() {
+  const double present = now();
+  bool linked, complete;
+  std::uint64_t committed;
+  std::string recorder;
+  {
+    const Locked lock(lock_);
+    linked = reports_.is_linked(positions_);
+    if (linked) reports_.report(statistics_.arrivals());
+    complete = statistics_.arrivals().complete();
+    committed = statistics_.arrivals().committed();
+    recorder = notes_["recorder"];
+  }
+  if (finished_) return;
+  if (complete) return finish();
+  check_for_stall(present);
+  if (!linked) return;
+  display_.set_note(recorder);
+  if (!endless() && began_) display_.update(committed, present);
+  save_checkpoint_if_due(present);
+  publish_statistics_if_due(present);
+}
+
+void Monitor::save_checkpoint_if_due(double present) {
+  if (last_checkpoint_ && present - *last_checkpoint_ < kCheckpointPeriod) return;
+  std::optional<Checkpoint> checkpoint;
+  {
+    const Locked lock(lock_);
+    if (statistics_.arrivals().committed() > checkpointed_) checkpoint = statistics_.checkpoint();
+  }
+  if (!checkpoint) return;
+  write_checkpoint(configuration_.run.output, *checkpoint);
+  checkpointed_ = checkpoint->table.count();
+  last_checkpoint_ = present;
 }
 
 void Monitor::finish() {
-  finished_ = true;
-  reports_.set_finished();
-  save_checkpoint();
-  const RunResult final = statistics_.result(true);
-  write_results(configuration_, prediction_, final);
-  display_.update(committed_, now());
+  std::optional<Checkpoint> checkpoint;
+  RunResult result;
+  {
+    const Locked lock(lock_);
+    checkpoint = statistics_.checkpoint();
+    result = statistics_.result(true);
+  }
+  if (checkpoint) write_checkpoint(configuration_.run.output, *checkpoint);
+  write_results(configuration_, prediction_, result);
+  display_.update(result.realizations, now());
   display_.finish();
-  for (std::int64_t k = 0; k < configuration_.run.steps; ++k) publish_statistics(k, final.moments);
+  for (std::int64_t k = 0; k < configuration_.run.steps; ++k) publish_statistics(k, result);
   std::printf("%sResults: %s/statistics.csv and summary.json\n",
-              report(configuration_, prediction_, final).c_str(), configuration_.run.output.c_str());
+              report(configuration_, prediction_, result).c_str(), configuration_.run.output.c_str());
   std::fflush(stdout);
+  finished_ = true;
+  const Locked lock(lock_);
+  reports_.set_finished();
+  reports_.report(statistics_.arrivals());
 }
 
 void Monitor::stop() {
-  if (finished_ || statistics_.empty()) return;
+  if (finished_ || statistics_.averages().empty()) return;
   display_.finish();
-  if (statistics_.endless()) statistics_.tally.wall_seconds = now() - began_;
-  if (committed_ > checkpointed_) save_checkpoint();
+  if (endless() && began_) statistics_.set_wall_seconds(now() - *began_);
+  const std::optional<Checkpoint> checkpoint = statistics_.checkpoint();
+  if (checkpoint && checkpoint->table.count() > checkpointed_)
+    write_checkpoint(configuration_.run.output, *checkpoint);
   const RunResult partial = statistics_.result(false);
   write_results(configuration_, prediction_, partial);
   std::printf("%s", report(configuration_, prediction_, partial).c_str());
-  if (!statistics_.endless()) {
+  if (checkpoint) {
     std::printf(
         "Stopped after %llu of %llu realizations; the same launch with output:=%s resume:=true goes on from "
         "there.\n",
@@ -137,50 +181,69 @@ void Monitor::stop() {
   std::fflush(stdout);
 }
 
-void Monitor::tick() {
-  const std::lock_guard<SpinLock> lock(lock_);
-  const double present = now();
-  if (statistics_.arrivals().complete() && !finished_) finish();  // resumed when nothing was left to do
-  if (!reports_.is_linked(positions_)) return report_stall(present);
-  reports_.report(statistics_.arrivals().acknowledgement());
-  if (finished_) return;
-  if (!statistics_.endless() && began_ >= 0.0) display_.update(committed_, present);
-  report_stall(present);
-  if (statistics_.empty()) return;
-  if (!statistics_.endless() && present - last_statistics_ < kStatisticsPeriod) return;
-  last_statistics_ = present;
-  publish_statistics(statistics_.last_step(), statistics_.moments());
-}
-
 // Said once when it is noticed and once when it is over.
-void Monitor::report_stall(double present) {
-  const double rate = configuration_.run.rate;
-  const double pace = rate > 0.0 ? 1.0 / rate + (began_ < 0.0 ? kObserverTime : 0.0) : 0.0;
-  const double start = began_ < 0.0 ? kStartTime * static_cast<double>(configuration_.run.followers) : 0.0;
-  if (last_arrival_ < 0.0) last_arrival_ = present;
-  const bool stalled = present - last_arrival_ > 0.75 * configuration_.run.stall_timeout + pace + start;
-  if (stalled && !stalled_) {
-    ROS_WARN_STREAM("the platoon stands still: " << culprit(statistics_.arrivals().latest(),
-                                                            configuration_.run.schedule()));
-  } else if (!stalled && stalled_) {
-    ROS_WARN("the platoon moves again");
+void Monitor::check_for_stall(double present) {
+  const RunOptions& run = configuration_.run;
+  const double pace = run.rate > 0.0 ? 1.0 / run.rate + (began_ ? 0.0 : kObserverTime) : 0.0;
+  const double start = began_ ? 0.0 : kStartTime * static_cast<double>(run.followers);
+  StallWatch::Change change;
+  std::string who;
+  {
+    const Locked lock(lock_);
+    change = stall_.look(present, 0.75 * run.stall_timeout + pace + start);
+    if (change == StallWatch::Change::stalled) who = culprit();
   }
-  stalled_ = stalled;
+  if (change == StallWatch::Change::stalled) ROS_WARN_STREAM("the platoon stands still: " << who);
+  if (change == StallWatch::Change::moving) ROS_WARN("the platoon moves again");
 }
 
-void Monitor::publish_statistics(std::int64_t step, const std::vector<Moments>& all) {
-  const std::size_t followers = configuration_.run.followers;
+std::string Monitor::culprit() const {
+  const std::string missing = missing_vehicles();
+  if (!missing.empty()) return missing;
+  const StallDiagnosis diagnosis =
+      diagnose_stall(statistics_.arrivals().latest(), configuration_.run.schedule());
+  const auto note = notes_.find("vehicle_" + std::to_string(diagnosis.vehicle.value_or(0)));
+  const bool explained = diagnosis.vehicle && note != notes_.end();
+  return diagnosis.text + (explained ? "; it says: " + note->second : "");
+}
+
+// Empty when every vehicle is there.
+std::string Monitor::missing_vehicles() const {
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    if (positions_[i].getNumPublishers() == 0) missing.push_back(i);
+  }
+  if (missing.empty()) return "";
+  const std::string name = "vehicle_" + std::to_string(missing.front());
+  if (missing.size() == 1)
+    return name + " is not there: nobody publishes " + positions_[missing[0]].getTopic();
+  return std::to_string(missing.size()) + " of " + std::to_string(positions_.size()) +
+         " vehicles are not there, the first of them " + name;
+}
+
+void Monitor::publish_statistics_if_due(double present) {
+  if (!endless() && last_statistics_ && present - *last_statistics_ < kStatisticsPeriod) return;
+  RunResult result;
+  {
+    const Locked lock(lock_);
+    if (statistics_.averages().empty()) return;
+    result = statistics_.result(false);
+  }
+  last_statistics_ = present;
+  publish_statistics(result.last_step, result);
+}
+
+void Monitor::publish_statistics(std::int64_t step, const RunResult& result) {
   ErrorStatistics message;
-  message.header.stamp.fromNSec(statistics_.tally.platoon_time);
+  message.header.stamp.fromNSec(result.tally.platoon_time);
   message.step = step;
-  message.realizations = statistics_.realizations();
-  message.time_average = statistics_.endless();
-  for (std::size_t i = 1; i <= followers; ++i) {
-    const std::size_t c = statistics_.endless() ? i - 1 : cell(i, step, configuration_.run.steps);
-    message.mean.push_back(all[c].mean);
-    message.variance.push_back(all[c].variance());
-    message.theoretical_mean.push_back(prediction_.mean[c]);
-    message.theoretical_variance.push_back(prediction_.variance[c]);
+  message.realizations = result.realizations;
+  message.time_average = endless();
+  for (const ResultCell& of : cells_at(step, configuration_.run, prediction_, result.moments)) {
+    message.mean.push_back(of.measured.mean);
+    message.variance.push_back(of.measured.variance());
+    message.theoretical_mean.push_back(of.theoretical_mean);
+    message.theoretical_variance.push_back(of.theoretical_variance);
   }
   error_statistics_.publish(message);
 }

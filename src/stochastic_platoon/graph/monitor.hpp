@@ -1,17 +1,22 @@
 #pragma once
 
 #include <ros/node_handle.h>
-#include <stochastic_platoon/ErrorStatistics.h>
 #include <stochastic_platoon/Position.h>
+#include <stochastic_platoon/Progress.h>
 
 #include <functional>
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/delivery/stall_watch.hpp"
+#include "stochastic_platoon/graph/drop_counter.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
-#include "stochastic_platoon/graph/refusals.hpp"
+#include "stochastic_platoon/graph/run_membership.hpp"
 #include "stochastic_platoon/graph/spin_lock.hpp"
-#include "stochastic_platoon/results/progress_display.hpp"
+#include "stochastic_platoon/io/progress_display.hpp"
 #include "stochastic_platoon/results/run_statistics.hpp"
 
 namespace platoon {
@@ -22,49 +27,63 @@ namespace platoon {
 /// A batch counts when it is whole. Totals are checkpointed after commits; on completion, or when it is
 /// stopped, the monitor writes the results. It names who holds the platoon up when nothing moves.
 ///
-/// Subscribes: vehicle_<i>/position, i = 0 .. N; progress (of other receivers). Publishes: progress,
-/// error_statistics, configuration (std_msgs/String, latched: the model and the run as JSON).
+/// Positions may be received by several threads: a message is judged and counted under a lock, its errors are
+/// formed without it (see RunStatistics). Only the timer's thread touches files and the terminal, and never
+/// under the lock.
+///
+/// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), i = 0 .. N; progress
+/// (stochastic_platoon/Progress, of others). Publishes: progress, error_statistics
+/// (stochastic_platoon/ErrorStatistics), configuration (std_msgs/String, latched: model and run as JSON).
 class Monitor {
 public:
-  /// Throws ConfigurationError as starting_point() does. `of_vehicle` gives the node whose queue receives the
-  /// positions of vehicle i: several threads may serve these queues.
-  Monitor(ros::NodeHandle platoon, const Configuration& configuration,
-          const std::function<ros::NodeHandle(std::size_t vehicle)>& of_vehicle);
-  Monitor(const ros::NodeHandle& platoon, const Configuration& configuration)
-      : Monitor(platoon, configuration, [&platoon](std::size_t) { return platoon; }) {}
+  /// Gives the node whose queue receives the positions of a vehicle: several threads may serve these queues.
+  using NodeOfVehicle = std::function<ros::NodeHandle(std::size_t vehicle)>;
+
+  /// Throws ConfigurationError as starting_point() does. `superseded` is called with a configuration that has
+  /// taken the present one's place.
+  Monitor(ros::NodeHandle platoon, const Configuration& configuration, const NodeOfVehicle& node_of_vehicle,
+          RunMembership::Join superseded);
 
   /// Writes down what there is of an unfinished run. Call it when the callbacks have ended.
   void stop();
 
 private:
+  void subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle);
   void receive(std::size_t vehicle, const stochastic_platoon::Position::ConstPtr& message);
-  void note_commit();
+  void receive_note(const stochastic_platoon::Progress::ConstPtr& message);
   void tick();
-  void report_stall(double now);
+  void check_for_stall(double present);
+  std::string culprit() const;
+  std::string missing_vehicles() const;
   void finish();
-  void save_checkpoint();
-  void publish_statistics(std::int64_t step, const std::vector<Moments>& all);
+  void save_checkpoint_if_due(double present);
+  void publish_statistics_if_due(double present);
+  void publish_statistics(std::int64_t step, const RunResult& result);
+  bool endless() const { return configuration_.run.averaging() == Averaging::over_time; }
 
-  SpinLock lock_;  ///< of everything below, but for the arithmetic of the statistics
   Configuration configuration_;
+  RunMembership membership_;
   Prediction prediction_;
+  double wall_seconds_before_;  ///< [s] of earlier launches
+
+  SpinLock lock_;  ///< of what several threads use, down to `notes_`
   RunStatistics statistics_;
-  std::vector<Refusals> refusals_;
-  ProgressDisplay display_;
-  double began_ = -1.0;               ///< [s] first complete step of this launch
-  double wall_seconds_before_ = 0.0;  ///< [s] of earlier launches
-  double last_arrival_ = -1.0;        ///< [s]
-  double last_checkpoint_ = -1.0;     ///< [s]
-  double last_statistics_ = -1.0;     ///< [s]
-  std::uint64_t committed_ = 0;       ///< realizations when last looked at
-  std::uint64_t checkpointed_ = 0;    ///< realizations in the latest checkpoint
-  bool stalled_ = false;
-  bool finished_ = false;
+  std::vector<DropCounter> drops_;
   ProgressReports reports_;
+  StallWatch stall_;
+  std::optional<double> began_;               ///< [s] first complete step of this launch
+  std::map<std::string, std::string> notes_;  ///< what other components say of themselves
+
+  ProgressDisplay display_;
+  std::uint64_t checkpointed_;             ///< realizations in the latest checkpoint
+  std::optional<double> last_checkpoint_;  ///< [s]
+  std::optional<double> last_statistics_;  ///< [s]
+  bool finished_ = false;
+
   ros::Publisher error_statistics_;
   ros::Publisher configuration_text_;  ///< latched: whoever records the platoon records what it was
   std::vector<ros::Subscriber> positions_;
-  ros::Subscriber notes_;  ///< of the other receivers
+  ros::Subscriber others_;
   ros::SteadyTimer timer_;
 };
 

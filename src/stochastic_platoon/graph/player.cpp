@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-#include "stochastic_platoon/graph/wire.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/messages/position.hpp"
 
 namespace platoon {
 
@@ -19,32 +20,34 @@ constexpr double kPeriod = 0.005;  // [s] between looks at the clock when nothin
 
 Player::Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration& configuration,
                const PlayerOptions& options)
-    : schedule_(configuration.run.schedule()),
+    : run_(run_identity(configuration)),
+      schedule_(configuration.run.schedule()),
       window_(configuration.run.window),
       options_(options),
       stream_(options.bags,
               [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::position; }),
       upcoming_(stream_.next()),
-      paused_at_(options.paused ? now() : -1.0) {
+      paused_at_(options.paused ? std::optional<double>(now()) : std::nullopt) {
   for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
     positions_[i] = platoon.advertise<Position>(position_topic(i), kUnboundedQueue);
   }
   if (upcoming_) first_stamp_ = upcoming_->message->header.stamp;
   const boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)> set_paused =
       [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
-        const bool paused = paused_at_ >= 0.0;
-        if (began_ >= 0.0 && paused && !request.data) began_ += now() - paused_at_;
-        if (paused != static_cast<bool>(request.data)) paused_at_ = request.data ? now() : -1.0;
+        if (began_ && paused_at_ && !request.data) *began_ += now() - *paused_at_;
+        if (!request.data) paused_at_.reset();
+        if (request.data && !paused_at_) paused_at_ = now();
         response.success = true;
         response.message = request.data ? "paused" : "playing";
         return true;
       };
   pause_ = own.advertiseService("pause_playback", set_paused);
-  progress_ = platoon.subscribe("progress", kUnboundedQueue, &Player::receive, this, no_delay());
+  progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &Player::receive, this, no_delay());
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kPeriod), [this](const auto&) { play(); });
 }
 
 void Player::receive(const Progress::ConstPtr& message) {
+  if (message->run != run_) return;
   heard_ = true;
   const std::int64_t acknowledged =
       steps_covered(schedule_, 0, {0, message->first_realization, message->step});
@@ -58,18 +61,19 @@ void Player::receive(const Progress::ConstPtr& message) {
 bool Player::may_publish(const Position& message) const {
   if (options_.rate > 0.0) {
     const double due = (message.header.stamp - first_stamp_).toSec() - options_.start;
-    if (now() - began_ < due / options_.rate) return false;
+    if (now() - *began_ < due / options_.rate) return false;
   }
-  return steps_covered(schedule_, 0, turn_of(message)) <= acknowledged_ + window_ ||
+  return steps_covered(schedule_, 0, id_of(message)) <= acknowledged_ + window_ ||
          now() - last_progress_ > 1.0;
 }
 
 void Player::play() {
-  if (!heard_ || paused_at_ >= 0.0) return;
-  if (began_ < 0.0) began_ = last_progress_ = now();
+  if (!heard_ || paused_at_) return;
+  if (!began_) began_ = last_progress_ = now();
   while (upcoming_ && may_publish(*upcoming_->message)) {
     const auto position = positions_.find(upcoming_->topic.vehicle);
     const bool left_out = (upcoming_->message->header.stamp - first_stamp_).toSec() < options_.start;
+    upcoming_->message->run = run_;
     if (position != positions_.end() && !left_out) position->second.publish(upcoming_->message);
     upcoming_ = stream_.next();
   }

@@ -21,10 +21,12 @@ struct PlayerOptions {
   bool paused = false;  ///< wait for pause_playback to be called with false
 };
 
-/// Plays the positions of all vehicles of a recorded platoon, in the place of the vehicles. It goes no
-/// further ahead of the monitor's progress than the leader would, so nothing is lost at any rate.
+/// Plays the positions of all vehicles of a recorded platoon, in the place of the vehicles, as messages of the
+/// present run. It goes no further ahead of the monitor's progress than the leader would, so nothing is lost
+/// at any rate.
 ///
-/// Subscribes: progress. Publishes: vehicle_<i>/position. Offers: ~pause_playback (std_srvs/SetBool), as
+/// Subscribes: progress (stochastic_platoon/Progress). Publishes: vehicle_<i>/position
+/// (stochastic_platoon/Position). Offers: ~pause_playback (std_srvs/SetBool), as
 /// rosbag play does.
 class Player {
 public:
@@ -36,6 +38,7 @@ private:
   void play();
   bool may_publish(const stochastic_platoon::Position& message) const;
 
+  std::uint64_t run_;
   BatchSchedule schedule_;
   std::int64_t window_;
   PlayerOptions options_;
@@ -46,8 +49,8 @@ private:
   std::int64_t acknowledged_ = 0;                    ///< steps
   double last_progress_ = 0.0;                       ///< [s]
   ros::Time first_stamp_;
-  double began_ = -1.0;      ///< [s] wall time of first_stamp_; moves on while paused
-  double paused_at_ = -1.0;  ///< [s]
+  std::optional<double> began_;      ///< [s] wall time of first_stamp_; moves on while paused
+  std::optional<double> paused_at_;  ///< [s]
   ros::Subscriber progress_;
   ros::ServiceServer pause_;
   ros::SteadyTimer timer_;

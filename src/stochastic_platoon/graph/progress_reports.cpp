@@ -2,16 +2,19 @@
 
 #include <algorithm>
 
-#include "stochastic_platoon/graph/wire.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
 using stochastic_platoon::Progress;
 
-ProgressReports::ProgressReports(ros::NodeHandle platoon, const std::string& receiver, const RunOptions& run)
-    : pace_(run.schedule(), run.window),
-      publisher_(platoon.advertise<Progress>("progress", kUnboundedQueue)) {
+ProgressReports::ProgressReports(ros::NodeHandle platoon, const std::string& receiver,
+                                 const Configuration& configuration)
+    : pace_(configuration.run.schedule(), configuration.run.window),
+      publisher_(platoon.advertise<Progress>(kProgressTopic, kUnboundedQueue)) {
   message_.receiver = receiver;
+  message_.run = run_identity(configuration);
 }
 
 bool ProgressReports::is_linked(const std::vector<ros::Subscriber>& subscribers) {
@@ -25,15 +28,17 @@ void ProgressReports::saw(std::uint64_t platoon_time) {
   message_.header.stamp = std::max(message_.header.stamp, ros::Time().fromNSec(platoon_time));
 }
 
-void ProgressReports::report_if_due(const Acknowledgement& present) {
-  if (pace_.is_due(present)) report(present);
+void ProgressReports::report_if_due(const Arrivals& arrivals) {
+  if (pace_.is_due(arrivals.acknowledgement())) report(arrivals);
 }
 
-void ProgressReports::report(const Acknowledgement& present) {
+void ProgressReports::report(const Arrivals& arrivals) {
+  const Acknowledgement present = arrivals.acknowledgement();
   pace_.note_report(present);
   message_.attempt = present.attempt;
   message_.first_realization = present.first_realization;
   message_.step = present.step;
+  message_.messages = arrivals.messages();
   publisher_.publish(message_);
 }
 

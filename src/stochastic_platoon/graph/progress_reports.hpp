@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/configuration/run_options.hpp"
+#include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/delivery/arrivals.hpp"
 #include "stochastic_platoon/delivery/report_pace.hpp"
 
 namespace platoon {
@@ -20,7 +21,7 @@ constexpr double kHeartbeat = 0.05;  ///< [s] between reports when nothing else 
 /// The first report waits until every publisher can be heard, so that no attempt is wasted before.
 class ProgressReports {
 public:
-  ProgressReports(ros::NodeHandle platoon, const std::string& receiver, const RunOptions& run);
+  ProgressReports(ros::NodeHandle platoon, const std::string& receiver, const Configuration& configuration);
 
   /// Whether every one of these has a publisher, or once had.
   bool is_linked(const std::vector<ros::Subscriber>& subscribers);
@@ -28,10 +29,10 @@ public:
   /// Reports carry the latest platoon time seen [ns].
   void saw(std::uint64_t platoon_time);
 
-  /// Reports if it is due.
-  void report_if_due(const Acknowledgement& present);
+  /// Reports what has arrived, if a report is due.
+  void report_if_due(const Arrivals& arrivals);
 
-  void report(const Acknowledgement& present);
+  void report(const Arrivals& arrivals);
 
   void set_finished() { message_.finished = true; }
   void set_note(const std::string& note) { message_.note = note; }

@@ -4,8 +4,10 @@
 
 #include <boost/function.hpp>
 
-#include "stochastic_platoon/graph/wire.hpp"
-#include "stochastic_platoon/results/text.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/io/text.hpp"
+#include "stochastic_platoon/messages/position.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
@@ -20,58 +22,59 @@ std::string parent_of(const std::string& name) {
 
 }  // namespace
 
-Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration)
-    : recorder_(configuration, parent_of(platoon.resolveName("configuration"))),
-      reports_(platoon, "recorder", configuration.run) {
-  for (std::size_t s = 0; s < recorder_.streams(); ++s) refusals_.emplace_back(recorder_.topic(s));
-  for (std::size_t s = 0; s < recorder_.streams(); ++s) {
+Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration,
+                   RunMembership::Join superseded)
+    : membership_(platoon, "recorder", run_identity(configuration), std::move(superseded)),
+      recording_(configuration, parent_of(platoon.resolveName(kConfigurationTopic))),
+      reports_(platoon, "recorder", configuration) {
+  for (std::size_t s = 0; s < recording_.streams(); ++s) drops_.emplace_back(recording_.topic(s));
+  for (std::size_t s = 0; s < recording_.streams(); ++s) {
     const boost::function<void(const Position::ConstPtr&)> callback =
         [this, s](const Position::ConstPtr& message) { receive(s, message); };
-    positions_.push_back(platoon.subscribe<Position>(recorder_.topic(s), kUnboundedQueue, callback,
+    positions_.push_back(platoon.subscribe<Position>(recording_.topic(s), kUnboundedQueue, callback,
                                                      ros::VoidConstPtr(), no_delay()));
   }
-  error_statistics_ =
-      platoon.subscribe("error_statistics", kUnboundedQueue, &Recorder::receive_statistics, this, no_delay());
+  error_statistics_ = platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics,
+                                        this, no_delay());
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
 }
 
 void Recorder::receive(std::size_t stream, const Position::ConstPtr& message) {
+  const Heading heading{id_of(*message), message->position.size(), true};
+  if (!membership_.admits(message->run)) return drops_[stream].count(Verdict::foreign_run, heading);
   reports_.saw(message->header.stamp.toNSec());
-  const Verdict verdict = recorder_.receive(stream, message);
-  if (verdict != Verdict::in_turn) {
-    const Turn turn = turn_of(*message);
-    return refusals_[stream].count(verdict, turn, message->position.size());
-  }
-  if (began_ < 0.0) began_ = now();
-  reports_.report_if_due(recorder_.arrivals().acknowledgement());
+  const Verdict verdict = recording_.receive(stream, message);
+  if (verdict != Verdict::in_turn) return drops_[stream].count(verdict, heading);
+  if (!began_) began_ = now();
+  reports_.report_if_due(recording_.arrivals());
   finish();
 }
 
 void Recorder::receive_statistics(const ErrorStatistics::ConstPtr& message) {
-  recorder_.receive(*message);
+  recording_.receive(*message);
   finish();
 }
 
 void Recorder::finish() {
-  if (!recorder_.ready_to_finish()) return;
-  if (recorder_.holds_given_up())
+  if (!recording_.ready_to_finish()) return;
+  if (recording_.holds_given_up())
     ROS_INFO("writing the bag once more, without the attempts that were given up");
-  recorder_.finish();
-  ROS_INFO_STREAM("recorded " << recorder_.bytes() / 1000000 << " MB");
+  recording_.finish();
+  ROS_INFO_STREAM("recorded " << recording_.bytes() / 1000000 << " MB");
   reports_.set_finished();
   report();
 }
 
 void Recorder::tick() {
-  if (recorder_.finished() || reports_.is_linked(positions_)) report();
+  if (recording_.finished() || reports_.is_linked(positions_)) report();
 }
 
 void Recorder::report() {
-  const double megabytes = static_cast<double>(recorder_.bytes()) * 1e-6;
-  const double seconds = began_ < 0.0 ? 0.0 : now() - began_;
+  const double megabytes = static_cast<double>(recording_.bytes()) * 1e-6;
+  const double seconds = began_ ? now() - *began_ : 0.0;
   reports_.set_note(
       formatted("bag %.0f MB, %.0f MB/s", megabytes, seconds > 0.0 ? megabytes / seconds : 0.0));
-  reports_.report(recorder_.arrivals().acknowledgement());
+  reports_.report(recording_.arrivals());
 }
 
 }  // namespace platoon

@@ -6,23 +6,26 @@
 
 #include <vector>
 
-#include "stochastic_platoon/bags/batch_recorder.hpp"
+#include "stochastic_platoon/bags/run_recording.hpp"
+#include "stochastic_platoon/graph/drop_counter.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
-#include "stochastic_platoon/graph/refusals.hpp"
+#include "stochastic_platoon/graph/run_membership.hpp"
 
 namespace platoon {
 
 /// Records a platoon to a bag as one more acknowledging receiver: the leader never runs ahead of it, so
 /// nothing is lost at any speed.
 ///
-/// Subscribes: vehicle_<i>/position, vehicle_<i>/predecessor_position, error_statistics. Publishes: progress.
+/// Subscribes: vehicle_<i>/position, vehicle_<i>/predecessor_position (stochastic_platoon/Position),
+/// error_statistics (stochastic_platoon/ErrorStatistics). Publishes: progress (stochastic_platoon/Progress).
 class Recorder {
 public:
-  /// Throws ConfigurationError as BatchRecorder does.
-  Recorder(ros::NodeHandle platoon, const Configuration& configuration);
+  /// Throws ConfigurationError as RunRecording does. `superseded` is called with a configuration that has
+  /// taken the present one's place.
+  Recorder(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
   /// Closes an unfinished file. Call it when the callbacks have ended.
-  void stop() { recorder_.stop(); }
+  void stop() { recording_.stop(); }
 
 private:
   void receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
@@ -31,9 +34,10 @@ private:
   void finish();
   void report();
 
-  BatchRecorder recorder_;
-  std::vector<Refusals> refusals_;
-  double began_ = -1.0;  ///< [s] first message
+  RunMembership membership_;
+  RunRecording recording_;
+  std::vector<DropCounter> drops_;
+  std::optional<double> began_;  ///< [s] first message
   ProgressReports reports_;
   std::vector<ros::Subscriber> positions_;
   ros::Subscriber error_statistics_;

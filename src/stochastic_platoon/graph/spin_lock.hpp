@@ -5,7 +5,7 @@
 
 namespace platoon {
 
-/// A lock for a moment: who waits gives way but does not sleep, as to be woken would take longer.
+/// For very short critical sections: waiters yield instead of sleeping, as to be woken would take longer.
 class SpinLock {
 public:
   void lock() {
@@ -15,19 +15,6 @@ public:
 
 private:
   std::atomic_flag taken_ = ATOMIC_FLAG_INIT;
-};
-
-/// Lets go of a lock for as long as it lives.
-template <typename Lock>
-class Unlocked {
-public:
-  explicit Unlocked(Lock& lock) : lock_(lock) { lock_.unlock(); }
-  ~Unlocked() { lock_.lock(); }
-  Unlocked(const Unlocked&) = delete;
-  Unlocked& operator=(const Unlocked&) = delete;
-
-private:
-  Lock& lock_;
 };
 
 }  // namespace platoon

@@ -2,8 +2,9 @@
 
 #include <cstring>
 
-#include "stochastic_platoon/graph/wire.hpp"
-#include "stochastic_platoon/results/text.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/io/text.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
@@ -21,6 +22,7 @@ std::function<bool(const PlatoonTopic&)> only(PlatoonTopic::Kind kind, std::size
 VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration,
                              const std::vector<std::string>& bags, std::size_t vehicle)
     : name_("vehicle_" + std::to_string(vehicle)),
+      run_(run_identity(configuration)),
       window_(configuration.run.window),
       inputs_(bags, only(PlatoonTopic::Kind::predecessor_position, vehicle)),
       outputs_(bags, only(PlatoonTopic::Kind::position, vehicle)),
@@ -39,6 +41,7 @@ void VehicleReplay::play() {
   while (!done_ && sent_ - received_ < window_) {
     const std::optional<RecordedPosition> input = inputs_.next();
     if (!input) return;
+    input->message->run = run_;
     predecessor_position_.publish(input->message);
     ++sent_;
   }
@@ -55,14 +58,14 @@ void VehicleReplay::receive(const Message& message) {
 
 void VehicleReplay::compare(const Position& live, const Position& recorded) {
   if (!difference_.empty()) return;
-  const bool same_turn = live.attempt == recorded.attempt &&
-                         live.first_realization == recorded.first_realization && live.step == recorded.step &&
-                         live.position.size() == recorded.position.size();
+  const bool same_message = live.run == run_ && live.attempt == recorded.attempt &&
+                            live.first_realization == recorded.first_realization &&
+                            live.step == recorded.step && live.position.size() == recorded.position.size();
   const std::size_t bytes = recorded.position.size() * sizeof(double);
-  if (same_turn && std::memcmp(live.position.data(), recorded.position.data(), bytes) == 0) return;
+  if (same_message && std::memcmp(live.position.data(), recorded.position.data(), bytes) == 0) return;
   difference_ = formatted("step %lld of the realizations from %llu", static_cast<long long>(recorded.step),
                           static_cast<unsigned long long>(recorded.first_realization));
-  for (std::size_t r = 0; same_turn && r < recorded.position.size(); ++r) {
+  for (std::size_t r = 0; same_message && r < recorded.position.size(); ++r) {
     if (live.position[r] == recorded.position[r]) continue;
     difference_ += formatted(": realization %zu is at %.17g m, was at %.17g m", r, live.position[r],
                              recorded.position[r]);

@@ -12,9 +12,10 @@
 namespace platoon {
 
 /// Puts one live follower behind the predecessor positions it was recorded with, and compares what it
-/// publishes with what was recorded, bit by bit.
+/// publishes with what was recorded, bit by bit. The messages are those of the present run.
 ///
-/// Subscribes: vehicle_<i>/position. Publishes: vehicle_<i>/predecessor_position.
+/// Subscribes: vehicle_<i>/position. Publishes: vehicle_<i>/predecessor_position. Both
+/// stochastic_platoon/Position.
 class VehicleReplay {
 public:
   VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration,
@@ -33,6 +34,7 @@ private:
   void compare(const stochastic_platoon::Position& live, const stochastic_platoon::Position& recorded);
 
   std::string name_;
+  std::uint64_t run_;
   std::int64_t window_;
   BagStream inputs_;
   BagStream outputs_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "stochastic_platoon/model/closed_loop.hpp"
 #include "stochastic_platoon/model/leader_profile.hpp"
@@ -14,6 +15,9 @@ struct InitialPosition {
 };
 
 /// Everything the mathematics of a homogeneous platoon needs (paper, section 3); the model file in C++.
+///
+/// A plain value: what uses a part of it checks that part (ClosedLoopBatch, NoisyChannel, FollowerVehicle,
+/// LeaderVehicle throw std::invalid_argument), and the model file's parser checks all of it.
 struct PlatoonModel {
   ClosedLoop loop;
   double headway;                    ///< h > 0, in sample periods
@@ -24,6 +28,8 @@ struct PlatoonModel {
   InitialPosition initial_position;
   bool allow_unstable = false;            ///< rho(A) >= 1 was asked for
   std::optional<LoopDesign> design = {};  ///< none where the closed loop itself was given
+  /// y_0(-1), y_0(0), ... [m]: vehicle 0 as it was recorded, in place of the loop behind `leader`. Empty: none.
+  std::vector<double> recorded_leader = {};
 };
 
 }  // namespace platoon

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "stochastic_platoon/model/vector_clones.hpp"
 
@@ -10,7 +12,7 @@ namespace platoon {
 
 namespace {
 
-constexpr std::size_t kLanes = 32;  // what of u and y stays in registers
+constexpr std::size_t kLanes = 32;  // realizations whose u and y fit in registers
 
 // A shift register's step for some realizations of a tile; state, input and positions begin with those.
 PLATOON_INLINE void shift_lanes(const double* a, const double* b, std::size_t order, std::size_t output_place,
@@ -137,21 +139,34 @@ void ClosedLoopBatch::output(std::vector<double>& positions) const {
   }
 }
 
+namespace {
+
+// The standard deviation [m] of a variance [m^2].
+double root_of(const char* name, double variance) {
+  if (!(variance >= 0.0) || !std::isfinite(variance)) {
+    throw std::invalid_argument(std::string(name) + ": " + std::to_string(variance) +
+                                ": must be finite and >= 0 [m^2]");
+  }
+  return std::sqrt(variance);
+}
+
+}  // namespace
+
 FollowerVehicle::FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index)
     : loop_(model.loop.realization),
       noise_(seed),
-      initial_(model.initial_position),
+      initial_mean_(model.initial_position.mean),
+      initial_deviation_(root_of("variance of the initial positions", model.initial_position.variance)),
       standstill_distance_(model.standstill_distance),
       index_(index) {}
 
 void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count,
                             std::vector<double>& positions) {
   positions.resize(count);
-  const double place = initial_.mean - static_cast<double>(index_) * standstill_distance_;
-  if (initial_.variance > 0.0) {
-    const double deviation = std::sqrt(initial_.variance);
+  const double place = initial_mean_ - static_cast<double>(index_) * standstill_distance_;
+  if (initial_deviation_ > 0.0) {
     noise_.fill({index_, -1}, first_realization, count, positions.data());
-    for (double& position : positions) position = place + deviation * position;
+    for (double& position : positions) position = place + initial_deviation_ * position;
   } else {
     positions.assign(count, place);
   }
@@ -160,10 +175,15 @@ void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count,
 }
 
 LeaderVehicle::LeaderVehicle(const PlatoonModel& model)
-    : loop_(model.loop.realization), profile_(model.leader), buffer_(1), input_(1) {}
+    : loop_(model.loop.realization),
+      profile_(model.leader),
+      recorded_(model.recorded_leader),
+      buffer_(1),
+      input_(1) {}
 
 double LeaderVehicle::start() {
   step_ = -1;
+  if (!recorded_.empty()) return recorded_.front();
   buffer_.assign(1, profile_.position(step_));
   loop_.start_at_equilibrium(buffer_);
   loop_.output(buffer_);
@@ -171,6 +191,7 @@ double LeaderVehicle::start() {
 }
 
 double LeaderVehicle::step() {
+  if (!recorded_.empty()) return recorded_.at(static_cast<std::size_t>(++step_ + 1));
   input_.front() = profile_.position(step_);
   loop_.step(input_, 0.0, buffer_);
   ++step_;
@@ -178,7 +199,7 @@ double LeaderVehicle::step() {
 }
 
 NoisyChannel::NoisyChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver)
-    : noise_(seed), deviation_(std::sqrt(noise_variance)), receiver_(receiver) {}
+    : noise_(seed), deviation_(root_of("noise variance", noise_variance)), receiver_(receiver) {}
 
 void NoisyChannel::transmit(std::int64_t step, std::uint64_t first_realization, const double* sent,
                             std::size_t count, double* received) const {

@@ -11,10 +11,10 @@
 
 namespace platoon {
 
-/// Realizations that are computed in one go: what a vehicle holds of so many stays in the first level cache.
+/// Realizations computed at a time: a vehicle's state of so many stays in the first level cache.
 constexpr std::size_t kTile = 512;
 
-/// Values from a cache line's border on, as a vector register across two lines costs two.
+/// 64-byte aligned: a load that straddles two cache lines costs two.
 using AlignedValues = std::vector<double, boost::alignment::aligned_allocator<double, 64>>;
 
 /// One vehicle's closed loop for a batch of realizations: x(k+1) = A x(k) + B u(k), y(k) = C x(k), eq.
@@ -66,6 +66,7 @@ private:
 /// received position of its predecessor minus delta.
 class FollowerVehicle {
 public:
+  /// Throws std::invalid_argument unless the variance of the initial positions is finite and >= 0.
   FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index);
 
   /// Step -1 of realizations first .. first + count - 1; writes y_i(-1).
@@ -82,13 +83,14 @@ public:
 private:
   ClosedLoopBatch loop_;
   WhiteNoise noise_;
-  InitialPosition initial_;
+  double initial_mean_;       ///< [m]
+  double initial_deviation_;  ///< [m]
   double standstill_distance_;
   std::uint32_t index_;
 };
 
-/// Vehicle 0: the same closed loop, in equilibrium at 0 and driven noise-free by the virtual leader r_0. One
-/// realization stands for all, as nothing random reaches it.
+/// Vehicle 0: the same closed loop, in equilibrium at 0 and driven noise-free by the virtual leader r_0; or, where the
+/// model has them, its recorded positions. One realization stands for all, as nothing random reaches it.
 class LeaderVehicle {
 public:
   explicit LeaderVehicle(const PlatoonModel& model);
@@ -96,12 +98,13 @@ public:
   /// y_0(-1) [m].
   double start();
 
-  /// y_0 of the next step [m].
+  /// y_0 of the next step [m]. Throws std::out_of_range beyond the end of a recording.
   double step();
 
 private:
   ClosedLoopBatch loop_;
   LeaderProfile profile_;
+  std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... [m]; empty: the loop's own
   std::int64_t step_ = -1;
   std::vector<double> buffer_, input_;
 };
@@ -110,8 +113,11 @@ private:
 /// at k = -1 (paper, assumption d and e). Keeps nothing between calls.
 class NoisyChannel {
 public:
+  /// noise_variance is P_d [m^2], receiver is i >= 1. Throws std::invalid_argument unless P_d is finite and
+  /// >= 0.
   NoisyChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver);
 
+  /// sent and received: one position per realization first_realization .. first_realization + count - 1 [m].
   void transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,
                 double* received) const;
   void transmit(std::int64_t step, std::uint64_t first_realization, const std::vector<double>& sent,

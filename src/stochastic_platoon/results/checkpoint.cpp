@@ -7,13 +7,13 @@
 #include <utility>
 
 #include "stochastic_platoon/configuration/configuration_error.hpp"
-#include "stochastic_platoon/results/atomic_file.hpp"
+#include "stochastic_platoon/io/atomic_file.hpp"
 
 namespace platoon {
 
 namespace {
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 
 nlohmann::json to_json(const MomentTable& table) {
   nlohmann::json blocks = nlohmann::json::array();
@@ -36,10 +36,17 @@ Checkpoint from_json(const nlohmann::json& document) {
   }
   const nlohmann::json& tally = document.at("tally");
   return {document.at("identity"),
-          document.at("launch").get<std::string>(),
+          document.at("launch_id").get<std::string>(),
           {tally.at("positions_received").get<std::uint64_t>(), tally.at("attempts").get<std::uint32_t>(),
            tally.at("wall_seconds").get<double>(), tally.at("platoon_time").get<std::uint64_t>()},
           std::move(table)};
+}
+
+// Of a whole matrix or a recorded leader its beginning will do.
+std::string shown(const nlohmann::json& value) {
+  constexpr std::size_t kLongest = 80;
+  const std::string text = value.dump();
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
 }
 
 std::string differences(const nlohmann::json& there, const nlohmann::json& here) {
@@ -47,8 +54,8 @@ std::string differences(const nlohmann::json& there, const nlohmann::json& here)
   for (const auto& entry : here.items()) {
     const nlohmann::json other = there.value(entry.key(), nlohmann::json());
     if (other == entry.value()) continue;
-    text += (text.empty() ? "" : ", ") + entry.key() + " is " + other.dump() + " there and " +
-            entry.value().dump() + " here";
+    text += (text.empty() ? "" : ", ") + entry.key() + " is " + shown(other) + " there and " +
+            shown(entry.value()) + " here";
   }
   return text;
 }
@@ -71,7 +78,7 @@ std::string checkpoint_file(const std::string& output) {
 void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
   const nlohmann::json document = {{"format", kFormat},
                                    {"identity", checkpoint.identity},
-                                   {"launch", checkpoint.launch},
+                                   {"launch_id", checkpoint.launch_id},
                                    {"tally",
                                     {{"positions_received", checkpoint.tally.positions_received},
                                      {"attempts", checkpoint.tally.attempts},
@@ -117,7 +124,7 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
     require_free(run.output);
     return std::nullopt;
   }
-  const bool same_launch = found->launch == run.launch && !run.launch.empty();
+  const bool same_launch = found->launch_id == run.launch_id && !run.launch_id.empty();
   if (!same_launch && !run.resume) {
     throw ConfigurationError(
         {"output: " + run.output + ": holds a run of " + std::to_string(found->table.count()) +

@@ -6,22 +6,15 @@
 #include <string>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/results/run_result.hpp"
 #include "stochastic_platoon/statistics/moment_table.hpp"
 
 namespace platoon {
 
-/// What has been counted of a run, beside the moments.
-struct Tally {
-  std::uint64_t positions_received = 0;  ///< in committed batches
-  std::uint32_t attempts = 0;            ///< number of the latest attempt
-  double wall_seconds = 0.0;             ///< from the first position to the latest commit, over all launches
-  std::uint64_t platoon_time = 0;        ///< latest stamp seen [ns]
-};
-
 /// Committed totals of a run, enough to go on from.
 struct Checkpoint {
   nlohmann::json identity;  ///< statistics_identity() of the run
-  std::string launch;       ///< which launch wrote it
+  std::string launch_id;    ///< which launch wrote it
   Tally tally;
   MomentTable table;
 };

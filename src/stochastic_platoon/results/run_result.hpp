@@ -1,39 +1,50 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/analysis/prediction.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
-#include "stochastic_platoon/results/checkpoint.hpp"
 #include "stochastic_platoon/statistics/agreement.hpp"
 #include "stochastic_platoon/statistics/moments.hpp"
-#include "stochastic_platoon/theory/error_moments.hpp"
-#include "stochastic_platoon/theory/stationary_variance.hpp"
-#include "stochastic_platoon/theory/string_stability.hpp"
 
 namespace platoon {
 
-/// What the paper predicts for a configuration. Of an endless run: the stationary values, one cell per
-/// follower.
-struct Prediction {
-  StringStability stability;
-  std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN where there is none
-  std::vector<double> mean;                 ///< [m], one per cell
-  std::vector<double> variance;             ///< [m^2], one per cell
+/// What has been counted of a run, beside the moments.
+struct Tally {
+  std::uint64_t positions_received = 0;  ///< in committed batches
+  std::uint32_t attempts = 0;            ///< number of the latest attempt
+  double wall_seconds = 0.0;             ///< from the first position to the latest commit, over all launches
+  std::uint64_t platoon_time = 0;        ///< latest stamp seen [ns]
 };
 
-/// `leader_positions`, y_0(-1) .. y_0(steps - 1), stand for the model's own leader where they are given.
-Prediction predict(const Configuration& configuration, const std::vector<double>& leader_positions = {});
-
-/// What was measured. Of an ensemble: a cell per follower and step (see cell()); of an endless run: one per
-/// follower.
+/// What was measured: a cell per follower and step (see cell()), or of averages over time one per follower.
 struct RunResult {
   bool complete = false;
   std::uint64_t realizations = 0;  ///< committed
-  std::int64_t last_step = 0;      ///< of a time average: the latest step in it
+  std::int64_t last_step = 0;      ///< the latest step in the figures
   Tally tally;
   std::vector<Moments> moments;
 };
+
+/// A cell of a result: follower i and the step that its figures are of.
+struct ResultCell {
+  std::size_t follower;
+  std::int64_t step;  ///< of an average over time its latest step
+  Moments measured;
+  double theoretical_mean;      ///< [m]
+  double theoretical_variance;  ///< [m^2]
+};
+
+/// The result's cells of step k, one per follower; of averages over time, whatever k, all there are.
+std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
+                                 const std::vector<Moments>& measured);
+
+/// How far measurement and theory are apart. None where it cannot be said: fewer than two realizations, or
+/// averages over time, whose errors are correlated.
+std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
+                                            const RunResult& result);
 
 /// Positions that the committed realizations must have brought: (N + 1)(K + 1) each.
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations);
@@ -44,10 +55,5 @@ void write_results(const Configuration& configuration, const Prediction& predict
 /// The content of statistics.csv.
 std::string statistics_csv(const Configuration& configuration, const Prediction& prediction,
                            const RunResult& result);
-
-/// The table and the verdict for a terminal: per follower at the last step the measured variance with its
-/// standard error, the theoretical variance and the score; then whether all cells agree, and whether the
-/// platoon is string stable and why.
-std::string report(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
 }  // namespace platoon

@@ -4,65 +4,95 @@
 
 namespace platoon {
 
-RunStatistics::RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start,
-                             const Arithmetic& arithmetic)
-    : RunStatistics(configuration, start ? start->table.count() : 0, start ? start->tally : Tally{},
-                    arithmetic) {
-  if (start) ensemble_.merge(start->table);
+namespace {
+
+// Attempts are numbered anew in every launch.
+Tally tally_of(const std::optional<Checkpoint>& start, const std::string& launch_id) {
+  if (!start) return {};
+  Tally tally = start->tally;
+  if (start->launch_id != launch_id) tally.attempts = 0;
+  return tally;
 }
+
+}  // namespace
+
+RunStatistics::RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start)
+    : RunStatistics(configuration, start ? start->table.count() : 0,
+                    tally_of(start, configuration.run.launch_id), start ? &start->table : nullptr) {}
 
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization)
-    : RunStatistics(configuration, first_realization, Tally{}, do_at_once) {}
+    : RunStatistics(configuration, first_realization, Tally{}, nullptr) {}
 
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization,
-                             const Tally& start, const Arithmetic& arithmetic)
-    : tally(start),
-      configuration_(configuration),
-      ensemble_(configuration.run.followers, configuration.run.steps),
-      time_averages_(configuration.run.followers, configuration.run.burn_in),
-      assembly_(configuration.run.schedule(), configuration.run.followers,
-                {configuration.model.headway, configuration.model.standstill_distance}, first_realization,
-                start.attempts,
-                {[this](std::size_t follower, const Turn& turn, const auto& errors) {
-                   take_errors(follower, turn, errors);
-                 },
-                 [this](const CompleteBatch& batch) {
-                   ensemble_.commit(batch.first_realization);
-                   tally.positions_received += batch.positions_received;
-                 },
-                 [this] { restart(); }, configuration.run.steps == 0 ? do_at_once : arithmetic}) {}
+                             const Tally& start, const MomentTable* earlier)
+    : configuration_(configuration),
+      error_{configuration.model.headway, configuration.model.standstill_distance},
+      tally_(start),
+      averages_(error_averages(configuration.run.followers, configuration.run.steps,
+                               configuration.run.burn_in, earlier)),
+      assembly_(configuration.run.schedule(), configuration.run.followers, first_realization,
+                start.attempts) {}
 
-Verdict RunStatistics::receive(std::size_t vehicle, const Turn& turn, const Positions& positions) {
-  const Verdict verdict = assembly_.receive(vehicle, turn, positions);
-  if (verdict != Verdict::in_turn) return verdict;
-  tally.attempts = std::max(tally.attempts, turn.attempt);
-  if (endless()) tally.positions_received += positions->size();
-  return verdict;
+RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const Heading& heading,
+                                              const Positions& positions) {
+  ErrorAssembly::Receipt receipt = assembly_.receive(vehicle, heading, positions);
+  if (receipt.restarted) {
+    averages_->restart();
+    if (averages_->averaging() == Averaging::over_time) tally_.positions_received = 0;
+  }
+  if (receipt.verdict == Verdict::in_turn) tally_.attempts = std::max(tally_.attempts, heading.id.attempt);
+  return {receipt.verdict, {vehicle, heading, std::move(receipt.due)}};
 }
 
-void RunStatistics::take_errors(std::size_t follower, const Turn& turn, const std::vector<double>& errors) {
-  if (!endless()) return ensemble_.add(follower, turn.step, turn.first_realization, errors);
-  time_averages_.add(follower, turn.step, errors.front());
-  last_step_ = std::max(last_step_, turn.step);
+// The errors are formed tile by tile, so that each is reduced while it is in the first level cache.
+ReducedErrors RunStatistics::reduced(const DueErrors& due) const {
+  const std::size_t count = due.own->size();
+  const auto errors = [this, &due](std::size_t offset, std::size_t size, double* buffer) {
+    error_(due.predecessor->data() + offset, due.own->data() + offset, due.own_before->data() + offset, size,
+           buffer);
+    return static_cast<const double*>(buffer);
+  };
+  return {due.follower, due.id.step, due.id.first_realization, count,
+          reduce_batch(due.id.first_realization, count, errors)};
 }
 
-void RunStatistics::restart() {
-  ensemble_.discard_open();
-  time_averages_.restart();
-  last_step_ = kNothingYet;
-  if (endless()) tally.positions_received = 0;
+RunStatistics::Computed RunStatistics::compute(const Work& work) const {
+  Computed computed{work.vehicle, work.heading, {}};
+  computed.errors.reserve(work.due.size());
+  for (const DueErrors& due : work.due) computed.errors.push_back(reduced(due));
+  return computed;
 }
 
-std::vector<Moments> RunStatistics::moments() const {
-  return endless() ? time_averages_.moments() : ensemble_.committed().totals();
+bool RunStatistics::settle(const Computed& computed) {
+  if (computed.heading.id.attempt < arrivals().attempt()) return false;  // void meanwhile
+  for (const ReducedErrors& errors : computed.errors) averages_->add(errors);
+  const std::optional<CompleteBatch> batch = assembly_.settle(computed.vehicle, computed.heading);
+  if (averages_->averaging() == Averaging::over_time) tally_.positions_received += computed.heading.size;
+  if (!batch) return false;
+  averages_->commit(batch->first_realization);
+  tally_.positions_received += batch->positions_received;
+  return true;
+}
+
+Verdict RunStatistics::take(std::size_t vehicle, const Heading& heading, const Positions& positions) {
+  const Receipt receipt = receive(vehicle, heading, positions);
+  if (receipt.verdict == Verdict::in_turn) settle(compute(receipt.work));
+  return receipt.verdict;
+}
+
+void RunStatistics::saw(std::uint64_t platoon_time) {
+  tally_.platoon_time = std::max(tally_.platoon_time, platoon_time);
 }
 
 RunResult RunStatistics::result(bool complete) const {
-  return {complete, realizations(), std::max<std::int64_t>(last_step(), 0), tally, moments()};
+  return {complete, averages_->realizations(), std::max<std::int64_t>(averages_->last_step(), 0), tally_,
+          averages_->moments()};
 }
 
-Checkpoint RunStatistics::checkpoint() const {
-  return {statistics_identity(configuration_), configuration_.run.launch, tally, ensemble_.committed()};
+std::optional<Checkpoint> RunStatistics::checkpoint() const {
+  const MomentTable* totals = averages_->totals();
+  if (totals == nullptr) return std::nullopt;
+  return Checkpoint{statistics_identity(configuration_), configuration_.run.launch_id, tally_, *totals};
 }
 
 }  // namespace platoon

@@ -1,61 +1,88 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
-#include "stochastic_platoon/delivery/assembly.hpp"
+#include "stochastic_platoon/delivery/error_assembly.hpp"
+#include "stochastic_platoon/model/tracking_error.hpp"
+#include "stochastic_platoon/results/checkpoint.hpp"
 #include "stochastic_platoon/results/run_result.hpp"
-#include "stochastic_platoon/statistics/ensemble_statistics.hpp"
-#include "stochastic_platoon/statistics/time_statistics.hpp"
+#include "stochastic_platoon/statistics/error_averages.hpp"
 
 namespace platoon {
 
 /// Statistics of a run from the positions of its vehicles, whether they come from topics or from a bag: an
-/// Assembly joined to the ensemble statistics of a run with steps or to the time averages of an endless one.
+/// ErrorAssembly joined to the run's ErrorAverages.
+///
+/// A message passes in three steps:
+///     receive()  judges it and returns the work that is due with it,
+///     compute()  does that work: it is pure, and the only part that takes long,
+///     settle()   counts the result, and commits the batch that is whole with it.
+/// Several threads may do so, each for vehicles of its own: under one lock for receive() and settle(), and
+/// without any for compute().
 class RunStatistics {
 public:
-  /// Starts from the checkpoint if there is one, else with nothing committed. `arithmetic` as in
-  /// AssemblyEvents; an endless run, whose errors count in the order of their steps, makes no use of it.
-  RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start,
-                const Arithmetic& arithmetic = do_at_once);
-  RunStatistics(const RunStatistics&) = delete;
-  RunStatistics& operator=(const RunStatistics&) = delete;
+  /// The work that a message causes.
+  struct Work {
+    std::size_t vehicle;
+    Heading heading;
+    std::vector<DueErrors> due;
+  };
+  struct Receipt {
+    Verdict verdict;
+    Work work;  ///< of a message that is in turn: to be computed and settled
+  };
+  struct Computed {
+    std::size_t vehicle;
+    Heading heading;
+    std::vector<ReducedErrors> errors;
+  };
+
+  /// Starts from the checkpoint if there is one, else with nothing committed.
+  RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start);
 
   /// The same with realizations before `first_realization` taken as done with, though nothing is known of
   /// them.
   RunStatistics(const Configuration& configuration, std::uint64_t first_realization);
 
-  Verdict receive(std::size_t vehicle, const Turn& turn, const Positions& positions);
+  /// The positions of vehicle 0 .. N. What is not in turn has no effect.
+  Receipt receive(std::size_t vehicle, const Heading& heading, const Positions& positions);
+
+  Computed compute(const Work& work) const;
+
+  /// Whether a batch became whole with it.
+  bool settle(const Computed& computed);
+
+  /// All three at once. The verdict.
+  Verdict take(std::size_t vehicle, const Heading& heading, const Positions& positions);
 
   const Arrivals& arrivals() const { return assembly_.arrivals(); }
-  bool endless() const { return configuration_.run.steps == 0; }
+  const ErrorAverages& averages() const { return *averages_; }
 
-  /// Realizations in the statistics; of an endless run 1.
-  std::uint64_t realizations() const { return endless() ? 1 : ensemble_.committed().count(); }
-  /// Whether there is anything to show.
-  bool empty() const { return endless() ? last_step_ < 0 : realizations() == 0; }
-  /// The latest step with statistics: steps - 1, or of an endless run the latest step so far.
-  std::int64_t last_step() const { return endless() ? last_step_ : configuration_.run.steps - 1; }
-  /// One per cell, of an endless run one per follower.
-  std::vector<Moments> moments() const;
+  /// The latest platoon time seen [ns].
+  void saw(std::uint64_t platoon_time);
 
+  /// Wall time from the first position to the latest commit, over all launches [s].
+  void set_wall_seconds(double seconds) { tally_.wall_seconds = seconds; }
+
+  const Tally& tally() const { return tally_; }
   RunResult result(bool complete) const;
-  Checkpoint checkpoint() const;
 
-  Tally tally;  ///< positions and attempts are counted here; times are for the owner to keep
+  /// Null where another run cannot go on from this one.
+  std::optional<Checkpoint> checkpoint() const;
 
 private:
   RunStatistics(const Configuration& configuration, std::uint64_t first_realization, const Tally& start,
-                const Arithmetic& arithmetic);
-  void take_errors(std::size_t follower, const Turn& turn, const std::vector<double>& errors);
-  void restart();
+                const MomentTable* earlier);
+  ReducedErrors reduced(const DueErrors& due) const;
 
   Configuration configuration_;
-  EnsembleStatistics ensemble_;
-  TimeStatistics time_averages_;
-  std::int64_t last_step_ = kNothingYet;  ///< of an endless run
-  Assembly assembly_;
+  TrackingError error_;
+  Tally tally_;
+  std::unique_ptr<ErrorAverages> averages_;
+  ErrorAssembly assembly_;
 };
 
 }  // namespace platoon

@@ -34,7 +34,7 @@ public:
   void run(std::uint64_t first, std::size_t count, std::int64_t steps, const ErrorSink& sink);
 
 private:
-  // A vehicle makes so many steps before its follower makes them: its state stays in the first level cache.
+  // Steps a vehicle advances before its follower, so that its state stays in L1.
   static constexpr std::int64_t kStepsAtOnce = 32;
 
   LeaderVehicle leader_;

@@ -9,18 +9,7 @@
 
 namespace platoon {
 
-namespace detail {
-
-struct Node {
-  double mean;
-  double squared_deviations;
-};
-
-}  // namespace detail
-
 namespace {
-
-using detail::Node;
 
 // Halves a level: node j of the next one joins nodes 2j and 2j + 1, of 2 half_count values each.
 PLATOON_INLINE void join_pairs(const double* mean, const double* deviations, std::size_t pairs,
@@ -40,8 +29,8 @@ PLATOON_INLINE void pair_values(const double* values, std::size_t pairs, double*
   }
 }
 
-constexpr unsigned kTileLevel =
-    9;  // tiles of 512 values: every intermediate level stays in the first level cache
+// Tiles of 512 values: every intermediate level stays in the first level cache.
+constexpr unsigned kTileLevel = 9;
 constexpr std::size_t kTile = std::size_t{1} << kTileLevel;
 
 }  // namespace
@@ -49,7 +38,7 @@ constexpr std::size_t kTile = std::size_t{1} << kTileLevel;
 namespace detail {
 
 PLATOON_VECTOR_CLONES
-Node reduce_tile(const double* values, unsigned level) {
+MomentNode reduce_tile(const double* values, unsigned level) {
   if (level == 0) return {values[0], 0.0};
   std::array<double, kTile / 2> mean_a, deviations_a, mean_b, deviations_b;
   std::size_t pairs = std::size_t{1} << (level - 1);
@@ -63,25 +52,39 @@ Node reduce_tile(const double* values, unsigned level) {
       join_pairs(mean_b.data(), deviations_b.data(), pairs, half_count, mean_a.data(), deviations_a.data());
     }
   }
-  return in_a ? Node{mean_a[0], deviations_a[0]} : Node{mean_b[0], deviations_b[0]};
+  return in_a ? MomentNode{mean_a[0], deviations_a[0]} : MomentNode{mean_b[0], deviations_b[0]};
 }
 
 }  // namespace detail
 
 namespace {
 
-Node reduce(const double* values, unsigned level) {
-  if (level <= kTileLevel) return detail::reduce_tile(values, level);
+MomentNode reduce(const ValuesInTurn& values, std::size_t offset, unsigned level) {
+  if (level <= kTileLevel) {
+    std::array<double, kTile> buffer;
+    return detail::reduce_tile(values(offset, std::size_t{1} << level, buffer.data()), level);
+  }
   const std::size_t half = std::size_t{1} << (level - 1);
-  const Node left = reduce(values, level - 1);
-  const Node right = reduce(values + half, level - 1);
-  Node joined;
+  const MomentNode left = reduce(values, offset, level - 1);
+  const MomentNode right = reduce(values, offset + half, level - 1);
+  MomentNode joined;
   merge_equal(left.mean, left.squared_deviations, right.mean, right.squared_deviations,
               0.5 * static_cast<double>(half), &joined.mean, &joined.squared_deviations);
   return joined;
 }
 
 }  // namespace
+
+std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_t count,
+                                     const ValuesInTurn& values) {
+  std::vector<MomentNode> nodes;
+  std::size_t offset = 0;
+  for (const DyadicRange& range : dyadic_cover(first_realization, count)) {
+    nodes.push_back(reduce(values, offset, range.level));
+    offset += range.size();
+  }
+  return nodes;
+}
 
 BatchMoments::BatchMoments(std::uint64_t first_realization, std::size_t count, std::size_t cells)
     : first_(first_realization), count_(count) {
@@ -90,16 +93,34 @@ BatchMoments::BatchMoments(std::uint64_t first_realization, std::size_t count, s
   }
 }
 
+void BatchMoments::require_cell(std::size_t cell) const {
+  if (blocks_.empty() || cell < blocks_.front().mean.size()) return;
+  throw std::out_of_range("cell " + std::to_string(cell) + ": must be below " +
+                          std::to_string(blocks_.front().mean.size()));
+}
+
 void BatchMoments::set(std::size_t cell, const double* values) {
+  require_cell(cell);
+  const ValuesInTurn in_place = [&values](std::size_t offset, std::size_t, double*) {
+    return values + offset;
+  };
   for (MomentBlock& block : blocks_) {
-    if (cell >= block.mean.size()) {
-      throw std::out_of_range("cell " + std::to_string(cell) + ": must be below " +
-                              std::to_string(block.mean.size()));
-    }
-    const Node node = reduce(values, block.range.level);
+    const MomentNode node = reduce(in_place, 0, block.range.level);
     block.mean[cell] = node.mean;
     block.squared_deviations[cell] = node.squared_deviations;
     values += block.range.size();
+  }
+}
+
+void BatchMoments::set(std::size_t cell, const std::vector<MomentNode>& nodes) {
+  require_cell(cell);
+  if (nodes.size() != blocks_.size()) {
+    throw std::invalid_argument(std::to_string(nodes.size()) + " nodes: must be one for each of " +
+                                std::to_string(blocks_.size()) + " blocks");
+  }
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    blocks_[b].mean[cell] = nodes[b].mean;
+    blocks_[b].squared_deviations[cell] = nodes[b].squared_deviations;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -16,10 +17,24 @@ struct MomentBlock {
   std::vector<double> squared_deviations;  ///< [m^2], one per cell
 };
 
-/// Moments of one batch of realizations, cell by cell, as blocks of the tree that MomentTable keeps.
+/// Mean and sum of squared deviations of one cell over one dyadic range.
+struct MomentNode {
+  double mean;                ///< [m]
+  double squared_deviations;  ///< [m^2]
+};
+
+/// Values at [offset, offset + count) of a batch: either where they are already, or formed in `buffer`.
+using ValuesInTurn =
+    std::function<const double*(std::size_t offset, std::size_t count, double* buffer)>;  // count <= 512
+
+/// The nodes of one cell's values, one for each range of dyadic_cover(first_realization, count).
 ///
-/// Values are paired by realization number, level by level, so a block's bits depend on its range alone and
-/// not on the batch in which it was formed.
+/// Values are paired by realization number, level by level, so a node's bits depend on its range alone and not
+/// on the batch in which it was formed. They are asked for in ascending tiles of at most 512.
+std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_t count,
+                                     const ValuesInTurn& values);
+
+/// Moments of one batch of realizations, cell by cell, as blocks of the tree that MomentTable keeps.
 class BatchMoments {
 public:
   BatchMoments(std::uint64_t first_realization, std::size_t count, std::size_t cells);
@@ -27,9 +42,13 @@ public:
   std::uint64_t first_realization() const { return first_; }
   std::size_t count() const { return count_; }
 
-  /// Takes the cell's values, one for each realization of the batch. Throws std::out_of_range for a cell
-  /// there is not.
+  /// Takes the cell's values, one for each realization of the batch [m]. Throws std::out_of_range if `cell` is
+  /// out of range.
   void set(std::size_t cell, const double* values);
+
+  /// Takes the cell's nodes, as reduce_batch() forms them. Throws as above, and std::invalid_argument unless
+  /// there is one per block.
+  void set(std::size_t cell, const std::vector<MomentNode>& nodes);
 
   const std::vector<MomentBlock>& blocks() const { return blocks_; }
 
@@ -37,6 +56,8 @@ public:
   std::vector<MomentBlock> release() { return std::move(blocks_); }
 
 private:
+  void require_cell(std::size_t cell) const;
+
   std::uint64_t first_;
   std::size_t count_;
   std::vector<MomentBlock> blocks_;

@@ -2,32 +2,41 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <vector>
 
-#include "stochastic_platoon/statistics/moments.hpp"
+#include "stochastic_platoon/statistics/error_averages.hpp"
 
 namespace platoon {
 
 /// Mean and variance of every zeta_i over the steps k >= burn_in of one realization: time averages.
 ///
-/// Successive errors are correlated, so the standard errors of independent values do not hold for these.
-class TimeStatistics {
+/// The errors of a follower count in the order of their steps, whatever order they come in, so that the sums
+/// have the same bits. Successive errors are correlated: the standard errors of independent values do not hold.
+class TimeStatistics : public ErrorAverages {
 public:
-  TimeStatistics(std::size_t followers, std::int64_t burn_in) : burn_in_(burn_in), moments_(followers) {}
+  TimeStatistics(std::size_t followers, std::int64_t burn_in) : burn_in_(burn_in), followers_(followers) {}
 
-  /// zeta_i(k) [m], follower i >= 1.
-  void add(std::size_t follower, std::int64_t step, double error) {
-    if (step >= burn_in_) moments_.at(follower - 1).add(error);
-  }
-
-  void restart() { moments_.assign(moments_.size(), Moments{}); }
-
+  Averaging averaging() const override { return Averaging::over_time; }
+  void add(const ReducedErrors& errors) override;
+  /// An endless batch is never whole.
+  void commit(std::uint64_t) override {}
+  void restart() override { followers_.assign(followers_.size(), Follower{}); }
+  std::uint64_t realizations() const override { return 1; }
+  bool empty() const override { return last_step() < 0; }
+  std::int64_t last_step() const override;
   /// One per follower; count is the number of steps behind it.
-  const std::vector<Moments>& moments() const { return moments_; }
+  std::vector<Moments> moments() const override;
+  const MomentTable* totals() const override { return nullptr; }
 
 private:
+  struct Follower {
+    Moments moments;
+    std::int64_t next_step = 0;            ///< the step that counts next
+    std::map<std::int64_t, double> early;  ///< zeta_i of later steps [m]
+  };
   std::int64_t burn_in_;
-  std::vector<Moments> moments_;
+  std::vector<Follower> followers_;
 };
 
 }  // namespace platoon

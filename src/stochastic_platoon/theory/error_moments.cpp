@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "stochastic_platoon/theory/loop_filter.hpp"
+#include "stochastic_platoon/theory/recorded_leader.hpp"
 
 namespace platoon {
 
@@ -144,6 +145,8 @@ ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std
     noise.advance();
     if (placed) position.advance();
   }
+  if (!model.recorded_leader.empty())
+    moments.mean = mean_errors_behind_recorded_leader(model, followers, steps);
   return moments;
 }
 

@@ -39,6 +39,7 @@ private:
 /// error,
 ///     mean(i, k) = (T^i zeta_0)(k) + mu sum_{m<i} a_m(k),
 ///     variance(i, k) = sum_{m<i} (P_d sum_{l<=k} g_m(l)^2 + V a_m(k)^2).
+/// Behind a recorded leader the means are mean_errors_behind_recorded_leader(), the variances the same.
 /// The standstill distance cancels. O(followers steps) time, O(steps) memory beyond the result. Holds for
 /// unstable loops too, as far as the numbers reach.
 ///

@@ -5,12 +5,12 @@ from collections import namedtuple
 import numpy as np
 
 from plotting import style
-from plotting.inputs import InputError, numbers
+from plotting.inputs import InputError, number, numbers
 
 HIGHEST = 100.0  # of the axis; a loop at the brink of instability peaks beyond it
 
-# Coefficients of T in descending powers of z.
-Loop = namedtuple("Loop", "name numerator denominator")
+# Coefficients of T in descending powers of z; the height of its highest point and where that is [rad/sample].
+Loop = namedtuple("Loop", "name numerator denominator peak_gain peak_frequency")
 
 
 def read_loop(analysis):
@@ -19,25 +19,14 @@ def read_loop(analysis):
     if not np.isfinite(np.concatenate((numerator, denominator))).all() or not denominator.any():
         raise InputError("{}: transfer must hold finite coefficients, and a denominator that is not zero"
                          .format(analysis.path))
-    return Loop(analysis.name, numerator, denominator)
+    peak = [number(analysis.path, analysis.document, key) for key in ("peak_gain", "peak_frequency")]
+    return Loop(analysis.name, numerator, denominator, *peak)
 
 
 def gain(loop, frequency):
     z = np.exp(1j * frequency)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.abs(np.polyval(loop.numerator, z) / np.polyval(loop.denominator, z))
-
-
-def peak(loop):
-    """Frequency and height of the highest point, from grids that close in on it."""
-    low, high = 0.0, np.pi
-    for _ in range(6):
-        frequency = np.linspace(low, high, 4097)
-        height = gain(loop, frequency)
-        best = np.nanargmax(height)
-        low, high = frequency[max(best - 1, 0)], frequency[min(best + 1, frequency.size - 1)]
-    at_zero = gain(loop, 0.0)
-    return (0.0, at_zero) if at_zero >= height[best] * (1.0 - 1e-12) else (frequency[best], height[best])
 
 
 def draw(loops, titles):
@@ -48,7 +37,7 @@ def draw(loops, titles):
     top = 1.0
     for at, (loop, name) in enumerate(zip(loops, names)):
         colour = style.PALETTE[at % len(style.PALETTE)]
-        where, height = peak(loop)
+        where, height = loop.peak_frequency, loop.peak_gain
         top = max(top, min(height, HIGHEST))
         stable = np.all(np.abs(np.roots(loop.denominator)) < 1.0)
         axes.plot(frequency, gain(loop, frequency), color=colour, linewidth=1.8,

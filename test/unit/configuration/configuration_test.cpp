@@ -7,6 +7,7 @@
 #include "../paper_platoon.hpp"
 #include "../temporary_folder.hpp"
 #include "model_text.hpp"
+#include "stochastic_platoon/configuration/version.hpp"
 
 namespace platoon {
 namespace {
@@ -65,7 +66,7 @@ TEST_F(ConfigurationTest, ReportsTheErrorsOfModelAndRunAtOnce) {
   EXPECT_NE(std::find(problems.begin(), problems.end(), "model/time_headway: 0: must be a finite number > 0"),
             problems.end());
   EXPECT_NE(std::find(problems.begin(), problems.end(),
-                      "run/followers: 0: must be a whole number from 1 to 100000"),
+                      "run/followers: 0: must be a whole number from 1 to 1000000"),
             problems.end());
 }
 
@@ -97,13 +98,63 @@ TEST_F(ConfigurationTest, NeedsBothPartsAndNoOther) {
     return problems_of([&text] { parse_configuration(YAML::Load(text)); });
   };
   EXPECT_EQ(problems_in("hello"), Problems{"the document: hello: must be a mapping of keys"});
-  const Problems none = problems_in("{}");
+  const std::string version = std::string("version: ") + kVersion;
+  const Problems none = problems_in("{" + version + "}");
   EXPECT_NE(std::find(none.begin(), none.end(), "model: missing: must be a mapping of keys"), none.end());
   EXPECT_NE(std::find(none.begin(), none.end(), "run: missing: must be a mapping of keys"), none.end());
   YAML::Node document = configuration_document({{"model", model_}});
   document["extra"] = 1;
   EXPECT_EQ(problems_of([&document] { parse_configuration(document); }),
-            Problems{"extra: unknown key: allowed are model, run"});
+            Problems{"extra: unknown key: allowed are model, run, version"});
+}
+
+TEST_F(ConfigurationTest, OfAnotherVersionIsRefusedByName) {
+  YAML::Node document = configuration_document({{"model", model_}});
+  document["version"] = "9.9.9";
+  const std::string own = std::string(kVersion) + ", this program's";
+  EXPECT_EQ(problems_of([&document] { parse_configuration(document); }),
+            Problems{"version: 9.9.9: must be " + own});
+  document.remove("version");
+  EXPECT_EQ(problems_of([&document] { parse_configuration(document); }),
+            Problems{"version: missing: must be " + own + " (version 0.1.0 wrote none)"});
+  EXPECT_THROW(parse_configuration(std::string("{a: ")), ConfigurationError);
+}
+
+TEST_F(ConfigurationTest, OfARecordedLeaderNeedsItsPositionsForEveryStep) {
+  const auto with_positions = [this](const std::string& positions, const std::string& steps) {
+    const std::string file = folder_.file(
+        "recorded.yaml",
+        model_text_with("{speed: [{from_step: 0, value: 20.0}]}", "{positions: " + positions + "}"));
+    return configured({{"model", file}, {"steps", steps}});
+  };
+  EXPECT_EQ(with_positions("[0.0, 0.0, 1.5]", "2").model.recorded_leader,
+            (std::vector<double>{0.0, 0.0, 1.5}));
+  EXPECT_EQ(problems_of([&] { with_positions("[0.0, 0.0, 1.5]", "3"); }),
+            Problems{"model/leader/positions: 3 given: must be at least steps + 1 = 4, and steps above 0"});
+  EXPECT_EQ(problems_of([&] { with_positions("[0.0, 0.0, 1.5]", "0"); }).size(), 1u);
+  EXPECT_EQ(problems_of([&] { with_positions("[0.0, x]", "1"); }).size(), 1u);
+}
+
+TEST_F(ConfigurationTest, IdentifiesARunByAllThatIsInItAndByItsLaunch) {
+  const Configuration configuration = configured({{"launch_id", "monday"}});
+  const std::uint64_t run = run_identity(configuration);
+  EXPECT_NE(run, 0u);
+  EXPECT_EQ(run_identity(parse_configuration(to_json(configuration).dump())), run);
+  for (const Settings& settings :
+       {Settings{{"headway", "3.3"}}, Settings{{"seed", "2"}}, Settings{{"steps", "99"}},
+        Settings{{"batch", "7"}}, Settings{{"launch_id", "tuesday"}}, Settings{{"realizations", "9999"}},
+        Settings{{"output", "x"}}}) {
+    Settings changed = settings;
+    changed.emplace("launch_id", "monday");
+    EXPECT_NE(run_identity(configured(changed)), run) << settings.begin()->first;
+  }
+}
+
+TEST_F(ConfigurationTest, StatisticsDependOnARecordedLeader) {
+  Configuration configuration = configured({{"steps", "2"}});
+  const nlohmann::json identity = statistics_identity(configuration);
+  configuration.model.recorded_leader = {0.0, 0.0, 1.5};
+  EXPECT_NE(statistics_identity(configuration), identity);
 }
 
 TEST_F(ConfigurationTest, IsTheSameWhenWrittenAndReadAgain) {
@@ -143,7 +194,7 @@ TEST_F(ConfigurationTest, StatisticsDependOnNothingElse) {
   for (const Settings& settings :
        {Settings{{"realizations", "7"}}, Settings{{"batch", "7"}}, Settings{{"rate", "7"}},
         Settings{{"hosting", "one_process"}}, Settings{{"output", "x"}}, Settings{{"resume", "true"}},
-        Settings{{"launch", "x"}}, Settings{{"window", "7"}}, Settings{{"stall_timeout", "7"}}}) {
+        Settings{{"launch_id", "x"}}, Settings{{"window", "7"}}, Settings{{"stall_timeout", "7"}}}) {
     EXPECT_EQ(statistics_identity(configured(settings)), identity) << settings.begin()->first;
   }
 }

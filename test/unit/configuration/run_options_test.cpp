@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/configuration/settings.hpp"
 
 namespace platoon {
 namespace {
@@ -12,9 +13,8 @@ using Problems = std::vector<std::string>;
 // The run's part of the default settings, with some of them changed.
 YAML::Node settings(const std::map<std::string, std::string>& changed = {}) {
   YAML::Node run;
-  for (const auto& entry : default_settings()) {
-    if (entry.first == "model" || entry.first == "headway" || entry.first == "noise_variance") continue;
-    run[entry.first] = entry.second;
+  for (const Setting& setting : platoon::settings()) {
+    if (setting.model_key == nullptr) run[setting.name] = setting.default_value;
   }
   for (const auto& entry : changed) run[entry.first] = entry.second;
   return run;
@@ -37,6 +37,14 @@ Problems problems_with(const std::string& key, const std::string& value) {
   return problems;
 }
 
+TEST(RunOptions, ThatNeedMoreMemoryThanThereIsAreRefusedInTheirOwnWords) {
+  EXPECT_EQ(
+      problems_with("steps", "99999999999"),
+      Problems{"run/steps x followers: 99999999999 x 20: must be at most 20000000, as statistics are kept "
+               "for each (steps: 0 averages over time instead)"});
+  EXPECT_EQ(problems_with("steps", "1000000"), Problems{});
+}
+
 TEST(RunOptions, HaveTheDefaultsOfTheLaunchFile) {
   const RunOptions options = read({});
   EXPECT_EQ(options.followers, 20u);
@@ -44,7 +52,7 @@ TEST(RunOptions, HaveTheDefaultsOfTheLaunchFile) {
   EXPECT_EQ(options.realizations, 10000u);
   EXPECT_EQ(options.rate, 0.0);
   EXPECT_EQ(options.seed, 1u);
-  EXPECT_EQ(options.hosting, "processes");
+  EXPECT_EQ(options.hosting, Hosting::processes);
   EXPECT_FALSE(options.resume);
   EXPECT_EQ(options.output, "");
 }
@@ -59,7 +67,7 @@ TEST(RunOptions, ReadEverySetting) {
                                    {"hosting", "one_process"},
                                    {"output", "/some/where"},
                                    {"resume", "true"},
-                                   {"launch", "today"},
+                                   {"launch_id", "today"},
                                    {"window", "9"},
                                    {"stall_timeout", "0.5"},
                                    {"burn_in", "11"}});
@@ -69,10 +77,10 @@ TEST(RunOptions, ReadEverySetting) {
   EXPECT_EQ(options.batch, 64u);
   EXPECT_EQ(options.rate, 12.5);
   EXPECT_EQ(options.seed, 9223372036854775807u);
-  EXPECT_EQ(options.hosting, "one_process");
+  EXPECT_EQ(options.hosting, Hosting::one_process);
   EXPECT_EQ(options.output, "/some/where");
   EXPECT_TRUE(options.resume);
-  EXPECT_EQ(options.launch, "today");
+  EXPECT_EQ(options.launch_id, "today");
   EXPECT_EQ(options.window, 9);
   EXPECT_EQ(options.stall_timeout, 0.5);
   EXPECT_EQ(options.burn_in, 11);
@@ -81,11 +89,11 @@ TEST(RunOptions, ReadEverySetting) {
 TEST(RunOptions, NameTheSettingThatIsNotAllowed) {
   const std::string count = "70368744177664";
   EXPECT_EQ(problems_with("followers", "0"),
-            Problems{"run/followers: 0: must be a whole number from 1 to 100000"});
+            Problems{"run/followers: 0: must be a whole number from 1 to 1000000"});
   EXPECT_EQ(problems_with("followers", "many"),
-            Problems{"run/followers: many: must be a whole number from 1 to 100000"});
+            Problems{"run/followers: many: must be a whole number from 1 to 1000000"});
   EXPECT_EQ(problems_with("followers", ""),
-            Problems{"run/followers: (empty): must be a whole number from 1 to 100000"});
+            Problems{"run/followers: (empty): must be a whole number from 1 to 1000000"});
   EXPECT_EQ(problems_with("steps", "-1"),
             Problems{"run/steps: -1: must be a whole number from 0 to " + count});
   EXPECT_EQ(problems_with("realizations", "0"),

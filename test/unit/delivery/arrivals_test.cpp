@@ -17,17 +17,20 @@ class Recorded {
 public:
   explicit Recorded(std::uint64_t committed = 0, std::uint32_t attempt = 0,
                     const BatchSchedule& schedule = kSchedule)
-      : schedule_(schedule),
-        arrivals_(schedule, kStreams, committed, attempt,
-                  {[this] { told_ += "restarted "; },
-                   [this](const CompleteBatch& batch) {
-                     told_ += "batch " + std::to_string(batch.first_realization) + " of " +
-                              std::to_string(batch.positions_received) + " ";
-                   }}) {}
+      : schedule_(schedule), arrivals_(schedule, kStreams, committed, attempt) {}
 
-  Verdict receive(std::size_t stream, const Turn& turn) {
-    return arrivals_.receive(stream, turn, std::vector<double>(schedule_.size(turn.first_realization), 1.0),
-                             [&] { told_ += "take " + std::to_string(stream) + " "; });
+  Verdict receive(std::size_t stream, const MessageId& id) {
+    const Heading heading{id, schedule_.size(id.first_realization), true};
+    const Arrivals::Admission admission = arrivals_.admit(stream, heading);
+    if (admission.restarted) told_ += "restarted ";
+    if (admission.verdict != Verdict::in_turn) return admission.verdict;
+    told_ += "take " + std::to_string(stream) + " ";
+    const std::optional<CompleteBatch> batch = arrivals_.count(stream, heading);
+    if (batch) {
+      told_ += "batch " + std::to_string(batch->first_realization) + " of " +
+               std::to_string(batch->positions_received) + " ";
+    }
+    return admission.verdict;
   }
 
   void receive_batch(std::uint32_t attempt, std::uint64_t first) {
@@ -38,7 +41,7 @@ public:
     }
   }
 
-  void expect_acknowledged(const Turn& expected) const {
+  void expect_acknowledged(const MessageId& expected) const {
     const Acknowledgement found = arrivals_.acknowledgement();
     EXPECT_EQ(std::tie(found.attempt, found.first_realization, found.step),
               std::tie(expected.attempt, expected.first_realization, expected.step));
@@ -74,8 +77,9 @@ TEST(Arrivals, TellNothingOfWhatIsNotInTurn) {
   Recorded recorded;
   recorded.receive_batch(2, 0);
   recorded.told();
-  for (const Turn& turn : {Turn{1, 8, -1}, Turn{2, 8, 0}, Turn{2, 0, 2}, Turn{3, 8, 1}, Turn{3, 16, -1}}) {
-    EXPECT_NE(recorded.receive(0, turn), Verdict::in_turn);
+  for (const MessageId& id : {MessageId{1, 8, -1}, MessageId{2, 8, 0}, MessageId{2, 0, 2}, MessageId{3, 8, 1},
+                              MessageId{3, 16, -1}}) {
+    EXPECT_NE(recorded.receive(0, id), Verdict::in_turn);
   }
   EXPECT_EQ(recorded.told(), "");
   EXPECT_EQ(recorded.arrivals().attempt(), 2u);
@@ -197,8 +201,8 @@ TEST(Arrivals, GoOnFromWhatIsFoundToBeCommitted) {
 TEST(Arrivals, NameEveryStepOfTheAttempt) {
   Recorded recorded(5, 0);
   recorded.receive(0, {7, 5, -1});
-  const auto expect = [&](std::int64_t count, const Turn& expected) {
-    const Turn found = recorded.arrivals().turn_of(count);
+  const auto expect = [&](std::int64_t count, const MessageId& expected) {
+    const MessageId found = recorded.arrivals().id_of(count);
     EXPECT_EQ(std::tie(found.attempt, found.first_realization, found.step),
               std::tie(expected.attempt, expected.first_realization, expected.step))
         << count;
@@ -228,6 +232,35 @@ TEST(Arrivals, OfAnEndlessRunAreAcknowledgedForEver) {
     recorded.expect_acknowledged({1, 0, step});
   }
   EXPECT_FALSE(recorded.arrivals().complete());
+}
+
+TEST(Arrivals, CountAMessageOnlyWhenItsWorkIsDone) {
+  Arrivals arrivals({2, 1, 1}, kStreams, 0, 0);
+  const Heading start{{1, 0, -1}, 1, true}, end{{1, 0, 0}, 1, true};
+  for (std::size_t s = 0; s < kStreams; ++s) {
+    EXPECT_EQ(arrivals.admit(s, start).verdict, Verdict::in_turn);
+    EXPECT_EQ(arrivals.admit(s, end).verdict, Verdict::in_turn);
+  }
+  EXPECT_EQ(arrivals.acknowledgement().step, kNothingYet);
+  EXPECT_EQ(arrivals.messages(), 0u);
+  EXPECT_FALSE(arrivals.count(0, start));
+  EXPECT_FALSE(arrivals.count(0, end));
+  EXPECT_FALSE(arrivals.count(1, start));
+  EXPECT_EQ(arrivals.acknowledgement().step, -1);
+  const std::optional<CompleteBatch> batch = arrivals.count(1, end);
+  ASSERT_TRUE(batch);
+  EXPECT_EQ(batch->positions_received, 4u);
+  EXPECT_EQ(arrivals.messages(), 4u);
+}
+
+TEST(Arrivals, CountNothingOfAnAttemptThatEndedWhileItsWorkWasDone) {
+  Arrivals arrivals({2, 2, 1}, kStreams, 0, 0);
+  const Heading old{{1, 0, -1}, 2, true};
+  EXPECT_EQ(arrivals.admit(0, old).verdict, Verdict::in_turn);
+  EXPECT_TRUE(arrivals.admit(1, {{2, 0, -1}, 2, true}).restarted);
+  EXPECT_FALSE(arrivals.count(0, old));
+  EXPECT_EQ(arrivals.messages(), 0u);
+  EXPECT_FALSE(arrivals.latest(0));
 }
 
 TEST(Arrivals, KnowNoStreamBeyondTheLast) {

@@ -5,20 +5,20 @@
 namespace platoon {
 namespace {
 
-const BatchSchedule kSchedule{20, 8, 3};  // batches at 0, 8 and 16, four turns each
+const BatchSchedule kSchedule{20, 8, 3};  // batches at 0, 8 and 16, four steps each
 const CreditLimits kLimits{5, 2.0, 0.5};
 const std::string kMonitor = "monitor";
 
-std::vector<Turn> published(Credit& credit, double now = 0.0) {
-  std::vector<Turn> turns;
-  while (const std::optional<Turn> turn = credit.next(now)) {
-    turns.push_back(*turn);
-    if (turns.size() > 1000) break;
+std::vector<MessageId> published(Credit& credit, double now = 0.0) {
+  std::vector<MessageId> ids;
+  while (const std::optional<MessageId> id = credit.next(now)) {
+    ids.push_back(*id);
+    if (ids.size() > 1000) break;
   }
-  return turns;
+  return ids;
 }
 
-void expect_turns(const std::vector<Turn>& found, const std::vector<Turn>& expected) {
+void expect_published(const std::vector<MessageId>& found, const std::vector<MessageId>& expected) {
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t j = 0; j < found.size(); ++j) {
     EXPECT_EQ(found[j].attempt, expected[j].attempt) << j;
@@ -36,17 +36,17 @@ Credit with_monitor() {
 // The first attempt has begun, and its initial step is acknowledged.
 Credit under_way(double now = 0.0) {
   Credit credit = with_monitor();
-  expect_turns(published(credit, now), {{1, 0, -1}});
+  expect_published(published(credit, now), {{1, 0, -1}});
   credit.acknowledge(kMonitor, {1, 0, -1}, now);
   return credit;
 }
 
 // Where a new attempt begins when the present one has stalled by `now`.
-void expect_retry_at(Credit& credit, double now, const Turn& turn) {
+void expect_retry_at(Credit& credit, double now, const MessageId& turn) {
   EXPECT_FALSE(credit.retry_if_stalled(now - 1e-9));
   EXPECT_TRUE(credit.retry_if_stalled(now + 1e-9));
   EXPECT_EQ(credit.attempt(), turn.attempt);
-  expect_turns(published(credit, now), {turn});
+  expect_published(published(credit, now), {turn});
 }
 
 TEST(Credit, GivesNothingUntilEveryReceiverHasReported) {
@@ -57,7 +57,7 @@ TEST(Credit, GivesNothingUntilEveryReceiverHasReported) {
   EXPECT_EQ(credit.attempt(), 0u);
   EXPECT_FALSE(credit.retry_if_stalled(100.0));
   EXPECT_TRUE(credit.acknowledge("recorder", {0, 0, kNothingYet}, 0.0));
-  expect_turns(published(credit), {{1, 0, -1}});
+  expect_published(published(credit), {{1, 0, -1}});
 }
 
 TEST(Credit, IgnoresReceiversItDoesNotKnow) {
@@ -69,7 +69,7 @@ TEST(Credit, IgnoresReceiversItDoesNotKnow) {
 
 TEST(Credit, IsOneStepUntilTheFirstIsAcknowledged) {
   Credit credit = with_monitor();
-  expect_turns(published(credit), {{1, 0, -1}});
+  expect_published(published(credit), {{1, 0, -1}});
   EXPECT_TRUE(published(credit, 0.1).empty());
   credit.acknowledge(kMonitor, {1, 0, kNothingYet}, 0.1);  // heard of the attempt, has nothing whole of it
   EXPECT_TRUE(published(credit, 0.1).empty());
@@ -77,30 +77,30 @@ TEST(Credit, IsOneStepUntilTheFirstIsAcknowledged) {
 
 TEST(Credit, IsAWindowAfterTheFirstAcknowledgement) {
   Credit credit = under_way();
-  expect_turns(published(credit), {{1, 0, 0}, {1, 0, 1}, {1, 0, 2}, {1, 8, -1}, {1, 8, 0}});
+  expect_published(published(credit), {{1, 0, 0}, {1, 0, 1}, {1, 0, 2}, {1, 8, -1}, {1, 8, 0}});
 }
 
 TEST(Credit, GrowsWithCumulativeAcknowledgements) {
   Credit credit = under_way();
   EXPECT_EQ(published(credit).size(), 5u);
   credit.acknowledge(kMonitor, {1, 0, 0}, 0.0);
-  expect_turns(published(credit), {{1, 8, 1}});
+  expect_published(published(credit), {{1, 8, 1}});
   credit.acknowledge(kMonitor, {1, 8, kNothingYet}, 0.0);  // steps 1 and 2: the batch is committed
-  expect_turns(published(credit), {{1, 8, 2}, {1, 16, -1}});
+  expect_published(published(credit), {{1, 8, 2}, {1, 16, -1}});
   credit.acknowledge(kMonitor, {1, 8, kNothingYet}, 0.0);
   EXPECT_TRUE(published(credit).empty());
   credit.acknowledge(kMonitor, {1, 8, -1}, 0.0);
-  expect_turns(published(credit), {{1, 16, 0}});
+  expect_published(published(credit), {{1, 16, 0}});
 }
 
 TEST(Credit, LastsForEveryStepOfEveryBatchAndNoMore) {
   Credit credit = with_monitor();
-  std::vector<Turn> all;
+  std::vector<MessageId> all;
   for (int round = 0; round < 100 && !credit.complete(); ++round) {
-    const std::vector<Turn> some = published(credit);
+    const std::vector<MessageId> some = published(credit);
     EXPECT_LE(some.size(), 5u);
     all.insert(all.end(), some.begin(), some.end());
-    const Turn& last = all.back();
+    const MessageId& last = all.back();
     credit.acknowledge(kMonitor,
                        kSchedule.is_last_step(last.step)
                            ? Acknowledgement{1, kSchedule.next(last.first_realization), kNothingYet}
@@ -108,11 +108,11 @@ TEST(Credit, LastsForEveryStepOfEveryBatchAndNoMore) {
                        0.0);
   }
   EXPECT_TRUE(credit.complete());
-  std::vector<Turn> expected;
+  std::vector<MessageId> expected;
   for (const std::uint64_t first : {0, 8, 16}) {
     for (const std::int64_t step : {-1, 0, 1, 2}) expected.push_back({1, first, step});
   }
-  expect_turns(all, expected);
+  expect_published(all, expected);
   EXPECT_TRUE(published(credit).empty());
   EXPECT_FALSE(credit.retry_if_stalled(1e6));
 }
@@ -120,11 +120,11 @@ TEST(Credit, LastsForEveryStepOfEveryBatchAndNoMore) {
 TEST(Credit, GoesOnFromWhereTheReceiversAre) {
   Credit credit(kSchedule, kLimits, {kMonitor});
   credit.acknowledge(kMonitor, {4, 5, kNothingYet}, 0.0);  // resumed, with other batches than before
-  expect_turns(published(credit), {{5, 5, -1}});
+  expect_published(published(credit), {{5, 5, -1}});
   credit.acknowledge(kMonitor, {5, 5, -1}, 0.0);
-  expect_turns(published(credit), {{5, 5, 0}, {5, 5, 1}, {5, 5, 2}, {5, 13, -1}, {5, 13, 0}});
+  expect_published(published(credit), {{5, 5, 0}, {5, 5, 1}, {5, 5, 2}, {5, 13, -1}, {5, 13, 0}});
   credit.acknowledge(kMonitor, {5, 13, 0}, 0.0);
-  expect_turns(published(credit), {{5, 13, 1}, {5, 13, 2}});
+  expect_published(published(credit), {{5, 13, 1}, {5, 13, 2}});
   credit.acknowledge(kMonitor, {5, 20, kNothingYet}, 0.0);
   EXPECT_TRUE(credit.complete());
 }
@@ -193,7 +193,7 @@ TEST(Credit, WaitsLongerForEveryStallUntilABatchIsThrough) {
 
 TEST(Credit, WaitsForTheFirstAnswerOfAnAttemptWithAPatienceOfItsOwn) {
   Credit credit = with_monitor();
-  expect_turns(published(credit), {{1, 0, -1}});
+  expect_published(published(credit), {{1, 0, -1}});
   double now = 0.0;
   double patience = 0.5;
   for (std::uint32_t attempt = 2; attempt < 12; ++attempt) {
@@ -213,21 +213,21 @@ TEST(Credit, BeginsAgainAtOnceWhenAReceiverHasLostWhatItHad) {
   credit.acknowledge(kMonitor, {1, 8, 0}, 0.1);
   credit.acknowledge(kMonitor, {1, 0, kNothingYet}, 0.2);  // restarted from an older checkpoint
   EXPECT_EQ(credit.attempt(), 2u);
-  expect_turns(published(credit, 0.2), {{2, 0, -1}});
+  expect_published(published(credit, 0.2), {{2, 0, -1}});
 }
 
 TEST(Credit, BeginsAgainAtOnceWhenAReceiverComesBackFromBeforeTheAttempt) {
   Credit credit = under_way();
   published(credit);
   credit.acknowledge(kMonitor, {0, 0, kNothingYet}, 0.2);
-  expect_turns(published(credit, 0.2), {{2, 0, -1}});
+  expect_published(published(credit, 0.2), {{2, 0, -1}});
 }
 
 TEST(Credit, TakesReportsThatAreLateForNoLoss) {
   Credit credit = under_way();
   published(credit);
   EXPECT_TRUE(credit.retry_if_stalled(2.0));
-  expect_turns(published(credit, 2.0), {{2, 0, -1}});
+  expect_published(published(credit, 2.0), {{2, 0, -1}});
   credit.acknowledge(kMonitor, {1, 0, 1}, 2.1);
   EXPECT_EQ(credit.attempt(), 2u);
   EXPECT_TRUE(published(credit, 2.1).empty()) << "what an older attempt brought is no credit for this one";
@@ -239,7 +239,7 @@ TEST(Credit, OfARestartedLeaderBeginsPastEveryAttemptTheReceiversKnow) {
   Credit credit(kSchedule, kLimits, {"monitor", "recorder"});
   credit.acknowledge("monitor", {7, 8, 1}, 0.0);
   credit.acknowledge("recorder", {6, 8, kNothingYet}, 0.0);
-  expect_turns(published(credit), {{8, 8, -1}});
+  expect_published(published(credit), {{8, 8, -1}});
 }
 
 TEST(Credit, BeginsAgainAtTheEarliestRealizationAnyReceiverNeeds) {
@@ -247,7 +247,7 @@ TEST(Credit, BeginsAgainAtTheEarliestRealizationAnyReceiverNeeds) {
     Credit credit(kSchedule, kLimits, {"monitor", "recorder"});
     credit.acknowledge(monitor_is_ahead ? "monitor" : "recorder", {0, 16, kNothingYet}, 0.0);
     credit.acknowledge(monitor_is_ahead ? "recorder" : "monitor", {0, 8, kNothingYet}, 0.0);
-    expect_turns(published(credit), {{1, 8, -1}});
+    expect_published(published(credit), {{1, 8, -1}});
   }
 }
 
@@ -256,7 +256,7 @@ TEST(Credit, OfTheShorterLastBatchIsThatOfAWholeOne) {
   for (const char* name : {"monitor", "recorder"}) credit.acknowledge(name, {0, 16, kNothingYet}, 0.0);
   EXPECT_EQ(published(credit).size(), 1u);
   for (const char* name : {"monitor", "recorder"}) credit.acknowledge(name, {1, 16, -1}, 0.0);
-  expect_turns(published(credit), {{1, 16, 0}, {1, 16, 1}, {1, 16, 2}});
+  expect_published(published(credit), {{1, 16, 0}, {1, 16, 1}, {1, 16, 2}});
   credit.acknowledge("monitor", {1, 16, 1}, 0.0);
   credit.acknowledge("monitor", {1, 20, kNothingYet}, 0.0);
   EXPECT_EQ(credit.attempt(), 1u) << "nothing was lost";
@@ -267,7 +267,7 @@ TEST(Credit, OfTheShorterLastBatchIsThatOfAWholeOne) {
 TEST(Credit, OfTwoReceiversIsThatOfTheSlowerOne) {
   Credit credit(kSchedule, kLimits, {"monitor", "recorder"});
   for (const char* name : {"monitor", "recorder"}) credit.acknowledge(name, {0, 0, kNothingYet}, 0.0);
-  expect_turns(published(credit), {{1, 0, -1}});
+  expect_published(published(credit), {{1, 0, -1}});
   credit.acknowledge("monitor", {1, 0, -1}, 0.0);
   EXPECT_TRUE(published(credit).empty());
   credit.acknowledge("recorder", {1, 0, -1}, 0.0);
@@ -275,7 +275,7 @@ TEST(Credit, OfTwoReceiversIsThatOfTheSlowerOne) {
   credit.acknowledge("monitor", {1, 8, 0}, 0.0);
   EXPECT_TRUE(published(credit).empty());
   credit.acknowledge("recorder", {1, 0, 1}, 0.0);
-  expect_turns(published(credit), {{1, 8, 1}, {1, 8, 2}});
+  expect_published(published(credit), {{1, 8, 1}, {1, 8, 2}});
 }
 
 TEST(Credit, IsCompleteWhenBothReceiversAre) {
@@ -291,11 +291,11 @@ TEST(Credit, IsCompleteWhenBothReceiversAre) {
 TEST(Credit, OfAnEndlessRunNeverEnds) {
   Credit credit(BatchSchedule{1, 1, 0}, kLimits, {kMonitor});
   credit.acknowledge(kMonitor, {0, 0, kNothingYet}, 0.0);
-  expect_turns(published(credit), {{1, 0, -1}});
+  expect_published(published(credit), {{1, 0, -1}});
   std::int64_t last = -1;
   for (int round = 0; round < 200; ++round) {
     credit.acknowledge(kMonitor, {1, 0, last}, 0.0);
-    for (const Turn& turn : published(credit)) {
+    for (const MessageId& turn : published(credit)) {
       EXPECT_EQ(turn.first_realization, 0u);
       EXPECT_EQ(turn.step, ++last);
     }
@@ -308,9 +308,9 @@ TEST(Credit, OfAnEndlessRunNeverEnds) {
 TEST(Credit, OfOneStepPerBatchIsCountedRight) {
   Credit credit(BatchSchedule{3, 1, 1}, kLimits, {kMonitor});
   credit.acknowledge(kMonitor, {0, 0, kNothingYet}, 0.0);
-  expect_turns(published(credit), {{1, 0, -1}});
+  expect_published(published(credit), {{1, 0, -1}});
   credit.acknowledge(kMonitor, {1, 0, -1}, 0.0);
-  expect_turns(published(credit), {{1, 0, 0}, {1, 1, -1}, {1, 1, 0}, {1, 2, -1}, {1, 2, 0}});
+  expect_published(published(credit), {{1, 0, 0}, {1, 1, -1}, {1, 1, 0}, {1, 2, -1}, {1, 2, 0}});
   credit.acknowledge(kMonitor, {1, 2, -1}, 0.0);
   EXPECT_TRUE(published(credit).empty());
   EXPECT_FALSE(credit.complete());

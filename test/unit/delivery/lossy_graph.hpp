@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/delivery/assembly.hpp"
 #include "stochastic_platoon/delivery/credit.hpp"
+#include "stochastic_platoon/delivery/error_assembly.hpp"
 #include "stochastic_platoon/delivery/report_pace.hpp"
+#include "stochastic_platoon/model/tracking_error.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 #include "stochastic_platoon/statistics/ensemble_statistics.hpp"
 
@@ -77,7 +78,7 @@ private:
   static constexpr std::int64_t kWindow = 40;  ///< steps
 
   struct Message {
-    Turn turn;
+    MessageId id;
     Positions positions;
   };
   struct Link {
@@ -87,9 +88,10 @@ private:
   struct Report {
     std::string receiver;
     Acknowledgement acknowledgement;
+    std::uint64_t messages;
   };
   struct Follower {
-    Sequence sequence;
+    MessageOrder order;
     FollowerVehicle vehicle;
   };
   struct Checkpoint {
@@ -104,7 +106,7 @@ private:
   }
 
   Follower new_follower(std::uint32_t index) const {
-    return {Sequence(schedule_), FollowerVehicle(model_, noise_seed_, index)};
+    return {MessageOrder(schedule_), FollowerVehicle(model_, noise_seed_, index)};
   }
 
   void start_leader() {
@@ -119,14 +121,8 @@ private:
     positions_received_ = checkpoint_.positions_received;
     statistics_ = std::make_unique<EnsembleStatistics>(followers_.size(), schedule_.steps);
     statistics_->merge(checkpoint_.table);
-    const AssemblyEvents events{[this](std::size_t i, const Turn& turn, const std::vector<double>& errors) {
-                                  statistics_->add(i, turn.step, turn.first_realization, errors);
-                                },
-                                [this](const CompleteBatch& batch) { commit(batch); },
-                                [this] { statistics_->discard_open(); }};
-    assembly_ = std::make_unique<Assembly>(schedule_, followers_.size(),
-                                           TrackingError{model_.headway, model_.standstill_distance},
-                                           checkpoint_.table.count(), checkpoint_.attempts, events);
+    assembly_ = std::make_unique<ErrorAssembly>(schedule_, followers_.size(), checkpoint_.table.count(),
+                                                checkpoint_.attempts);
   }
 
   void commit(const CompleteBatch& batch) {
@@ -139,9 +135,7 @@ private:
   void start_recorder() {
     recorder_pace_ = ReportPace(schedule_, kWindow);
     const std::uint64_t first = recorded_.empty() ? 0 : schedule_.next(recorded_.back());
-    const ArrivalEvents events{
-        [] {}, [this](const CompleteBatch& batch) { recorded_.push_back(batch.first_realization); }};
-    recorder_ = std::make_unique<Arrivals>(schedule_, followers_.size() + 1, first, 0, events);
+    recorder_ = std::make_unique<Arrivals>(schedule_, followers_.size() + 1, first, 0);
   }
 
   void maybe_kill() {
@@ -181,8 +175,8 @@ private:
     }
   }
 
-  void publish(std::size_t vehicle, const Turn& turn, const std::vector<double>& positions) {
-    const Message message{turn, std::make_shared<const std::vector<double>>(positions)};
+  void publish(std::size_t vehicle, const MessageId& id, const std::vector<double>& positions) {
+    const Message message{id, std::make_shared<const std::vector<double>>(positions)};
     for (std::vector<Link>* links : {&to_channel_, &to_monitor_, &to_recorder_}) {
       if (vehicle >= links->size()) continue;
       Link& link = (*links)[vehicle];
@@ -204,7 +198,8 @@ private:
 
   void report(const char* receiver, const Arrivals& arrivals, ReportPace& pace) {
     pace.note_report(arrivals.acknowledgement());
-    if (!happens(troubles_.drop)) progress_.push_back({receiver, arrivals.acknowledgement()});
+    if (!happens(troubles_.drop))
+      progress_.push_back({receiver, arrivals.acknowledgement(), arrivals.messages()});
   }
 
   void report_if_due(const char* receiver, const Arrivals& arrivals, ReportPace& pace) {
@@ -249,41 +244,61 @@ private:
     if (progress_.empty()) return false;
     const Report report = progress_.front();
     progress_.pop_front();
-    credit_->acknowledge(report.receiver, report.acknowledgement, now_);
+    credit_->acknowledge(report.receiver, report.acknowledgement, now_, report.messages);
     return true;
   }
 
   bool lead() {
-    const std::optional<Turn> turn = credit_->next(now_);
-    if (!turn) return false;
-    const double position = turn->step == kInitialStep ? leader_.start() : leader_.step();
-    publish(0, *turn, std::vector<double>(schedule_.size(turn->first_realization), position));
+    const std::optional<MessageId> id = credit_->next(now_);
+    if (!id) return false;
+    const double position = id->step == kInitialStep ? leader_.start() : leader_.step();
+    publish(0, *id, std::vector<double>(schedule_.size(id->first_realization), position));
     return true;
   }
 
   void follow(std::size_t index, const Message& message) {
     Follower& follower = followers_[index - 1];
-    const Turn& turn = message.turn;
+    const MessageId& id = message.id;
     std::vector<double> received, own;
-    channels_[index - 1].transmit(turn.step, turn.first_realization, *message.positions, received);
-    if (follower.sequence.receive(turn, received) != Verdict::in_turn) return;
-    if (turn.step == kInitialStep) {
-      follower.vehicle.start(turn.first_realization, received.size(), own);
-      publish(index, turn, own);
+    channels_[index - 1].transmit(id.step, id.first_realization, *message.positions, received);
+    if (follower.order.receive({id, received.size(), true}) != Verdict::in_turn) return;
+    if (id.step == kInitialStep) {
+      follower.vehicle.start(id.first_realization, received.size(), own);
+      publish(index, id, own);
     }
-    if (schedule_.is_last_step(turn.step)) return;
+    if (schedule_.is_last_step(id.step)) return;
     follower.vehicle.step(received, own);
-    publish(index, {turn.attempt, turn.first_realization, turn.step + 1}, own);
+    publish(index, {id.attempt, id.first_realization, id.step + 1}, own);
   }
 
+  Heading heading(const Message& message) const { return {message.id, message.positions->size(), true}; }
+
   void observe(std::size_t vehicle, const Message& message) {
-    if (assembly_->receive(vehicle, message.turn, message.positions) != Verdict::in_turn) return;
-    attempts_seen_ = std::max(attempts_seen_, message.turn.attempt);
+    const ErrorAssembly::Receipt receipt = assembly_->receive(vehicle, heading(message), message.positions);
+    if (receipt.restarted) statistics_->restart();
+    if (receipt.verdict != Verdict::in_turn) return;
+    for (const DueErrors& due : receipt.due) add_errors(due);
+    attempts_seen_ = std::max(attempts_seen_, message.id.attempt);
+    const std::optional<CompleteBatch> batch = assembly_->settle(vehicle, heading(message));
+    if (batch) commit(*batch);
     report_if_due("monitor", assembly_->arrivals(), monitor_pace_);
   }
 
+  void add_errors(const DueErrors& due) {
+    const TrackingError error{model_.headway, model_.standstill_distance};
+    std::vector<double> errors(due.own->size());
+    error(due.predecessor->data(), due.own->data(), due.own_before->data(), errors.size(), errors.data());
+    const auto in_place = [&errors](std::size_t offset, std::size_t, double*) {
+      return static_cast<const double*>(errors.data() + offset);
+    };
+    statistics_->add({due.follower, due.id.step, due.id.first_realization, errors.size(),
+                      reduce_batch(due.id.first_realization, errors.size(), in_place)});
+  }
+
   void record(std::size_t vehicle, const Message& message) {
-    if (recorder_->receive(vehicle, message.turn, *message.positions, [] {}) != Verdict::in_turn) return;
+    if (recorder_->admit(vehicle, heading(message)).verdict != Verdict::in_turn) return;
+    const std::optional<CompleteBatch> batch = recorder_->count(vehicle, heading(message));
+    if (batch) recorded_.push_back(batch->first_realization);
     report_if_due("recorder", *recorder_, recorder_pace_);
   }
 
@@ -299,7 +314,7 @@ private:
   std::vector<Follower> followers_;
   std::vector<NoisyChannel> channels_;
   std::unique_ptr<EnsembleStatistics> statistics_;
-  std::unique_ptr<Assembly> assembly_;
+  std::unique_ptr<ErrorAssembly> assembly_;
   std::uint32_t attempts_seen_ = 0;
   std::uint64_t positions_received_ = 0;
   Checkpoint checkpoint_;

@@ -31,7 +31,7 @@ MomentTable table(std::uint64_t realizations) {
 
 Checkpoint checkpoint_of(const Configuration& configuration, std::uint64_t realizations) {
   return {statistics_identity(configuration),
-          configuration.run.launch,
+          configuration.run.launch_id,
           {1234, 5, 6.75, 8901234567890123456u},
           table(realizations)};
 }
@@ -74,7 +74,7 @@ TEST(Checkpoint, ComesBackToTheBit) {
   const std::optional<Checkpoint> read = read_checkpoint(folder.path());
   ASSERT_TRUE(read);
   EXPECT_EQ(read->identity, written.identity);
-  EXPECT_EQ(read->launch, "this launch");
+  EXPECT_EQ(read->launch_id, "this launch");
   EXPECT_EQ(read->tally.positions_received, 1234u);
   EXPECT_EQ(read->tally.attempts, 5u);
   EXPECT_EQ(read->tally.wall_seconds, 6.75);
@@ -176,7 +176,7 @@ TEST(StartingPoint, IsTheCheckpointOfAnotherLaunchOnlyWhenItIsResumed) {
   const TemporaryFolder folder;
   Configuration configuration = paper_run(folder.path());
   write_checkpoint(folder.path(), checkpoint_of(configuration, 13));
-  configuration.run.launch = "another launch";
+  configuration.run.launch_id = "another launch";
   const std::string before = content_of(checkpoint_file(folder.path()));
   EXPECT_EQ(refusal(configuration), "output: " + folder.path() +
                                         ": holds a run of 13 realizations: must be another folder (or "
@@ -189,7 +189,7 @@ TEST(StartingPoint, IsTheCheckpointOfAnotherLaunchOnlyWhenItIsResumed) {
 TEST(StartingPoint, TakesNoTwoLaunchesWithoutANameForTheSame) {
   const TemporaryFolder folder;
   Configuration configuration = paper_run(folder.path());
-  configuration.run.launch.clear();
+  configuration.run.launch_id.clear();
   write_checkpoint(folder.path(), checkpoint_of(configuration, 13));
   EXPECT_NE(refusal(configuration), "");
 }
@@ -228,7 +228,7 @@ TEST(StartingPoint, AllowsMoreRealizationsAndOtherBatchesThanBefore) {
   EXPECT_EQ(starting_point(configuration)->table.count(), 20u);
   configuration.run.realizations = 1000;
   configuration.run.batch = 7;
-  configuration.run.hosting = "one_process";
+  configuration.run.hosting = Hosting::one_process;
   EXPECT_EQ(starting_point(configuration)->table.count(), 20u);
 }
 

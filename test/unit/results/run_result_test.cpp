@@ -8,28 +8,13 @@
 
 #include "../paper_run.hpp"
 #include "../temporary_folder.hpp"
+#include "result_with.hpp"
 #include "stochastic_platoon/statistics/ensemble_statistics.hpp"
 
 namespace platoon {
 namespace {
 
 const double kNaN = std::nan("");
-
-// A result whose every score is exactly `score`.
-RunResult result_with(const Configuration& configuration, const Prediction& prediction, double score = 0.5) {
-  RunResult result;
-  result.complete = true;
-  result.realizations = configuration.run.realizations;
-  result.tally = {positions_expected(configuration.run, result.realizations), 3, 0.5, 0};
-  for (std::size_t c = 0; c < prediction.mean.size(); ++c) {
-    const double n = static_cast<double>(result.realizations), v = prediction.variance[c];
-    const double variance = v + score * standard_error_of_variance(v, result.realizations);
-    result.moments.push_back({result.realizations,
-                              prediction.mean[c] + score * standard_error_of_mean(v, result.realizations),
-                              variance * (n - 1.0)});
-  }
-  return result;
-}
 
 std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
   std::vector<std::vector<std::string>> rows;
@@ -57,24 +42,6 @@ Written written(const Configuration& configuration, const Prediction& prediction
   write_results(configuration, prediction, result);
   return {rows_of(content_of(configuration.run.output + "/statistics.csv")),
           nlohmann::json::parse(content_of(configuration.run.output + "/summary.json"))};
-}
-
-TEST(Prediction, IsTheTheoryOfEveryCell) {
-  const Configuration configuration = paper_run("");
-  const Prediction prediction = predict(configuration);
-  const ErrorMoments moments = error_moments(configuration.model, 2, 3);
-  EXPECT_EQ(prediction.mean, moments.mean);
-  EXPECT_EQ(prediction.variance, moments.variance);
-  ASSERT_EQ(prediction.stationary_variance.size(), 2u);
-  EXPECT_NEAR(prediction.stability.spectral_radius, 0.5274, 0.00005);
-}
-
-TEST(Prediction, OfAnEndlessRunIsStationary) {
-  Configuration configuration = paper_run("");
-  configuration.run.steps = 0;
-  const Prediction prediction = predict(configuration);
-  EXPECT_EQ(prediction.mean, (std::vector<double>{0.0, 0.0}));
-  EXPECT_EQ(prediction.variance, prediction.stationary_variance);
 }
 
 TEST(RunResult, CountsThePositionsThatMustCome) {
@@ -221,8 +188,6 @@ TEST(WriteResults, LabelsTimeAveragesAsSuch) {
   EXPECT_EQ(files.rows[1][2], "800");
   EXPECT_EQ(files.summary["time_average"], true);
   EXPECT_TRUE(files.summary["agreement"]["max_abs_z_mean"].is_null());
-  EXPECT_NE(report(configuration, prediction, result).find("time averages up to step 999"),
-            std::string::npos);
 }
 
 TEST(WriteResults, ReplacesItsFilesWhole) {
@@ -246,57 +211,6 @@ TEST(WriteResults, NamesTheFileItCannotWrite) {
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find(folder / "none/statistics.csv"), std::string::npos);
   }
-}
-
-TEST(Report, SaysThatMeasurementAndTheoryAgree) {
-  const Configuration configuration = paper_run("");
-  const Prediction prediction = predict(configuration);
-  const std::string text = report(configuration, prediction, result_with(configuration, prediction, 0.5));
-  EXPECT_NE(text.find("Measurement agrees with Lemma 1"), std::string::npos);
-  EXPECT_NE(text.find("tracking errors at step 2, 20 realizations"), std::string::npos);
-  EXPECT_NE(text.find("Theory: "), std::string::npos);
-  EXPECT_NE(text.find("Stationary variance along an endless string: "), std::string::npos);
-}
-
-TEST(Report, SaysThatMeasurementAndTheoryDisagree) {
-  const Configuration configuration = paper_run("");
-  const Prediction prediction = predict(configuration);
-  for (const double score : {5.0, -5.0}) {
-    const std::string text = report(configuration, prediction, result_with(configuration, prediction, score));
-    EXPECT_NE(text.find("MEASUREMENT AND LEMMA 1 DISAGREE"), std::string::npos) << score;
-  }
-  RunResult only_mean = result_with(configuration, prediction);
-  only_mean.moments.back().mean += 3.0;
-  EXPECT_NE(report(configuration, prediction, only_mean).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
-            std::string::npos);
-  RunResult only_variance = result_with(configuration, prediction);
-  only_variance.moments.back().squared_deviations *= 5.0;
-  EXPECT_NE(report(configuration, prediction, only_variance).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
-            std::string::npos);
-}
-
-TEST(Report, SaysThatSomethingUndefinedDoesNotAgree) {
-  const Configuration configuration = paper_run("");
-  const Prediction prediction = predict(configuration);
-  for (std::size_t c = 0; c < prediction.mean.size(); ++c) {
-    RunResult result = result_with(configuration, prediction, 0.5);
-    result.moments[c].mean = kNaN;
-    EXPECT_NE(report(configuration, prediction, result).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
-              std::string::npos)
-        << "NaN in cell " << c;
-  }
-}
-
-TEST(Report, ShowsBothEndsOfALongString) {
-  Configuration configuration = paper_run("");
-  configuration.run.followers = 100;
-  const Prediction prediction = predict(configuration);
-  const std::string text = report(configuration, prediction, result_with(configuration, prediction, 0.5));
-  EXPECT_NE(text.find("\n      10 "), std::string::npos);
-  EXPECT_EQ(text.find("\n      11 "), std::string::npos);
-  EXPECT_NE(text.find("     ...\n"), std::string::npos);
-  EXPECT_NE(text.find("\n      91 "), std::string::npos);
-  EXPECT_NE(text.find("\n     100 "), std::string::npos);
 }
 
 }  // namespace

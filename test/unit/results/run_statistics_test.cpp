@@ -38,6 +38,11 @@ std::vector<std::vector<Positions>> positions_of(const Configuration& configurat
   return all;
 }
 
+Verdict take(RunStatistics& statistics, std::size_t vehicle, const MessageId& id,
+             const Positions& positions) {
+  return statistics.take(vehicle, {id, positions->size(), true}, positions);
+}
+
 // Hands the batch over step by step, up to `last_step`.
 void receive_batch(RunStatistics& statistics, const Configuration& configuration, std::uint32_t attempt,
                    std::uint64_t first, std::int64_t last_step) {
@@ -45,7 +50,7 @@ void receive_batch(RunStatistics& statistics, const Configuration& configuration
   const auto all = positions_of(configuration, first, count, last_step + 1);
   for (std::int64_t k = kInitialStep; k <= last_step; ++k) {
     for (std::size_t i = 0; i < all.size(); ++i) {
-      ASSERT_EQ(statistics.receive(i, {attempt, first, k}, all[i][static_cast<std::size_t>(k + 1)]),
+      ASSERT_EQ(take(statistics, i, {attempt, first, k}, all[i][static_cast<std::size_t>(k + 1)]),
                 Verdict::in_turn);
     }
   }
@@ -69,13 +74,13 @@ void expect_monte_carlo(const std::vector<Moments>& found, const Configuration& 
 TEST(RunStatistics, AreTheMonteCarlosToTheBit) {
   const Configuration configuration = paper_run("");
   RunStatistics statistics(configuration, std::nullopt);
-  EXPECT_TRUE(statistics.empty());
+  EXPECT_TRUE(statistics.averages().empty());
   for (const std::uint64_t first : {0, 8, 16}) receive_batch(statistics, configuration, 1, first, 2);
   EXPECT_TRUE(statistics.arrivals().complete());
-  EXPECT_FALSE(statistics.empty());
-  EXPECT_EQ(statistics.realizations(), 20u);
-  EXPECT_EQ(statistics.last_step(), 2);
-  expect_monte_carlo(statistics.moments(), configuration, 20);
+  EXPECT_FALSE(statistics.averages().empty());
+  EXPECT_EQ(statistics.averages().realizations(), 20u);
+  EXPECT_EQ(statistics.averages().last_step(), 2);
+  expect_monte_carlo(statistics.averages().moments(), configuration, 20);
   const RunResult result = statistics.result(true);
   EXPECT_TRUE(result.complete);
   EXPECT_EQ(result.realizations, 20u);
@@ -89,20 +94,22 @@ TEST(RunStatistics, FromSeveralThreadsAreTheMonteCarlosToTheBit) {
   configuration.run.steps = 40;
   configuration.run.realizations = 400;
   std::mutex mutex;
-  RunStatistics statistics(configuration, std::nullopt, [&mutex](const auto& work) {
-    mutex.unlock();
-    work();
-    mutex.lock();
-  });
+  RunStatistics statistics(configuration, std::nullopt);
   const BatchSchedule schedule = configuration.run.schedule();
   const auto receive_vehicles = [&](std::size_t first_vehicle) {
     for (std::uint64_t first = 0; !schedule.is_complete(first); first = schedule.next(first)) {
       const auto all = positions_of(configuration, first, schedule.size(first), configuration.run.steps);
       for (std::int64_t k = kInitialStep; k < configuration.run.steps; ++k) {
         for (std::size_t i = first_vehicle; i <= configuration.run.followers; i += 2) {
-          const std::lock_guard<std::mutex> lock(mutex);
-          EXPECT_EQ(statistics.receive(i, {1, first, k}, all[i][static_cast<std::size_t>(k + 1)]),
-                    Verdict::in_turn);
+          const Positions& positions = all[i][static_cast<std::size_t>(k + 1)];
+          std::unique_lock<std::mutex> lock(mutex);
+          const RunStatistics::Receipt receipt =
+              statistics.receive(i, {{1, first, k}, positions->size(), true}, positions);
+          EXPECT_EQ(receipt.verdict, Verdict::in_turn);
+          lock.unlock();
+          const RunStatistics::Computed computed = statistics.compute(receipt.work);
+          lock.lock();
+          statistics.settle(computed);
         }
       }
     }
@@ -111,38 +118,71 @@ TEST(RunStatistics, FromSeveralThreadsAreTheMonteCarlosToTheBit) {
   receive_vehicles(0);
   other.wait();
   EXPECT_TRUE(statistics.arrivals().complete());
-  expect_monte_carlo(statistics.moments(), configuration, 400);
-  EXPECT_EQ(statistics.tally.positions_received, positions_expected(configuration.run, 400));
+  expect_monte_carlo(statistics.averages().moments(), configuration, 400);
+  EXPECT_EQ(statistics.tally().positions_received, positions_expected(configuration.run, 400));
+}
+
+TEST(RunStatistics, CommitABatchWithTheLastResultThatIsSettled) {
+  const Configuration configuration = paper_run("");
+  const auto all = positions_of(configuration, 0, 8, 3);
+  RunStatistics statistics(configuration, std::nullopt);
+  std::vector<RunStatistics::Computed> computed;
+  for (std::int64_t k = -1; k <= 2; ++k) {
+    for (std::size_t i = 0; i <= 2; ++i) {
+      const RunStatistics::Receipt receipt =
+          statistics.receive(i, {{1, 0, k}, 8, true}, all[i][static_cast<std::size_t>(k + 1)]);
+      computed.push_back(statistics.compute(receipt.work));
+    }
+  }
+  EXPECT_TRUE(statistics.averages().empty());
+  // Vehicle 2 first: its messages come in order, whatever the others do.
+  for (const std::size_t vehicle : {2, 0, 1}) {
+    for (const RunStatistics::Computed& result : computed) {
+      if (result.vehicle != vehicle) continue;
+      const bool last = vehicle == 1 && result.heading.id.step == 2;
+      EXPECT_EQ(statistics.settle(result), last);
+    }
+  }
+  expect_monte_carlo(statistics.averages().moments(), configuration, 8);
 }
 
 TEST(RunStatistics, CountNothingOfAnAttemptThatEndsWhileItsErrorsAreFormed) {
   const Configuration configuration = paper_run("");
   const auto all = positions_of(configuration, 0, 8, 3);
-  RunStatistics* receiver = nullptr;
-  RunStatistics statistics(configuration, std::nullopt, [&](const auto& work) {
-    const bool last_of_batch =
-        receiver->arrivals().attempt() == 1 && receiver->arrivals().latest(2)->step == 2;
-    if (last_of_batch) {
-      EXPECT_EQ(receiver->receive(0, {2, 0, -1}, all[0][0]), Verdict::in_turn);
-    }
-    work();
-  });
-  receiver = &statistics;
+  RunStatistics statistics(configuration, std::nullopt);
   for (std::size_t i = 0; i <= 2; ++i) {
     for (std::int64_t k = -1; k <= 2; ++k) {
-      EXPECT_EQ(statistics.receive(i, {1, 0, k}, all[i][static_cast<std::size_t>(k + 1)]),
-                i == 2 && k == 2 ? Verdict::stale : Verdict::in_turn);
+      const RunStatistics::Receipt receipt =
+          statistics.receive(i, {{1, 0, k}, 8, true}, all[i][static_cast<std::size_t>(k + 1)]);
+      EXPECT_EQ(receipt.verdict, Verdict::in_turn);
+      if (i == 2 && k == 2) {
+        EXPECT_EQ(take(statistics, 0, {2, 0, -1}, all[0][0]), Verdict::in_turn);
+      }
+      EXPECT_FALSE(statistics.settle(statistics.compute(receipt.work)));
     }
   }
-  EXPECT_TRUE(statistics.empty());
-  EXPECT_EQ(statistics.tally.positions_received, 0u);
+  EXPECT_TRUE(statistics.averages().empty());
+  EXPECT_EQ(statistics.tally().positions_received, 0u);
   for (std::size_t i = 0; i <= 2; ++i) {
     for (std::int64_t k = i == 0 ? 0 : -1; k <= 2; ++k) {
-      EXPECT_EQ(statistics.receive(i, {2, 0, k}, all[i][static_cast<std::size_t>(k + 1)]), Verdict::in_turn);
+      EXPECT_EQ(take(statistics, i, {2, 0, k}, all[i][static_cast<std::size_t>(k + 1)]), Verdict::in_turn);
     }
   }
-  EXPECT_EQ(statistics.realizations(), 8u);
-  expect_monte_carlo(statistics.moments(), configuration, 8);
+  EXPECT_EQ(statistics.averages().realizations(), 8u);
+  expect_monte_carlo(statistics.averages().moments(), configuration, 8);
+}
+
+TEST(RunStatistics, NumberTheAttemptsOfAnotherLaunchAnew) {
+  Configuration configuration = paper_run("");
+  RunStatistics before(configuration, std::nullopt);
+  receive_batch(before, configuration, 22, 0, 2);
+  const Checkpoint checkpoint = *before.checkpoint();
+  configuration.run.launch_id = "the next launch";
+  RunStatistics after(configuration, checkpoint);
+  EXPECT_EQ(after.arrivals().attempt(), 0u);
+  receive_batch(after, configuration, 1, 8, 2);
+  EXPECT_EQ(after.tally().attempts, 1u);
+  expect_monte_carlo(after.averages().moments(), configuration, 16);
 }
 
 TEST(RunStatistics, CountNothingOfAnUnfinishedBatch) {
@@ -150,28 +190,28 @@ TEST(RunStatistics, CountNothingOfAnUnfinishedBatch) {
   RunStatistics statistics(configuration, std::nullopt);
   receive_batch(statistics, configuration, 1, 0, 2);
   receive_batch(statistics, configuration, 1, 8, 1);
-  expect_monte_carlo(statistics.moments(), configuration, 8);
+  expect_monte_carlo(statistics.averages().moments(), configuration, 8);
   receive_batch(statistics, configuration, 4, 8, 2);
-  expect_monte_carlo(statistics.moments(), configuration, 16);
-  EXPECT_EQ(statistics.tally.positions_received, positions_expected(configuration.run, 16));
-  EXPECT_EQ(statistics.tally.attempts, 4u);
+  expect_monte_carlo(statistics.averages().moments(), configuration, 16);
+  EXPECT_EQ(statistics.tally().positions_received, positions_expected(configuration.run, 16));
+  EXPECT_EQ(statistics.tally().attempts, 4u);
 }
 
 TEST(RunStatistics, GoOnFromTheirCheckpointToTheBit) {
   const Configuration configuration = paper_run("");
   RunStatistics before(configuration, std::nullopt);
   receive_batch(before, configuration, 3, 0, 2);
-  const Checkpoint checkpoint = before.checkpoint();
-  EXPECT_EQ(checkpoint.launch, "this launch");
+  const Checkpoint checkpoint = *before.checkpoint();
+  EXPECT_EQ(checkpoint.launch_id, "this launch");
   EXPECT_EQ(checkpoint.identity, statistics_identity(configuration));
   RunStatistics after(configuration, checkpoint);
-  EXPECT_EQ(after.realizations(), 8u);
+  EXPECT_EQ(after.averages().realizations(), 8u);
   EXPECT_EQ(after.arrivals().committed(), 8u);
   EXPECT_EQ(after.arrivals().attempt(), 3u);
   receive_batch(after, configuration, 4, 8, 2);
   receive_batch(after, configuration, 4, 16, 2);
-  expect_monte_carlo(after.moments(), configuration, 20);
-  EXPECT_EQ(after.tally.positions_received, positions_expected(configuration.run, 20));
+  expect_monte_carlo(after.averages().moments(), configuration, 20);
+  EXPECT_EQ(after.tally().positions_received, positions_expected(configuration.run, 20));
 }
 
 TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
@@ -180,12 +220,13 @@ TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
   configuration.run.realizations = configuration.run.batch = 1;
   configuration.run.burn_in = 30;
   RunStatistics statistics(configuration, std::nullopt);
-  EXPECT_TRUE(statistics.endless());
-  EXPECT_TRUE(statistics.empty());
+  EXPECT_EQ(statistics.averages().averaging(), Averaging::over_time);
+  EXPECT_FALSE(statistics.checkpoint());
+  EXPECT_TRUE(statistics.averages().empty());
   receive_batch(statistics, configuration, 1, 0, 49);
-  EXPECT_EQ(statistics.last_step(), 49);
-  EXPECT_EQ(statistics.realizations(), 1u);
-  ASSERT_EQ(statistics.moments().size(), 2u);
+  EXPECT_EQ(statistics.averages().last_step(), 49);
+  EXPECT_EQ(statistics.averages().realizations(), 1u);
+  ASSERT_EQ(statistics.averages().moments().size(), 2u);
   const auto all = positions_of(configuration, 0, 1, 50);
   const TrackingError error{configuration.model.headway, configuration.model.standstill_distance};
   for (std::size_t i = 1; i <= 2; ++i) {
@@ -193,11 +234,11 @@ TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
     for (std::size_t k = 31; k <= 50; ++k) {
       expected.add(error(all[i - 1][k]->front(), all[i][k]->front(), all[i][k - 1]->front()));
     }
-    EXPECT_EQ(statistics.moments()[i - 1].count, 20u);
-    EXPECT_EQ(statistics.moments()[i - 1].mean, expected.mean);
-    EXPECT_EQ(statistics.moments()[i - 1].squared_deviations, expected.squared_deviations);
+    EXPECT_EQ(statistics.averages().moments()[i - 1].count, 20u);
+    EXPECT_EQ(statistics.averages().moments()[i - 1].mean, expected.mean);
+    EXPECT_EQ(statistics.averages().moments()[i - 1].squared_deviations, expected.squared_deviations);
   }
-  EXPECT_EQ(statistics.tally.positions_received, 3u * 51u);
+  EXPECT_EQ(statistics.tally().positions_received, 3u * 51u);
 }
 
 TEST(RunStatistics, OfAnEndlessRunBeginAnewWithANewAttempt) {
@@ -207,9 +248,9 @@ TEST(RunStatistics, OfAnEndlessRunBeginAnewWithANewAttempt) {
   RunStatistics statistics(configuration, std::nullopt);
   receive_batch(statistics, configuration, 1, 0, 49);
   receive_batch(statistics, configuration, 2, 0, 9);
-  EXPECT_EQ(statistics.last_step(), 9);
-  EXPECT_EQ(statistics.moments()[0].count, 10u);
-  EXPECT_EQ(statistics.tally.positions_received, 3u * 11u);
+  EXPECT_EQ(statistics.averages().last_step(), 9);
+  EXPECT_EQ(statistics.averages().moments()[0].count, 10u);
+  EXPECT_EQ(statistics.tally().positions_received, 3u * 11u);
 }
 
 }  // namespace

@@ -10,6 +10,14 @@ namespace {
 constexpr std::size_t kFollowers = 2;
 constexpr std::int64_t kSteps = 3;
 
+ReducedErrors reduced(std::size_t follower, std::int64_t step, std::uint64_t first,
+                      const std::vector<double>& errors) {
+  const auto in_place = [&errors](std::size_t offset, std::size_t, double*) {
+    return errors.data() + offset;
+  };
+  return {follower, step, first, errors.size(), reduce_batch(first, errors.size(), in_place)};
+}
+
 void add_all(EnsembleStatistics& statistics, std::uint64_t first, std::size_t count) {
   for (std::size_t i = 1; i <= kFollowers; ++i) {
     for (std::int64_t k = 0; k < kSteps; ++k) {
@@ -17,7 +25,7 @@ void add_all(EnsembleStatistics& statistics, std::uint64_t first, std::size_t co
       for (std::size_t r = 0; r < count; ++r) {
         errors.push_back(static_cast<double>(first + r) + 100.0 * static_cast<double>(cell(i, k, kSteps)));
       }
-      statistics.add(i, k, first, errors);
+      statistics.add(reduced(i, k, first, errors));
     }
   }
 }
@@ -48,7 +56,7 @@ TEST(EnsembleStatistics, CountABatchOnlyWhenItIsCommitted) {
 
 TEST(EnsembleStatistics, KeepBatchesOpenSideBySide) {
   EnsembleStatistics statistics(kFollowers, kSteps);
-  statistics.add(1, 0, 0, {0.0, 1.0});
+  statistics.add(reduced(1, 0, 0, {0.0, 1.0}));
   add_all(statistics, 2, 2);
   add_all(statistics, 0, 2);
   statistics.commit(2);
@@ -61,8 +69,8 @@ TEST(EnsembleStatistics, ForgetWhatIsOpen) {
   EnsembleStatistics statistics(kFollowers, kSteps);
   add_all(statistics, 0, 2);
   statistics.commit(0);
-  statistics.add(1, 0, 2, {77.0, 78.0, 79.0});
-  statistics.discard_open();
+  statistics.add(reduced(1, 0, 2, {77.0, 78.0, 79.0}));
+  statistics.restart();
   EXPECT_THROW(statistics.commit(2), std::invalid_argument);
   add_all(statistics, 2, 4);
   statistics.commit(2);
@@ -95,9 +103,23 @@ TEST(EnsembleStatistics, GoOnFromAnEarlierRun) {
   EXPECT_THROW(statistics.merge(earlier.committed()), std::invalid_argument);
 }
 
+TEST(EnsembleStatistics, AreEmptyUntilABatchIsCommitted) {
+  EnsembleStatistics statistics(kFollowers, kSteps);
+  EXPECT_EQ(statistics.averaging(), Averaging::over_realizations);
+  EXPECT_TRUE(statistics.empty());
+  add_all(statistics, 0, 3);
+  EXPECT_TRUE(statistics.empty());
+  statistics.commit(0);
+  EXPECT_FALSE(statistics.empty());
+  EXPECT_EQ(statistics.realizations(), 3u);
+  EXPECT_EQ(statistics.last_step(), kSteps - 1);
+  EXPECT_EQ(statistics.moments().size(), kFollowers * kSteps);
+  EXPECT_EQ(statistics.totals()->count(), 3u);
+}
+
 TEST(EnsembleStatistics, RefuseAFollowerThereIsNot) {
   EnsembleStatistics statistics(kFollowers, kSteps);
-  EXPECT_THROW(statistics.add(kFollowers + 1, 0, 0, {1.0}), std::out_of_range);
+  EXPECT_THROW(statistics.add(reduced(kFollowers + 1, 0, 0, {1.0})), std::out_of_range);
 }
 
 }  // namespace

@@ -8,9 +8,13 @@
 namespace platoon {
 namespace {
 
+void add(TimeStatistics& statistics, std::size_t follower, std::int64_t step, double error) {
+  statistics.add({follower, step, 0, 1, {{error, 0.0}}});
+}
+
 TEST(TimeStatistics, LeaveTheBurnInOut) {
   TimeStatistics statistics(1, 10);
-  for (std::int64_t k = 0; k < 14; ++k) statistics.add(1, k, k < 10 ? 1e6 : static_cast<double>(k));
+  for (std::int64_t k = 0; k < 14; ++k) add(statistics, 1, k, k < 10 ? 1e6 : static_cast<double>(k));
   EXPECT_EQ(statistics.moments()[0].count, 4u);
   EXPECT_DOUBLE_EQ(statistics.moments()[0].mean, 11.5);
   EXPECT_DOUBLE_EQ(statistics.moments()[0].variance(), 5.0 / 3.0);
@@ -18,37 +22,59 @@ TEST(TimeStatistics, LeaveTheBurnInOut) {
 
 TEST(TimeStatistics, WithoutBurnInTakeEveryStep) {
   TimeStatistics statistics(1, 0);
-  statistics.add(1, 0, 3.0);
+  add(statistics, 1, 0, 3.0);
   EXPECT_EQ(statistics.moments()[0].count, 1u);
 }
 
 TEST(TimeStatistics, AreUndefinedDuringTheBurnIn) {
   TimeStatistics statistics(1, 10);
-  statistics.add(1, 9, 3.0);
+  add(statistics, 1, 9, 3.0);
   EXPECT_EQ(statistics.moments()[0].count, 0u);
   EXPECT_TRUE(std::isnan(statistics.moments()[0].variance()));
 }
 
 TEST(TimeStatistics, KeepFollowersApart) {
   TimeStatistics statistics(3, 0);
-  statistics.add(1, 0, 1.0);
-  statistics.add(3, 0, 5.0);
-  statistics.add(3, 1, 7.0);
+  add(statistics, 1, 0, 1.0);
+  add(statistics, 3, 0, 5.0);
+  add(statistics, 3, 1, 7.0);
   ASSERT_EQ(statistics.moments().size(), 3u);
   EXPECT_EQ(statistics.moments()[0].mean, 1.0);
   EXPECT_EQ(statistics.moments()[1].count, 0u);
   EXPECT_EQ(statistics.moments()[2].mean, 6.0);
-  EXPECT_THROW(statistics.add(4, 0, 1.0), std::out_of_range);
-  EXPECT_THROW(statistics.add(0, 0, 1.0), std::out_of_range);
+  EXPECT_THROW(add(statistics, 4, 0, 1.0), std::out_of_range);
+  EXPECT_THROW(add(statistics, 0, 0, 1.0), std::out_of_range);
+}
+
+TEST(TimeStatistics, HaveTheSameBitsInWhateverOrderTheStepsCome) {
+  TimeStatistics in_order(1, 2), shuffled(1, 2);
+  const auto error = [](std::int64_t k) { return 1.0 / static_cast<double>(3 + k * k % 17); };
+  for (std::int64_t k = 0; k < 40; ++k) add(in_order, 1, k, error(k));
+  for (std::int64_t k = 0; k < 40; k += 4) {
+    for (const std::int64_t j : {2, 0, 3, 1}) add(shuffled, 1, k + j, error(k + j));
+  }
+  EXPECT_EQ(shuffled.moments()[0].count, 38u);
+  EXPECT_EQ(shuffled.moments()[0].mean, in_order.moments()[0].mean);
+  EXPECT_EQ(shuffled.moments()[0].squared_deviations, in_order.moments()[0].squared_deviations);
+}
+
+TEST(TimeStatistics, WaitForTheStepThatIsMissing) {
+  TimeStatistics statistics(1, 0);
+  EXPECT_TRUE(statistics.empty());
+  add(statistics, 1, 1, 5.0);
+  EXPECT_TRUE(statistics.empty());
+  add(statistics, 1, 0, 3.0);
+  EXPECT_EQ(statistics.last_step(), 1);
+  EXPECT_EQ(statistics.moments()[0].mean, 4.0);
 }
 
 TEST(TimeStatistics, BeginAnewWithTheSameBurnIn) {
   TimeStatistics statistics(2, 5);
-  for (std::int64_t k = 0; k < 8; ++k) statistics.add(2, k, 4.0);
+  for (std::int64_t k = 0; k < 8; ++k) add(statistics, 2, k, 4.0);
   statistics.restart();
   ASSERT_EQ(statistics.moments().size(), 2u);
   EXPECT_EQ(statistics.moments()[1].count, 0u);
-  for (std::int64_t k = 0; k < 6; ++k) statistics.add(2, k, 9.0);
+  for (std::int64_t k = 0; k < 6; ++k) add(statistics, 2, k, 9.0);
   EXPECT_EQ(statistics.moments()[1].count, 1u);
 }
 

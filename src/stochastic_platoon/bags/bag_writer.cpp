@@ -1,0 +1,56 @@
+#include "stochastic_platoon/bags/bag_writer.hpp"
+
+#include <std_msgs/String.h>
+
+#include <boost/make_shared.hpp>
+#include <cstdio>
+#include <utility>
+
+#include "stochastic_platoon/io/atomic_file.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr std::uint32_t kChunkBytes = 1u << 20;
+
+}  // namespace
+
+BagWriter::BagWriter(std::string name, const std::string& suffix, const std::string& compression,
+                     const RecordedConfiguration& configuration)
+    : name_(std::move(name)), suffix_(suffix) {
+  bag_.open(name_ + suffix_, rosbag::bagmode::Write);
+  write_behind_ = WriteBehind(name_ + suffix_);
+  bag_.setChunkThreshold(kChunkBytes);
+  if (compression == "lz4") bag_.setCompression(rosbag::compression::LZ4);
+  const auto header = boost::make_shared<ros::M_string>();
+  (*header)["callerid"] = "/recorder";
+  (*header)["latching"] = "1";
+  (*header)["md5sum"] = ros::message_traits::md5sum<std_msgs::String>();
+  (*header)["message_definition"] = ros::message_traits::definition<std_msgs::String>();
+  (*header)["topic"] = configuration.topic;
+  (*header)["type"] = ros::message_traits::datatype<std_msgs::String>();
+  std_msgs::String message;
+  message.data = configuration.json;
+  bag_.write(configuration.topic, ros::TIME_MIN, message, header);
+}
+
+void BagWriter::close() {
+  closed_bytes_ = bytes();
+  bag_.close();
+  write_behind_.finish();
+}
+
+void BagWriter::complete() {
+  close();
+  sync_and_rename(name_ + suffix_, name_);
+}
+
+void BagWriter::set_suffix(const std::string& suffix) {
+  if (std::rename((name_ + suffix_).c_str(), (name_ + suffix).c_str()) != 0) {
+    throw std::runtime_error(name_ + suffix_ + ": cannot be renamed to " + name_ + suffix);
+  }
+  suffix_ = suffix;
+}
+
+}  // namespace platoon

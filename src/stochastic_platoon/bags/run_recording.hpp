@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "stochastic_platoon/bags/bag_writer.hpp"
+#include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/delivery/arrivals.hpp"
+
+namespace platoon {
+
+/// Writes a platoon's messages to a bag, in the order of steps and vehicles: a step is written as soon as it
+/// has arrived from everyone, so that the messages kept are those of the steps on their way. What a finished
+/// file holds is whole batches, never a part of an attempt that was given up: if there was one, the file is
+/// written once more without it. (An endless run has no batches: its steps stay as they came.)
+///
+/// Its streams are the positions of vehicles 0 .. N as 0 .. N, and what followers 1 .. N received as N + 1 ..
+/// 2 N.
+class RunRecording {
+public:
+  /// `name_space` is the platoon's, "/platoon". Goes on with the unfinished file of the same launch, from
+  /// which the whole batches are taken over; nothing else is touched: throws ConfigurationError when such a
+  /// file is of another launch.
+  RunRecording(const Configuration& configuration, const std::string& name_space);
+
+  Verdict receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
+  void receive(const stochastic_platoon::ErrorStatistics& message);
+
+  /// Everything has arrived, the final statistics included.
+  bool ready_to_finish() const { return !finished_ && arrivals_.complete() && final_statistics_; }
+
+  /// Closes, syncs and names the file.
+  void finish();
+
+  /// Closes an unfinished file.
+  void stop();
+
+  const Arrivals& arrivals() const { return arrivals_; }
+  bool finished() const { return finished_; }
+  /// The file will be written once more, without what was given up.
+  bool holds_given_up() const { return given_up_; }
+  /// Bytes written, over all files.
+  std::uint64_t bytes() const { return completed_bytes_ + (recording_ ? recording_->bytes() : 0); }
+
+  std::size_t streams() const { return 2 * configuration_.run.followers + 1; }
+  /// Topic of a stream.
+  std::string topic(std::size_t stream) const;
+
+private:
+  using Message = stochastic_platoon::Position::ConstPtr;
+  struct Step {
+    std::vector<Message> messages;  ///< per stream
+    std::size_t arrived = 0;
+  };
+  /// Realizations whose batches one attempt brought through.
+  struct Whole {
+    std::uint32_t attempt;
+    std::uint64_t begin, end;
+  };
+  void take(std::size_t stream, const Message& message);
+  void restarted();
+  void batch_complete(std::uint64_t first_realization);
+  bool is_whole(const stochastic_platoon::Position& message) const;
+  void complete_file();
+  void recover();
+  void take_over(const std::string& file);
+  void rewrite();
+  std::uint64_t end_of_part(std::size_t part) const;
+  std::string name_of_part(std::size_t part) const;
+  std::unique_ptr<BagWriter> record_to(const std::string& suffix) const;
+
+  Configuration configuration_;
+  std::string name_space_;
+  RecordedConfiguration recorded_configuration_;
+  std::size_t part_ = 0;
+  std::map<std::pair<std::uint64_t, std::int64_t>, Step> open_;  ///< by first realization and step
+  std::vector<Whole> whole_;
+  bool partial_ = false;   ///< the file ends with a part of a batch
+  bool given_up_ = false;  ///< the file holds a part of an attempt that was given up
+  Arrivals arrivals_;
+  bool final_statistics_ = false;
+  bool finished_ = false;
+  std::uint64_t completed_bytes_ = 0;
+  std::unique_ptr<BagWriter> recording_;
+};
+
+}  // namespace platoon

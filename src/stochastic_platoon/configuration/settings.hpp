@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace platoon {
+
+/// One argument of platoon.launch, and option of the tools that take it: the one place where its name, its
+/// default and its meaning stand.
+struct Setting {
+  const char* name;           ///< "noise_variance"; as an option --noise-variance
+  const char* default_value;  ///< as text
+  const char* help;
+  const char* model_key;  ///< the key of the model file that it overrides where it is not empty; null: none
+};
+
+/// All settings but `model`, the model file's name.
+const std::vector<Setting>& settings();
+
+}  // namespace platoon

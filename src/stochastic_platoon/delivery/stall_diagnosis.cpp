@@ -1,0 +1,44 @@
+#include "stochastic_platoon/delivery/stall_diagnosis.hpp"
+
+#include <tuple>
+
+namespace platoon {
+
+namespace {
+
+// What a follower can have sent once its predecessor has sent `id`: the step after it, or the end of the
+// batch.
+MessageId reachable(const MessageId& id, const BatchSchedule& schedule) {
+  return schedule.is_last_step(id.step) ? id : MessageId{id.attempt, id.first_realization, id.step + 1};
+}
+
+bool is_behind(const std::optional<MessageId>& own, const MessageId& reachable_id) {
+  if (!own) return true;
+  return std::tie(own->first_realization, own->step) <
+         std::tie(reachable_id.first_realization, reachable_id.step);
+}
+
+std::string silence(const std::string& name, const std::optional<MessageId>& latest) {
+  if (!latest) return name + " has sent nothing at all";
+  return name + " has sent nothing since step " + std::to_string(latest->step) + " (realizations from " +
+         std::to_string(latest->first_realization) + ")";
+}
+
+}  // namespace
+
+StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& latest,
+                              const BatchSchedule& schedule) {
+  std::vector<std::size_t> stuck;
+  for (std::size_t i = 1; i < latest.size(); ++i) {
+    if (latest[i - 1] && is_behind(latest[i], reachable(*latest[i - 1], schedule))) stuck.push_back(i);
+  }
+  if (stuck.empty()) return {0, silence("vehicle_0 (leader)", latest.front())};
+  const std::string first = silence("vehicle_" + std::to_string(stuck.front()), latest[stuck.front()]);
+  if (stuck.size() == 1)
+    return {stuck.front(), first + (latest.size() == 2 ? ": it or the channel is down" : "")};
+  if (stuck.size() + 1 == latest.size())
+    return {std::nullopt, "channel has passed nothing on: all followers wait, " + first};
+  return {stuck.front(), first + "; the same holds for " + std::to_string(stuck.size() - 1) + " more"};
+}
+
+}  // namespace platoon

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "stochastic_platoon/delivery/message_order.hpp"
+
+namespace platoon {
+
+/// Counts the messages a component has dropped and says so on the console, at most once a second per topic.
+/// What is expected after a restart or while links come up is counted in silence.
+class DropCounter {
+public:
+  explicit DropCounter(std::string topic) : topic_(std::move(topic)) {}
+
+  void count(Verdict verdict, const Heading& heading);
+
+  std::uint64_t of(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
+
+private:
+  std::string topic_;
+  std::array<std::uint64_t, kVerdicts> counts_{};
+  std::optional<double> last_said_;  ///< [s]
+};
+
+}  // namespace platoon

@@ -1,0 +1,59 @@
+#include "stochastic_platoon/hosting/run_component.hpp"
+
+#include <malloc.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <thread>
+
+namespace platoon {
+
+int run_node(int argc, char** argv, const NodeTraits& traits,
+             const std::function<void(const ros::NodeHandle&)>& run) {
+  if (traits.arenas > 0) mallopt(M_ARENA_MAX, traits.arenas);
+  ros::init(argc, argv, traits.name, traits.init_options);
+  // Outside the try block: keeps ROS, and with it the console, alive until the line is out.
+  const ros::NodeHandle platoon;
+  try {
+    run(platoon);
+    return 0;
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM(ros::this_node::getName() << ": " << error.what());
+    return 1;
+  }
+}
+
+// Not ros::spin(): while ROS shuts down, the global queue no longer waits for callbacks, and its busy loop
+// would cost a hundred vehicles seconds of both cores.
+void Superseded::spin() const {
+  while (ros::ok() && !happened_) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+    if (ros::isShuttingDown()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+int run_component(int argc, char** argv, const NodeTraits& traits,
+                  const std::function<void(const ros::NodeHandle&, const Configuration&, Superseded&)>& run) {
+  return run_node(argc, argv, traits, [&run](const ros::NodeHandle& platoon) {
+    while (const std::optional<Configuration> configuration = wait_for_configuration(platoon)) {
+      keep_freed_memory(configuration->run, 1);
+      Superseded superseded;
+      run(platoon, *configuration, superseded);
+      if (!ros::ok()) return;
+      ROS_INFO_STREAM(ros::this_node::getName() << ": the platoon's run is another now: starting over");
+    }
+  });
+}
+
+void keep_freed_memory(const RunOptions& run, std::size_t vehicles) {
+  const std::size_t kept =
+      std::clamp<std::size_t>(24 * vehicles * run.batch * sizeof(double), 1 << 20, 1 << 30);
+  mallopt(M_TOP_PAD, static_cast<int>(kept));
+  mallopt(M_TRIM_THRESHOLD, static_cast<int>(kept + kept / 2));
+  mallopt(M_MMAP_THRESHOLD, 1 << 25);  // the most that older versions of glibc take
+}
+
+}  // namespace platoon

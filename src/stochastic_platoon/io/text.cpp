@@ -1,0 +1,28 @@
+#include "stochastic_platoon/io/text.hpp"
+
+#include <cstdarg>
+#include <cstdio>
+
+namespace platoon {
+
+std::string formatted(const char* format, ...) {
+  std::va_list arguments, again;
+  va_start(arguments, format);
+  va_copy(again, arguments);
+  const int length = std::vsnprintf(nullptr, 0, format, arguments);
+  std::string text(static_cast<std::size_t>(length) + 1, '\0');
+  std::vsnprintf(&text[0], text.size(), format, again);
+  va_end(again);
+  va_end(arguments);
+  text.pop_back();
+  return text;
+}
+
+std::string printable(const std::string& text) {
+  std::string shown;
+  for (const char c : text)
+    shown += c >= ' ' && c <= '~' ? std::string(1, c) : formatted("\\x%02x", static_cast<unsigned char>(c));
+  return shown;
+}
+
+}  // namespace platoon

@@ -1,0 +1,32 @@
+#include "stochastic_platoon/messages/topics.hpp"
+
+#include <regex>
+
+namespace platoon {
+
+std::string position_topic(std::size_t vehicle) {
+  return "vehicle_" + std::to_string(vehicle) + "/position";
+}
+
+std::string predecessor_position_topic(std::size_t follower) {
+  return "vehicle_" + std::to_string(follower) + "/predecessor_position";
+}
+
+std::optional<PlatoonTopic> parse_topic(const std::string& topic) {
+  static const std::regex vehicle_topic("(.*)/vehicle_(0|[1-9][0-9]{0,8})/(predecessor_)?position");
+  static const std::regex other_topic("(.*)/(error_statistics|configuration)");
+  std::smatch match;
+  if (std::regex_match(topic, match, vehicle_topic)) {
+    const auto kind =
+        match[3].matched ? PlatoonTopic::Kind::predecessor_position : PlatoonTopic::Kind::position;
+    return PlatoonTopic{kind, match[1], std::stoul(match[2])};
+  }
+  if (std::regex_match(topic, match, other_topic)) {
+    const bool statistics = match[2] == "error_statistics";
+    return PlatoonTopic{statistics ? PlatoonTopic::Kind::error_statistics : PlatoonTopic::Kind::configuration,
+                        match[1], 0};
+  }
+  return std::nullopt;
+}
+
+}  // namespace platoon

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace platoon {
+
+/// Topics relative to the platoon's namespace.
+std::string position_topic(std::size_t vehicle);               ///< "vehicle_3/position"
+std::string predecessor_position_topic(std::size_t follower);  ///< "vehicle_3/predecessor_position"
+constexpr char kProgressTopic[] = "progress";
+constexpr char kErrorStatisticsTopic[] = "error_statistics";
+constexpr char kConfigurationTopic[] = "configuration";
+
+/// A topic of a platoon as bags name it: "/platoon/vehicle_3/position".
+struct PlatoonTopic {
+  enum class Kind { position, predecessor_position, error_statistics, configuration };
+  Kind kind;
+  std::string name_space;   ///< "/platoon"
+  std::size_t vehicle = 0;  ///< of the first two kinds
+};
+
+/// None for a topic of anything else.
+std::optional<PlatoonTopic> parse_topic(const std::string& topic);
+
+}  // namespace platoon

@@ -1,0 +1,75 @@
+#include "stochastic_platoon/results/run_report.hpp"
+
+#include "stochastic_platoon/io/text.hpp"
+
+namespace platoon {
+
+namespace {
+
+// Which rows a terminal can take: all of a short string, the two ends of a long one.
+bool is_shown(std::size_t follower, std::size_t followers) {
+  return followers <= 30 || follower <= 10 || follower + 10 > followers;
+}
+
+std::string heading(const RunOptions& run, const RunResult& result) {
+  if (run.averaging() == Averaging::over_time) {
+    return formatted(
+        "time averages up to step %lld (variance over time, no standard error: successive errors are "
+        "correlated)\n",
+        static_cast<long long>(result.last_step));
+  }
+  return formatted("tracking errors at step %lld, %llu realizations\n", static_cast<long long>(run.steps - 1),
+                   static_cast<unsigned long long>(result.realizations));
+}
+
+std::string row(const ResultCell& of, Averaging averaging) {
+  std::string text = formatted("%8zu %16.6g ", of.follower, of.measured.variance());
+  if (averaging == Averaging::over_time)
+    return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
+  return text + formatted("%16.2g %14.6g %9.2f\n",
+                          standard_error_of_variance(of.theoretical_variance, of.measured.count),
+                          of.theoretical_variance,
+                          scores(of.measured, of.theoretical_mean, of.theoretical_variance).variance);
+}
+
+std::string table(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
+  std::string text = "follower   variance [m^2]   standard error   theory [m^2]         z\n";
+  for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result.moments)) {
+    if (is_shown(of.follower, run.followers)) {
+      text += row(of, run.averaging());
+    } else if (is_shown(of.follower - 1, run.followers)) {
+      text += "     ...\n";
+    }
+  }
+  return text;
+}
+
+std::string comparison(const Agreement& found, std::size_t cells) {
+  const double bound = largest_plausible_score(2 * cells);
+  const bool agrees = found.max_abs_z_mean <= bound && found.max_abs_z_variance <= bound;
+  return formatted(
+      "%s: over all %zu (i, k) the largest |z| is %.2f for the means and %.2f for the variances "
+      "(chance alone exceeds %.2f once in 1000 runs)\n",
+      agrees ? "Measurement agrees with Lemma 1" : "MEASUREMENT AND LEMMA 1 DISAGREE", cells,
+      found.max_abs_z_mean, found.max_abs_z_variance, bound);
+}
+
+}  // namespace
+
+std::string report(const Configuration& configuration, const Prediction& prediction,
+                   const RunResult& result) {
+  const RunOptions& run = configuration.run;
+  const StringStability& stability = prediction.stability;
+  std::string text = formatted("\nPlatoon of %zu followers, h = %g, P_d = %g m^2: ", run.followers,
+                               configuration.model.headway, configuration.model.noise_variance);
+  text += heading(run, result) + table(run, prediction, result);
+  const std::optional<Agreement> found = measured_agreement(run, prediction, result);
+  if (found) text += comparison(*found, result.moments.size());
+  text += "Theory: " + stability.reason + ".\n";
+  if (stability.limit_variance) {
+    text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);
+  }
+  return text;
+}
+
+}  // namespace platoon

@@ -1,0 +1,16 @@
+#include "stochastic_platoon/statistics/error_averages.hpp"
+
+#include "stochastic_platoon/statistics/ensemble_statistics.hpp"
+#include "stochastic_platoon/statistics/time_statistics.hpp"
+
+namespace platoon {
+
+std::unique_ptr<ErrorAverages> error_averages(std::size_t followers, std::int64_t steps, std::int64_t burn_in,
+                                              const MomentTable* earlier) {
+  if (steps == 0) return std::make_unique<TimeStatistics>(followers, burn_in);
+  auto averages = std::make_unique<EnsembleStatistics>(followers, steps);
+  if (earlier != nullptr) averages->merge(*earlier);
+  return averages;
+}
+
+}  // namespace platoon

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "stochastic_platoon/statistics/batch_moments.hpp"
+#include "stochastic_platoon/statistics/moment_table.hpp"
+#include "stochastic_platoon/statistics/moments.hpp"
+
+namespace platoon {
+
+/// What the mean and the variance of a tracking error are taken over.
+enum class Averaging { over_realizations, over_time };
+
+/// Place of zeta_i(k) in every table over followers and steps: row i - 1, column k. i >= 1, 0 <= k < steps.
+inline std::size_t cell(std::size_t follower, std::int64_t step, std::int64_t steps) {
+  return (follower - 1) * static_cast<std::size_t>(steps) + static_cast<std::size_t>(step);
+}
+
+/// zeta_i(k) of one batch of realizations, reduced to its moments: what is left to be counted.
+struct ReducedErrors {
+  std::size_t follower;  ///< i >= 1
+  std::int64_t step;     ///< k >= 0
+  std::uint64_t first_realization;
+  std::size_t count;              ///< realizations in the batch
+  std::vector<MomentNode> nodes;  ///< reduce_batch() of the errors
+};
+
+/// Mean and variance of every tracking error of a run, over realizations or over time. Not thread-safe.
+class ErrorAverages {
+public:
+  virtual ~ErrorAverages() = default;
+
+  virtual Averaging averaging() const = 0;
+
+  /// Takes the errors of a follower at a step of a batch, in any order.
+  virtual void add(const ReducedErrors& errors) = 0;
+
+  /// All errors of the batch were added.
+  virtual void commit(std::uint64_t first_realization) = 0;
+
+  /// Everything of unfinished batches is void.
+  virtual void restart() = 0;
+
+  /// Realizations behind the figures.
+  virtual std::uint64_t realizations() const = 0;
+
+  /// Whether there is anything to show.
+  virtual bool empty() const = 0;
+
+  /// The latest step behind the figures.
+  virtual std::int64_t last_step() const = 0;
+
+  /// One per cell: a follower and step, or of time averages a follower.
+  virtual std::vector<Moments> moments() const = 0;
+
+  /// The totals that another run can go on from; null where none can.
+  virtual const MomentTable* totals() const = 0;
+};
+
+/// For a run of these steps; 0: endless, averaged over time from step `burn_in` on.
+std::unique_ptr<ErrorAverages> error_averages(std::size_t followers, std::int64_t steps, std::int64_t burn_in,
+                                              const MomentTable* earlier);
+
+}  // namespace platoon

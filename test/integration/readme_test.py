@@ -1,0 +1,110 @@
+#!/usr/bin/python3
+"""Every command line of the README works as it is typed, in a fresh shell with another HOME; long ones are cut short."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import live_platoon
+
+PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+COMMANDS = ("./launch/demo", "./test/run", ".", "rosrun", "roslaunch", "cmp")
+NOT_RUN = {"./test/run": "is what runs this test"}
+
+# What the test adds to a line that begins so; the first that fits.
+SHORTER = (
+    ("roslaunch stochastic_platoon live.launch", "rviz:=false followers:=3 rate:=100"),
+    ("roslaunch stochastic_platoon platoon.launch hosting:=one_process", "realizations:=200 steps:=5"),
+    ("roslaunch stochastic_platoon platoon.launch", "realizations:=200 steps:=20"),
+    ("roslaunch stochastic_platoon replay.launch bag:=/tmp/run.bag drive:=leader", "realizations:=200"),
+    ("rosrun stochastic_platoon monte_carlo", "--realizations 200 --steps 20"),
+)
+STAY_UP = ("roslaunch stochastic_platoon live.launch", "roslaunch stochastic_platoon followers.launch")
+
+
+def command_lines():
+    """The indented lines of the README, but for the picture of the layout."""
+    with open(os.path.join(PACKAGE, "README.md")) as file:
+        text = re.sub(r"\n## Layout\n.*?\n(How to add|## )", r"\n\1", file.read(), flags=re.S)
+    lines = [line.strip() for line in text.splitlines() if line.startswith("    ")]
+    return [re.sub(r"\s+# .*", "", line) for line in lines]
+
+
+class Readme(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp()
+        cls.home = os.path.join(cls.folder, "home")
+        os.mkdir(cls.home)
+        cls.environment = dict(HOME=cls.home, PATH="/usr/bin:/bin", LANG="C.UTF-8", TERM="dumb", ROS_HOSTNAME="localhost",
+                               ROS_MASTER_URI="http://localhost:{}".format(live_platoon.free_port()), REALIZATIONS="1000")
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder, ignore_errors=True)
+
+    def start(self, line):
+        extra = next((extra for begin, extra in SHORTER if line.startswith(begin)), "")
+        typed = (line + " " + extra).replace("/tmp/", self.folder + "/")
+        self.log = tempfile.NamedTemporaryFile("w+", dir=self.folder, suffix=".log", delete=False)
+        return subprocess.Popen(["bash", "-c", ". devel/setup.bash && exec " + typed if not line.startswith(".") else typed],
+                                cwd=PACKAGE, env=self.environment, stdout=self.log, stderr=subprocess.STDOUT)
+
+    def said(self):
+        with open(self.log.name, errors="replace") as file:
+            return file.read()
+
+    def check(self, line, process):
+        status = process.wait(timeout=live_platoon.DEADLINE)
+        text = self.said()
+        self.assertEqual(status, 0, "{}\n{}".format(line, text))
+        for bad in ("Traceback", "[ERROR]", "FATAL", "RLException", "DISAGREE", "not found"):
+            self.assertNotIn(bad, text, line)
+        if line.startswith("roslaunch") and "drive:=vehicle" not in line:
+            self.assertIn("Results: ", text, line)
+        if "drive:=vehicle" in line:
+            self.assertIn("equal the recorded ones to the bit", text)
+
+    def end_live(self, line, process):
+        """Ctrl-C for what stays up, once it has shown that it is up."""
+        live_platoon.wait_for(lambda: "process[platoon/monitor" in self.said() or process.poll() is not None, line)
+        time.sleep(6.0)  # it has no end to wait for: some steps for its averages
+        self.interrupt(process)
+        self.assertIn("time averages", self.said())
+
+    def test_every_command_line_works_as_typed(self):
+        lines = command_lines()
+        self.assertGreater(len(lines), 15)
+        standing = None
+        for line in lines:
+            self.assertIn(line.split()[0], COMMANDS, "a line that is no command: " + line)
+            if line in NOT_RUN:
+                continue
+            with self.subTest(line=line):
+                if standing and "last:=" not in line:
+                    self.interrupt(standing)
+                    standing = None
+                process = self.start(line)
+                if line.startswith(STAY_UP[0]):
+                    self.end_live(line, process)
+                elif line.startswith(STAY_UP[1]):
+                    standing = process
+                    live_platoon.wait_for(lambda: "process[platoon/vehicle_20" in self.said() or process.poll() is not None, line)
+                    self.assertIsNone(process.poll(), self.said())
+                else:
+                    self.check(line, process)
+        if standing:
+            self.interrupt(standing)
+
+    def interrupt(self, process):
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=live_platoon.DEADLINE)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,19 @@
+#include "stochastic_platoon/io/text.hpp"
+
+#include <gtest/gtest.h>
+
+namespace platoon {
+namespace {
+
+TEST(Formatted, IsWhatPrintfPrints) {
+  EXPECT_EQ(formatted("%d of %s: %.3f", 7, "nine", 0.5), "7 of nine: 0.500");
+  EXPECT_EQ(formatted("%s", ""), "");
+}
+
+TEST(Formatted, IsOfAnyLength) {
+  const std::string text(5000, 'x');
+  EXPECT_EQ(formatted("<%s>", text.c_str()), "<" + text + ">");
+}
+
+}  // namespace
+}  // namespace platoon
