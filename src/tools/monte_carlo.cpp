@@ -1,6 +1,7 @@
 // The platoon's Monte Carlo in one process, without ROS: the same vehicles, channels and statistics as the
 // nodes', and the same bits. Writes the same statistics.csv and summary.json.
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <thread>
@@ -38,6 +39,17 @@ platoon::RunResult run(const platoon::Configuration& configuration, unsigned thr
   return result;
 }
 
+// One per core where nothing is asked for.
+unsigned threads_of(const std::string& text) {
+  if (text.empty()) return std::max(std::thread::hardware_concurrency(), 1u);
+  YAML::Node node;
+  node["threads"] = text;
+  std::vector<std::string> problems;
+  const std::int64_t threads = platoon::Section(node, "", problems).integer("threads", 1, 1024);
+  if (!problems.empty()) throw platoon::ConfigurationError(problems);
+  return static_cast<unsigned>(threads);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -48,6 +60,7 @@ int main(int argc, char** argv) {
   const std::string threads_text = settings.count("threads") > 0 ? settings["threads"] : "";
   settings.erase("threads");
   try {
+    const unsigned threads = threads_of(threads_text);
     settings.emplace("model", platoon::paper_model_file());
     settings.emplace("batch", "512");  // what a vehicle needs of so many fits the second level cache
     platoon::Configuration configuration =
@@ -59,8 +72,6 @@ int main(int argc, char** argv) {
       throw platoon::ConfigurationError({"output: (empty): must be a folder"});
     if (platoon::starting_point(configuration))
       throw std::logic_error("a fresh folder cannot hold a checkpoint");
-    const unsigned threads = threads_text.empty() ? std::thread::hardware_concurrency()
-                                                  : static_cast<unsigned>(std::stoul(threads_text));
     const platoon::Prediction prediction = platoon::predict(configuration);
     const platoon::RunResult result = run(configuration, threads);
     platoon::write_results(configuration, prediction, result);

@@ -42,7 +42,8 @@ class Readme(unittest.TestCase):
         cls.home = os.path.join(cls.folder, "home")
         os.mkdir(cls.home)
         cls.environment = dict(HOME=cls.home, PATH="/usr/bin:/bin", LANG="C.UTF-8", TERM="dumb", ROS_HOSTNAME="localhost",
-                               ROS_MASTER_URI="http://localhost:{}".format(live_platoon.free_port()), REALIZATIONS="1000")
+                               ROS_MASTER_URI="http://localhost:{}".format(live_platoon.free_port()), REALIZATIONS="1000",
+                               PYTHONUNBUFFERED="1")  # else what it says waits in roslaunch for more
 
     @classmethod
     def tearDownClass(cls):
@@ -60,7 +61,7 @@ class Readme(unittest.TestCase):
             return file.read()
 
     def check(self, line, process):
-        status = process.wait(timeout=live_platoon.DEADLINE)
+        status = process.wait(timeout=4 * live_platoon.DEADLINE)
         text = self.said()
         self.assertEqual(status, 0, "{}\n{}".format(line, text))
         for bad in ("Traceback", "[ERROR]", "FATAL", "RLException", "DISAGREE", "not found"):

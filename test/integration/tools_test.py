@@ -37,6 +37,41 @@ class EveryTool(unittest.TestCase):
             self.assertNotEqual(run(program, "--nothing").returncode, 0, program)
 
 
+class BadInput(unittest.TestCase):
+    def refused(self, said, tool, *arguments):
+        """It ends at once with these words, and with nothing else on the screen."""
+        done = subprocess.run([live_platoon.executable(tool)] + list(arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              universal_newlines=True, timeout=live_platoon.DEADLINE)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn(said, done.stderr)
+        self.assertLess(len(done.stderr), 600)
+        self.assertNotIn("h = ", done.stdout)
+
+    def test_a_number_of_threads_that_is_none_is_refused(self):
+        for threads in ("-1", "0", "abc", "1000000000"):
+            self.refused("threads: {}: must be a whole number from 1 to 1024".format(threads), "monte_carlo", "--threads", threads,
+                         "--output", "/nowhere")
+
+    def test_sizes_that_cannot_be_held_are_refused_before_memory_is_asked_for(self):
+        for tool in ("analyze", "monte_carlo", "configure"):
+            self.refused("run/steps x followers: 99999999999 x 20: must be at most 20000000", tool, "--steps", "99999999999",
+                         "--model", live_platoon.shared("config", "paper.yaml"))
+
+    def test_a_sweep_that_is_wrong_is_refused_before_anything_is_printed(self):
+        self.refused("--sweep-headway: 3:2:1: must be FROM:TO:COUNT", "analyze", "--sweep-headway", "3:2:1")
+
+    def test_a_long_value_is_cut(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml") as model:
+            model.write("no mapping " * 1000)
+            model.flush()
+            self.refused("no mapping no mapping", "analyze", "--model", model.name)
+
+    def test_a_million_followers_are_analysed(self):
+        done = run(live_platoon.executable("analyze"), "--followers", "1000000", "--steps", "10")
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn("of follower 1000000", done.stdout)
+
+
 class PaperExample(unittest.TestCase):
     """20 followers, 100 steps, 10000 realizations, seed 1. A change that is meant to give other numbers changes these digests, and
     says so in CHANGELOG.rst: recordings and checkpoints of before then no longer go with the program."""

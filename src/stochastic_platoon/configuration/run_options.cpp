@@ -12,6 +12,8 @@ constexpr std::int64_t kMaxCount = std::int64_t{1} << 46;
 // Cells of statistics: followers times steps. A run keeps some 200 bytes a cell.
 constexpr std::int64_t kMaxCells = 20000000;
 
+constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
+
 Hosting parsed_hosting(const std::string& text) {
   return text == to_string(Hosting::one_process) ? Hosting::one_process : Hosting::processes;
 }
@@ -72,6 +74,12 @@ RunOptions read_run_options(Section section) {
     section.reject("steps x followers", std::to_string(options.steps) + " x " + std::to_string(followers),
                    "at most " + std::to_string(kMaxCells) +
                        ", as statistics are kept for each (steps: 0 averages over time instead)");
+  } else if (options.realizations >
+             kMaxPositions / static_cast<std::uint64_t>((options.steps + 1) * (followers + 1))) {
+    section.reject("realizations x steps x followers",
+                   std::to_string(options.realizations) + " x " + std::to_string(options.steps) + " x " +
+                       std::to_string(followers),
+                   "below 2^63, which is what can be counted");
   }
   if (options.steps == 0) options.realizations = 1;
   if (options.batch == 0) options.batch = chosen_batch(options);

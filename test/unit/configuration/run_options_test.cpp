@@ -43,6 +43,11 @@ TEST(RunOptions, ThatNeedMoreMemoryThanThereIsAreRefusedInTheirOwnWords) {
       Problems{"run/steps x followers: 99999999999 x 20: must be at most 20000000, as statistics are kept "
                "for each (steps: 0 averages over time instead)"});
   EXPECT_EQ(problems_with("steps", "1000000"), Problems{});
+  Problems problems;
+  read(settings({{"steps", "1000000"}, {"realizations", "70368744177664"}}), &problems);
+  EXPECT_EQ(problems,
+            Problems{"run/realizations x steps x followers: 70368744177664 x 1000000 x 20: must be below "
+                     "2^63, which is what can be counted"});
 }
 
 TEST(RunOptions, HaveTheDefaultsOfTheLaunchFile) {
