@@ -50,7 +50,9 @@ std::string headway_lines(const Analysis& analysis) {
   const std::string critical =
       headways.critical ? formatted("%.9g sample periods", *headways.critical) : "none";
   return "Critical headway: " + critical +
-         "; string stable headways within [0.01, 1000]:" + shown(headways.intervals) + "\n";
+         formatted("; string stable headways within [%.6g, %.6g]:", headways.searched.from,
+                   headways.searched.to) +
+         shown(headways.intervals) + "\n";
 }
 
 LoopDesign with_gain(const LoopDesign& design, double gain) {
@@ -73,7 +75,8 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
   if (analysis.stability.mean_square_stable) analysis.bounds = theorem_two_bounds(model, followers, steps);
   if (model.design) {
     analysis.headways =
-        stable_headways([&model](double headway) { return close_loop(*model.design, headway); });
+        stable_headways([&model](double headway) { return close_loop(*model.design, headway); },
+                        headways_about(model.headway));
   }
   return analysis;
 }

@@ -1,10 +1,12 @@
 #include "stochastic_platoon/model/state_space.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#include "stochastic_platoon/model/exact.hpp"
 
 namespace platoon {
 
@@ -26,7 +28,7 @@ StateSpace::StateSpace(Eigen::MatrixXd a, Eigen::VectorXd b, Eigen::RowVectorXd 
 }
 
 double spectral_radius(const StateSpace& system) {
-  return system.a().eigenvalues().cwiseAbs().maxCoeff();
+  return spectral_radius(resolvent(system).delta_denominator);
 }
 
 Eigen::VectorXd unit_equilibrium(const StateSpace& system) {
@@ -56,20 +58,56 @@ StateSpace observable_canonical(const TransferFunction& transfer) {
   return {a, b, c};
 }
 
-TransferFunction transfer_function(const StateSpace& system) {
-  const Eigen::Index n = system.order();
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
-  Polynomial denominator = Polynomial::Zero(n + 1);
-  Polynomial numerator(n);
-  denominator(0) = 1.0;
-  Eigen::MatrixXd adjugate_term = identity;
-  for (Eigen::Index k = 1; k <= n; ++k) {
-    numerator(k - 1) = system.c() * adjugate_term * system.b();
-    const Eigen::MatrixXd product = system.a() * adjugate_term;
-    denominator(k) = -product.trace() / static_cast<double>(k);
-    adjugate_term = product + denominator(k) * identity;
+Resolvent resolvent(const StateSpace& system) {
+  const auto n = static_cast<std::size_t>(system.order());
+  const auto entry = [&](const auto& matrix, std::size_t row, std::size_t column) {
+    return Exact(matrix(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)));
+  };
+  std::vector<ExactPolynomial> rows(n, ExactPolynomial(n, Exact(0)));
+  ExactPolynomial transfer(n, Exact(0));
+  ExactPolynomial denominator(n + 1, Exact(0));
+  denominator[0] = 1;
+  // M = adj(zI - A) by descending powers of z: M_0 = I, M_k = A M_{k-1} + d_k I with d_k = -tr(A M_{k-1}) /
+  // k.
+  std::vector<ExactPolynomial> a(n, ExactPolynomial(n));
+  std::vector<ExactPolynomial> adjugate_term(n, ExactPolynomial(n, Exact(0)));
+  for (std::size_t i = 0; i < n; ++i) {
+    adjugate_term[i][i] = 1;
+    for (std::size_t j = 0; j < n; ++j) a[i][j] = entry(system.a(), i, j);
   }
-  return {numerator, denominator};
+  for (std::size_t k = 1; k <= n; ++k) {
+    std::vector<ExactPolynomial> product(n, ExactPolynomial(n, Exact(0)));
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        rows[j][k - 1] += entry(system.c(), 0, i) * adjugate_term[i][j];
+        if (a[i][j] == 0) continue;
+        for (std::size_t l = 0; l < n; ++l) product[i][l] += a[i][j] * adjugate_term[j][l];
+      }
+      denominator[k] -= product[i][i];
+    }
+    denominator[k] /= k;
+    for (std::size_t i = 0; i < n; ++i) {
+      transfer[k - 1] += rows[i][k - 1] * entry(system.b(), i, 0);
+      product[i][i] += denominator[k];
+    }
+    adjugate_term.swap(product);
+  }
+  Resolvent result{{},
+                   rounded(denominator),
+                   {},
+                   rounded_delta(shifted_to_one(denominator)),
+                   rounded(transfer),
+                   rounded_delta(shifted_to_one(transfer))};
+  for (const ExactPolynomial& row : rows) {
+    result.numerators.push_back(rounded(row));
+    result.delta_numerators.push_back(rounded_delta(shifted_to_one(row)));
+  }
+  return result;
+}
+
+TransferFunction transfer_function(const StateSpace& system) {
+  const Resolvent r = resolvent(system);
+  return {r.transfer_numerator, r.denominator};
 }
 
 }  // namespace platoon

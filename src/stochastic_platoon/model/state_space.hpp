@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <vector>
 
+#include "stochastic_platoon/model/delta_form.hpp"
 #include "stochastic_platoon/model/transfer_function.hpp"
 
 namespace platoon {
@@ -25,7 +27,7 @@ private:
   Eigen::RowVectorXd c_;
 };
 
-/// rho(A), the largest modulus of an eigenvalue of A.
+/// rho(A), the largest modulus of an eigenvalue of A; 1 - rho(A) to the digits of rho(A).
 double spectral_radius(const StateSpace& system);
 
 /// Equilibrium with output 1: the state x = A x + B u, C x = 1 of a constant input u, that is (I - A)^-1 B /
@@ -37,7 +39,22 @@ Eigen::VectorXd unit_equilibrium(const StateSpace& system);
 /// is in lowest terms. Throws std::invalid_argument when the fraction is not strictly proper.
 StateSpace observable_canonical(const TransferFunction& transfer);
 
-/// C (zI - A)^-1 B by the Faddeev-LeVerrier recursion, not reduced.
+/// R(z) = C (zI - A)^-1, 1 x n: how the states of one vehicle show in its output; and T = R B.
+///
+/// By the Faddeev-LeVerrier recursion in a hundred digits, which loses in coordinates of condition kappa up
+/// to kappa^n: every coefficient is that of the A, B and C given, rounded once.
+struct Resolvent {
+  std::vector<Polynomial> numerators;  ///< of the n entries, those of C adj(zI - A), by powers of z
+  Polynomial denominator;              ///< det(zI - A), by powers of z
+  std::vector<DeltaPolynomial> delta_numerators;  ///< the same by powers of s = z - 1
+  DeltaPolynomial delta_denominator;
+  Polynomial transfer_numerator;  ///< of T = N / det(zI - A), by powers of z
+  DeltaPolynomial delta_transfer_numerator;
+};
+
+Resolvent resolvent(const StateSpace& system);
+
+/// T = C (zI - A)^-1 B from the resolvent, not reduced.
 TransferFunction transfer_function(const StateSpace& system);
 
 }  // namespace platoon

@@ -4,6 +4,8 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -32,6 +34,15 @@ Eigen::MatrixXd cofactor_map(const Polynomial& n, const Polynomial& d, Eigen::In
     map.col(degree + 1 + j).segment(j, d.size()) = -d;
   }
   return map;
+}
+
+/// Whether the map of the largest degree, which holds those of all smaller ones, is far from singular. By a
+/// QR decomposition, at a tenth of the cost of singular values.
+bool is_clearly_coprime(const Polynomial& n, const Polynomial& d) {
+  if (d.size() < 2) return true;
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(cofactor_map(n, d, d.size() - 2));
+  const auto pivots = qr.matrixQR().diagonal().cwiseAbs();
+  return qr.matrixQR().rows() >= qr.matrixQR().cols() && pivots(pivots.size() - 1) > 1e-10 * pivots(0);
 }
 
 TransferFunction without_common_zeros_at_origin(const TransferFunction& fraction, Eigen::Index* count) {
@@ -70,11 +81,25 @@ Reduction refined(const TransferFunction& fraction, const Reduction& rough) {
     Eigen::VectorXd residual(n.size() + d.size());
     residual << n - multiply(g, u), d - multiply(g, v);
     const Eigen::VectorXd change = jacobian.colPivHouseholderQr().solve(residual);
+    if (!change.allFinite()) return rough;
     u += change.head(of_u);
     v.tail(of_v) += change.segment(of_u, of_v);
     g.tail(of_g) += change.tail(of_g);
   }
   return {TransferFunction(u, v), g};
+}
+
+// Whether g u and g v are N and D to the rounding of a feedback's coefficients. Factors that differ by more
+// than that are not common.
+bool is_factorization(const TransferFunction& fraction, const Reduction& found) {
+  constexpr double kRounding = 32.0 * std::numeric_limits<double>::epsilon();
+  const auto matches = [&](const Polynomial& p, const Polynomial& factor) {
+    const Polynomial product = multiply(found.common_factor, factor);
+    if (product.size() != p.size()) return false;
+    return (p - product).cwiseAbs().maxCoeff() <= kRounding * p.cwiseAbs().maxCoeff();
+  };
+  return matches(fraction.numerator(), found.minimal.numerator()) &&
+         matches(fraction.denominator(), found.minimal.denominator());
 }
 
 // Whether two fractions agree over the unit circle, but for w below 0.03, where poles at z = 1 make any
@@ -98,6 +123,12 @@ TransferFunction::TransferFunction(const Polynomial& numerator, const Polynomial
   const double leading = denominator_(0);
   numerator_ /= leading;
   denominator_ /= leading;
+  if (!numerator_.allFinite() || !denominator_.allFinite()) {
+    std::ostringstream text;
+    text << "denominator: leading coefficient " << leading
+         << ": too small, as the other coefficients overflow when they are divided by it";
+    throw std::invalid_argument(text.str());
+  }
 }
 
 int TransferFunction::relative_degree() const {
@@ -118,18 +149,22 @@ Reduction reduce(const TransferFunction& fraction, double tolerance) {
   const Polynomial& d = stripped.denominator();
   if (n(0) == 0.0) return {TransferFunction(Polynomial::Zero(1), Polynomial::Ones(1)), multiply(common, d)};
   if (n.size() > d.size()) return {stripped, common};  // improper: nothing here needs it in lowest terms
-  const Polynomial unit_n = n / n.norm();
-  const Polynomial unit_d = d / d.norm();
-  for (Eigen::Index degree = 0; degree + 1 < d.size(); ++degree) {
+  const double n_size = n.stableNorm(), d_size = d.stableNorm();
+  const Polynomial unit_n = n / n_size;
+  const Polynomial unit_d = d / d_size;
+  if (is_clearly_coprime(unit_n, unit_d)) return {stripped, common};
+  const Eigen::Index relative_degree = d.size() - n.size();  // that of u / v, too: v has no smaller degree
+  for (Eigen::Index degree = relative_degree; degree + 1 < d.size(); ++degree) {
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(cofactor_map(unit_n, unit_d, degree), Eigen::ComputeFullV);
     const Eigen::VectorXd& singular = svd.singularValues();
     if (singular.size() < 2 * (degree + 1) || singular.minCoeff() > tolerance * singular.maxCoeff()) continue;
     const Eigen::VectorXd null = svd.matrixV().rightCols(1);
     const Polynomial v = null.head(degree + 1);
-    Polynomial u = null.tail(degree + 1) * (n.norm() / d.norm());
-    u.head(d.size() - n.size()).setZero();  // the relative degree is known: what stands there is rounding
+    Polynomial u = null.tail(degree + 1) * (n_size / d_size);
+    u.head(relative_degree).setZero();  // what stands there is rounding
+    if (std::abs(v(0)) < tolerance || !u.allFinite() || !(u / v(0)).allFinite()) continue;
     const Reduction candidate = refined(stripped, {TransferFunction(u, v), exact_quotient(d, v / v(0))});
-    if (!is_same_function(candidate.minimal, stripped)) continue;
+    if (!is_factorization(stripped, candidate) || !is_same_function(candidate.minimal, stripped)) continue;
     return {candidate.minimal, multiply(common, candidate.common_factor)};
   }
   return {stripped, common};

@@ -8,8 +8,8 @@ namespace platoon {
 
 /// Rational function N(z) / D(z) with real coefficients.
 ///
-/// Valid by construction: both polynomials are trimmed, D is not zero and is monic. Throws
-/// std::invalid_argument otherwise.
+/// Valid by construction: both polynomials are trimmed and finite, D is not zero and is made monic. Throws
+/// std::invalid_argument where that cannot be.
 class TransferFunction {
 public:
   TransferFunction(const Polynomial& numerator, const Polynomial& denominator);
@@ -35,9 +35,12 @@ struct Reduction {
   Polynomial common_factor;  ///< monic; [1] when nothing cancels
 };
 
-/// Cancels the common zeros of numerator and denominator.
+/// Cancels the common zeros of numerator and denominator of a fraction of any relative degree >= 0; of an
+/// improper one only those at z = 0.
 ///
-/// Common zeros at z = 0 are cancelled exactly. The others are found without computing zeros, which are
+/// What is cancelled is common to rounding: the fraction found, times the factor, has the coefficients that
+/// were given to 32 units in the last place of the largest, and its values on the unit circle agree. Zeros at
+/// z = 0 are cancelled exactly. The others are found without computing zeros, which are
 /// ill-conditioned where they are multiple: N/D = u/v with deg v < deg D exists just when the Sylvester-type
 /// matrix of the map (v, u) -> N v - D u is singular; the smallest such v is taken from its null vector.
 /// Singular means: smallest singular value below `tolerance` times the largest, for N and D scaled to unit

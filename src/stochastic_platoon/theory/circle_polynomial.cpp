@@ -36,6 +36,14 @@ CirclePolynomial taylor(const Polynomial& p, Centre centre) {
   return b;
 }
 
+CirclePolynomial recentred(CirclePolynomial b) {
+  const std::size_t n = b.size();
+  for (std::size_t j = 0; j + 1 < n; ++j) {
+    for (std::size_t i = n - 1; i-- > j;) b[i] -= 2.0L * b[i + 1];
+  }
+  return b;
+}
+
 CirclePolynomial squared_modulus(const CirclePolynomial& b, Centre centre) {
   const long double sum_of_pair = centre == Centre::kOne ? -2.0L : 2.0L;  // u + conj u, over t
   CirclePolynomial result(1, 0.0L);

@@ -20,6 +20,9 @@ enum class Centre {
 /// Coefficients b_j of p(z) = sum_j b_j (z - c)^j, c = 1 or -1.
 CirclePolynomial taylor(const Polynomial& p, Centre centre);
 
+/// Taylor coefficients about z = -1 of the polynomial with these about z = 1.
+CirclePolynomial recentred(CirclePolynomial taylor_coefficients);
+
 /// |P(e^{jw})|^2 as a polynomial in t, from the Taylor coefficients of P about the centre. With u = z - c and
 /// s_k = u^k + conj(u)^k = (u + conj u) s_{k-1} - |u|^2 s_{k-2}, both factors being +-2 t, it is
 /// sum_i b_i^2 (2t)^i + sum_{i<j} b_i b_j (2t)^i s_{j-i}(t).
@@ -39,7 +42,7 @@ CirclePolynomial derivative(const CirclePolynomial& p);
 CirclePolynomial multiply(const CirclePolynomial& p, const CirclePolynomial& q);
 CirclePolynomial subtract(const CirclePolynomial& p, const CirclePolynomial& q);
 
-/// p(t) / t for p(0) = 0, which is not looked at; the zero polynomial where nothing is left.
+/// p(t) / t; assumes p(0) = 0 without checking. The zero polynomial where nothing is left.
 CirclePolynomial without_zero_at_origin(const CirclePolynomial& p);
 
 /// Where p changes sign in the open interval (from, to), in ascending order, to the last digit. Found between

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "stochastic_platoon/theory/least_margin.hpp"
 #include "stochastic_platoon/theory/loop_spectrum.hpp"
 
 namespace platoon {
@@ -22,7 +23,14 @@ class MarginCurve {
 public:
   explicit MarginCurve(const HeadwayLaw& law) : law_(law) {}
 
-  Sample at(double headway) const { return {headway, string_margin(law_(headway), headway)}; }
+  /// A headway that leaves no loop with double integral action is an unstable one.
+  Sample at(double headway) const {
+    try {
+      return {headway, string_margin(law_(headway), headway)};
+    } catch (const std::invalid_argument&) {
+      return {headway, -1.0};
+    }
+  }
 
   /// Where the margin of the middle sample, which has the sign of its neighbours but lies nearer to zero,
   /// comes nearest to zero or passes it; golden section search.
@@ -65,6 +73,12 @@ std::vector<Sample> samples_of(const MarginCurve& curve, const HeadwayRange& ran
     const bool last = i + 1 == range.samples;
     samples.push_back(curve.at(last ? range.to : range.from * std::exp(ratio * i / (range.samples - 1))));
   }
+  if (range.also && *range.also > range.from && *range.also < range.to) {
+    const Sample own = curve.at(*range.also);
+    const auto place = std::find_if(samples.begin(), samples.end(),
+                                    [&](const Sample& s) { return s.headway >= own.headway; });
+    if (place->headway != own.headway) samples.insert(place, own);
+  }
   std::vector<Sample> found;
   for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
     const Sample& here = samples[i];
@@ -84,16 +98,20 @@ std::vector<Sample> samples_of(const MarginCurve& curve, const HeadwayRange& ran
 
 double string_margin(const ClosedLoop& loop, double headway) {
   const LoopSpectrum spectrum(loop, headway);
-  long double least = 1.0 - spectral_radius(loop.realization);
-  for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
-    const CirclePolynomial& margin = spectrum.about(centre).margin;
-    const CirclePolynomial divided = centre == Centre::kOne ? without_zero_at_origin(margin) : margin;
-    std::vector<long double> minima = sign_changes(derivative(divided), 0.0L, 1.0L);
-    minima.push_back(0.0L);
-    minima.push_back(1.0L);
-    for (const long double t : minima) least = std::min(least, evaluate(divided, t));
-  }
-  return static_cast<double>(least);
+  const double decay = 1.0 - spectral_radius(loop);
+  const LeastMargin least = least_margin(spectrum);
+  const bool flat = spectrum.margin_zeros() > spectrum.sensitivity_zeros();  // |T| < 1 is then not enough
+  return std::min(decay, flat ? std::min(least.value, 0.0) : least.value);
+}
+
+HeadwayRange headways_about(double headway) {
+  HeadwayRange range;
+  const double decades = std::log(range.to / range.from);
+  range.from = std::min(range.from, headway / 100.0);
+  range.to = std::max(range.to, 100.0 * headway);
+  range.samples = static_cast<int>(std::ceil(range.samples * std::log(range.to / range.from) / decades));
+  range.also = headway;
+  return range;
 }
 
 StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range) {
@@ -106,7 +124,7 @@ StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range)
   }
   const MarginCurve curve(law);
   const std::vector<Sample> samples = samples_of(curve, range);
-  StableHeadways result;
+  StableHeadways result{{}, {}, range};
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (!samples[i].stable()) continue;
     const double from = i == 0 ? samples[i].headway : curve.border(samples[i - 1], samples[i]);

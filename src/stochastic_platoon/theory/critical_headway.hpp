@@ -15,8 +15,13 @@ using HeadwayLaw = std::function<ClosedLoop(double headway)>;
 struct HeadwayRange {
   double from = 0.01;
   double to = 1000.0;
-  int samples = 512;  ///< on a logarithmic scale
+  int samples = 512;                ///< on a logarithmic scale
+  std::optional<double> also = {};  ///< a headway to sample beside these
 };
+
+/// The range above, widened to a hundredth and a hundred times this headway, with as many samples a decade
+/// and one at the headway itself: what is said of it there is what string_stability says.
+HeadwayRange headways_about(double headway);
 
 struct HeadwayInterval {
   double from;
@@ -27,19 +32,20 @@ struct HeadwayInterval {
 struct StableHeadways {
   std::vector<HeadwayInterval> intervals;  ///< in ascending order; ends to 1e-12 relative
   std::optional<double> critical;  ///< from here to the end of the range every h is stable; else empty
+  HeadwayRange searched;
 };
 
 /// Samples string_margin over the range, follows it to its extremes where it turns near zero without changing
 /// sign, and bisects every change of sign. A stable or unstable stretch is missed only if the margin turns
 /// more than once between two samples.
 ///
-/// Throws std::invalid_argument unless 0 < from < to and samples >= 2, and what the law and string_margin
-/// throw.
+/// A headway for which the law or string_margin throw std::invalid_argument counts as unstable. Throws
+/// std::invalid_argument unless 0 < from < to and samples >= 2.
 StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range = {});
 
-/// Positive just when the platoon is string stable, zero at the border, continuous in the coefficients of T:
-/// the smaller of 1 - rho(A) and the minimum of |D|^2 - |N|^2, T = N/D, over w in [0, pi], divided by 1 - cos
-/// w up to w = pi/2. Throws as string_stability does.
+/// Positive just when string_stability finds the platoon string stable, zero at the border, and continuous in
+/// the coefficients of T but for their rounding: the smaller of 1 - rho(A) and the minimum of |D|^2 - |N|^2,
+/// T = N/D, over w in [0, pi], divided by 1 - cos w up to w = pi/2. Throws as string_stability does.
 double string_margin(const ClosedLoop& loop, double headway);
 
 }  // namespace platoon

@@ -40,7 +40,9 @@ private:
 ///     mean(i, k) = (T^i zeta_0)(k) + mu sum_{m<i} a_m(k),
 ///     variance(i, k) = sum_{m<i} (P_d sum_{l<=k} g_m(l)^2 + V a_m(k)^2).
 /// Behind a recorded leader the means are mean_errors_behind_recorded_leader(), the variances the same.
-/// The standstill distance cancels. O(followers steps) time, O(steps) memory beyond the result. Holds for
+/// The standstill distance cancels. In double for loops that plant and controller form with no slow poles, in
+/// extended precision by powers of z - 1 for all others; either way to 1e-12 of the largest term of a mean,
+/// and relatively of a variance. O(followers steps) time, O(steps) memory beyond the result. Holds for
 /// unstable loops too, as far as the numbers reach.
 ///
 /// Throws std::invalid_argument unless followers >= 1 and steps >= 1, and when the loop has no equilibrium.

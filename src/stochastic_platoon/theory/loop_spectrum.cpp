@@ -23,30 +23,29 @@ CirclePolynomial sensitivity_taylor(const CirclePolynomial& n, const CirclePolyn
   return s;
 }
 
-/// Taylor coefficients about z = -1 of the polynomial with these about z = 1.
-CirclePolynomial recentred(CirclePolynomial b) {
-  const std::size_t n = b.size();
-  for (std::size_t j = 0; j + 1 < n; ++j) {
-    for (std::size_t i = n - 1; i-- > j;) b[i] -= 2.0L * b[i + 1];
-  }
-  return b;
-}
-
 Centre nearest(double frequency) {
   return frequency < 1.5707963267948966 ? Centre::kOne : Centre::kMinusOne;
 }
 
-LoopSpectrumHalf half(const TransferFunction& t, const CirclePolynomial& sensitivity,
-                      const CirclePolynomial& factor, Centre centre) {
+LoopSpectrumHalf half(const CirclePolynomial& numerator, const CirclePolynomial& denominator,
+                      const CirclePolynomial& sensitivity, const CirclePolynomial& factor, Centre centre) {
   LoopSpectrumHalf result;
-  result.numerator = taylor(t.numerator(), centre);
-  result.denominator = taylor(t.denominator(), centre);
+  result.numerator = numerator;
+  result.denominator = denominator;
   result.sensitivity = sensitivity;
   result.sensitivity_factor = factor;
-  result.margin =
-      subtract(squared_modulus(result.denominator, centre), squared_modulus(result.numerator, centre));
+  result.margin = subtract(squared_modulus(denominator, centre), squared_modulus(numerator, centre));
   result.stripped_margin = result.margin;
   return result;
+}
+
+/// Whether s, of z D - ((1+h) z - h) N by powers of z - 1, begins with two zeros, as far as
+/// violated_assumptions() asks for them.
+bool has_two_zeros(const CirclePolynomial& s, const CirclePolynomial& d, double headway) {
+  if (s.size() < 3 || d.size() < 2) return false;
+  const long double size = std::abs(d[0]);
+  return std::abs(s[0]) <= 2e-4L * size &&
+         std::abs(s[1]) <= 2e-4L * std::abs(d[1]) + 2e-3L * (1.0L + headway) * size;
 }
 
 /// p(t) or the other value, which is the same number, whichever is less in doubt.
@@ -67,20 +66,33 @@ double frequency_at(long double t, Centre centre) {
   return static_cast<double>(2.0L * (centre == Centre::kOne ? std::asin(root) : std::acos(root)));
 }
 
-LoopSpectrum::LoopSpectrum(const ClosedLoop& loop, double headway)
-    : transfer_(loop.transfer), headway_(headway) {
+std::vector<std::complex<double>> singular_frequencies(const DeltaPolynomial& denominator) {
+  std::vector<std::complex<double>> frequencies;
+  for (const std::complex<long double>& s : zeros(denominator)) {
+    const long double excess = modulus_minus_one(s);
+    if (excess <= -1.0L) continue;  // a pole at z = 0 is infinitely far from the circle
+    frequencies.emplace_back(static_cast<double>(std::arg(1.0L + s)),
+                             static_cast<double>(-std::log1p(excess)));
+  }
+  return frequencies;
+}
+
+LoopSpectrum::LoopSpectrum(const ClosedLoop& loop, double headway) : headway_(headway) {
   if (!(headway > 0.0) || !std::isfinite(headway)) {
     throw std::invalid_argument("time_headway: " + std::to_string(headway) + ": must be finite and > 0");
   }
-  if (multiplicity_at_one(sensitivity(transfer_, headway).numerator(), 1e-6) < 2) {
+  const DeltaFraction t = delta_fraction(loop);
+  const CirclePolynomial s = sensitivity_taylor(t.numerator, t.denominator, headway);
+  if (!has_two_zeros(s, t.denominator, headway)) {
     throw std::invalid_argument(
         "S(z): has fewer than two zeros at z = 1: G(z) K(z) must have two poles there");
   }
-  const CirclePolynomial s = sensitivity_taylor(taylor(transfer_.numerator(), Centre::kOne),
-                                                taylor(transfer_.denominator(), Centre::kOne), headway);
+  numerator_ = z_form(t.numerator);
+  denominator_ = z_form(t.denominator);
   const CirclePolynomial q(s.begin() + 2, s.end());
-  near_ = half(transfer_, s, q, Centre::kOne);
-  far_ = half(transfer_, recentred(s), recentred(q), Centre::kMinusOne);
+  near_ = half(t.numerator, t.denominator, s, q, Centre::kOne);
+  far_ =
+      half(recentred(t.numerator), recentred(t.denominator), recentred(s), recentred(q), Centre::kMinusOne);
   near_.stripped_margin = without_zero_at_origin(near_.margin);
   strip_flat_zeros();
 }
@@ -110,7 +122,7 @@ double LoopSpectrum::margin_uncertainty(double frequency) const {
     }
     return sum * std::abs(evaluate(p, z));
   };
-  return kRounding * (spread(transfer_.numerator()) + spread(transfer_.denominator()));
+  return kRounding * (spread(numerator_) + spread(denominator_));
 }
 
 double LoopSpectrum::stripped_margin(double frequency) const {
@@ -162,20 +174,12 @@ std::vector<double> LoopSpectrum::critical_frequencies() const {
 }
 
 std::vector<std::complex<double>> LoopSpectrum::pole_frequencies() const {
-  std::vector<std::complex<double>> frequencies;
-  for (const std::complex<double>& pole : roots(transfer_.denominator())) {
-    if (std::abs(pole) > 0.0) frequencies.push_back(std::complex<double>(0.0, -1.0) * std::log(pole));
-  }
-  return frequencies;
+  return singular_frequencies(near_.denominator);
 }
 
 std::vector<std::complex<double>> LoopSpectrum::margin_roots() const {
-  const CirclePolynomial& margin = near_.stripped_margin;
-  Polynomial descending(static_cast<Eigen::Index>(margin.size()));
-  for (std::size_t i = 0; i < margin.size(); ++i) {
-    descending(descending.size() - 1 - static_cast<Eigen::Index>(i)) = static_cast<double>(margin[i]);
-  }
-  return roots(descending);
+  const std::vector<std::complex<long double>> found = zeros(near_.stripped_margin);
+  return {found.begin(), found.end()};
 }
 
 std::vector<std::complex<double>> LoopSpectrum::margin_frequencies() const {

@@ -36,8 +36,8 @@ struct LoopSpectrumValue {
 /// have it.
 class LoopSpectrum {
 public:
-  /// Throws std::invalid_argument when S does not have two zeros at z = 1 (to six digits), or h is not
-  /// positive.
+  /// Throws std::invalid_argument when S does not have two zeros at z = 1, to the accuracy that
+  /// violated_assumptions() asks for, or h is not positive.
   LoopSpectrum(const ClosedLoop& loop, double headway);
 
   LoopSpectrumValue at(double frequency) const;
@@ -70,13 +70,17 @@ public:
 private:
   void strip_flat_zeros();
 
-  TransferFunction transfer_;
+  Polynomial numerator_;  ///< of T by powers of z, for what its rounding may do
+  Polynomial denominator_;
   double headway_;
   LoopSpectrumHalf near_;  ///< about z = 1
   LoopSpectrumHalf far_;   ///< about z = -1
   int margin_zeros_ = 1;
   int sensitivity_zeros_ = 2;
 };
+
+/// The complex w = -j ln(1 + s) where a function with this denominator is singular; none for a pole at z = 0.
+std::vector<std::complex<double>> singular_frequencies(const DeltaPolynomial& denominator);
 
 /// t = 1 - cos w about z = 1, 1 + cos w about z = -1, without cancellation.
 long double circle_coordinate(double frequency, Centre centre);

@@ -5,63 +5,68 @@
 #include <complex>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "stochastic_platoon/theory/circle_polynomial.hpp"
+#include "stochastic_platoon/theory/loop_spectrum.hpp"
 #include "stochastic_platoon/theory/quadrature.hpp"
 
 namespace platoon {
 
 namespace {
 
-void require_stable(const StateSpace& system) {
-  const double radius = spectral_radius(system);
-  if (!(radius < 1.0)) throw std::invalid_argument("rho(A): " + std::to_string(radius) + ": must be < 1");
+Resolvent stable_resolvent(const StateSpace& system) {
+  const Resolvent r = resolvent(system);
+  for (const std::complex<long double>& s : zeros(r.delta_denominator)) {
+    const long double excess = modulus_minus_one(s);
+    if (!(excess < 0.0L)) {
+      throw std::invalid_argument("rho(A): " + std::to_string(static_cast<double>(1.0L + excess)) +
+                                  ": must be < 1");
+    }
+  }
+  return r;
 }
 
 CirclePolynomial add(const CirclePolynomial& p, const CirclePolynomial& q) {
   return subtract(p, subtract(CirclePolynomial{0.0L}, q));
 }
 
-double squared_norm(const Resolvent& r, std::complex<double> z) {
-  double sum = 0.0;
-  for (const Polynomial& numerator : r.numerators) sum += std::norm(evaluate(numerator, z));
-  return sum / std::norm(evaluate(r.denominator, z));
+CirclePolynomial about(const DeltaPolynomial& p, Centre centre) {
+  return centre == Centre::kOne ? p : recentred(p);
 }
 
+/// The polynomials of R and T about one centre.
+struct ResolventHalf {
+  Centre centre;
+  std::vector<CirclePolynomial> numerators;
+  CirclePolynomial transfer_numerator;
+  CirclePolynomial denominator;
+
+  ResolventHalf(const Resolvent& r, Centre of)
+      : centre(of),
+        transfer_numerator(about(r.delta_transfer_numerator, of)),
+        denominator(about(r.delta_denominator, of)) {
+    for (const DeltaPolynomial& p : r.delta_numerators) numerators.push_back(about(p, of));
+  }
+};
+
 /// Sum over m = 0 .. count-1 of gain^m.
-double geometric_sum(double gain, double count) {
-  if (gain <= 0.0) return 1.0;
-  if (gain == 1.0) return count;
-  return std::expm1(count * std::log(gain)) / (gain - 1.0);
+long double geometric_sum(long double gain, long double count) {
+  if (gain <= 0.0L) return 1.0L;
+  if (gain == 1.0L) return count;
+  return std::expm1(count * std::log(gain)) / (gain - 1.0L);
 }
 
 }  // namespace
 
-Resolvent resolvent(const StateSpace& system) {
-  const Eigen::Index n = system.order();
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
-  Resolvent result{std::vector<Polynomial>(static_cast<std::size_t>(n), Polynomial::Zero(n)),
-                   Polynomial::Zero(n + 1)};
-  result.denominator(0) = 1.0;
-  Eigen::MatrixXd adjugate_term = identity;
-  for (Eigen::Index k = 1; k <= n; ++k) {
-    const Eigen::RowVectorXd row = system.c() * adjugate_term;
-    for (Eigen::Index a = 0; a < n; ++a) result.numerators[static_cast<std::size_t>(a)](k - 1) = row(a);
-    const Eigen::MatrixXd product = system.a() * adjugate_term;
-    result.denominator(k) = -product.trace() / static_cast<double>(k);
-    adjugate_term = product + result.denominator(k) * identity;
-  }
-  return result;
-}
-
 double resolvent_peak(const StateSpace& system) {
-  require_stable(system);
-  const Resolvent r = resolvent(system);
+  const Resolvent r = stable_resolvent(system);
   long double peak = 0.0L;
   for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
+    const ResolventHalf half(r, centre);
     CirclePolynomial n{0.0L};
-    for (const Polynomial& p : r.numerators) n = add(n, squared_modulus(taylor(p, centre), centre));
-    const CirclePolynomial d = squared_modulus(taylor(r.denominator, centre), centre);
+    for (const CirclePolynomial& p : half.numerators) n = add(n, squared_modulus(p, centre));
+    const CirclePolynomial d = squared_modulus(half.denominator, centre);
     std::vector<long double> candidates =
         sign_changes(subtract(multiply(derivative(n), d), multiply(n, derivative(d))), 0.0L, 1.0L);
     candidates.push_back(0.0L);
@@ -73,21 +78,20 @@ double resolvent_peak(const StateSpace& system) {
 
 double resolvent_energy(const StateSpace& system, std::size_t followers) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  require_stable(system);
-  const Resolvent r = resolvent(system);
-  const TransferFunction transfer = transfer_function(system);
-  std::vector<std::complex<double>> singular;
-  for (const std::complex<double>& pole : roots(r.denominator)) {
-    if (std::abs(pole) > 0.0) singular.push_back(std::complex<double>(0.0, -1.0) * std::log(pole));
-  }
-  const Quadrature rule = half_circle_quadrature(singular, {0.0});
-  double energy = 0.0;
+  const Resolvent r = stable_resolvent(system);
+  const ResolventHalf near(r, Centre::kOne), far(r, Centre::kMinusOne);
+  const Quadrature rule = half_circle_quadrature(singular_frequencies(r.delta_denominator), {0.0});
+  long double energy = 0.0L;
   for (std::size_t k = 0; k < rule.node.size(); ++k) {
-    const std::complex<double> z = std::polar(1.0, rule.node[k]);
-    energy += rule.weight[k] * squared_norm(r, z) *
-              geometric_sum(std::norm(transfer(z)), static_cast<double>(followers));
+    const ResolventHalf& half = rule.node[k] < 1.5707963267948966 ? near : far;
+    const long double t = circle_coordinate(rule.node[k], half.centre);
+    const long double d = squared_modulus_at(half.denominator, half.centre, t);
+    const long double gain = squared_modulus_at(half.transfer_numerator, half.centre, t) / d;
+    long double sum = 0.0L;
+    for (const CirclePolynomial& p : half.numerators) sum += squared_modulus_at(p, half.centre, t);
+    energy += rule.weight[k] * sum / d * geometric_sum(gain, static_cast<long double>(followers));
   }
-  return energy;
+  return static_cast<double>(energy);
 }
 
 }  // namespace platoon

@@ -36,7 +36,7 @@ std::vector<double> error_spectra(const PlatoonModel& model, std::size_t followe
   }
   std::vector<double> spectra(followers, std::numeric_limits<double>::quiet_NaN());
   const LoopSpectrum spectrum(model.loop, model.headway);
-  if (spectral_radius(model.loop.realization) >= 1.0) return spectra;
+  if (spectral_radius(model.loop) >= 1.0) return spectra;
   const LoopSpectrumValue value = spectrum.at(frequency);
   const double input = value.gain * value.sensitivity + value.margin * value.complement;  // 1 - S = HT
   spectra[0] = value.complement * model.noise_variance;

@@ -98,7 +98,7 @@ void drop_spent(std::vector<Mode>& modes, double links, double variance) {
 std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   std::vector<double> variances(followers, std::numeric_limits<double>::quiet_NaN());
-  if (spectral_radius(model.loop.realization) >= 1.0) return variances;
+  if (spectral_radius(model.loop) >= 1.0) return variances;
   if (model.noise_variance == 0.0) return std::vector<double>(followers, 0.0);
   const Modes converged = converged_modes(LoopSpectrum(model.loop, model.headway), followers);
   std::vector<Mode> modes = converged.modes;

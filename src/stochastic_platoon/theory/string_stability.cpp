@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "stochastic_platoon/theory/least_margin.hpp"
 #include "stochastic_platoon/theory/loop_spectrum.hpp"
 #include "stochastic_platoon/theory/quadrature.hpp"
 
@@ -13,41 +14,10 @@ namespace platoon {
 
 namespace {
 
-enum class Sign { kPositive, kZero, kNegative };
-
-/// The sign of 1 - |T|^2 where it is least, its zero at w = 0 divided out.
-struct LeastMargin {
-  Sign sign;
-  double frequency;
-};
-
 std::string text(const char* format, double first, double second = 0.0) {
   char buffer[256];
   std::snprintf(buffer, sizeof buffer, format, first, second);
   return buffer;
-}
-
-/// The frequencies where 1 - |T|^2 may be smallest, relative to its zero at w = 0.
-std::vector<double> margin_minima(const LoopSpectrum& spectrum) {
-  std::vector<double> frequencies{0.0, frequency_at(0.0L, Centre::kMinusOne)};
-  for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
-    const CirclePolynomial slope = derivative(spectrum.about(centre).stripped_margin);
-    for (const long double t : sign_changes(slope, 0.0L, 1.0L))
-      frequencies.push_back(frequency_at(t, centre));
-    frequencies.push_back(frequency_at(1.0L, centre));
-  }
-  return frequencies;
-}
-
-LeastMargin least_margin(const LoopSpectrum& spectrum) {
-  LeastMargin least{Sign::kPositive, 0.0};
-  for (const double w : margin_minima(spectrum)) {
-    const double value = spectrum.stripped_margin(w);
-    const double uncertainty = spectrum.margin_uncertainty(w);
-    if (value < -uncertainty) return {Sign::kNegative, w};
-    if (value <= uncertainty) least = {Sign::kZero, w};
-  }
-  return least;
 }
 
 /// Mean over the circle of |HT|^2 + |T|^2 |S|^2 / (1 - |T|^2).
@@ -118,7 +88,7 @@ void judge(const LoopSpectrum& spectrum, double noise_variance, StringStability&
 StringStability string_stability(const PlatoonModel& model) {
   const LoopSpectrum spectrum(model.loop, model.headway);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  StringStability verdict{spectral_radius(model.loop.realization), nan, nan, false, false, false, {}, {}};
+  StringStability verdict{spectral_radius(model.loop), nan, nan, false, false, false, {}, {}};
   verdict.mean_square_stable = verdict.spectral_radius < 1.0;
   if (verdict.mean_square_stable) {
     verdict.peak_gain = 1.0;

@@ -271,5 +271,51 @@ TEST(ViolatedAssumptions, NameTheMissingEquilibrium) {
   EXPECT_TRUE(any_contains(found, "no double integral action"));
 }
 
+TEST(ViolatedAssumptions, NameBothGainsOfAMissingIntegrator) {
+  const ClosedLoop loop = close_loop(fraction(0.05, {}, {1.0, 0.5}), fraction(1.0, {0.3}, {0.1}), 3.0);
+  const std::vector<std::string> found = violated_assumptions(loop, 3.0, true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].find("here T(1) = 1 and dT/dz(1) = "), std::string::npos) << found[0];
+  EXPECT_NE(found[0].find("G(z) K(z) has 1 pole there"), std::string::npos) << found[0];
+}
+
+TEST(ViolatedAssumptions, SayWhenTheCoefficientsInDoubleAreNotThoseOfTheLoop) {
+  const ClosedLoop loop =
+      close_loop({fraction(1.0, {}, {1.0, 1.0}), fraction(1.35, {0.0}, {-0.89}), true}, 1e15);
+  EXPECT_TRUE(any_contains(violated_assumptions(loop, 1e15, false), "too slow for its sample period"));
+}
+
+TEST(ClosedLoop, OfAPlantOfZeroIsRefusedAsThat) {
+  const TransferFunction zero(Polynomial::Zero(1), Eigen::Vector3d(1.0, -2.0, 1.0));
+  try {
+    close_loop(zero, fraction(1.0, {0.0}, {-0.89}), 3.2);
+    FAIL() << "was accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("G(z) K(z) = 0"), std::string::npos) << error.what();
+  }
+}
+
+TEST(ClosedLoop, OfTooHighAnOrderIsRefusedBeforeAnythingIsComputed) {
+  const Polynomial high = multiply(Eigen::Vector3d(1.0, -2.0, 1.0), polynomial_with_zeros(Zeros(38, 0.1)));
+  EXPECT_THROW(close_loop({Polynomial::Ones(1), high}, fraction(0.1, {0.9}, {0.1}), 3.2),
+               std::invalid_argument);
+  const StateSpace wide(Eigen::MatrixXd::Identity(200, 200) * 0.5, Eigen::VectorXd::Ones(200),
+                        Eigen::RowVectorXd::Ones(200));
+  EXPECT_THROW(closed_loop_from(wide), std::invalid_argument);
+}
+
+// A vehicle sampled at a kilohertz: D(1) is 1e-9 of D's coefficients, which have lost half their digits.
+TEST(ClosedLoop, HasAllDigitsOfASlowLoopByPowersOfZMinusOne) {
+  const double a = 1.0 - std::ldexp(1.0, -7), gain = std::ldexp(1.0, -28);
+  const ClosedLoop loop = close_loop({Eigen::Vector2d(gain, gain), polynomial_with_zeros({1.0, 1.0, a})},
+                                     {Eigen::Vector2d(1024.0, -1023.75), Eigen::Vector2d(1.0, 0.0)}, 1500.0);
+  // D = z s^2 (s + 1 - a) + g (2 + s) (1/4 + 1024 s) (1 + 1501 s), by hand.
+  const DeltaFraction t = delta_fraction(loop);
+  ASSERT_EQ(t.denominator.size(), 6u);
+  EXPECT_EQ(t.denominator[0], static_cast<long double>(gain) * 0.5L);
+  EXPECT_EQ(t.denominator[1], static_cast<long double>(gain) * (0.25L + 2048.0L + 0.5L * 1501.0L));
+  EXPECT_EQ(t.numerator[0], t.denominator[0]);
+}
+
 }  // namespace
 }  // namespace platoon

@@ -126,5 +126,41 @@ TEST(StateSpace, WithoutAStateOfRestThereIsNone) {
                std::invalid_argument);
 }
 
+/// Integer shears, whose inverse is one of integers, too: no coordinate is rounded.
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> skewed_basis(Eigen::Index n, int shears, double entry) {
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(n, n), inverse = basis;
+  for (int i = 0; i < shears; ++i) {
+    Eigen::MatrixXd shear = Eigen::MatrixXd::Identity(n, n);
+    shear(i % n, (i + 1) % n) = entry;
+    basis = (basis * shear).eval();
+    shear(i % n, (i + 1) % n) = -entry;
+    inverse = (shear * inverse).eval();
+  }
+  return {basis, inverse};
+}
+
+TEST(Resolvent, KeepsAllDigitsOfTInSkewedCoordinates) {
+  const Polynomial n = Eigen::Vector3d(0.25, -0.375, 0.1875);
+  Polynomial d(5);
+  d << 1.0, -1.5, 0.875, -0.25, 0.03125;
+  const StateSpace canonical = observable_canonical({n, d});
+  for (const int shears : {4, 8, 11}) {
+    const auto [basis, inverse] = skewed_basis(4, shears, 3.0);
+    const StateSpace skewed(basis * canonical.a() * inverse, basis * canonical.b(), canonical.c() * inverse);
+    const TransferFunction t = transfer_function(skewed);
+    EXPECT_EQ(t.denominator(), d) << "condition " << basis.norm() * inverse.norm();
+    EXPECT_EQ(t.numerator(), n) << "condition " << basis.norm() * inverse.norm();
+    EXPECT_EQ(spectral_radius(skewed), spectral_radius(canonical));
+  }
+}
+
+TEST(SpectralRadius, HasTheDigitsOfItsDistanceFromOne) {
+  const double pole = 1.0 - std::ldexp(1.0, -30);
+  Eigen::Matrix2d a;
+  a << pole, 1.0, 0.0, 0.5;
+  const StateSpace slow(a, Eigen::Vector2d(0.0, 1.0), Eigen::RowVector2d(1.0, 0.0));
+  EXPECT_EQ(spectral_radius(slow), pole);
+}
+
 }  // namespace
 }  // namespace platoon

@@ -165,5 +165,35 @@ TEST(Reduce, KeepsTheGainAtOneToRounding) {
   EXPECT_LT(std::abs(reduction.minimal(1.0) - 1.0), 2e-12);
 }
 
+// 1e-9 apart are not common, however close for the singular values: a variance would change by 1e-8.
+TEST(Reduce, KeepsFactorsThatAreOnlyNearlyCommon) {
+  for (const double apart : {1e-3, 1e-6, 1e-9, 1e-11, 1e-12}) {
+    const TransferFunction f(polynomial_with_zeros({0.4140625 + apart, 0.9}),
+                             polynomial_with_zeros({0.4140625, {0.3, 0.5}, 0.2}));
+    const Reduction reduction = reduce(f);
+    EXPECT_EQ(reduction.common_factor, Polynomial::Ones(1)) << apart;
+    EXPECT_EQ(reduction.minimal.denominator(), f.denominator()) << apart;
+  }
+}
+
+// A numerator so large that nothing else is left of the denominator makes the map look singular at degrees
+// below the relative degree, where no cofactors exist.
+TEST(Reduce, IsDefinedForEveryGain) {
+  for (int exponent = 0; exponent <= 300; ++exponent) {
+    const TransferFunction open(
+        std::pow(10.0, exponent) * Eigen::Vector2d(1.0, 0.0),
+        multiply(Eigen::Vector3d(1.0, -2.0, 1.0), Eigen::Vector4d(1.0, -0.11, -0.64, 0.2225)));
+    const TransferFunction loop = feedback(open, headway_policy(3.2));
+    const Reduction reduction = reduce(loop);
+    EXPECT_EQ(reduction.minimal.relative_degree(), loop.relative_degree()) << exponent;
+  }
+}
+
+TEST(TransferFunction, RefusesALeadingCoefficientThatMakesTheOthersOverflow) {
+  EXPECT_THROW(TransferFunction(Polynomial::Ones(1), Eigen::Vector2d(1e-310, 1.0)), std::invalid_argument);
+  EXPECT_THROW(TransferFunction(Polynomial::Constant(1, 1e300), Eigen::Vector2d(1e-100, 1e-100)),
+               std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace platoon

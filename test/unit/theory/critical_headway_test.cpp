@@ -102,5 +102,40 @@ TEST(CriticalHeadway, RefusesAnEmptyRangeAndTooFewSamples) {
   EXPECT_THROW(stable_headways(paper_loop, {1.0, 2.0, 1}), std::invalid_argument);
 }
 
+// A vehicle sampled at a kilohertz keeps headways of thousands of samples.
+TEST(CriticalHeadway, IsSoughtAboutTheModelsOwnHeadway) {
+  const double gain = 8.899078748072497e-10, h = 1890.0;
+  const TransferFunction plant(
+      Eigen::Vector2d(gain, gain),
+      Eigen::Vector4d(1.0, -2.9982201842503855, 2.996440368500771, -0.9982201842503855));
+  const TransferFunction controller(Eigen::Vector2d(1235.158157878057, -1234.4254979937014),
+                                    Eigen::Vector2d(1.0, 0.0));
+  const HeadwayLaw law = [&](double headway) { return close_loop(plant, controller, headway); };
+  ASSERT_TRUE(string_stability(model_with(law(h), h)).string_stable);
+  const StableHeadways found = stable_headways(law, headways_about(h));
+  ASSERT_EQ(found.intervals.size(), 1u);
+  EXPECT_LE(found.intervals[0].from, h);
+  EXPECT_GE(found.intervals[0].to, h);
+  EXPECT_EQ(found.searched.to, 100.0 * h);
+}
+
+TEST(CriticalHeadway, NeverContradictsTheVerdictAtTheHeadwayAskedFor) {
+  const HeadwayLaw laws[] = {paper_loop, fixed_gain(0.3), cancelling};
+  for (const HeadwayLaw& law : laws) {
+    std::vector<double> headways{0.02, 1.0, 2.8, 4.0, 900.0, 2500.0};
+    for (const HeadwayInterval& interval : stable_headways(law).intervals) {
+      for (const double change : {-1e-12, -1e-14, 0.0, 1e-14, 1e-12})
+        headways.push_back(interval.from * (1.0 + change));
+    }
+    for (const double h : headways) {
+      const bool stable = string_stability(model_with(law(h), h)).string_stable;
+      bool inside = false;
+      for (const HeadwayInterval& interval : stable_headways(law, headways_about(h)).intervals)
+        inside = inside || (interval.from <= h && h <= interval.to);
+      EXPECT_EQ(inside, stable) << h;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace platoon

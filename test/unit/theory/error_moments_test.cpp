@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "example_loops.hpp"
+#include "stochastic_platoon/model/exact.hpp"
 #include "stochastic_platoon/model/tracking_error.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 
@@ -122,6 +123,62 @@ TEST(ErrorMoments, RefusesAnEmptyStringAndAnEmptyRun) {
   EXPECT_THROW(error_moments(model, 0, 10), std::invalid_argument);
   EXPECT_THROW(error_moments(model, 1, 0), std::invalid_argument);
   EXPECT_THROW(leader_error(model, 0), std::invalid_argument);
+}
+
+/// zeta_1 behind a leader of this displacement per step, by the difference equation of T in a hundred digits.
+std::vector<double> exact_first_error(const ExactPolynomial& n, const ExactPolynomial& d, double h,
+                                      double displacement, std::size_t steps) {
+  const auto filtered = [&](const ExactPolynomial& u) {
+    const std::size_t delay = d.size() - n.size();
+    ExactPolynomial y;
+    for (std::size_t k = 0; k < u.size(); ++k) {
+      Exact sum = 0;
+      for (std::size_t i = 0; i < n.size() && i + delay <= k; ++i) sum += n[i] * u[k - delay - i];
+      for (std::size_t i = 1; i < d.size() && i <= k; ++i) sum -= d[i] * y[k - i];
+      y.push_back(sum);
+    }
+    return y;
+  };
+  ExactPolynomial reference;
+  for (std::size_t k = 0; k < steps; ++k) reference.push_back(Exact(displacement) * k);
+  const ExactPolynomial first = filtered(reference);
+  const ExactPolynomial second = filtered(first);
+  std::vector<double> errors;
+  for (std::size_t k = 0; k < steps; ++k) {
+    const Exact moved = k > 0 ? second[k] - second[k - 1] : second[k];
+    errors.push_back((first[k] - second[k] - Exact(h) * moved).convert_to<double>());
+  }
+  return errors;
+}
+
+// Sampled at a kilohertz, with a headway of 1426 samples: T's coefficients by powers of z have lost half
+// their digits.
+TEST(ErrorMoments, HaveTheirDigitsAtFastSampling) {
+  const double a = 1.0 - std::ldexp(1.0, -7), gain = std::ldexp(1.0, -28), h = 1426.0;
+  const TransferFunction plant(Eigen::Vector2d(gain, gain), with_zeros({1.0, 1.0, a}, {}));
+  const TransferFunction controller(Eigen::Vector2d(1024.0, -1023.75), Eigen::Vector2d(1.0, 0.0));
+  PlatoonModel model = model_with(close_loop(plant, controller, h), h);
+  model.sample_period = 0.001;
+  model.leader = LeaderProfile({{0, 13.75}}, 0.001);
+  model.initial_position = {0.0, 0.0};
+  const ExactPolynomial g = multiply(exact(plant.numerator()), exact(controller.numerator()));
+  const ExactPolynomial n = multiply(g, {Exact(1), Exact(0)});
+  ExactPolynomial d =
+      multiply(multiply(exact(plant.denominator()), exact(controller.denominator())), {Exact(1), Exact(0)});
+  const ExactPolynomial fed_back = multiply(g, {Exact(1) + Exact(h), -Exact(h)});
+  for (std::size_t i = 0; i < fed_back.size(); ++i) d[d.size() - fed_back.size() + i] += fed_back[i];
+  const std::vector<double> expected = exact_first_error(n, d, h, 13.75 * 0.001, 200);
+  const ErrorMoments found = error_moments(model, 1, 200);
+  for (std::size_t k = 0; k < 200; ++k) EXPECT_NEAR(found.mean[k], expected[k], 1e-13) << k;
+}
+
+TEST(ErrorMoments, DoNotDependOnASpeedThatIsNearlyZero) {
+  PlatoonModel model = model_with(paper_loop(3.2), 3.2);
+  model.leader = LeaderProfile({{0, 20.0}}, 0.1);
+  const std::vector<double> expected = leader_error(model, 50);
+  model.leader = LeaderProfile({{0, 7e-323}, {1, 20.0}}, 0.1);
+  const std::vector<double> found = leader_error(model, 51);
+  for (std::size_t k = 0; k < 50; ++k) EXPECT_NEAR(found[k + 1], expected[k], 1e-13) << k;
 }
 
 }  // namespace
