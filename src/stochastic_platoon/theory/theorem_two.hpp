@@ -26,8 +26,10 @@ struct TheoremTwoBounds {
   std::optional<double> variance_bound;  ///< alpha_2 + beta_2 [m^2]
 };
 
-/// For long strings beta_1 and beta_2 are looser bounds that hold for any length: beyond 240 states in all
-/// beta_1 takes initial_mean_gain_of_any_length, beyond 2000 followers beta_2 takes its square.
+/// For long strings and slow loops beta_1 and beta_2 are looser, and bounds all the same: beyond 240 states
+/// in all, and where the dense sum does not converge in double, beta_1 takes initial_mean_gain_of_any_length;
+/// beta_2 takes the upper end of initial_covariance_gain_within, for the work of some milliseconds, or
+/// the square of that of any length.
 ///
 /// Throws as error_moments does. The paper's proof has the names alpha_2 and beta_2 the other way round in
 /// its last lines, and ||C||_2 without the square that its property (a) gives.
@@ -45,6 +47,18 @@ double initial_mean_gain(const StateSpace& vehicle, double headway, std::size_t 
 /// <= ||f||_2 since T maps the outside of the unit disk into the disk and infinity to 0 (J. E. Littlewood, On
 /// inequalities in the theory of functions, 1925). The same as resolvent_peak.
 double initial_mean_gain_of_any_length(const StateSpace& vehicle);
+
+/// Encloses a supremum that was not followed to its end.
+struct GainEnclosure {
+  double from;
+  double to;
+};
+
+/// initial_covariance_gain from as many steps as `operations` additions and multiplications allow: a number
+/// where these do, else from the largest value found to what the energy left allows. Throws as
+/// initial_covariance_gain does.
+GainEnclosure initial_covariance_gain_within(const StateSpace& vehicle, std::size_t followers,
+                                             double operations);
 
 /// sup over k and i <= followers of ||eta_i C A^k||_2^2 over the string's A and C: the most that a variance
 /// due to P_xi(0) can be over sigma_max(P_xi(0)). The paper takes k = 0, ||C||_2^2, arguing that rho(A^k P

@@ -166,5 +166,47 @@ TEST(TheoremTwo, RefusesUnstableVehiclesAndEmptyStrings) {
   EXPECT_THROW(theorem_two_bounds(model_with(paper_loop(3.2), 3.2), 2, 0), std::invalid_argument);
 }
 
+TEST(TheoremTwo, EnclosesTheCovarianceGainThatItHasNoTimeFor) {
+  for (const double h : {20.0, 200.0}) {
+    const StateSpace loop = paper_loop(h).realization;
+    const double gain = initial_covariance_gain(loop, 5);
+    const GainEnclosure found = initial_covariance_gain_within(loop, 5, 1e4);
+    EXPECT_LE(found.from, gain) << h;
+    EXPECT_GE(found.to, gain) << h;
+    EXPECT_EQ(initial_covariance_gain_within(loop, 5, 1e9).from, gain);
+  }
+}
+
+// A million steps and more: hours, if each were taken.
+TEST(TheoremTwo, OfAVerySlowLoopIsThereAtOnce) {
+  const double h = 1048576.0;
+  const StateSpace slow(Eigen::MatrixXd::Constant(1, 1, h / (1.0 + h)),
+                        Eigen::VectorXd::Constant(1, 1.0 / (1.0 + h)), Eigen::RowVectorXd::Ones(1));
+  for (const double variance : {0.0, 1.0}) {
+    PlatoonModel model = model_with(closed_loop_from(slow), h);
+    model.initial_position.variance = variance;
+    const TheoremTwoBounds bounds = theorem_two_bounds(model, 20, 100);
+    ASSERT_TRUE(bounds.beta_2);
+    EXPECT_GE(*bounds.beta_2, bounds.initial_covariance);
+    if (variance == 0.0) {
+      EXPECT_EQ(*bounds.beta_2, 0.0);
+    }
+  }
+}
+
+// The unit of the state is of no account, even where ||C||^2 is beyond the range of double.
+TEST(TheoremTwo, DoesNotDependOnTheUnitOfTheState) {
+  const StateSpace loop = paper_loop(3.2).realization;
+  const TheoremTwoBounds expected = theorem_two_bounds(model_with(closed_loop_from(loop), 3.2), 5, 100);
+  for (const int exponent : {-600, -40, 40, 600}) {
+    const StateSpace scaled(loop.a(), loop.b() * std::ldexp(1.0, -exponent),
+                            loop.c() * std::ldexp(1.0, exponent));
+    const TheoremTwoBounds found = theorem_two_bounds(model_with(closed_loop_from(scaled), 3.2), 5, 100);
+    EXPECT_NEAR(*found.mean_bound, *expected.mean_bound, 1e-12 * *expected.mean_bound) << exponent;
+    EXPECT_NEAR(*found.variance_bound, *expected.variance_bound, 1e-12 * *expected.variance_bound)
+        << exponent;
+  }
+}
+
 }  // namespace
 }  // namespace platoon
