@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/io/text.hpp"
+#include "stochastic_platoon/theory/rounding_bound.hpp"
 #include "stochastic_platoon/theory/stationary_variance.hpp"
 
 namespace platoon {
@@ -78,6 +79,7 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
         stable_headways([&model](double headway) { return close_loop(*model.design, headway); },
                         headways_about(model.headway));
   }
+  analysis.rounding = rounding_bound_of_a_metre(model.loop.realization, static_cast<std::size_t>(steps));
   return analysis;
 }
 
@@ -128,6 +130,13 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   } else {
     text += "Bounds of Theorem 2: none, as rho(A) is not below 1\n";
   }
+  if (analysis.rounding > 1e-9) {
+    text += formatted(
+        "Warning: a run keeps a position of 1 m to %.1g m only, as the coefficients of A, B and C lose "
+        "digits in "
+        "double; the figures above do not, but hold for the numbers given, each of which is a rounded one\n",
+        analysis.rounding);
+  }
   return text;
 }
 
@@ -158,6 +167,7 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
            {{"numerator", coefficients(model.loop.transfer.numerator())},
             {"denominator", coefficients(model.loop.transfer.denominator())}}},
           {"spectral_radius", stability.spectral_radius},
+          {"rounding", number(analysis.rounding)},
           {"peak_gain", number(stability.peak_gain)},
           {"peak_frequency", number(stability.peak_frequency)},
           {"mean_square_stable", stability.mean_square_stable},

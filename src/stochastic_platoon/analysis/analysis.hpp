@@ -23,6 +23,7 @@ struct Analysis {
   ErrorMoments moments;
   ErrorNorms norms;                        ///< L_2 of the means, L_infinity of the variances
   std::optional<TheoremTwoBounds> bounds;  ///< none where the loop is unstable
+  double rounding = 0.0;  ///< [m] to which the vehicles' own arithmetic keeps a position of 1 m
 };
 
 Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps);

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/analysis/prediction.hpp"
 
 #include "stochastic_platoon/theory/error_moments.hpp"
+#include "stochastic_platoon/theory/rounding_bound.hpp"
 #include "stochastic_platoon/theory/stationary_variance.hpp"
 
 namespace platoon {
@@ -16,6 +17,7 @@ Prediction predict(const Configuration& configuration) {
     prediction.variance = prediction.stationary_variance;
   } else {
     ErrorMoments moments = error_moments(configuration.model, run.followers, run.steps);
+    prediction.rounding = rounding_bounds(configuration.model, moments);
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);
   }

@@ -14,6 +14,7 @@ struct Prediction {
   std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN where there is none
   std::vector<double> mean;                 ///< [m], one per cell
   std::vector<double> variance;             ///< [m^2], one per cell
+  std::vector<double> rounding = {};        ///< [m], one per cell: see rounding_bounds(); empty over time
 };
 
 Prediction predict(const Configuration& configuration);

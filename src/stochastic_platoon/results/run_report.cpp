@@ -26,10 +26,11 @@ std::string row(const ResultCell& of, Averaging averaging) {
   std::string text = formatted("%8zu %16.6g ", of.follower, of.measured.variance());
   if (averaging == Averaging::over_time)
     return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
-  return text + formatted("%16.2g %14.6g %9.2f\n",
-                          standard_error_of_variance(of.theoretical_variance, of.measured.count),
-                          of.theoretical_variance,
-                          scores(of.measured, of.theoretical_mean, of.theoretical_variance).variance);
+  return text +
+         formatted("%16.2g %14.6g %9.2f\n",
+                   standard_error_of_variance(of.theoretical_variance, of.measured.count),
+                   of.theoretical_variance,
+                   scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding).variance);
 }
 
 std::string table(const RunOptions& run, const Prediction& prediction, const RunResult& result) {

@@ -63,7 +63,8 @@ std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const
     // When a run is stopped, its vehicles are not all at the same step.
     const std::int64_t shown =
         over_time ? run.burn_in + static_cast<std::int64_t>(measured[c].count) - 1 : step;
-    cells.push_back({i, shown, measured[c], prediction.mean[c], prediction.variance[c]});
+    cells.push_back({i, shown, measured[c], prediction.mean[c], prediction.variance[c],
+                     prediction.rounding.empty() ? 0.0 : prediction.rounding[c]});
   }
   return cells;
 }
@@ -71,7 +72,7 @@ std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result) {
   if (run.averaging() == Averaging::over_time || result.realizations < 2) return std::nullopt;
-  return agreement(result.moments, prediction.mean, prediction.variance);
+  return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding);
 }
 
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations) {

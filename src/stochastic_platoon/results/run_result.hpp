@@ -35,6 +35,7 @@ struct ResultCell {
   Moments measured;
   double theoretical_mean;      ///< [m]
   double theoretical_variance;  ///< [m^2]
+  double rounding = 0.0;        ///< [m], what the run's arithmetic may change an error by
 };
 
 /// The result's cells of step k, one per follower; of averages over time, whatever k, all there are.

@@ -1,6 +1,8 @@
 #include "stochastic_platoon/statistics/agreement.hpp"
 
 #include <algorithm>
+#include <boost/math/special_functions/erf.hpp>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -9,53 +11,112 @@ namespace platoon {
 
 namespace {
 
-// Rounding of positions of up to a few hundred metres, summed over a run, against errors of this size.
-constexpr double kRounding = 1e-9;
+using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 
-double score(double difference, double standard_error, double scale) {
-  if (standard_error > 0.0) return difference / standard_error;
-  return std::abs(difference) <= kRounding * (1.0 + std::abs(scale))
-             ? 0.0
-             : std::numeric_limits<double>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// The z that a standard normal exceeds with this probability, 0 < probability <= 1/2.
+double normal_score(double probability) {
+  return std::sqrt(2.0) * boost::math::erfc_inv(2.0 * probability, Policy());
 }
 
+/// The normal score of a chi-squared variable over its degrees of freedom.
+///
+/// Where the tail leaves the range of double it is taken from the signed root r of the deviance, by
+/// r + ln(w / r) / r with w = (ratio - 1) sqrt(freedom / 2) (O. E. Barndorff-Nielsen, Biometrika 73, 1986),
+/// whose relative error there is below 1e-3 for one degree of freedom and falls with their number.
+double chi_squared_score(double ratio, double freedom) {
+  const bool above = ratio > 1.0;
+  const double shape = 0.5 * freedom;
+  const double tail = above ? boost::math::gamma_q(shape, shape * ratio, Policy())
+                            : boost::math::gamma_p(shape, shape * ratio, Policy());
+  if (tail >= 0.5) return above ? 0.0 - normal_score(1.0 - tail) : normal_score(1.0 - tail);
+  if (tail > 1e-290) return above ? normal_score(tail) : -normal_score(tail);
+  if (ratio == 0.0) return -kInfinity;
+  const double distance = ratio - 1.0;
+  const double root = std::sqrt(freedom * (distance - std::log(ratio)));
+  const double score = root + std::log(std::abs(distance) * std::sqrt(shape) / root) / root;
+  return above ? score : -score;
+}
+
+/// Without what lies within the rounding.
+double beyond(double difference, double rounding) {
+  if (std::abs(difference) <= rounding) return 0.0;
+  return difference > 0.0 ? difference - rounding : difference + rounding;
+}
+
+double mean_score(const Moments& measured, double mean, double variance, double rounding) {
+  const double difference = beyond(measured.count > 0 ? measured.mean - mean : kNaN, rounding);
+  if (!(variance >= 0.0)) return kNaN;
+  if (variance > 0.0) return difference / standard_error_of_mean(variance, measured.count);
+  return difference == 0.0 ? 0.0 : difference * kInfinity;
+}
+
+/// The measured variance over the theoretical one, moved towards it by what the rounding may have changed it
+/// by: beside errors of standard deviation sqrt(v), those of the rounding e change it by 2 sqrt(v) e + e^2.
+/// Of nothing random 0 / 0, which is no number, or infinity.
+double variance_ratio(double measured, double variance, double rounding) {
+  const double allowed = rounding * (2.0 * std::sqrt(variance) + rounding);
+  if (measured > variance + allowed) return (measured - allowed) / variance;
+  if (measured < variance - allowed) return std::max(measured + allowed, 0.0) / variance;
+  return variance / variance;
+}
+
+bool is_judged(double measured, double variance) {
+  return std::isfinite(measured) && variance >= 0.0;
+}
+
+double variance_score(const Moments& measured, double variance, double rounding) {
+  if (!is_judged(measured.variance(), variance)) return kNaN;
+  const double ratio = variance_ratio(measured.variance(), variance, rounding);
+  if (std::isnan(ratio)) return 0.0;
+  return std::isinf(ratio) ? kInfinity : chi_squared_score(ratio, static_cast<double>(measured.count - 1));
+}
+
+// Not std::max: a NaN must neither be passed over nor replaced.
 double larger(double worst, double next) {
   return std::isnan(worst) || next <= worst ? worst : next;
 }
 
 }  // namespace
 
-Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance) {
-  const double mean = measured.count > 0 ? measured.mean : std::numeric_limits<double>::quiet_NaN();
-  return {score(mean - theoretical_mean, standard_error_of_mean(theoretical_variance, measured.count),
-                theoretical_mean),
-          score(measured.variance() - theoretical_variance,
-                standard_error_of_variance(theoretical_variance, measured.count), theoretical_variance)};
+Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance,
+              double rounding) {
+  return {mean_score(measured, theoretical_mean, theoretical_variance, rounding),
+          variance_score(measured, theoretical_variance, rounding)};
 }
 
 Agreement agreement(const std::vector<Moments>& measured, const std::vector<double>& theoretical_mean,
-                    const std::vector<double>& theoretical_variance) {
-  if (measured.size() != theoretical_mean.size() || measured.size() != theoretical_variance.size()) {
+                    const std::vector<double>& theoretical_variance, const std::vector<double>& rounding) {
+  if (measured.size() != theoretical_mean.size() || measured.size() != theoretical_variance.size() ||
+      (!rounding.empty() && measured.size() != rounding.size())) {
     throw std::invalid_argument("measurement and theory must have the same number of cells");
   }
   Agreement worst;
+  // The score grows with the ratio: of cells with as many values only those beyond all others can be worse.
+  std::uint64_t count = 0;
+  double lowest = kInfinity, highest = -kInfinity;
   for (std::size_t c = 0; c < measured.size(); ++c) {
-    const Scores z = scores(measured[c], theoretical_mean[c], theoretical_variance[c]);
-    // Not std::max: a NaN must neither be passed over nor replaced.
-    worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(z.mean));
-    worst.max_abs_z_variance = larger(worst.max_abs_z_variance, std::abs(z.variance));
+    const double allowed = rounding.empty() ? 0.0 : rounding[c];
+    const double mean = mean_score(measured[c], theoretical_mean[c], theoretical_variance[c], allowed);
+    worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(mean));
+    if (is_judged(measured[c].variance(), theoretical_variance[c])) {
+      const double ratio = variance_ratio(measured[c].variance(), theoretical_variance[c], allowed);
+      if (measured[c].count != count) lowest = kInfinity, highest = -kInfinity;
+      count = measured[c].count;
+      if (ratio >= lowest && ratio <= highest) continue;
+      lowest = std::min(lowest, ratio);
+      highest = std::max(highest, ratio);
+    }
+    const double variance = variance_score(measured[c], theoretical_variance[c], allowed);
+    worst.max_abs_z_variance = larger(worst.max_abs_z_variance, std::abs(variance));
   }
   return worst;
 }
 
 double largest_plausible_score(std::size_t comparisons) {
-  const double tail = 0.001 / static_cast<double>(std::max<std::size_t>(comparisons, 1));
-  double low = 0.0, high = 40.0;
-  for (int i = 0; i < 100; ++i) {
-    const double middle = 0.5 * (low + high);
-    (std::erfc(middle / std::sqrt(2.0)) > tail ? low : high) = middle;
-  }
-  return high;
+  return normal_score(0.0005 / static_cast<double>(std::max<std::size_t>(comparisons, 1)));
 }
 
 }  // namespace platoon

@@ -7,15 +7,24 @@
 
 namespace platoon {
 
-/// How far a measured mean and variance lie from the theory, in standard errors of the estimators.
+/// How far a measured mean and variance lie from the theory, as scores of a standard normal: each has the
+/// probability, beyond it on its side, that an estimate has that lies as far off.
 struct Scores {
   double mean;
   double variance;
 };
 
-/// (mean - theory) / sqrt(v / n) and (variance - theory) / (v sqrt(2 / (n - 1))), v the theoretical variance.
-/// Where theory has no variance, a measurement equal to it up to rounding scores 0 and any other infinity.
-Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance);
+/// Scores of n values with this theoretical mean [m] and variance v [m^2], exact for every n: the tracking
+/// errors are normal, as they are linear in normal noise and initial positions, and v is known, so that
+/// (mean - theory) / sqrt(v / n) is standard normal (Student's distribution is for a v that is estimated) and
+/// (n - 1) variance / v has the chi-squared distribution with n - 1 degrees of freedom. Its tail probability
+/// is given as that of a normal; for large n this tends to (variance - theory) / (v sqrt(2 / (n - 1))).
+///
+/// `rounding` [m] bounds what the arithmetic may add to one error: a mean within it, and a standard deviation
+/// within it, count as equal to the theory. Beyond it a score is infinite where v = 0. NaN where a value is,
+/// and for the variance of fewer than two values.
+Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance,
+              double rounding = 0.0);
 
 /// The largest scores in modulus over many cells.
 struct Agreement {
@@ -23,12 +32,14 @@ struct Agreement {
   double max_abs_z_variance = 0.0;
 };
 
-/// Throws std::invalid_argument when the three sizes differ.
+/// `rounding` [m] has one value per cell, or is empty for none. Throws std::invalid_argument when the sizes
+/// differ.
 Agreement agreement(const std::vector<Moments>& measured, const std::vector<double>& theoretical_mean,
-                    const std::vector<double>& theoretical_variance);
+                    const std::vector<double>& theoretical_variance,
+                    const std::vector<double>& rounding = {});
 
-/// The score that the largest of `comparisons` standard normals exceeds in modulus with probability of at
-/// most 0.001 (Bonferroni): beyond it measurement and theory disagree.
+/// The score that the largest of `comparisons` scores, however they depend on each other, exceeds in modulus
+/// with probability of at most 0.001 (Bonferroni): beyond it measurement and theory disagree.
 double largest_plausible_score(std::size_t comparisons);
 
 }  // namespace platoon

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <stdexcept>
 
 namespace platoon {
@@ -15,18 +17,89 @@ Moments measured(std::uint64_t count, double mean, double variance) {
   return {count, mean, variance * static_cast<double>(count - 1)};
 }
 
-TEST(Scores, AreDistancesInStandardErrors) {
-  const Scores z = scores(measured(201, 1.3, 0.9), 1.0, 0.6);
-  EXPECT_NEAR(z.mean, 0.3 / std::sqrt(0.6 / 201.0), 1e-12);
-  EXPECT_NEAR(z.variance, 0.3 / (0.6 * std::sqrt(2.0 / 200.0)), 1e-12);
-  EXPECT_LT(scores(measured(201, 0.7, 0.9), 1.0, 0.6).mean, 0.0);
-  EXPECT_LT(scores(measured(201, 0.7, 0.5), 1.0, 0.6).variance, 0.0);
+TEST(Scores, OfTheMeanAreDistancesInStandardErrors) {
+  EXPECT_NEAR(scores(measured(201, 1.3, 0.9), 1.0, 0.6).mean, 0.3 / std::sqrt(0.6 / 201.0), 1e-12);
+  EXPECT_NEAR(scores(measured(2, 0.7, 0.9), 1.0, 0.6).mean, -0.3 / std::sqrt(0.3), 1e-12);
 }
 
-TEST(Scores, WhereNothingIsRandomAreZeroUpToRounding) {
-  const Scores z = scores(measured(100, 5.0 + 1e-12, 1e-20), 5.0, 0.0);
+// With 2 degrees of freedom the chi-squared distribution is exponential, P(x > a) = exp(-a / 2); with 1 it is
+// that of a squared normal.
+TEST(Scores, OfTheVarianceHaveTheTailOfChiSquared) {
+  const auto upper = [](double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); };
+  for (const double ratio : {3.0, 10.0, 30.0}) {
+    EXPECT_NEAR(upper(scores(measured(3, 0.0, ratio * 0.6), 0.0, 0.6).variance), std::exp(-ratio),
+                1e-12 * std::exp(-ratio));
+    EXPECT_NEAR(upper(scores(measured(2, 0.0, ratio * 0.6), 0.0, 0.6).variance),
+                2.0 * upper(std::sqrt(ratio)), 1e-12 * upper(std::sqrt(ratio)));
+  }
+  const double below = scores(measured(3, 0.0, 0.6e-6), 0.0, 0.6).variance;
+  EXPECT_NEAR(upper(-below), -std::expm1(-1e-6), 1e-19);
+  EXPECT_EQ(scores(measured(3, 0.0, 0.0), 0.0, 0.6).variance, -std::numeric_limits<double>::infinity());
+}
+
+// Between the median and the mean of chi-squared, and on both sides: the score grows with the variance.
+TEST(Scores, OfTheVarianceGrowWithIt) {
+  for (const std::uint64_t count : {2u, 3u, 10u, 1000u}) {
+    double before = -std::numeric_limits<double>::infinity();
+    for (double ratio = 1e-3; ratio < 1e4; ratio *= 1.01) {
+      const double z = scores(measured(count, 0.0, ratio), 0.0, 1.0).variance;
+      EXPECT_GT(z, before) << count << " values, ratio " << ratio;
+      before = z;
+    }
+  }
+}
+
+// A score beyond 37 has a tail that no double holds; there the formula for it takes over without a step.
+TEST(Scores, OfTheVarianceGoOnBeyondTheRangeOfDouble) {
+  for (const std::uint64_t count : {2u, 3u, 10u, 1000u, 1000000u}) {
+    double ratio = 1.0, before = 0.0, step = 0.0;
+    for (; before < 60.0; ratio *= 1.0001) {
+      if (ratio == 1.0) before = scores(measured(count, 0.0, ratio), 0.0, 1.0).variance;
+      const double z = scores(measured(count, 0.0, ratio), 0.0, 1.0).variance;
+      ASSERT_GT(z, before - 1e-2) << count << " values, ratio " << ratio;
+      step = std::max(step, z - before);
+      before = z;
+    }
+    EXPECT_LT(step, 0.11) << count;
+  }
+}
+
+TEST(Scores, OfManyValuesAreDistancesInStandardErrors) {
+  const std::uint64_t count = 100000000;
+  const double error = 0.6 * std::sqrt(2.0 / static_cast<double>(count - 1));
+  for (const double z : {-4.0, -1.0, 0.5, 3.0}) {
+    EXPECT_NEAR(scores(measured(count, 0.0, 0.6 + z * error), 0.0, 0.6).variance, z, 1e-3 * z * z + 1e-3);
+  }
+}
+
+// Variances of normal samples: the share that is called a disagreement is the share that it is said to be.
+TEST(Scores, OfFewRealizationsExceedABoundAsOftenAsSaid) {
+  std::mt19937_64 generator(7);
+  std::normal_distribution<double> normal;
+  const double bound = 2.5758293035489004;  // |z| beyond it once in 100
+  for (const std::uint64_t count : {2u, 3u, 10u, 100u}) {
+    constexpr int kSamples = 40000;
+    int mean_beyond = 0, variance_beyond = 0;
+    for (int sample = 0; sample < kSamples; ++sample) {
+      Moments moments;
+      for (std::uint64_t r = 0; r < count; ++r) moments.add(0.3 + std::sqrt(2.0) * normal(generator));
+      const Scores z = scores(moments, 0.3, 2.0);
+      mean_beyond += std::abs(z.mean) > bound ? 1 : 0;
+      variance_beyond += std::abs(z.variance) > bound ? 1 : 0;
+    }
+    const double error = std::sqrt(0.01 * 0.99 * kSamples);  // binomial
+    EXPECT_NEAR(mean_beyond, 0.01 * kSamples, 4.0 * error) << count;
+    EXPECT_NEAR(variance_beyond, 0.01 * kSamples, 4.0 * error) << count;
+  }
+}
+
+TEST(Scores, CountWhatLiesWithinTheRoundingAsEqual) {
+  const Scores z = scores(measured(100, 5.0 + 1e-12, 1e-25), 5.0, 0.0, 2e-12);
   EXPECT_EQ(z.mean, 0.0);
   EXPECT_EQ(z.variance, 0.0);
+  EXPECT_TRUE(std::isinf(scores(measured(100, 5.0 + 1e-12, 0.0), 5.0, 0.0, 5e-13).mean));
+  EXPECT_TRUE(std::isinf(scores(measured(100, 5.0, 1e-25), 5.0, 0.0, 2e-13).variance));
+  EXPECT_NEAR(scores(measured(100, 5.3, 1.0), 5.0, 1.0, 0.1).mean, 2.0, 1e-12);
 }
 
 TEST(Scores, WhereNothingIsRandomAreInfiniteForAnyDifference) {
@@ -53,7 +126,7 @@ TEST(Agreement, IsTheLargestModulusOverAllCells) {
       agreement({measured(101, 0.1, 1.0), measured(101, -0.4, 1.3), measured(101, 0.2, 0.5)}, {0.0, 0.0, 0.0},
                 {1.0, 1.0, 1.0});
   EXPECT_NEAR(found.max_abs_z_mean, 0.4 * std::sqrt(101.0), 1e-12);
-  EXPECT_NEAR(found.max_abs_z_variance, 0.5 * std::sqrt(50.0), 1e-12);
+  EXPECT_EQ(found.max_abs_z_variance, -scores(measured(101, 0.2, 0.5), 0.0, 1.0).variance);
 }
 
 TEST(Agreement, OfNoCellsIsZero) {
@@ -77,6 +150,7 @@ TEST(Agreement, RefusesSizesThatDiffer) {
   const Moments good = measured(101, 0.1, 1.1);
   EXPECT_THROW(agreement({good}, {0.0, 0.0}, {1.0}), std::invalid_argument);
   EXPECT_THROW(agreement({good}, {0.0}, {1.0, 1.0}), std::invalid_argument);
+  EXPECT_THROW(agreement({good}, {0.0}, {1.0}, {0.0, 0.0}), std::invalid_argument);
 }
 
 // The two-sided quantiles of the standard normal at 0.001, 0.0001 and 0.000001.
