@@ -14,8 +14,7 @@ namespace platoon {
 
 /// Reads a model file (the file itself, or its copy on the parameter server): the one schema and the one set
 /// of messages. All that is wrong goes into `problems`: missing and unknown keys, wrong types, numbers that
-/// are not finite or out of range, a closed loop that is not admissible (see violated_assumptions()). Then there
-/// is no model.
+/// are not finite or out of range, and the violated_assumptions() of the closed loop. Then there is no model.
 std::optional<PlatoonModel> read_model(Section document, std::vector<std::string>& problems);
 
 /// The same for a whole document. Throws ConfigurationError with all that is wrong.
