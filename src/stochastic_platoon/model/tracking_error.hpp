@@ -16,7 +16,7 @@ struct TrackingError {
     return predecessor - own - standstill_distance - headway * (own - own_before);
   }
 
-  /// The same for `count` realizations.
+  /// The same for `count` realizations; every pointer is to that many values [m], which do not overlap.
   void operator()(const double* predecessor, const double* own, const double* own_before, std::size_t count,
                   double* errors) const;
 };

@@ -36,13 +36,13 @@ Eigen::MatrixXd cofactor_map(const Polynomial& n, const Polynomial& d, Eigen::In
   return map;
 }
 
-/// Whether the map of the largest degree, which holds those of all smaller ones, is far from singular. By a
-/// QR decomposition, at a tenth of the cost of singular values.
-bool is_clearly_coprime(const Polynomial& n, const Polynomial& d) {
-  if (d.size() < 2) return true;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(cofactor_map(n, d, d.size() - 2));
+/// Whether the cofactor map has no null vector to a tolerance of 1e-13. By a QR decomposition, at a tenth of
+/// the cost of singular values: its last pivot is the smallest of them but for a factor of some units.
+bool is_clearly_regular(const Eigen::MatrixXd& map) {
+  if (map.rows() < map.cols()) return false;
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(map);
   const auto pivots = qr.matrixQR().diagonal().cwiseAbs();
-  return qr.matrixQR().rows() >= qr.matrixQR().cols() && pivots(pivots.size() - 1) > 1e-10 * pivots(0);
+  return pivots(pivots.size() - 1) > 1e-12 * pivots(0);
 }
 
 TransferFunction without_common_zeros_at_origin(const TransferFunction& fraction, Eigen::Index* count) {
@@ -152,10 +152,14 @@ Reduction reduce(const TransferFunction& fraction, double tolerance) {
   const double n_size = n.stableNorm(), d_size = d.stableNorm();
   const Polynomial unit_n = n / n_size;
   const Polynomial unit_d = d / d_size;
-  if (is_clearly_coprime(unit_n, unit_d)) return {stripped, common};
+  // The map of the largest degree holds those of all smaller ones.
+  if (d.size() < 2 || is_clearly_regular(cofactor_map(unit_n, unit_d, d.size() - 2)))
+    return {stripped, common};
   const Eigen::Index relative_degree = d.size() - n.size();  // that of u / v, too: v has no smaller degree
   for (Eigen::Index degree = relative_degree; degree + 1 < d.size(); ++degree) {
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(cofactor_map(unit_n, unit_d, degree), Eigen::ComputeFullV);
+    const Eigen::MatrixXd map = cofactor_map(unit_n, unit_d, degree);
+    if (is_clearly_regular(map)) continue;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(map, Eigen::ComputeFullV);
     const Eigen::VectorXd& singular = svd.singularValues();
     if (singular.size() < 2 * (degree + 1) || singular.minCoeff() > tolerance * singular.maxCoeff()) continue;
     const Eigen::VectorXd null = svd.matrixV().rightCols(1);

@@ -6,7 +6,8 @@ namespace platoon {
 
 namespace {
 
-constexpr long double kNegligible = 1e-4000L;  // subnormal arithmetic is a hundred times slower
+// Smaller states count as zero: arithmetic with subnormal numbers is a hundred times slower.
+constexpr long double kNegligible = 1e-290L;
 
 }  // namespace
 

@@ -6,8 +6,8 @@ namespace platoon {
 
 namespace {
 
-constexpr double kNegligible =
-    1e-290;  // a decayed state is zero: subnormal arithmetic is a hundred times slower
+// Smaller states count as zero: arithmetic with subnormal numbers is a hundred times slower.
+constexpr double kNegligible = 1e-290;
 
 }  // namespace
 

@@ -10,7 +10,7 @@ namespace platoon {
 /// The p of an L_p norm (paper, section 2).
 enum class NormOrder { kOne, kTwo, kInfinity };
 
-/// (sum_k |v(k)|^p)^{1/p}, or max_k |v(k)|, over the count values given.
+/// (sum_k |v(k)|^p)^{1/p}, or max_k |v(k)|, over `count` values; 0 for none.
 double sequence_norm(const double* values, std::size_t count, NormOrder order);
 
 /// The left sides of Definition 1 (def:Lp_Lq_ss), per follower 1 .. N, over the steps of the moments. A

@@ -98,6 +98,10 @@ Quadrature gauss_legendre(int count) {
   return rule;
 }
 
+bool is_converged(double change, double change_before) {
+  return change <= 1e-13 || (change <= 1e-10 && change >= 0.1 * change_before);
+}
+
 Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular,
                                   const std::vector<double>& peaks, int refinement) {
   static const Quadrature gauss = gauss_legendre(16);

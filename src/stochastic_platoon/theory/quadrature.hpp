@@ -14,6 +14,10 @@ struct Quadrature {
 /// Gauss-Legendre rule on [-1, 1]. Throws std::invalid_argument unless count >= 1.
 Quadrature gauss_legendre(int count);
 
+/// Whether a quadrature that was refined twice, with these relative changes, will not get better: it has
+/// settled, or it changes by the rounding of the integrand, which refinement does not reduce.
+bool is_converged(double change, double change_before);
+
 /// Quadrature over w in [0, pi] for even 2 pi periodic functions, weights divided by pi: their mean over the
 /// circle, (1/2pi) integral from -pi to pi.
 ///

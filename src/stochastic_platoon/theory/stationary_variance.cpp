@@ -54,22 +54,29 @@ Modes modes_of(const LoopSpectrum& spectrum, int refinement) {
   return result;
 }
 
-bool agree(const Modes& a, const Modes& b, std::size_t followers) {
+/// The largest relative difference of the variances of followers 1, 2, 4, ...; those that are finite.
+double difference(const Modes& a, const Modes& b, std::size_t followers) {
+  double largest = 0.0;
   for (double i = 1.0;; i *= 2.0) {
     const double follower = std::min(i, static_cast<double>(followers));
     const double p = a.variance(follower);
     const double q = b.variance(follower);
-    if (std::isfinite(q) && !(std::abs(p - q) <= 1e-13 * q)) return false;
-    if (follower < i || !std::isfinite(q)) return true;
+    if (!std::isfinite(q)) return largest;
+    const double change = std::abs(p - q) / q;
+    largest = std::isnan(change) ? std::numeric_limits<double>::infinity() : std::max(largest, change);
+    if (follower < i) return largest;
   }
 }
 
 Modes converged_modes(const LoopSpectrum& spectrum, std::size_t followers) {
   Modes coarse = modes_of(spectrum, 0);
+  double before = std::numeric_limits<double>::infinity();
   for (int refinement = 1; refinement <= 4; ++refinement) {
     const Modes fine = modes_of(spectrum, refinement);
-    if (agree(coarse, fine, followers)) break;
+    const double change = difference(coarse, fine, followers);
+    if (is_converged(change, before)) break;
     coarse = fine;
+    before = change;
   }
   return coarse;
 }

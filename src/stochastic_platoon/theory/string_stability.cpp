@@ -25,6 +25,7 @@ double mean_limit_spectrum(const LoopSpectrum& spectrum) {
   std::vector<std::complex<double>> singular = spectrum.pole_frequencies();
   for (const std::complex<double>& w : spectrum.margin_frequencies()) singular.push_back(w);
   double coarse = std::numeric_limits<double>::quiet_NaN();
+  double before = std::numeric_limits<double>::infinity();
   for (int refinement = 0; refinement <= 5; ++refinement) {
     const Quadrature rule = half_circle_quadrature(singular, {}, refinement);
     long double sum = 0.0L;
@@ -33,8 +34,10 @@ double mean_limit_spectrum(const LoopSpectrum& spectrum) {
       sum += rule.weight[k] * (value.complement + value.gain * value.ratio);
     }
     const auto fine = static_cast<double>(sum);
-    if (std::abs(fine - coarse) <= 1e-13 * fine) return fine;
+    const double change = std::abs(fine - coarse) / fine;
+    if (is_converged(change, before)) return fine;
     coarse = fine;
+    before = change;
   }
   return coarse;
 }
