@@ -53,8 +53,12 @@ class Readme(unittest.TestCase):
         extra = next((extra for begin, extra in SHORTER if line.startswith(begin)), "")
         typed = (line + " " + extra).replace("/tmp/", self.folder + "/")
         self.log = tempfile.NamedTemporaryFile("w+", dir=self.folder, suffix=".log", delete=False)
-        return subprocess.Popen(["bash", "-c", ". devel/setup.bash && exec " + typed if not line.startswith(".") else typed],
-                                cwd=PACKAGE, env=self.environment, stdout=self.log, stderr=subprocess.STDOUT)
+        self.addCleanup(self.log.close)
+        process = subprocess.Popen(["bash", "-c", ". devel/setup.bash && exec " + typed if not line.startswith(".") else typed],
+                                   cwd=PACKAGE, env=self.environment, stdout=self.log, stderr=subprocess.STDOUT,
+                                   start_new_session=True)
+        self.addCleanup(self.interrupt, process)
+        return process
 
     def said(self):
         with open(self.log.name, errors="replace") as file:
@@ -103,7 +107,8 @@ class Readme(unittest.TestCase):
             self.interrupt(standing)
 
     def interrupt(self, process):
-        process.send_signal(signal.SIGINT)
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGINT)
         process.wait(timeout=live_platoon.DEADLINE)
 
 
