@@ -14,7 +14,7 @@ import live_platoon
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 COMMANDS = ("./launch/demo", "./test/run", ".", "rosrun", "roslaunch", "cmp")
-NOT_RUN = {"./test/run": "is what runs this test"}
+NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it"}
 
 # What the test adds to a line that begins so; the first that fits.
 SHORTER = (
