@@ -18,7 +18,7 @@ double rounding_bound_of_a_metre(const StateSpace& vehicle, std::size_t steps);
 
 /// What the arithmetic in double of vehicles and channels may change a tracking error by [m], per cell of
 /// `moments`, which are the model's. The first order bound
-///     u [(1 + 2h) M + E_H + E (1 + sqrt(i (k+1)) sigma_i(k))],
+///     u [4 (1 + 2h) M + E_H + E (1 + sqrt(i (k+1)) sigma_i(k))],
 /// u the unit roundoff, M(k) the largest position so far [m], E(k) = M rounding_bound_of_a_metre(k) / u and
 /// E_H the same with H (1 + h - h/z) applied to the responses; sigma_i(k)^2 the variance per unit of noise
 /// variance, which bounds what the errors of the positions ahead do, by Cauchy and Schwarz.
