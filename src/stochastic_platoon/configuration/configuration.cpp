@@ -2,6 +2,7 @@
 
 #include "stochastic_platoon/configuration/settings.hpp"
 #include "stochastic_platoon/configuration/version.hpp"
+#include "stochastic_platoon/io/digest.hpp"
 
 namespace platoon {
 
@@ -107,11 +108,8 @@ YAML::Node configuration_document(const Configuration& base,
 }
 
 std::uint64_t run_identity(const Configuration& configuration) {
-  std::uint64_t digest = 0xcbf29ce484222325;
-  for (const char c : to_json(configuration).dump()) {
-    digest = (digest ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  }
-  return digest == 0 ? 1 : digest;
+  const std::uint64_t identity = digest(to_json(configuration).dump());
+  return identity == 0 ? 1 : identity;
 }
 
 nlohmann::json statistics_identity(const Configuration& configuration) {

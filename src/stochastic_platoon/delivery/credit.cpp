@@ -58,7 +58,7 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
   if (acknowledged() > before) {
     last_activity_ = now;
     first_step_patience_ = limits_.first_step_timeout;
-    if (through_a_batch) patience_ = limits_.stall_timeout;
+    if (through_a_batch || now - attempt_began_ > patience_) patience_ = limits_.stall_timeout;
   }
   return true;
 }
@@ -73,7 +73,7 @@ void Credit::begin_attempt(double now) {
   ++attempt_;
   upcoming_ = {attempt_, start_, kInitialStep};
   published_ = 0;
-  last_activity_ = now;
+  attempt_began_ = last_activity_ = now;
 }
 
 std::optional<MessageId> Credit::next(double now) {

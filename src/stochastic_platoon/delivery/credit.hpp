@@ -22,7 +22,8 @@ struct CreditLimits {
 /// starts an attempt at the earliest realization any of them still needs; allows one step until the first
 /// acknowledgement of the attempt and then `window` unacknowledged ones. The next attempt begins when the
 /// timeout passes without progress, or as soon as a receiver shows that it has lost what it had. The timeout
-/// grows by a factor of 1.5 with each consecutive stall, so that a machine too slow for it still gets through.
+/// grows by a factor of 1.5 with each consecutive stall, so that a machine too slow for it still gets through;
+/// it is the first one again when a batch is through, or when steps have flowed for as long as the timeout.
 class Credit {
 public:
   Credit(const BatchSchedule& schedule, const CreditLimits& limits,
@@ -61,6 +62,7 @@ private:
   std::uint64_t start_ = 0;     ///< first realization of the attempt
   MessageId upcoming_{};        ///< the message to publish next
   std::int64_t published_ = 0;  ///< steps published in this attempt
+  double attempt_began_ = 0.0;  ///< [s]
   double last_activity_ = 0.0;  ///< [s]
   double first_step_patience_;  ///< [s] grows while attempts find no answer
   double patience_;             ///< [s] grows while attempts break off before their first batch is through

@@ -32,9 +32,15 @@ constexpr double kStatisticsPeriod =
     1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
 
 std::optional<Checkpoint> checkpoint_of(const Configuration& configuration) {
-  if (configuration.run.averaging() == Averaging::over_realizations) return starting_point(configuration);
-  require_writable_folder(configuration.run.output);
-  return std::nullopt;
+  if (configuration.run.averaging() == Averaging::over_time) {
+    require_writable_folder(configuration.run.output);
+    return std::nullopt;
+  }
+  std::optional<Checkpoint> found = starting_point(configuration);
+  if (found && !found->damage.empty())
+    ROS_WARN_STREAM(found->damage << ": going on from the one before it, of " << found->table.count()
+                                  << " realizations");
+  return found;
 }
 
 }  // namespace

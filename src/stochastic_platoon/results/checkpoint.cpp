@@ -8,12 +8,14 @@
 
 #include "stochastic_platoon/configuration/configuration_error.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
+#include "stochastic_platoon/io/digest.hpp"
+#include "stochastic_platoon/io/text.hpp"
 
 namespace platoon {
 
 namespace {
 
-constexpr int kFormat = 2;
+constexpr char kFormat[] = "stochastic_platoon checkpoint 2";
 
 nlohmann::json to_json(const MomentTable& table) {
   nlohmann::json blocks = nlohmann::json::array();
@@ -49,6 +51,20 @@ std::string shown(const nlohmann::json& value) {
   return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
 }
 
+// The lines before the content.
+std::string heading_of(const std::string& content) {
+  return formatted("%s\n%016llx\n", kFormat, static_cast<unsigned long long>(digest(content)));
+}
+
+bool has_no_gap(const MomentTable& table) {
+  std::uint64_t end = 0;
+  for (const auto& entry : table.blocks()) {
+    if (entry.second.range.first != end) return false;
+    end = entry.second.range.end();
+  }
+  return true;
+}
+
 std::string differences(const nlohmann::json& there, const nlohmann::json& here) {
   std::string text;
   for (const auto& entry : here.items()) {
@@ -75,9 +91,12 @@ std::string checkpoint_file(const std::string& output) {
   return output + "/checkpoint.cbor";
 }
 
+std::string previous_checkpoint_file(const std::string& output) {
+  return output + "/checkpoint.previous.cbor";
+}
+
 void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
-  const nlohmann::json document = {{"format", kFormat},
-                                   {"identity", checkpoint.identity},
+  const nlohmann::json document = {{"identity", checkpoint.identity},
                                    {"launch_id", checkpoint.launch_id},
                                    {"tally",
                                     {{"positions_received", checkpoint.tally.positions_received},
@@ -87,23 +106,51 @@ void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
                                    {"cells", checkpoint.table.cells()},
                                    {"blocks", to_json(checkpoint.table)}};
   const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(document);
-  write_atomically(checkpoint_file(output), std::string(bytes.begin(), bytes.end()));
+  const std::string content(bytes.begin(), bytes.end());
+  const std::string file = checkpoint_file(output);
+  // Between the two names there is none of the latest, for a moment: then the one before it is read.
+  if (std::filesystem::exists(file)) std::filesystem::rename(file, previous_checkpoint_file(output));
+  write_atomically(file, heading_of(content) + content);
 }
 
-std::optional<Checkpoint> read_checkpoint(const std::string& output) {
-  const std::string file = checkpoint_file(output);
-  if (!std::filesystem::exists(file)) return std::nullopt;
+namespace {
+
+// Throws std::runtime_error naming the file and what is wrong.
+Checkpoint read_file(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw std::runtime_error(file + ": cannot be opened");
   const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  const std::string any_heading = heading_of("");
   try {
-    const nlohmann::json document = nlohmann::json::from_cbor(bytes);
-    if (document.at("format") != kFormat)
-      throw std::runtime_error("its format is " + document.at("format").dump());
-    return from_json(document);
+    if (bytes.compare(0, sizeof kFormat - 1, kFormat) != 0)
+      throw std::runtime_error(std::string("it does not begin with \"") + kFormat + "\"");
+    if (bytes.size() < any_heading.size()) throw std::runtime_error("it is cut off");
+    const std::string content = bytes.substr(any_heading.size());
+    if (bytes.compare(0, any_heading.size(), heading_of(content)) != 0)
+      throw std::runtime_error("its digest is not that of its content");
+    return from_json(nlohmann::json::from_cbor(content));
   } catch (const std::exception& error) {
     throw std::runtime_error(file + ": is not a checkpoint that can be read: " + error.what());
   }
+}
+
+}  // namespace
+
+std::optional<Checkpoint> read_checkpoint(const std::string& output) {
+  const std::string latest = checkpoint_file(output), previous = previous_checkpoint_file(output);
+  std::string damage;
+  if (std::filesystem::exists(latest)) {
+    try {
+      return read_file(latest);
+    } catch (const std::runtime_error& error) {
+      if (!std::filesystem::exists(previous)) throw;
+      damage = error.what();
+    }
+  }
+  if (!std::filesystem::exists(previous)) return std::nullopt;
+  Checkpoint checkpoint = read_file(previous);
+  checkpoint.damage = damage;
+  return checkpoint;
 }
 
 std::optional<Checkpoint> starting_point(const Configuration& configuration) {
@@ -134,6 +181,10 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
   if (!differing.empty()) {
     throw ConfigurationError(
         {"output: " + run.output + ": holds a run of another configuration: " + differing});
+  }
+  if (!has_no_gap(found->table)) {
+    throw ConfigurationError({"output: " + checkpoint_file(run.output) +
+                              ": must hold realizations 0, 1, ... without a gap: must be another folder"});
   }
   if (found->table.count() > run.realizations) {
     throw ConfigurationError({"realizations: " + std::to_string(run.realizations) +

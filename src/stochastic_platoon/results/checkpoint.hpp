@@ -17,22 +17,26 @@ struct Checkpoint {
   std::string launch_id;    ///< which launch wrote it
   Tally tally;
   MomentTable table;
+  std::string damage = {};  ///< of one that was read: why it is not the latest; empty: it is
 };
 
-/// Name of the checkpoint in the output folder.
+/// Name of the checkpoint in the output folder, and of the one before it.
 std::string checkpoint_file(const std::string& output);
+std::string previous_checkpoint_file(const std::string& output);
 
-/// CBOR (RFC 8949), written atomically; doubles keep their bits. Throws std::runtime_error.
+/// A line that names the format, a line with the digest of what follows, and CBOR (RFC 8949), in which doubles
+/// keep their bits. Written atomically; the checkpoint before it is kept. Throws std::runtime_error.
 void write_checkpoint(const std::string& output, const Checkpoint& checkpoint);
 
-/// The folder's checkpoint; none when there is no file. Throws std::runtime_error when it cannot be read as
-/// one.
+/// The folder's checkpoint; none when there is no file. A damaged one, whose digest is not its content's, is
+/// never used: then it is the one before it, with a word in `damage`. Throws std::runtime_error when neither can
+/// be read.
 std::optional<Checkpoint> read_checkpoint(const std::string& output);
 
 /// The checkpoint this run starts from: none in a fresh folder; the folder's own when it comes from the same
 /// launch (a restarted node) or `resume` was asked for. Throws ConfigurationError when the folder cannot be
 /// written, when it holds results and neither is the case (nothing is written over), and when its checkpoint
-/// is of another configuration: what differs is named.
+/// is of another configuration, which is named, or does not hold realizations 0, 1, ... without a gap.
 std::optional<Checkpoint> starting_point(const Configuration& configuration);
 
 }  // namespace platoon

@@ -165,6 +165,38 @@ TEST(Credit, IsStalledByReportsThatTellNothingNew) {
   EXPECT_TRUE(credit.retry_if_stalled(2.0));
 }
 
+// The first step of a long string takes longer than any timeout on a whole step.
+TEST(Credit, IsNotStalledWhileMessagesOfAStepArrive) {
+  Credit credit = with_monitor();
+  expect_published(published(credit), {{1, 0, -1}});
+  double now = 0.0;
+  for (std::uint64_t messages = 1; messages <= 50; ++messages) {
+    now += 0.4;
+    credit.acknowledge(kMonitor, {1, 0, kNothingYet}, now, messages);
+    EXPECT_FALSE(credit.retry_if_stalled(now));
+  }
+  credit.acknowledge(kMonitor, {1, 0, kNothingYet}, now + 0.4, 50);
+  EXPECT_TRUE(credit.retry_if_stalled(now + 0.5)) << "a report that tells nothing new is no progress";
+}
+
+TEST(Credit, WaitsAsLongForTheHundredthStallAsForTheFirstOnceStepsHaveFlowedBetween) {
+  Credit credit(BatchSchedule{1, 1, 0}, kLimits, {kMonitor});  // endless: no batch is ever through
+  credit.acknowledge(kMonitor, {0, 0, kNothingYet}, 0.0);
+  published(credit);
+  double now = 0.0;
+  for (std::uint32_t attempt = 1; attempt <= 100; ++attempt) {
+    for (std::int64_t step = -1; step < 8; ++step) {
+      credit.acknowledge(kMonitor, {attempt, 0, step}, now);
+      published(credit, now);
+      now += 0.5;
+    }
+    credit.acknowledge(kMonitor, {attempt, 0, 8}, now);
+    published(credit, now);
+    now += 2.0;  // kLimits' timeout
+    expect_retry_at(credit, now, {attempt + 1, 0, -1});
+  }
+}
+
 TEST(Credit, IsNotStalledWhenNothingIsOnItsWay) {
   Credit credit = under_way();
   EXPECT_FALSE(credit.retry_if_stalled(1e6));

@@ -95,6 +95,65 @@ TEST(Checkpoint, KeepsTheBitsOfEveryDouble) {
   expect_same_blocks(read_checkpoint(folder.path())->table, unusual);
 }
 
+// Whatever is done to the latest one, either the one before it is read, to the bit, or nothing is.
+void expect_never_wrong(const TemporaryFolder& folder, const std::string& bent, const std::string& how) {
+  folder.file("checkpoint.cbor", bent);
+  const std::optional<Checkpoint> read = read_checkpoint(folder.path());
+  ASSERT_TRUE(read) << how;
+  EXPECT_EQ(read->table.count(), 8u) << how;
+  EXPECT_NE(read->damage, "") << how;
+  EXPECT_EQ(read->launch_id, "this launch") << how;
+}
+
+TEST(Checkpoint, ThatIsDamagedAnywhereIsRecognizedAndTheOneBeforeItUsed) {
+  const TemporaryFolder folder;
+  write_checkpoint(folder.path(), checkpoint_of(paper_run(folder.path()), 8));
+  write_checkpoint(folder.path(), checkpoint_of(paper_run(folder.path()), 13));
+  EXPECT_EQ(read_checkpoint(folder.path())->table.count(), 13u);
+  EXPECT_EQ(read_checkpoint(folder.path())->damage, "");
+  const std::string sound = content_of(checkpoint_file(folder.path()));
+  for (std::size_t place = 0; place < sound.size() && !HasFailure(); ++place) {
+    std::string bent = sound;
+    bent[place] = static_cast<char>(bent[place] ^ (1 << (place % 8)));
+    expect_never_wrong(folder, bent, "bit flipped in byte " + std::to_string(place));
+    expect_never_wrong(folder, sound.substr(0, place), "cut off at byte " + std::to_string(place));
+  }
+  for (std::size_t place = 0; place + 64 <= sound.size(); place += 64) {
+    std::string bent = sound;
+    bent.replace(place, 64, 64, '\0');
+    expect_never_wrong(folder, bent, "zeros from byte " + std::to_string(place));
+  }
+  expect_never_wrong(folder, sound + "x", "longer");
+}
+
+TEST(Checkpoint, ThatIsDamagedWithNoneBeforeItIsRefused) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  write_checkpoint(folder.path(), checkpoint_of(configuration, 8));
+  std::string bent = content_of(checkpoint_file(folder.path()));
+  bent.back() = static_cast<char>(bent.back() ^ 1);
+  folder.file("checkpoint.cbor", bent);
+  EXPECT_NE(refusal(configuration).find("its digest is not that of its content"), std::string::npos);
+}
+
+TEST(Checkpoint, OfBeforeIsReadWhereWritingTheLatestWasInterrupted) {
+  const TemporaryFolder folder;
+  write_checkpoint(folder.path(), checkpoint_of(paper_run(folder.path()), 8));
+  std::filesystem::rename(checkpoint_file(folder.path()), previous_checkpoint_file(folder.path()));
+  ASSERT_TRUE(read_checkpoint(folder.path()));
+  EXPECT_EQ(read_checkpoint(folder.path())->table.count(), 8u);
+}
+
+TEST(Checkpoint, WithAGapIsRefused) {
+  const TemporaryFolder folder;
+  Configuration configuration = paper_run(folder.path());
+  Checkpoint gap = checkpoint_of(configuration, 8);
+  BatchMoments later(16, 4, kCells);
+  gap.table.add(later);
+  write_checkpoint(folder.path(), gap);
+  EXPECT_NE(refusal(configuration).find("must hold realizations 0, 1, ... without a gap"), std::string::npos);
+}
+
 TEST(Checkpoint, GoesOnAsIfThereHadBeenNoStop) {
   const TemporaryFolder folder;
   BatchMoments rest(13, 7, kCells);
