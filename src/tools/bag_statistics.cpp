@@ -100,6 +100,7 @@ int main(int argc, char** argv) {
     if (!arguments.output.empty()) {
       configuration.run.resume = false;
       configuration.run.launch_id.clear();
+      const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
       platoon::starting_point(configuration);  // refuses a folder that holds results
       platoon::write_results(configuration, prediction, statistics.result);
     }

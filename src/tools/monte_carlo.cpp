@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
     if (configuration.run.output.empty())
       throw platoon::ConfigurationError({"output: (empty): must be a folder"});
+    const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
     if (platoon::starting_point(configuration))
       throw std::logic_error("a fresh folder cannot hold a checkpoint");
     const platoon::Prediction prediction = platoon::predict(configuration);

@@ -67,6 +67,15 @@ class BadInput(LaunchTest):
                      realizations=200)
         self.assertEqual(live_platoon.statistics(self.output), before)
 
+    def test_a_folder_in_use_is_refused_by_name_of_its_holder(self):
+        first = self.launch(followers=2, steps=10, realizations=2000, batch=10, rate=500)
+        live_platoon.wait_for(lambda: os.path.exists(self.output + "/.lock"), "the first launch to check its folder")
+        second = self.launch(followers=2, steps=10, realizations=100)
+        self.assertNotEqual(second.wait(), 0)
+        self.assertIn("output: {}: is in use by launch ".format(self.output), second.text())
+        first.wait()
+        self.assertEqual(live_platoon.completed_summary(self.output)["realizations"], 2000)
+
     def test_a_checkpoint_of_another_configuration_is_refused_with_what_differs(self):
         self.launch(followers=1, steps=5, realizations=100).wait()
         before = live_platoon.statistics(self.output)

@@ -11,7 +11,6 @@
 
 #include "stochastic_platoon/delivery/stall_diagnosis.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
-#include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
 #include "stochastic_platoon/results/run_report.hpp"
@@ -32,10 +31,7 @@ constexpr double kStatisticsPeriod =
     1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
 
 std::optional<Checkpoint> checkpoint_of(const Configuration& configuration) {
-  if (configuration.run.averaging() == Averaging::over_time) {
-    require_writable_folder(configuration.run.output);
-    return std::nullopt;
-  }
+  if (configuration.run.averaging() == Averaging::over_time) return std::nullopt;
   std::optional<Checkpoint> found = starting_point(configuration);
   if (found && !found->damage.empty())
     ROS_WARN_STREAM(found->damage << ": going on from the one before it, of " << found->table.count()
@@ -48,6 +44,7 @@ std::optional<Checkpoint> checkpoint_of(const Configuration& configuration) {
 Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
                  const NodeOfVehicle& node_of_vehicle, RunMembership::Join superseded)
     : configuration_(configuration),
+      output_(lock_output(configuration.run)),
       membership_(platoon, "monitor", run_identity(configuration), std::move(superseded)),
       prediction_(predict(configuration)),
       statistics_(configuration, checkpoint_of(configuration)),

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,6 +63,7 @@ private:
   bool endless() const { return configuration_.run.averaging() == Averaging::over_time; }
 
   Configuration configuration_;
+  std::unique_ptr<FolderLock> output_;
   RunMembership membership_;
   Prediction prediction_;
   double wall_seconds_before_;  ///< [s] of earlier launches

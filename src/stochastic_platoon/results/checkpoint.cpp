@@ -1,5 +1,7 @@
 #include "stochastic_platoon/results/checkpoint.hpp"
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -192,6 +194,18 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
                               run.output + " holds already"});
   }
   return found;
+}
+
+std::unique_ptr<FolderLock> lock_output(const RunOptions& run) {
+  try {
+    require_writable_folder(run.output);
+    return std::make_unique<FolderLock>(run.output, run.launch_id.empty()
+                                                        ? "process " + std::to_string(::getpid())
+                                                        : "launch " + run.launch_id);
+  } catch (const std::runtime_error& error) {
+    throw ConfigurationError(
+        {std::string("output: ") + error.what() + ": must be a folder that can be written, and of one run"});
+  }
 }
 
 }  // namespace platoon

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/io/folder_lock.hpp"
 #include "stochastic_platoon/results/run_result.hpp"
 #include "stochastic_platoon/statistics/moment_table.hpp"
 
@@ -38,5 +40,9 @@ std::optional<Checkpoint> read_checkpoint(const std::string& output);
 /// written, when it holds results and neither is the case (nothing is written over), and when its checkpoint
 /// is of another configuration, which is named, or does not hold realizations 0, 1, ... without a gap.
 std::optional<Checkpoint> starting_point(const Configuration& configuration);
+
+/// Makes the run's output folder if need be, and takes it for this launch until the lock ends. Throws
+/// ConfigurationError when it cannot be written, or is another's, which is named.
+std::unique_ptr<FolderLock> lock_output(const RunOptions& run);
 
 }  // namespace platoon
