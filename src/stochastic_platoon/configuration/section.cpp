@@ -5,6 +5,8 @@
 #include <locale>
 #include <sstream>
 
+#include "stochastic_platoon/io/text.hpp"
+
 namespace platoon {
 
 namespace {
@@ -19,11 +21,8 @@ std::string whole_text(const YAML::Node& node) {
   return emitter.c_str();
 }
 
-// Long values are cut: what matters is which one is meant.
 std::string shown(const YAML::Node& node) {
-  constexpr std::size_t kLongest = 80;
-  const std::string text = whole_text(node);
-  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+  return shortened(whole_text(node));
 }
 
 // The whole text as a number, in the C locale; nullopt for anything else. "nan" and "inf" are not read.

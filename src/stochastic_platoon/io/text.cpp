@@ -18,6 +18,11 @@ std::string formatted(const char* format, ...) {
   return text;
 }
 
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kLongest = 80;
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+}
+
 std::string printable(const std::string& text) {
   std::string shown;
   for (const char c : text)

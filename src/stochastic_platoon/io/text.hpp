@@ -7,6 +7,9 @@ namespace platoon {
 /// printf to a string of any length.
 std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
+/// The text, or of a long one its beginning and "...": for values in messages, where what matters is which is meant.
+std::string shortened(const std::string& text);
+
 /// The text with every byte that is no printable ASCII as \xNN: for what comes from files.
 std::string printable(const std::string& text);
 

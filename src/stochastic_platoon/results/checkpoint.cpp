@@ -46,13 +46,6 @@ Checkpoint from_json(const nlohmann::json& document) {
           std::move(table)};
 }
 
-// Of a whole matrix or a recorded leader its beginning will do.
-std::string shown(const nlohmann::json& value) {
-  constexpr std::size_t kLongest = 80;
-  const std::string text = value.dump();
-  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
-}
-
 // The lines before the content.
 std::string heading_of(const std::string& content) {
   return formatted("%s\n%016llx\n", kFormat, static_cast<unsigned long long>(digest(content)));
@@ -72,8 +65,8 @@ std::string differences(const nlohmann::json& there, const nlohmann::json& here)
   for (const auto& entry : here.items()) {
     const nlohmann::json other = there.value(entry.key(), nlohmann::json());
     if (other == entry.value()) continue;
-    text += (text.empty() ? "" : ", ") + entry.key() + " is " + shown(other) + " there and " +
-            shown(entry.value()) + " here";
+    text += (text.empty() ? "" : ", ") + entry.key() + " is " + shortened(other.dump()) + " there and " +
+            shortened(entry.value().dump()) + " here";
   }
   return text;
 }
