@@ -33,7 +33,7 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
 void Channel::transmit(Link& link, const Position::ConstPtr& message) {
   const MessageId id = id_of(*message);
   if (!membership_.admits(message->run))
-    return link.drops.count(Verdict::foreign_run, {id, message->position.size(), true});
+    return link.drops.count(Verdict::foreign_run, id, message->position.size());
   const auto received = messages_.take();
   received->header = message->header;
   set_id(message->run, id, *received);

@@ -6,18 +6,17 @@
 
 namespace platoon {
 
-void DropCounter::count(Verdict verdict, const Heading& heading) {
+void DropCounter::count(Verdict verdict, const MessageId& id, std::size_t size) {
   ++counts_[static_cast<std::size_t>(verdict)];
   if (verdict == Verdict::stale || verdict == Verdict::missed_start || verdict == Verdict::in_turn) return;
   const double present = now();
   if (last_said_ && present - *last_said_ < 1.0) return;
   last_said_ = present;
-  ROS_WARN_STREAM(topic_ << ": dropped a message that is " << to_string(verdict) << ": attempt "
-                         << heading.id.attempt << ", realizations from " << heading.id.first_realization
-                         << ", step " << heading.id.step << ", " << heading.size << " positions (so far "
-                         << of(Verdict::out_of_turn) << " out of turn, " << of(Verdict::wrong_size)
-                         << " of wrong size, " << of(Verdict::not_finite) << " not finite, "
-                         << of(Verdict::foreign_run) << " of another run)");
+  ROS_WARN_STREAM(topic_ << ": dropped a message that is " << to_string(verdict) << ": attempt " << id.attempt
+                         << ", realizations from " << id.first_realization << ", step " << id.step << ", "
+                         << size << " positions (so far " << of(Verdict::out_of_turn) << " out of turn, "
+                         << of(Verdict::wrong_size) << " of wrong size, " << of(Verdict::not_finite)
+                         << " not finite, " << of(Verdict::foreign_run) << " of another run)");
 }
 
 }  // namespace platoon

@@ -16,7 +16,7 @@ class DropCounter {
 public:
   explicit DropCounter(std::string topic) : topic_(std::move(topic)) {}
 
-  void count(Verdict verdict, const Heading& heading);
+  void count(Verdict verdict, const MessageId& id, std::size_t size);
 
   std::uint64_t of(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
 

@@ -40,12 +40,12 @@ void Follower::begin(const Configuration& configuration) {
 
 void Follower::receive(const Position::ConstPtr& message) {
   if (!membership_.admits(message->run)) {
-    return drops_.count(Verdict::foreign_run, {id_of(*message), message->position.size(), true});
+    return drops_.count(Verdict::foreign_run, id_of(*message), message->position.size());
   }
   const Heading heading = heading_of(*message);
   const MessageId& id = heading.id;
   const Verdict verdict = part_->order.receive(heading);
-  if (verdict != Verdict::in_turn) return drops_.count(verdict, heading);
+  if (verdict != Verdict::in_turn) return drops_.count(verdict, id, heading.size);
   if (id.step == kInitialStep) {
     const auto initial = messages_.take();
     part_->vehicle.start(id.first_realization, heading.size, initial->position);

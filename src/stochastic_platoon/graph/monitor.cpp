@@ -88,7 +88,8 @@ void Monitor::receive(std::size_t vehicle, const Position::ConstPtr& message) {
       reports_.saw(message->header.stamp.toNSec());
       receipt = statistics_.receive(vehicle, heading, positions_of(message));
     }
-    if (receipt.verdict != Verdict::in_turn) return drops_[vehicle].count(receipt.verdict, heading);
+    if (receipt.verdict != Verdict::in_turn)
+      return drops_[vehicle].count(receipt.verdict, heading.id, heading.size);
   }
   const RunStatistics::Computed computed = statistics_.compute(receipt.work);
   const Locked lock(lock_);

@@ -40,11 +40,12 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration,
 }
 
 void Recorder::receive(std::size_t stream, const Position::ConstPtr& message) {
-  const Heading heading{id_of(*message), message->position.size(), true};
-  if (!membership_.admits(message->run)) return drops_[stream].count(Verdict::foreign_run, heading);
+  const MessageId id = id_of(*message);
+  const std::size_t size = message->position.size();
+  if (!membership_.admits(message->run)) return drops_[stream].count(Verdict::foreign_run, id, size);
   reports_.saw(message->header.stamp.toNSec());
   const Verdict verdict = recording_.receive(stream, message);
-  if (verdict != Verdict::in_turn) return drops_[stream].count(verdict, heading);
+  if (verdict != Verdict::in_turn) return drops_[stream].count(verdict, id, size);
   if (!began_) began_ = now();
   reports_.report_if_due(recording_.arrivals());
   finish();
