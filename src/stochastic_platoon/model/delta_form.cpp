@@ -77,6 +77,8 @@ std::vector<std::complex<long double>> zeros(const DeltaPolynomial& p) {
   const std::vector<std::complex<double>> start = roots(descending);
   std::vector<Complex> s(start.begin(), start.end());
   constexpr long double kRounding = 4.0L * std::numeric_limits<long double>::epsilon();
+  constexpr long double kNear = 1e-6L;
+  std::vector<long double> before(s.size(), std::numeric_limits<long double>::infinity());
   for (int iteration = 0; iteration < 40; ++iteration) {
     bool settled = true;
     for (std::size_t i = 0; i < s.size(); ++i) {
@@ -88,7 +90,11 @@ std::vector<std::complex<long double>> zeros(const DeltaPolynomial& p) {
       const Complex step = quotient(newton, 1.0L - product(newton, repulsion));
       if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) continue;
       s[i] -= step;
-      settled = settled && std::norm(step) <= kRounding * kRounding * std::norm(s[i]);
+      const long double size = std::norm(step), place = std::norm(s[i]);
+      // Where zeros lie close together, rounding keeps steps from vanishing: they stop to shrink instead.
+      const bool shrinks = size < before[i] || size > kNear * kNear * place;
+      settled = settled && (size <= kRounding * kRounding * place || !shrinks);
+      before[i] = size;
     }
     if (settled) break;
   }

@@ -1,10 +1,10 @@
 #include "stochastic_platoon/model/transfer_function.hpp"
 
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -36,13 +36,18 @@ Eigen::MatrixXd cofactor_map(const Polynomial& n, const Polynomial& d, Eigen::In
   return map;
 }
 
-/// Whether the cofactor map has no null vector to a tolerance of 1e-13. By a QR decomposition, at a tenth of
-/// the cost of singular values: its last pivot is the smallest of them but for a factor of some units.
-bool is_clearly_regular(const Eigen::MatrixXd& map) {
-  if (map.rows() < map.cols()) return false;
+/// The null vector of a matrix with no more columns than rows, if it has one to the tolerance. By a QR
+/// decomposition, at a tenth of the cost of singular values: its last pivot is the smallest of them but for a
+/// factor of some units.
+std::optional<Eigen::VectorXd> null_vector(const Eigen::MatrixXd& map, double tolerance) {
+  const Eigen::Index last = map.cols() - 1;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(map);
-  const auto pivots = qr.matrixQR().diagonal().cwiseAbs();
-  return pivots(pivots.size() - 1) > 1e-12 * pivots(0);
+  const Eigen::MatrixXd& r = qr.matrixQR();
+  if (std::abs(r(last, last)) > 10.0 * tolerance * std::abs(r(0, 0))) return std::nullopt;
+  Eigen::VectorXd null(map.cols());
+  null.head(last) = -r.topLeftCorner(last, last).triangularView<Eigen::Upper>().solve(r.col(last).head(last));
+  null(last) = 1.0;
+  return (qr.colsPermutation() * null).normalized();
 }
 
 TransferFunction without_common_zeros_at_origin(const TransferFunction& fraction, Eigen::Index* count) {
@@ -64,6 +69,14 @@ Eigen::MatrixXd product_map(const Polynomial& p, Eigen::Index columns) {
   return map;
 }
 
+/// p - f q, formed in long double: a difference of what is equal to rounding.
+Eigen::VectorXd residual_of(const Polynomial& p, const Polynomial& f, const Polynomial& q) {
+  Eigen::Matrix<long double, Eigen::Dynamic, 1> rest = p.cast<long double>();
+  for (Eigen::Index i = 0; i < f.size(); ++i)
+    rest.segment(i, q.size()) -= static_cast<long double>(f(i)) * q.cast<long double>();
+  return rest.cast<double>();
+}
+
 // A null vector has the accuracy of the gap between the singular values. Gauss-Newton steps on g u - N = 0, g
 // v - D = 0 (v and g monic) bring u, v and g to the rounding of the coefficients.
 Reduction refined(const TransferFunction& fraction, const Reduction& rough) {
@@ -79,7 +92,7 @@ Reduction refined(const TransferFunction& fraction, const Reduction& rough) {
     jacobian.topRightCorner(n.size(), of_g) = product_map(u, g.size()).rightCols(of_g);
     jacobian.bottomRightCorner(d.size(), of_g) = product_map(v, g.size()).rightCols(of_g);
     Eigen::VectorXd residual(n.size() + d.size());
-    residual << n - multiply(g, u), d - multiply(g, v);
+    residual << residual_of(n, g, u), residual_of(d, g, v);
     const Eigen::VectorXd change = jacobian.colPivHouseholderQr().solve(residual);
     if (!change.allFinite()) return rough;
     u += change.head(of_u);
@@ -153,18 +166,14 @@ Reduction reduce(const TransferFunction& fraction, double tolerance) {
   const Polynomial unit_n = n / n_size;
   const Polynomial unit_d = d / d_size;
   // The map of the largest degree holds those of all smaller ones.
-  if (d.size() < 2 || is_clearly_regular(cofactor_map(unit_n, unit_d, d.size() - 2)))
+  if (d.size() < 2 || !null_vector(cofactor_map(unit_n, unit_d, d.size() - 2), tolerance))
     return {stripped, common};
   const Eigen::Index relative_degree = d.size() - n.size();  // that of u / v, too: v has no smaller degree
   for (Eigen::Index degree = relative_degree; degree + 1 < d.size(); ++degree) {
-    const Eigen::MatrixXd map = cofactor_map(unit_n, unit_d, degree);
-    if (is_clearly_regular(map)) continue;
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(map, Eigen::ComputeFullV);
-    const Eigen::VectorXd& singular = svd.singularValues();
-    if (singular.size() < 2 * (degree + 1) || singular.minCoeff() > tolerance * singular.maxCoeff()) continue;
-    const Eigen::VectorXd null = svd.matrixV().rightCols(1);
-    const Polynomial v = null.head(degree + 1);
-    Polynomial u = null.tail(degree + 1) * (n_size / d_size);
+    const std::optional<Eigen::VectorXd> null = null_vector(cofactor_map(unit_n, unit_d, degree), tolerance);
+    if (!null) continue;
+    const Polynomial v = null->head(degree + 1);
+    Polynomial u = null->tail(degree + 1) * (n_size / d_size);
     u.head(relative_degree).setZero();  // what stands there is rounding
     if (std::abs(v(0)) < tolerance || !u.allFinite() || !(u / v(0)).allFinite()) continue;
     const Reduction candidate = refined(stripped, {TransferFunction(u, v), exact_quotient(d, v / v(0))});

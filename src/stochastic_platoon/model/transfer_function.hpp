@@ -43,8 +43,8 @@ struct Reduction {
 /// z = 0 are cancelled exactly. The others are found without computing zeros, which are
 /// ill-conditioned where they are multiple: N/D = u/v with deg v < deg D exists just when the Sylvester-type
 /// matrix of the map (v, u) -> N v - D u is singular; the smallest such v is taken from its null vector.
-/// Singular means: smallest singular value below `tolerance` times the largest, for N and D scaled to unit
-/// norm.
+/// Singular means: the last pivot of a QR decomposition below 10 `tolerance` times the first, for N and D
+/// scaled to unit norm.
 Reduction reduce(const TransferFunction& fraction, double tolerance = 1e-13);
 
 /// H(z) = (1 + h) - h / z, the feedback path of the constant headway policy (paper, section 3). h in sample
