@@ -79,6 +79,7 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
         stable_headways([&model](double headway) { return close_loop(*model.design, headway); },
                         headways_about(model.headway));
   }
+  analysis.integral_defect = integral_defect(model.loop, model.headway);
   analysis.rounding = rounding_bound_of_a_metre(model.loop.realization, static_cast<std::size_t>(steps));
   return analysis;
 }
@@ -137,6 +138,12 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
         "double; the figures above do not, but hold for the numbers given, each of which is a rounded one\n",
         analysis.rounding);
   }
+  if (analysis.integral_defect > 1e-9) {
+    text += formatted(
+        "Warning: A, B and C have T(1) = 1 and dT/dz(1) = -h to %.1g only: a verdict so near to its border, "
+        "and as many digits of the limit, they do not determine\n",
+        analysis.integral_defect);
+  }
   return text;
 }
 
@@ -168,6 +175,7 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
             {"denominator", coefficients(model.loop.transfer.denominator())}}},
           {"spectral_radius", stability.spectral_radius},
           {"rounding", number(analysis.rounding)},
+          {"integral_defect", number(analysis.integral_defect)},
           {"peak_gain", number(stability.peak_gain)},
           {"peak_frequency", number(stability.peak_frequency)},
           {"mean_square_stable", stability.mean_square_stable},

@@ -178,6 +178,11 @@ std::string rounded_away(const ClosedLoop& loop, double headway) {
 
 }  // namespace
 
+double integral_defect(const ClosedLoop& loop, double headway) {
+  const RampGain gain = ramp_gain(delta_fraction(loop));
+  return static_cast<double>(std::abs(gain.value - 1.0L) + std::abs(gain.slope + headway) / (1.0L + headway));
+}
+
 std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double headway, bool allow_unstable) {
   std::vector<std::string> found;
   const auto report = [&found](const std::ostringstream& text) { found.push_back(text.str()); };

@@ -32,6 +32,10 @@ DeltaFraction delta_fraction(const ClosedLoop& loop);
 /// rho(A) of the loop as plant and controller, or A, B and C, give it; 1 - rho(A) has the digits of rho(A).
 double spectral_radius(const ClosedLoop& loop);
 
+/// |T(1) - 1| + |dT/dz(1) + h| / (1 + h): by how much the loop as it is given misses double integral action. Of
+/// plant and controller it is rounding; A, B and C have it to the digits that they are written with.
+double integral_defect(const ClosedLoop& loop, double headway);
+
 /// Plant and controller of a vehicle, from which a closed loop follows for every headway.
 struct LoopDesign {
   TransferFunction plant;       ///< G(z)

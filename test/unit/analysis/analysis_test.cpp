@@ -45,6 +45,19 @@ TEST(Analysis, HasEveryKeyWithItsShape) {
   EXPECT_NEAR(document.at("critical_headway").get<double>(), 2.8, 1e-9);
 }
 
+TEST(Analysis, WarnsWhereTheCoefficientsDoNotDetermineAFineVerdict) {
+  PlatoonModel model = model_at(3.2);
+  const StateSpace exact = model.loop.realization;
+  model.design.reset();
+  model.loop = closed_loop_from(exact);
+  const std::string warning = "Warning: A, B and C have T(1) = 1";
+  EXPECT_EQ(report(model, analyze(model, 2, 10)).find(warning), std::string::npos);
+  model.loop = closed_loop_from(StateSpace(exact.a(), exact.b() * (1.0 + 1e-6), exact.c()));
+  const Analysis analysis = analyze(model, 2, 10);
+  EXPECT_NEAR(analysis.integral_defect, 1e-6 * (1.0 + 3.2 / 4.2), 1e-12);
+  EXPECT_NE(report(model, analysis).find(warning), std::string::npos);
+}
+
 TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
   const PlatoonModel unstable_string = model_at(2.4);
   const nlohmann::json document = to_json(unstable_string, analyze(unstable_string, 3, 10));
