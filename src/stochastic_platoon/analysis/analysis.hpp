@@ -23,7 +23,7 @@ struct Analysis {
   ErrorMoments moments;
   ErrorNorms norms;                        ///< L_2 of the means, L_infinity of the variances
   std::optional<TheoremTwoBounds> bounds;  ///< none where the loop is unstable
-  double rounding = 0.0;  ///< [m] to which the vehicles' own arithmetic keeps a position of 1 m
+  double rounding = 0.0;         ///< [m] to which the vehicles' own arithmetic keeps a position of 1 m
   double integral_defect = 0.0;  ///< by how much T(1) = 1 and dT/dz(1) = -h are missed: no verdict is finer
 };
 

@@ -24,21 +24,52 @@ Complex product(Complex a, Complex b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-/// p(s) / p'(s), from the reversed polynomial where |s| > 1, so that nothing overflows.
-Complex newton_step(const DeltaPolynomial& p, Complex s) {
+struct NewtonStep {
+  Complex step;   ///< p(s) / p'(s)
+  bool rounding;  ///< p(s) is no more than what rounding makes of 0
+};
+
+/// From the reversed polynomial where |s| > 1, so that nothing overflows.
+NewtonStep newton_step(const DeltaPolynomial& p, Complex s) {
+  constexpr long double kRounding = 2.0L * std::numeric_limits<long double>::epsilon();
   const bool outside = std::norm(s) > 1.0L;
   const Complex x = outside ? quotient(1.0L, s) : s;
+  const long double length = std::abs(x);
   Complex value = 0.0L;
   Complex slope = 0.0L;
+  long double sum = 0.0L;  // of the moduli of the terms
   for (std::size_t i = 0; i < p.size(); ++i) {
+    const long double coefficient = outside ? p[i] : p[p.size() - 1 - i];
     slope = product(slope, x) + value;
-    value = product(value, x) + (outside ? p[i] : p[p.size() - 1 - i]);
+    value = product(value, x) + coefficient;
+    sum = sum * length + std::abs(coefficient);
   }
-  if (value == Complex(0.0L)) return 0.0L;
-  if (!outside) return quotient(value, slope);
+  if (value == Complex(0.0L)) return {0.0L, true};
+  const bool rounding = std::norm(value) <= kRounding * kRounding * sum * sum;
+  if (!outside) return {quotient(value, slope), rounding};
   // p(s) = s^n q(1/s): p'/p = n/s - q'(1/s) / (q(1/s) s^2).
-  return quotient(1.0L,
-                  product(x, static_cast<long double>(p.size() - 1) - quotient(product(x, slope), value)));
+  const Complex inverse =
+      product(x, static_cast<long double>(p.size() - 1) - quotient(product(x, slope), value));
+  return {quotient(1.0L, inverse), rounding};
+}
+
+/// The power of two that is about as large as the largest zero, where that is far from 1, and else 0.
+int scale_of_zeros(const DeltaPolynomial& p) {
+  constexpr long double kFar = 30.0L;
+  long double largest = -std::numeric_limits<long double>::infinity();
+  for (std::size_t i = 0; i + 1 < p.size(); ++i) {
+    const long double ratio = std::log2(std::abs(p[i] / p.back()));
+    largest = std::max(largest, ratio / static_cast<long double>(p.size() - 1 - i));
+  }
+  return std::abs(largest) < kFar ? 0 : static_cast<int>(std::lround(largest));
+}
+
+/// p(2^scale t) over its leading coefficient.
+DeltaPolynomial in_units_of(const DeltaPolynomial& p, int scale) {
+  DeltaPolynomial q = p;
+  for (std::size_t i = 0; i < q.size(); ++i)
+    q[i] = std::ldexp(q[i] / p.back(), scale * (static_cast<int>(i) - static_cast<int>(q.size()) + 1));
+  return q;
 }
 
 }  // namespace
@@ -68,6 +99,8 @@ std::vector<std::complex<long double>> zeros(const DeltaPolynomial& p) {
     found.emplace_back(0.0L);
   }
   if (q.size() < 2) return found;
+  const int scale = scale_of_zeros(q);
+  if (scale != 0) q = in_units_of(q, scale);
   Polynomial descending(static_cast<Eigen::Index>(q.size()));
   const long double largest = std::abs(*std::max_element(
       q.begin(), q.end(), [](long double a, long double b) { return std::abs(a) < std::abs(b); }));
@@ -77,28 +110,23 @@ std::vector<std::complex<long double>> zeros(const DeltaPolynomial& p) {
   const std::vector<std::complex<double>> start = roots(descending);
   std::vector<Complex> s(start.begin(), start.end());
   constexpr long double kRounding = 4.0L * std::numeric_limits<long double>::epsilon();
-  constexpr long double kNear = 1e-6L;
-  std::vector<long double> before(s.size(), std::numeric_limits<long double>::infinity());
   for (int iteration = 0; iteration < 40; ++iteration) {
     bool settled = true;
     for (std::size_t i = 0; i < s.size(); ++i) {
-      const Complex newton = newton_step(q, s[i]);
+      const NewtonStep newton = newton_step(q, s[i]);
       Complex repulsion = 0.0L;
       for (std::size_t j = 0; j < s.size(); ++j) {
         if (j != i && s[i] != s[j]) repulsion += quotient(1.0L, s[i] - s[j]);
       }
-      const Complex step = quotient(newton, 1.0L - product(newton, repulsion));
+      const Complex step = quotient(newton.step, 1.0L - product(newton.step, repulsion));
       if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) continue;
       s[i] -= step;
-      const long double size = std::norm(step), place = std::norm(s[i]);
-      // Where zeros lie close together, rounding keeps steps from vanishing: they stop to shrink instead.
-      const bool shrinks = size < before[i] || size > kNear * kNear * place;
-      settled = settled && (size <= kRounding * kRounding * place || !shrinks);
-      before[i] = size;
+      settled = settled && (newton.rounding || std::norm(step) <= kRounding * kRounding * std::norm(s[i]));
     }
     if (settled) break;
   }
-  found.insert(found.end(), s.begin(), s.end());
+  for (const Complex& zero : s)
+    found.emplace_back(std::ldexp(zero.real(), scale), std::ldexp(zero.imag(), scale));
   return found;
 }
 
