@@ -94,6 +94,13 @@ std::vector<std::string> RunOptions::receivers() const {
   return names;
 }
 
+// In one process a message is used up at once, and the further a vehicle is ahead the longer its state stays
+// in the cache.
+std::size_t RunOptions::longest_lead() const {
+  constexpr std::size_t kOfProcesses = 128;
+  return hosting == Hosting::processes ? kOfProcesses : followers;
+}
+
 nlohmann::json to_json(const RunOptions& options) {
   return {{"followers", options.followers},
           {"steps", options.steps},

@@ -40,6 +40,9 @@ struct RunOptions {
   /// Who has to acknowledge every step.
   std::vector<std::string> receivers() const;
 
+  /// By how many steps the last vehicle may be ahead of the leader: see leads().
+  std::size_t longest_lead() const;
+
   BatchSchedule schedule() const { return {realizations, batch, steps}; }
 
   /// What the statistics of the run are taken over.

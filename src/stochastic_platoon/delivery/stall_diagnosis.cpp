@@ -2,14 +2,17 @@
 
 #include <tuple>
 
+#include "stochastic_platoon/delivery/lead.hpp"
+
 namespace platoon {
 
 namespace {
 
-// What a follower can have sent once its predecessor has sent `id`: the step after it, or the end of the
-// batch.
-MessageId reachable(const MessageId& id, const BatchSchedule& schedule) {
-  return schedule.is_last_step(id.step) ? id : MessageId{id.attempt, id.first_realization, id.step + 1};
+// What a follower can have sent once its predecessor has sent `id`: the same step or, if it leads, the one
+// after it, up to the end of the batch.
+MessageId reachable(const MessageId& id, bool leads, const BatchSchedule& schedule) {
+  if (!leads || schedule.is_last_step(id.step)) return id;
+  return {id.attempt, id.first_realization, id.step + 1};
 }
 
 bool is_behind(const std::optional<MessageId>& own, const MessageId& reachable_id) {
@@ -27,10 +30,13 @@ std::string silence(const std::string& name, const std::optional<MessageId>& lat
 }  // namespace
 
 StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& latest,
-                              const BatchSchedule& schedule) {
+                              const BatchSchedule& schedule, std::size_t longest_lead) {
   std::vector<std::size_t> stuck;
-  for (std::size_t i = 1; i < latest.size(); ++i) {
-    if (latest[i - 1] && is_behind(latest[i], reachable(*latest[i - 1], schedule))) stuck.push_back(i);
+  const std::size_t followers = latest.size() - 1;
+  for (std::size_t i = 1; i <= followers; ++i) {
+    if (latest[i - 1] &&
+        is_behind(latest[i], reachable(*latest[i - 1], leads(i, followers, longest_lead), schedule)))
+      stuck.push_back(i);
   }
   if (stuck.empty()) return {0, silence("vehicle_0 (leader)", latest.front())};
   const std::string first = silence("vehicle_" + std::to_string(stuck.front()), latest[stuck.front()]);

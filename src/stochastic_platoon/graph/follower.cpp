@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "stochastic_platoon/delivery/lead.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
@@ -32,7 +33,8 @@ void Follower::begin(const Configuration& configuration) {
                               std::to_string(followers) + ", the number of followers"});
   }
   const BatchSchedule schedule = configuration.run.schedule();
-  part_.emplace(Part{schedule, platoon_period(configuration.model.sample_period),
+  part_.emplace(Part{schedule, leads(index_, followers, configuration.run.longest_lead()),
+                     platoon_period(configuration.model.sample_period),
                      FollowerVehicle(configuration.model, configuration.run.seed, index_),
                      MessageOrder(schedule)});
   if (joined_) joined_(configuration);
@@ -46,15 +48,22 @@ void Follower::receive(const Position::ConstPtr& message) {
   const MessageId& id = heading.id;
   const Verdict verdict = part_->order.receive(heading);
   if (verdict != Verdict::in_turn) return drops_.count(verdict, id, heading.size);
+  const ros::Time stamp = message->header.stamp;
   if (id.step == kInitialStep) {
     const auto initial = messages_.take();
     part_->vehicle.start(id.first_realization, heading.size, initial->position);
-    publish(initial, id, message->header.stamp);
+    publish(initial, id, stamp);
+  } else if (!part_->leads) {
+    publish(std::exchange(part_->upcoming, nullptr), id, stamp);
   }
   if (part_->schedule.is_last_step(id.step)) return;
   const auto next = messages_.take();
   part_->vehicle.step(message->position, next->position);
-  publish(next, {id.attempt, id.first_realization, id.step + 1}, message->header.stamp + part_->period);
+  if (part_->leads) {
+    publish(next, {id.attempt, id.first_realization, id.step + 1}, stamp + part_->period);
+  } else {
+    part_->upcoming = next;
+  }
 }
 
 void Follower::publish(const Position::Ptr& message, const MessageId& id, const ros::Time& stamp) {

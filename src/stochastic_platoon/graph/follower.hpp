@@ -17,7 +17,8 @@
 namespace platoon {
 
 /// Vehicle i >= 1 as a ROS component. On its predecessor's step k, as received, it publishes its own step k +
-/// 1; on step -1 first its own step -1.
+/// 1, on step -1 first its own step -1; in long strings it may be one that publishes its own step k: see
+/// leads().
 ///
 /// It may outlive runs: its links stay up, and the first message of another run makes it start over under that
 /// run's configuration.
@@ -37,9 +38,11 @@ private:
   /// What it is within one run.
   struct Part {
     BatchSchedule schedule;
+    bool leads;
     ros::Duration period;
     FollowerVehicle vehicle;
     MessageOrder order;
+    stochastic_platoon::Position::Ptr upcoming = {};  ///< its own next step, of one that does not lead
   };
   void begin(const Configuration& configuration);
   void receive(const stochastic_platoon::Position::ConstPtr& message);

@@ -4,13 +4,16 @@
 #include <std_msgs/String.h>
 #include <stochastic_platoon/ErrorStatistics.h>
 
+#include <algorithm>
 #include <boost/function.hpp>
 #include <cstdio>
 #include <mutex>
 #include <utility>
 
+#include "stochastic_platoon/delivery/lead.hpp"
 #include "stochastic_platoon/delivery/stall_diagnosis.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
 #include "stochastic_platoon/results/run_report.hpp"
@@ -109,13 +112,13 @@ void Monitor::receive_note(const Progress::ConstPtr& message) {
 
 void Monitor::tick() {
   const double present = now();
-  bool linked, complete;
+  bool began, complete;
   std::uint64_t committed;
   std::string recorder;
   {
     const Locked lock(lock_);
-    linked = reports_.is_linked(positions_);
-    if (linked) reports_.report(statistics_.arrivals());
+    began = began_.has_value();
+    if (reports_.is_linked(positions_)) reports_.report(statistics_.arrivals());
     complete = statistics_.arrivals().complete();
     committed = statistics_.arrivals().committed();
     recorder = notes_["recorder"];
@@ -123,9 +126,13 @@ void Monitor::tick() {
   if (finished_) return;
   if (complete) return finish();
   check_for_stall(present);
-  if (!linked) return;
+  if (!began) return show_start(present);
   display_.set_note(recorder);
-  if (!endless() && began_) display_.update(committed, present);
+  if (endless()) {
+    display_.finish();
+  } else {
+    display_.update(committed, present);
+  }
   save_checkpoint_if_due(present);
   publish_statistics_if_due(present);
 }
@@ -188,12 +195,12 @@ void Monitor::stop() {
 // Said once when it is noticed and once when it is over.
 void Monitor::check_for_stall(double present) {
   const RunOptions& run = configuration_.run;
-  const double pace = run.rate > 0.0 ? 1.0 / run.rate + (began_ ? 0.0 : kObserverTime) : 0.0;
-  const double start = began_ ? 0.0 : kStartTime * static_cast<double>(run.followers);
   StallWatch::Change change;
   std::string who;
   {
     const Locked lock(lock_);
+    const double pace = run.rate > 0.0 ? 1.0 / run.rate + (began_ ? 0.0 : kObserverTime) : 0.0;
+    const double start = began_ ? 0.0 : kStartTime * static_cast<double>(run.followers);
     change = stall_.look(present, 0.75 * run.stall_timeout + pace + start);
     if (change == StallWatch::Change::stalled) who = culprit();
   }
@@ -202,17 +209,40 @@ void Monitor::check_for_stall(double present) {
 }
 
 std::string Monitor::culprit() const {
-  const std::string missing = missing_vehicles();
+  const std::string missing = name_of_missing();
   if (!missing.empty()) return missing;
-  const StallDiagnosis diagnosis =
-      diagnose_stall(statistics_.arrivals().latest(), configuration_.run.schedule());
+  const StallDiagnosis diagnosis = diagnose_stall(
+      statistics_.arrivals().latest(), configuration_.run.schedule(), configuration_.run.longest_lead());
   const auto note = notes_.find("vehicle_" + std::to_string(diagnosis.vehicle.value_or(0)));
   const bool explained = diagnosis.vehicle && note != notes_.end();
   return diagnosis.text + (explained ? "; it says: " + note->second : "");
 }
 
+std::size_t Monitor::missing_vehicles() const {
+  return static_cast<std::size_t>(
+      std::count_if(positions_.begin(), positions_.end(),
+                    [](const ros::Subscriber& position) { return position.getNumPublishers() == 0; }));
+}
+
+void Monitor::show_start(double present) {
+  const RunOptions& run = configuration_.run;
+  const std::size_t missing = missing_vehicles();
+  if (missing > 0) {
+    return display_.prepare(formatted("waiting for %zu of %zu vehicles", missing, run.followers + 1),
+                            present);
+  }
+  std::uint64_t messages;
+  {
+    const Locked lock(lock_);
+    messages = statistics_.arrivals().messages();
+  }
+  const auto share = static_cast<double>(messages) / static_cast<double>(messages_of_first_step(
+                                                         run.followers, run.longest_lead(), run.steps));
+  display_.prepare(formatted("first step: %.0f %%", 100.0 * std::min(share, 1.0)), present);
+}
+
 // Empty when every vehicle is there.
-std::string Monitor::missing_vehicles() const {
+std::string Monitor::name_of_missing() const {
   std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     if (positions_[i].getNumPublishers() == 0) missing.push_back(i);

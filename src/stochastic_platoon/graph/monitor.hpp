@@ -55,7 +55,9 @@ private:
   void tick();
   void check_for_stall(double present);
   std::string culprit() const;
-  std::string missing_vehicles() const;
+  std::size_t missing_vehicles() const;
+  std::string name_of_missing() const;
+  void show_start(double present);
   void finish();
   void save_checkpoint_if_due(double present);
   void publish_statistics_if_due(double present);

@@ -29,6 +29,19 @@ std::string ProgressDisplay::line(std::uint64_t done, double now) const {
   return note_.empty() ? text : text + ("  " + note_);
 }
 
+void ProgressDisplay::draw(const std::string& text) {
+  std::printf(terminal_ ? "\r%s \033[K" : "%s\n", text.c_str());
+  std::fflush(stdout);
+  drawn_ = true;
+}
+
+void ProgressDisplay::prepare(const std::string& what, double now) {
+  if (!last_preparation_) last_preparation_ = now;
+  if (now - *last_preparation_ < (terminal_ ? 0.1 : 10.0)) return;
+  last_preparation_ = now;
+  draw(what);
+}
+
 void ProgressDisplay::update(std::uint64_t done, double now) {
   if (!began_) {
     began_ = last_ = now;
@@ -41,9 +54,7 @@ void ProgressDisplay::update(std::uint64_t done, double now) {
   if (!due) return;
   last_ = now;
   last_tenth_ = tenth;
-  std::printf(terminal_ ? "\r%s \033[K" : "%s\n", line(done, now).c_str());
-  std::fflush(stdout);
-  drawn_ = true;
+  draw(line(done, now));
 }
 
 void ProgressDisplay::finish() {

@@ -16,6 +16,10 @@ public:
   /// `now` in seconds of any steady clock. Draws at most ten times a second.
   void update(std::uint64_t done, double now);
 
+  /// What goes on before anything can be counted. Where it is no terminal, a line every ten seconds, the first
+  /// after ten.
+  void prepare(const std::string& what, double now);
+
   /// What stands at the end of the line: the state of others who work beside this job.
   void set_note(const std::string& note) { note_ = note; }
 
@@ -24,6 +28,7 @@ public:
 
 private:
   std::string line(std::uint64_t done, double now) const;
+  void draw(const std::string& text);
 
   std::uint64_t total_;
   std::string unit_;
@@ -32,9 +37,10 @@ private:
   std::string note_;
   bool terminal_;
   bool drawn_ = false;
-  std::optional<double> began_;  ///< [s] the first update
-  std::uint64_t began_at_ = 0;   ///< done then
-  double last_ = 0.0;            ///< [s] when it was drawn
+  std::optional<double> began_;             ///< [s] the first update
+  std::uint64_t began_at_ = 0;              ///< done then
+  double last_ = 0.0;                       ///< [s] when it was drawn
+  std::optional<double> last_preparation_;  ///< [s] the same
   std::uint64_t last_tenth_ = 0;
 };
 

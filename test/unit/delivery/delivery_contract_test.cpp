@@ -102,6 +102,18 @@ TEST(DeliveryContract, HoldsWhenEverythingGoesWrongAtOnce) {
   EXPECT_GT(expect_undisturbed_statistics(troubles, 60).kills, 60);
 }
 
+TEST(DeliveryContract, HoldsForFollowersThatDoNotLead) {
+  Troubles troubles;
+  for (const std::size_t lead : {0, 1, 2}) {
+    troubles.longest_lead = lead;
+    EXPECT_EQ(expect_undisturbed_statistics(troubles, 10).attempts, 10u) << lead;
+  }
+  troubles.drop = 0.001;
+  troubles.kill_follower = 0.002;
+  troubles.longest_lead = 1;
+  EXPECT_GT(expect_undisturbed_statistics(troubles, 60).kills, 60);
+}
+
 TEST(DeliveryContract, HoldsForARecorderBesideTheMonitorWhenNothingGoesWrong) {
   Troubles troubles;
   troubles.recorder = true;

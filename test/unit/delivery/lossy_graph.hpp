@@ -10,6 +10,7 @@
 
 #include "stochastic_platoon/delivery/credit.hpp"
 #include "stochastic_platoon/delivery/error_assembly.hpp"
+#include "stochastic_platoon/delivery/lead.hpp"
 #include "stochastic_platoon/delivery/report_pace.hpp"
 #include "stochastic_platoon/model/tracking_error.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
@@ -17,7 +18,7 @@
 
 namespace platoon {
 
-/// What goes wrong in a LossyGraph: probabilities per event.
+/// What a LossyGraph is like and what goes wrong in it: probabilities per event.
 struct Troubles {
   double drop = 0.0;           ///< a message is lost on its link
   double kill_leader = 0.0;    ///< a component is killed and started again, with nothing but its parameters
@@ -25,6 +26,7 @@ struct Troubles {
   double kill_monitor = 0.0;   ///< it starts from its latest checkpoint
   double kill_recorder = 0.0;  ///< it starts after the batches it has written
   bool recorder = false;       ///< whether there is one
+  std::size_t longest_lead = 100;
 };
 
 /// The graph of nodes with its queues instead of sockets and an invented clock: leader, channel, followers,
@@ -93,6 +95,8 @@ private:
   struct Follower {
     MessageOrder order;
     FollowerVehicle vehicle;
+    bool leads;
+    std::vector<double> upcoming = {};  ///< its own next step, of one that does not lead
   };
   struct Checkpoint {
     MomentTable table;
@@ -106,7 +110,8 @@ private:
   }
 
   Follower new_follower(std::uint32_t index) const {
-    return {MessageOrder(schedule_), FollowerVehicle(model_, noise_seed_, index)};
+    return {MessageOrder(schedule_), FollowerVehicle(model_, noise_seed_, index),
+            leads(index, to_channel_.size(), troubles_.longest_lead)};
   }
 
   void start_leader() {
@@ -265,10 +270,16 @@ private:
     if (id.step == kInitialStep) {
       follower.vehicle.start(id.first_realization, received.size(), own);
       publish(index, id, own);
+    } else if (!follower.leads) {
+      publish(index, id, follower.upcoming);
     }
     if (schedule_.is_last_step(id.step)) return;
     follower.vehicle.step(received, own);
-    publish(index, {id.attempt, id.first_realization, id.step + 1}, own);
+    if (follower.leads) {
+      publish(index, {id.attempt, id.first_realization, id.step + 1}, own);
+    } else {
+      follower.upcoming = own;
+    }
   }
 
   Heading heading(const Message& message) const { return {message.id, message.positions->size(), true}; }

@@ -7,19 +7,20 @@ namespace {
 
 const BatchSchedule kSchedule{80, 8, 10};  // steps -1 .. 9
 const std::optional<MessageId> kNone;
+constexpr std::size_t kAllLead = 1000;
 
 std::optional<MessageId> at(std::uint64_t first, std::int64_t step) {
   return MessageId{2, first, step};
 }
 
 std::string culprit(const std::vector<std::optional<MessageId>>& latest, const BatchSchedule& schedule) {
-  return diagnose_stall(latest, schedule).text;
+  return diagnose_stall(latest, schedule, kAllLead).text;
 }
 
 TEST(StallDiagnosis, NamesTheVehicle) {
-  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 6), at(8, 2), at(8, 3)}, kSchedule).vehicle, 2u);
-  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 6), at(8, 7)}, kSchedule).vehicle, 0u) << "the leader";
-  EXPECT_FALSE(diagnose_stall({at(8, 9), at(8, 7), at(8, 6)}, kSchedule).vehicle) << "the channel";
+  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 6), at(8, 2), at(8, 3)}, kSchedule, kAllLead).vehicle, 2u);
+  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 6), at(8, 7)}, kSchedule, kAllLead).vehicle, 0u) << "the leader";
+  EXPECT_FALSE(diagnose_stall({at(8, 9), at(8, 7), at(8, 6)}, kSchedule, kAllLead).vehicle) << "the channel";
 }
 
 TEST(StallDiagnosis, IsTheOneFollowerThatIsBehind) {
@@ -34,6 +35,15 @@ TEST(StallDiagnosis, IsAFollowerThatHasNeverBeenHeard) {
 TEST(StallDiagnosis, IsAFollowerThatIsABatchBehind) {
   EXPECT_EQ(culprit({at(16, 0), at(8, 9), at(8, 9), at(8, 9)}, kSchedule),
             "vehicle_1 has sent nothing since step 9 (realizations from 8)");
+}
+
+// Of 12 followers and a longest lead of 4, numbers 3, 6, 9 and 12 lead.
+TEST(StallDiagnosis, KnowsWhoDoesNotLead) {
+  std::vector<std::optional<MessageId>> latest;
+  for (std::int64_t i = 0; i <= 12; ++i) latest.push_back(at(8, 2 + i / 3));
+  EXPECT_EQ(diagnose_stall(latest, kSchedule, 4).vehicle, 0u);
+  latest[7]->step = 3;  // its predecessor is at 4: it has not sent its own 4
+  EXPECT_EQ(diagnose_stall(latest, kSchedule, 4).vehicle, 7u);
 }
 
 TEST(StallDiagnosis, IsTheOnlyFollowerOrTheChannel) {

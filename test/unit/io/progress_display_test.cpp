@@ -54,6 +54,14 @@ TEST(ProgressDisplay, OfAResumedJobCountsTheRateFromWhereItBegan) {
   EXPECT_NE(text.find("80/100 realizations  100 vehicle-steps/s  10 s left"), std::string::npos) << text;
 }
 
+TEST(ProgressDisplay, TellsOfAPreparationThatTakesLong) {
+  const std::string text = printed([](ProgressDisplay& display) {
+    for (int second = 0; second <= 15; ++second)
+      display.prepare("waiting for " + std::to_string(20 - second) + " vehicles", second);
+  });
+  EXPECT_EQ(text, "waiting for 10 vehicles\n");
+}
+
 TEST(ProgressDisplay, EndsItsLineWithTheNote) {
   const std::string text = printed([](ProgressDisplay& display) {
     display.set_note("bag 12 MB");

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+namespace platoon {
+
+/// Whether follower i of 1 .. N leads, that is publishes its step k + 1 on its predecessor's step k; the others
+/// are aligned: they publish their step k.
+///
+/// T is strictly proper: a follower that has its predecessor's step k knows its own step k + 1. Where all lead,
+/// no vehicle waits for another, but vehicle N is N steps ahead: the leader's first step sets N^2 / 2 messages
+/// going, and with a window of w steps w + N / 2 messages a vehicle are on their way. In long strings the lead is
+/// therefore bounded by `longest`, L = min(N, longest), and those that lead are spread evenly: i is one of them
+/// just when floor(L i / N) > floor(L (i - 1) / N).
+constexpr bool leads(std::size_t follower, std::size_t followers, std::size_t longest) {
+  const std::size_t lead = std::min(followers, longest);
+  return lead * follower / followers > lead * (follower - 1) / followers;
+}
+
+/// Messages of all vehicles 0 .. N that the leader's first step sets going, of a batch of `steps` steps: vehicle
+/// i has then sent 1 + floor(L i / N), or all that there are. 0 steps: an endless batch.
+inline std::uint64_t messages_of_first_step(std::size_t followers, std::size_t longest, std::int64_t steps) {
+  const std::uint64_t all = steps == 0 ? UINT64_MAX : static_cast<std::uint64_t>(steps) + 1;
+  std::uint64_t messages = 1, sent = 1;
+  for (std::size_t i = 1; i <= followers; ++i) {
+    sent += leads(i, followers, longest) ? 1 : 0;
+    messages += std::min(sent, all);
+  }
+  return messages;
+}
+
+}  // namespace platoon
