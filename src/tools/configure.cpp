@@ -109,10 +109,8 @@ int main(int argc, char** argv) {
           platoon::recorded_leader(platoon::bag_files(bags), configuration.run.steps);
     }
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-    if (configuration.run.averaging() == platoon::Averaging::over_realizations) {
-      const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
-      if (start) configuration.run.first_realization = start->table.count();
-    }
+    const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
+    if (start) configuration.run.first_realization = start->table.count();
     require_free_recording(configuration.run);
     lock->leave_claim();  // until the monitor of this launch is there
     std::cout << platoon::to_json(configuration).dump() << "\n";

@@ -3,8 +3,10 @@
 
 import json
 import os
+import resource
 import shutil
 import subprocess
+import time
 import unittest
 
 import rosbag
@@ -176,6 +178,36 @@ class Killed(BagTest):
         self.assertIn("run.bag.active: exists: must be a new file", terminal.text())
         with open(self.bag + ".active") as file:
             self.assertEqual(file.read(), "precious")
+
+
+class FullDisk(BagTest):
+    """A limit on the size of a node's files is a disk without room, and can be lifted."""
+
+    def limit(self, terminal, node, size):
+        process = live_platoon.wait_for(lambda: live_platoon.process_of(node, terminal.master), node)
+        resource.prlimit(process, resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+
+    def test_the_recorder_waits_for_room_and_goes_on(self):
+        settings = dict(followers=3, steps=50, realizations=10000)
+        reference = live_platoon.reference(self.folder, **settings)
+        for hosting, node in (("processes", "/platoon/channel"), ("one_process", "/platoon/platoon")):
+            with self.subTest(hosting=hosting):
+                output, bag = (os.path.join(self.folder, hosting + suffix) for suffix in ("", ".bag"))
+                terminal = self.launch(record=bag, hosting=hosting, rate=400, batch=500, output=output, **settings)
+                self.limit(terminal, node, 5000000)
+                terminal.wait_for_text("the platoon stands still: recorder holds the platoon up: " + bag)
+                time.sleep(4.0)  # it is tried again, and still there is no room
+                self.limit(terminal, node, resource.RLIM_INFINITY)
+                terminal.wait()
+                text = terminal.text()
+                self.assertEqual(text.count("The platoon waits, and goes on when there is room"), 1, text)
+                self.assertIn("MB are free there", text)
+                self.assertIn(bag + ": is recorded again", text)
+                self.assertTrue(live_platoon.completed_summary(output), text)
+                self.assertEqual(live_platoon.statistics(output), reference)
+                from_bag = os.path.join(self.folder, hosting + "-from-bag")
+                self.assertEqual(bag_statistics(bag, "--output", from_bag).returncode, 0)
+                self.assertEqual(live_platoon.statistics(from_bag), reference)
 
 
 class SmallBag(unittest.TestCase):

@@ -4,6 +4,7 @@
 import glob
 import json
 import os
+import resource
 import signal
 import subprocess
 import time
@@ -119,7 +120,56 @@ class StopAndResume(LaunchTest):
         self.assertEqual(live_platoon.statistics(self.output), before)
 
 
+class FullDisk(LaunchTest):
+    def test_the_monitor_says_so_once_and_writes_when_there_is_room(self):
+        settings = dict(followers=6, steps=100, realizations=1000)
+        terminal = self.launch(rate=400, batch=100, **settings)
+        monitor = live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/monitor", terminal.master), "the monitor")
+        resource.prlimit(monitor, resource.RLIMIT_FSIZE, (9000, resource.RLIM_INFINITY))  # what it prints is less
+        terminal.wait_for_text("100 %")
+        time.sleep(2.0)
+        self.assertIsNone(terminal.process.poll(), "ended without results")
+        self.assertFalse(os.path.exists(self.output + "/summary.json"))
+        resource.prlimit(monitor, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        terminal.wait()
+        text = terminal.text()
+        self.assertEqual(text.count("It is tried again until there is room; the run goes on"), 1, text)
+        self.assertIn("File too large", text)
+        self.assertIn("MB are free there", text)
+        self.assertIn(self.output + ": can be written again", text)
+        self.assertEqual(live_platoon.completed_summary(self.output)["attempts"], 1)
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
+
 class Endless(LaunchTest):
+    def test_averages_go_on_over_a_kill_and_a_resumed_run(self):
+        terminal = self.launch(followers=3, steps=0, rate=1000, burn_in=50, stall_timeout=0.5)
+        terminal.wait_for_text("process[platoon/monitor")
+
+        def counted():
+            with open(self.output + "/summary.json") as file:
+                summary = json.load(file)
+            rows = [line.split(",") for line in live_platoon.statistics(self.output).decode().splitlines()[1:]]
+            return summary["attempts"], [int(row[2]) for row in rows], [int(row[1]) for row in rows]
+
+        time.sleep(2.0)
+        for victim in ("vehicle_2", "monitor", "vehicle_0"):
+            live_platoon.kill("/platoon/" + victim, terminal.master)
+            time.sleep(2.0)
+        terminal.interrupt()
+        attempts, counts, last_steps = counted()
+        self.assertGreater(attempts, 3)
+        for count, last_step in zip(counts, last_steps):
+            self.assertGreater(count, last_step + 1 - 50 + 1000, "nothing of what was before the last kill")
+        terminal = self.launch(followers=3, steps=0, rate=1000, burn_in=50, resume="true")
+        terminal.wait_for_text("process[platoon/monitor")
+        time.sleep(2.0)
+        terminal.interrupt()
+        attempts_after, counts_after, _ = counted()
+        self.assertGreater(attempts_after, attempts, "the noise of an earlier attempt was used once more")
+        for before, after in zip(counts, counts_after):
+            self.assertGreater(after, before + 200)
+
     def test_time_averages_are_labelled_and_approach_the_stationary_variance(self):
         terminal = self.launch(followers=2, steps=0, rate=2000, burn_in=50)
         terminal.wait_for_text("process[platoon/monitor")

@@ -20,6 +20,15 @@ BagWriter::BagWriter(std::string name, const std::string& suffix, const std::str
                      const RecordedConfiguration& configuration)
     : name_(std::move(name)), suffix_(suffix) {
   bag_.open(name_ + suffix_, rosbag::bagmode::Write);
+  try {
+    begin(compression, configuration);
+  } catch (...) {
+    abandon();
+    throw;
+  }
+}
+
+void BagWriter::begin(const std::string& compression, const RecordedConfiguration& configuration) {
   write_behind_ = WriteBehind(name_ + suffix_);
   bag_.setChunkThreshold(kChunkBytes);
   if (compression == "lz4") bag_.setCompression(rosbag::compression::LZ4);
@@ -39,6 +48,15 @@ void BagWriter::close() {
   closed_bytes_ = bytes();
   bag_.close();
   write_behind_.finish();
+}
+
+// rosbag writes its index when it closes a file, on destruction, too, where what fails ends the program.
+void BagWriter::abandon() noexcept try {
+  closed_bytes_ = bytes();
+  write_behind_.divert_others();
+  bag_.close();
+  write_behind_.finish();
+} catch (...) {
 }
 
 void BagWriter::complete() {

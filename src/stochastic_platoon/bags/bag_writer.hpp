@@ -39,6 +39,9 @@ public:
   /// Closes the file under the name it has.
   void close();
 
+  /// Lets go of a file that could not be written: it stays as far as it came, and nothing throws.
+  void abandon() noexcept;
+
   /// Renames the file while it is being written.
   void set_suffix(const std::string& suffix);
 
@@ -46,6 +49,8 @@ public:
   std::uint64_t bytes() const { return bag_.isOpen() ? bag_.getSize() : closed_bytes_; }
 
 private:
+  void begin(const std::string& compression, const RecordedConfiguration& configuration);
+
   std::string name_;
   std::string suffix_;
   std::uint64_t closed_bytes_ = 0;

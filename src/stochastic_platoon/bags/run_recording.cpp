@@ -29,14 +29,19 @@ RunRecording::RunRecording(const Configuration& configuration, const std::string
       name_space_(name_space),
       recorded_configuration_{name_space + "/configuration", to_json(configuration).dump()},
       arrivals_(configuration.run.schedule(), streams(), configuration.run.first_realization, 0) {
-  recover();
-  if (!finished_ && !recording_) recording_ = record_to(kActiveSuffix);
+  try {
+    recover();
+    if (!finished_ && !recording_) recording_ = record_to(kActiveSuffix);
+  } catch (...) {
+    abandon();
+    throw;
+  }
 }
 
-std::string RunRecording::topic(std::size_t stream) const {
-  const std::size_t followers = configuration_.run.followers;
-  return name_space_ + "/" +
-         (stream > followers ? predecessor_position_topic(stream - followers) : position_topic(stream));
+std::string topic_of_stream(std::size_t stream, const RunOptions& run, const std::string& name_space) {
+  return name_space + "/" +
+         (stream > run.followers ? predecessor_position_topic(stream - run.followers)
+                                 : position_topic(stream));
 }
 
 std::string RunRecording::name_of_part(std::size_t part) const {
@@ -125,6 +130,12 @@ void RunRecording::complete_file() {
   completed_bytes_ += recording_->bytes();
 }
 
+void RunRecording::abandon() noexcept {
+  if (recording_) recording_->abandon();
+  std::error_code ignored;  // the copy of rewrite(), if it was that which did not fit
+  std::filesystem::remove(name_of_part(part_) + kRecoveredSuffix, ignored);
+}
+
 void RunRecording::stop() {
   if (!finished_) recording_->close();
 }
@@ -182,6 +193,10 @@ void RunRecording::take_over(const std::string& file) {
   };
   read_damaged_bag(file, content);
   rewrite();
+  // Of what is not whole nothing is taken over: the leader is to begin again.
+  arrivals_ = Arrivals(configuration_.run.schedule(), streams(), arrivals_.committed(), arrivals_.attempt());
+  open_.clear();
+  partial_ = false;
 }
 
 // Copies what is whole in the unfinished file, and puts the copy in its place.

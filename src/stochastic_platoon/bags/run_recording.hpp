@@ -13,13 +13,17 @@
 
 namespace platoon {
 
+/// Streams of a recording: the positions of vehicles 0 .. N as 0 .. N, and what followers 1 .. N received as
+/// N + 1 .. 2 N; and the topic of each.
+inline std::size_t streams_of(const RunOptions& run) {
+  return 2 * run.followers + 1;
+}
+std::string topic_of_stream(std::size_t stream, const RunOptions& run, const std::string& name_space);
+
 /// Writes a platoon's messages to a bag, in the order of steps and vehicles: a step is written as soon as it
 /// has arrived from everyone, so that the messages kept are those of the steps on their way. What a finished
 /// file holds is whole batches, never a part of an attempt that was given up: if there was one, the file is
 /// written once more without it. (An endless run has no batches: its steps stay as they came.)
-///
-/// Its streams are the positions of vehicles 0 .. N as 0 .. N, and what followers 1 .. N received as N + 1 ..
-/// 2 N.
 class RunRecording {
 public:
   /// `name_space` is the platoon's, "/platoon". Goes on with the unfinished file of the same launch, from
@@ -39,16 +43,16 @@ public:
   /// Closes an unfinished file.
   void stop();
 
+  /// Lets go of a file that could not be written, after a function of this object has thrown. Another object
+  /// then goes on with what the file holds.
+  void abandon() noexcept;
+
   const Arrivals& arrivals() const { return arrivals_; }
   bool finished() const { return finished_; }
   /// The file will be written once more, without what was given up.
   bool holds_given_up() const { return given_up_; }
   /// Bytes written, over all files.
   std::uint64_t bytes() const { return completed_bytes_ + (recording_ ? recording_->bytes() : 0); }
-
-  std::size_t streams() const { return 2 * configuration_.run.followers + 1; }
-  /// Topic of a stream.
-  std::string topic(std::size_t stream) const;
 
 private:
   using Message = stochastic_platoon::Position::ConstPtr;
@@ -61,6 +65,10 @@ private:
     std::uint32_t attempt;
     std::uint64_t begin, end;
   };
+  std::size_t streams() const { return streams_of(configuration_.run); }
+  std::string topic(std::size_t stream) const {
+    return topic_of_stream(stream, configuration_.run, name_space_);
+  }
   void take(std::size_t stream, const Message& message);
   void restarted();
   void batch_complete(std::uint64_t first_realization);

@@ -5,9 +5,12 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <stdexcept>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 namespace platoon {
 
@@ -50,6 +53,22 @@ void WriteBehind::advance(std::uint64_t length) {
     ::posix_fadvise(descriptor_, begin, kSpan, POSIX_FADV_DONTNEED);
     released_ += kSpan;
   }
+}
+
+void WriteBehind::divert_others() {
+  struct stat own;
+  if (descriptor_ < 0 || ::fstat(descriptor_, &own) != 0) return;
+  const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  if (nowhere < 0) return;
+  std::vector<int> open;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd"))
+    open.push_back(std::stoi(entry.path().filename().string()));
+  for (const int descriptor : open) {
+    struct stat status;
+    if (descriptor == descriptor_ || ::fstat(descriptor, &status) != 0) continue;
+    if (status.st_dev == own.st_dev && status.st_ino == own.st_ino) ::dup3(nowhere, descriptor, O_CLOEXEC);
+  }
+  ::close(nowhere);
 }
 
 void WriteBehind::finish() {

@@ -23,6 +23,9 @@ public:
   /// The writer has ended: gives back the blocks beyond the file's end.
   void finish();
 
+  /// Sends what others still write to the same file, by descriptors of this process, to nowhere.
+  void divert_others();
+
 private:
   static constexpr std::uint64_t kSpan = 4u << 20;       ///< bytes sent to the disk at once
   static constexpr std::uint64_t kOnTheWay = 16u << 20;  ///< bytes that may be on their way to the disk

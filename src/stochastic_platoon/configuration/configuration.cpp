@@ -119,6 +119,7 @@ nlohmann::json statistics_identity(const Configuration& configuration) {
   identity["seed"] = configuration.run.seed;
   identity["followers"] = configuration.run.followers;
   identity["steps"] = configuration.run.steps;
+  if (configuration.run.averaging() == Averaging::over_time) identity["burn_in"] = configuration.run.burn_in;
   return identity;
 }
 

@@ -28,6 +28,13 @@ struct MessageId {
   std::int64_t step;
 };
 
+/// The realization of the noise that a message's first position is of. An endless batch that is begun again is
+/// another one: its averages go on, and noise that is repeated would be counted twice.
+inline std::uint64_t first_noise_realization(const BatchSchedule& schedule, const MessageId& id) {
+  if (!schedule.endless()) return id.first_realization;
+  return id.attempt > 0 ? id.attempt - 1 : 0;
+}
+
 /// What delivery needs to know of a message of positions.
 struct Heading {
   MessageId id;

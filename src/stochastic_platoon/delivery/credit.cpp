@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
 
 namespace platoon {
 
 namespace {
 constexpr double kGrowth = 1.5;
-}
+
+}  // namespace
 
 Credit::Credit(const BatchSchedule& schedule, const CreditLimits& limits,
                const std::vector<std::string>& receivers)
@@ -45,10 +47,12 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
   Receiver& sender = found->second;
   const std::int64_t before = acknowledged();
   const bool of_this_attempt = attempt_ > 0 && report.attempt == attempt_;
-  // Within an attempt reports only grow: one that shrinks comes from a receiver that was restarted.
+  // Reports only grow: one that shrinks comes from a receiver that was restarted.
+  const auto extent = [](const Acknowledgement& of, const std::uint64_t& count) {
+    return std::tie(of.attempt, of.first_realization, of.step, count);
+  };
   const bool lost =
-      sender.in_attempt && (!of_this_attempt || steps_covered(schedule_, start_, report) <
-                                                    steps_covered(schedule_, start_, *sender.latest));
+      attempt_ > 0 && sender.latest && extent(report, messages) < extent(*sender.latest, sender.messages);
   const bool through_a_batch = sender.latest && report.first_realization > sender.latest->first_realization;
   sender.latest = report;
   if (of_this_attempt && messages > (sender.in_attempt ? sender.messages : 0)) last_activity_ = now;

@@ -14,6 +14,7 @@ using stochastic_platoon::Position;
 Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first,
                  std::uint32_t last, const MessagePool& messages, RunMembership::Join superseded)
     : membership_(platoon, "channel", run_identity(configuration), std::move(superseded)),
+      schedule_(configuration.run.schedule()),
       messages_(messages) {
   for (std::uint32_t i = first; i <= last; ++i) {
     links_.push_back({NoisyChannel(configuration.model.noise_variance, configuration.run.seed, i),
@@ -37,7 +38,7 @@ void Channel::transmit(Link& link, const Position::ConstPtr& message) {
   const auto received = messages_.take();
   received->header = message->header;
   set_id(message->run, id, *received);
-  link.noise.transmit(id.step, id.first_realization, message->position, received->position);
+  link.noise.transmit(id.step, first_noise_realization(schedule_, id), message->position, received->position);
   publish(link.received, received);
 }
 

@@ -36,6 +36,7 @@ private:
   void transmit(Link& link, const stochastic_platoon::Position::ConstPtr& message);
 
   RunMembership membership_;
+  BatchSchedule schedule_;
   MessagePool messages_;
   std::vector<Link> links_;  ///< never resized after construction: the callbacks point into it
 };

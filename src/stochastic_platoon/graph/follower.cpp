@@ -51,7 +51,7 @@ void Follower::receive(const Position::ConstPtr& message) {
   const ros::Time stamp = message->header.stamp;
   if (id.step == kInitialStep) {
     const auto initial = messages_.take();
-    part_->vehicle.start(id.first_realization, heading.size, initial->position);
+    part_->vehicle.start(first_noise_realization(part_->schedule, id), heading.size, initial->position);
     publish(initial, id, stamp);
   } else if (!part_->leads) {
     publish(std::exchange(part_->upcoming, nullptr), id, stamp);

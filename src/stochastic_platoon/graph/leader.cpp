@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
@@ -58,6 +59,11 @@ void Leader::receive(const Progress::ConstPtr& message) {
                                       << message->receiver << "\": it is no receiver of this run");
     return;
   }
+  if (message->note.rfind(kHoldsUp, 0) == 0) {
+    holding_.insert(message->receiver);
+  } else {
+    holding_.erase(message->receiver);
+  }
   if (paced_ && credit_.attempt() == 0 && message->attempt == 0 && !begin_) begin_ = now() + kObserverTime;
   // After a restart time goes on past everything that may still be on its way.
   const ros::Time seen = message->header.stamp;
@@ -69,7 +75,8 @@ void Leader::receive(const Progress::ConstPtr& message) {
 }
 
 void Leader::watch() {
-  if (credit_.retry_if_stalled(now())) {
+  // To begin again is of no use before there is room.
+  if (holding_.empty() && credit_.retry_if_stalled(now())) {
     ROS_DEBUG_STREAM("no progress: attempt " << credit_.attempt() << " begins");
   }
   publish_allowed();

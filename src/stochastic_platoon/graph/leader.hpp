@@ -4,6 +4,9 @@
 #include <stochastic_platoon/Position.h>
 #include <stochastic_platoon/Progress.h>
 
+#include <set>
+#include <string>
+
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/credit.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
@@ -35,6 +38,7 @@ private:
   std::int64_t window_;
   bool paced_;
   Credit credit_;
+  std::set<std::string> holding_;  ///< receivers that say that they hold the platoon up
   LeaderVehicle vehicle_;
   ros::Time stamp_;  ///< of the latest step published; zero before the first
   MessagePool messages_;

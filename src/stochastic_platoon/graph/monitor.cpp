@@ -13,6 +13,7 @@
 #include "stochastic_platoon/delivery/lead.hpp"
 #include "stochastic_platoon/delivery/stall_diagnosis.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
@@ -34,11 +35,9 @@ constexpr double kStatisticsPeriod =
     1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
 
 std::optional<Checkpoint> checkpoint_of(const Configuration& configuration) {
-  if (configuration.run.averaging() == Averaging::over_time) return std::nullopt;
   std::optional<Checkpoint> found = starting_point(configuration);
   if (found && !found->damage.empty())
-    ROS_WARN_STREAM(found->damage << ": going on from the one before it, of " << found->table.count()
-                                  << " realizations");
+    ROS_WARN_STREAM(found->damage << ": going on from the one before it, of " << extent_of(*found));
   return found;
 }
 
@@ -56,12 +55,13 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
           configuration.run.realizations, "realizations",
           static_cast<double>(configuration.run.followers) * static_cast<double>(configuration.run.steps),
           "vehicle-steps"),
-      checkpointed_(statistics_.arrivals().committed()),
+      checkpointed_(statistics_.tally().positions_received),
       error_statistics_(platoon.advertise<ErrorStatistics>(kErrorStatisticsTopic, 1000, true)),
       configuration_text_(platoon.advertise<std_msgs::String>(kConfigurationTopic, 1, true)) {
   wall_seconds_before_ = statistics_.tally().wall_seconds;
   reports_.saw(statistics_.tally().platoon_time);
   std_msgs::String text;
+  ignore_file_size_signal();
   text.data = to_json(configuration).dump();
   configuration_text_.publish(text);
   subscribe(platoon, node_of_vehicle);
@@ -142,12 +142,30 @@ void Monitor::save_checkpoint_if_due(double present) {
   std::optional<Checkpoint> checkpoint;
   {
     const Locked lock(lock_);
-    if (statistics_.arrivals().committed() > checkpointed_) checkpoint = statistics_.checkpoint();
+    if (statistics_.tally().positions_received > checkpointed_) checkpoint = statistics_.checkpoint();
   }
   if (!checkpoint) return;
-  write_checkpoint(configuration_.run.output, *checkpoint);
-  checkpointed_ = checkpoint->table.count();
+  if (!write(present, [&] { write_checkpoint(configuration_.run.output, *checkpoint); })) return;
+  checkpointed_ = checkpoint->tally.positions_received;
   last_checkpoint_ = present;
+}
+
+// Does what the disk may refuse: then it is tried again, after a pause that grows. Whether it was done.
+bool Monitor::write(double present, const std::function<void()>& work) {
+  if (!disk_.is_due(present)) return false;
+  try {
+    work();
+  } catch (const std::runtime_error& error) {
+    if (!disk_.is_on()) {
+      ROS_ERROR_STREAM(error.what() << "; " << free_space(checkpoint_file(configuration_.run.output))
+                                    << ". It is tried again until there is room; the run goes on");
+    }
+    disk_.failed(present);
+    return false;
+  }
+  if (disk_.is_on()) ROS_WARN_STREAM(configuration_.run.output << ": can be written again");
+  disk_.succeeded();
+  return true;
 }
 
 void Monitor::finish() {
@@ -158,9 +176,12 @@ void Monitor::finish() {
     checkpoint = statistics_.checkpoint();
     result = statistics_.result(true);
   }
-  if (checkpoint) write_checkpoint(configuration_.run.output, *checkpoint);
-  write_results(configuration_, prediction_, result);
   display_.update(result.realizations, now());
+  const bool written = write(now(), [&] {
+    write_checkpoint(configuration_.run.output, *checkpoint);
+    write_results(configuration_, prediction_, result);
+  });
+  if (!written) return;
   display_.finish();
   for (std::int64_t k = 0; k < configuration_.run.steps; ++k) publish_statistics(k, result);
   std::printf("%sResults: %s/statistics.csv and summary.json\n",
@@ -175,20 +196,20 @@ void Monitor::finish() {
 void Monitor::stop() {
   if (finished_ || statistics_.averages().empty()) return;
   display_.finish();
-  if (endless() && began_) statistics_.set_wall_seconds(now() - *began_);
-  const std::optional<Checkpoint> checkpoint = statistics_.checkpoint();
-  if (checkpoint && checkpoint->table.count() > checkpointed_)
-    write_checkpoint(configuration_.run.output, *checkpoint);
+  if (endless() && began_) statistics_.set_wall_seconds(wall_seconds_before_ + now() - *began_);
+  const Checkpoint checkpoint = statistics_.checkpoint();
+  if (checkpoint.tally.positions_received > checkpointed_)
+    write_checkpoint(configuration_.run.output, checkpoint);
   const RunResult partial = statistics_.result(false);
   write_results(configuration_, prediction_, partial);
   std::printf("%s", report(configuration_, prediction_, partial).c_str());
-  if (checkpoint) {
-    std::printf(
-        "Stopped after %llu of %llu realizations; the same launch with output:=%s resume:=true goes on from "
-        "there.\n",
-        static_cast<unsigned long long>(partial.realizations),
-        static_cast<unsigned long long>(configuration_.run.realizations), configuration_.run.output.c_str());
+  if (!endless()) {
+    std::printf("Stopped after %llu of %llu realizations. ",
+                static_cast<unsigned long long>(partial.realizations),
+                static_cast<unsigned long long>(configuration_.run.realizations));
   }
+  std::printf("The same launch with output:=%s resume:=true goes on from there.\n",
+              configuration_.run.output.c_str());
   std::fflush(stdout);
 }
 
@@ -209,6 +230,9 @@ void Monitor::check_for_stall(double present) {
 }
 
 std::string Monitor::culprit() const {
+  for (const auto& note : notes_) {
+    if (note.second.rfind(kHoldsUp, 0) == 0) return note.first + " " + note.second;
+  }
   const std::string missing = name_of_missing();
   if (!missing.empty()) return missing;
   const StallDiagnosis diagnosis = diagnose_stall(
@@ -273,7 +297,7 @@ void Monitor::publish_statistics(std::int64_t step, const RunResult& result) {
   message.step = step;
   message.realizations = result.realizations;
   message.time_average = endless();
-  for (const ResultCell& of : cells_at(step, configuration_.run, prediction_, result.moments)) {
+  for (const ResultCell& of : cells_at(step, configuration_.run, prediction_, result)) {
     message.mean.push_back(of.measured.mean);
     message.variance.push_back(of.measured.variance());
     message.theoretical_mean.push_back(of.theoretical_mean);

@@ -18,6 +18,7 @@
 #include "stochastic_platoon/graph/run_membership.hpp"
 #include "stochastic_platoon/graph/spin_lock.hpp"
 #include "stochastic_platoon/io/progress_display.hpp"
+#include "stochastic_platoon/io/retry_pause.hpp"
 #include "stochastic_platoon/results/run_statistics.hpp"
 
 namespace platoon {
@@ -60,6 +61,7 @@ private:
   void show_start(double present);
   void finish();
   void save_checkpoint_if_due(double present);
+  bool write(double present, const std::function<void()>& work);
   void publish_statistics_if_due(double present);
   void publish_statistics(std::int64_t step, const RunResult& result);
   bool endless() const { return configuration_.run.averaging() == Averaging::over_time; }
@@ -79,7 +81,8 @@ private:
   std::map<std::string, std::string> notes_;  ///< what other components say of themselves
 
   ProgressDisplay display_;
-  std::uint64_t checkpointed_;             ///< realizations in the latest checkpoint
+  RetryPause disk_;
+  std::uint64_t checkpointed_;             ///< positions in the latest checkpoint
   std::optional<double> last_checkpoint_;  ///< [s]
   std::optional<double> last_statistics_;  ///< [s]
   bool finished_ = false;

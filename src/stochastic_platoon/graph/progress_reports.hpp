@@ -14,6 +14,9 @@
 
 namespace platoon {
 
+/// A receiver's note that begins so is why the platoon stands still.
+constexpr char kHoldsUp[] = "holds the platoon up: ";
+
 constexpr double kHeartbeat = 0.05;  ///< [s] between reports when nothing else calls for one
 
 /// A receiver's reports on topic progress: what the leader's credit lives on.

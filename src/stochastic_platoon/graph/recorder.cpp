@@ -5,6 +5,7 @@
 #include <boost/function.hpp>
 
 #include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
@@ -16,6 +17,9 @@ using stochastic_platoon::Position;
 
 namespace {
 
+// Beyond what a file's own buffers take.
+constexpr std::uint64_t kBytesOfSuccess = 2u << 20;
+
 std::string parent_of(const std::string& name) {
   return name.substr(0, name.rfind('/'));
 }
@@ -24,19 +28,55 @@ std::string parent_of(const std::string& name) {
 
 Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration,
                    RunMembership::Join superseded)
-    : membership_(platoon, "recorder", run_identity(configuration), std::move(superseded)),
-      recording_(configuration, parent_of(platoon.resolveName(kConfigurationTopic))),
+    : configuration_(configuration),
+      membership_(platoon, "recorder", run_identity(configuration), std::move(superseded)),
+      name_space_(parent_of(platoon.resolveName(kConfigurationTopic))),
+      reported_(configuration.run.schedule(), streams_of(configuration.run),
+                configuration.run.first_realization, 0),
       reports_(platoon, "recorder", configuration) {
-  for (std::size_t s = 0; s < recording_.streams(); ++s) drops_.emplace_back(recording_.topic(s));
-  for (std::size_t s = 0; s < recording_.streams(); ++s) {
+  ignore_file_size_signal();
+  begin();
+  for (std::size_t s = 0; s < streams_of(configuration.run); ++s) {
+    const std::string topic = topic_of_stream(s, configuration.run, name_space_);
+    drops_.emplace_back(topic);
     const boost::function<void(const Position::ConstPtr&)> callback =
         [this, s](const Position::ConstPtr& message) { receive(s, message); };
-    positions_.push_back(platoon.subscribe<Position>(recording_.topic(s), kUnboundedQueue, callback,
-                                                     ros::VoidConstPtr(), no_delay()));
+    positions_.push_back(
+        platoon.subscribe<Position>(topic, kUnboundedQueue, callback, ros::VoidConstPtr(), no_delay()));
   }
   error_statistics_ = platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics,
                                         this, no_delay());
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
+}
+
+void Recorder::begin() {
+  write([this] {
+    recording_.emplace(configuration_, name_space_);
+    tried_at_ = recording_->bytes();
+  });
+}
+
+// Does what the disk may refuse.
+void Recorder::write(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const ConfigurationError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    refusal_ = configuration_.run.record + ": cannot be written: " + error.what() + "; " +
+               free_space(configuration_.run.record);
+    if (!pause_.is_on()) ROS_ERROR_STREAM(refusal_ << ". The platoon waits, and goes on when there is room");
+    if (recording_) {
+      reported_ = recording_->arrivals();
+      recording_->abandon();
+      recording_.reset();
+    }
+    pause_.failed(now());
+  }
+}
+
+void Recorder::stop() {
+  if (recording_) write([this] { recording_->stop(); });
 }
 
 void Recorder::receive(std::size_t stream, const Position::ConstPtr& message) {
@@ -44,38 +84,56 @@ void Recorder::receive(std::size_t stream, const Position::ConstPtr& message) {
   const std::size_t size = message->position.size();
   if (!membership_.admits(message->run)) return drops_[stream].count(Verdict::foreign_run, id, size);
   reports_.saw(message->header.stamp.toNSec());
-  const Verdict verdict = recording_.receive(stream, message);
-  if (verdict != Verdict::in_turn) return drops_[stream].count(verdict, id, size);
-  if (!began_) began_ = now();
-  reports_.report_if_due(recording_.arrivals());
-  finish();
+  if (!recording_) return;
+  write([&] {
+    const Verdict verdict = recording_->receive(stream, message);
+    if (verdict != Verdict::in_turn) return drops_[stream].count(verdict, id, size);
+    if (!began_) began_ = now();
+    if (pause_.is_on() && recording_->bytes() > tried_at_ + kBytesOfSuccess) {
+      ROS_WARN_STREAM(configuration_.run.record << ": is recorded again");
+      pause_.succeeded();
+    }
+    reports_.report_if_due(recording_->arrivals());
+    finish();
+  });
 }
 
 void Recorder::receive_statistics(const ErrorStatistics::ConstPtr& message) {
-  recording_.receive(*message);
-  finish();
+  if (!recording_) return;
+  write([&] {
+    recording_->receive(*message);
+    finish();
+  });
 }
 
 void Recorder::finish() {
-  if (!recording_.ready_to_finish()) return;
-  if (recording_.holds_given_up())
+  if (!recording_->ready_to_finish()) return;
+  if (recording_->holds_given_up())
     ROS_INFO("writing the bag once more, without the attempts that were given up");
-  recording_.finish();
-  ROS_INFO_STREAM("recorded " << recording_.bytes() / 1000000 << " MB");
+  recording_->finish();
+  pause_.succeeded();
+  ROS_INFO_STREAM("recorded " << recording_->bytes() / 1000000 << " MB");
   reports_.set_finished();
   report();
 }
 
 void Recorder::tick() {
-  if (recording_.finished() || reports_.is_linked(positions_)) report();
+  if (!recording_ && pause_.is_due(now())) begin();
+  if (reports_.is_linked(positions_) || (recording_ && recording_->finished())) report();
 }
 
+// While nothing can be recorded the reports stay what they were: the first of a new recording then is less, and
+// the leader begins again at once.
 void Recorder::report() {
-  const double megabytes = static_cast<double>(recording_.bytes()) * 1e-6;
+  if (!recording_) {
+    reports_.set_note(kHoldsUp + refusal_);
+    return reports_.report(reported_);
+  }
+  const double megabytes = static_cast<double>(recording_->bytes()) * 1e-6;
   const double seconds = began_ ? now() - *began_ : 0.0;
   reports_.set_note(
       formatted("bag %.0f MB, %.0f MB/s", megabytes, seconds > 0.0 ? megabytes / seconds : 0.0));
-  reports_.report(recording_.arrivals());
+  reports_.report(recording_->arrivals());
 }
 
 }  // namespace platoon

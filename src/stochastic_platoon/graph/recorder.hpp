@@ -4,17 +4,23 @@
 #include <stochastic_platoon/ErrorStatistics.h>
 #include <stochastic_platoon/Position.h>
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "stochastic_platoon/bags/run_recording.hpp"
 #include "stochastic_platoon/graph/drop_counter.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
+#include "stochastic_platoon/io/retry_pause.hpp"
 
 namespace platoon {
 
 /// Records a platoon to a bag as one more acknowledging receiver: the leader never runs ahead of it, so
 /// nothing is lost at any speed.
+///
+/// What the disk refuses makes it pause, and the platoon with it. It says so once, tries again after a pause that
+/// grows, and goes on with the whole batches of the file as a recorder does that was killed.
 ///
 /// Subscribes: vehicle_<i>/position, vehicle_<i>/predecessor_position (stochastic_platoon/Position),
 /// error_statistics (stochastic_platoon/ErrorStatistics). Publishes: progress (stochastic_platoon/Progress).
@@ -25,17 +31,25 @@ public:
   Recorder(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
   /// Closes an unfinished file. Call it when the callbacks have ended.
-  void stop() { recording_.stop(); }
+  void stop();
 
 private:
+  void begin();
   void receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
   void receive_statistics(const stochastic_platoon::ErrorStatistics::ConstPtr& message);
   void tick();
   void finish();
   void report();
+  void write(const std::function<void()>& work);
 
+  Configuration configuration_;
   RunMembership membership_;
-  RunRecording recording_;
+  std::string name_space_;
+  std::optional<RunRecording> recording_;  ///< none while the disk refuses it
+  Arrivals reported_;                      ///< what it was when it was last there
+  RetryPause pause_;
+  std::uint64_t tried_at_ = 0;  ///< bytes in the file when it was last begun
+  std::string refusal_;         ///< by the disk, of the latest try
   std::vector<DropCounter> drops_;
   std::optional<double> began_;  ///< [s] first message
   ProgressReports reports_;

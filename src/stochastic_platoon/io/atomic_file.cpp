@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
@@ -77,6 +78,18 @@ void require_writable_folder(const std::string& folder) {
   if (descriptor < 0) fail(folder);
   ::close(descriptor);
   ::unlink(probe.c_str());
+}
+
+void ignore_file_size_signal() {
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+std::string free_space(const std::string& file) {
+  std::error_code error;
+  const std::string folder = std::filesystem::absolute(file).parent_path().string();
+  const std::uintmax_t bytes = std::filesystem::space(folder, error).available;
+  if (error) return folder + " cannot be looked at";
+  return std::to_string(bytes / 1000000) + " MB are free there";
 }
 
 }  // namespace platoon

@@ -15,4 +15,10 @@ void sync_and_rename(const std::string& file, const std::string& name);
 /// Makes the folder with its parents if need be and tries to write in it. Throws std::runtime_error as above.
 void require_writable_folder(const std::string& folder);
 
+/// A limit on the size of files (ulimit -f) then is an error of writing, and no longer ends the program.
+void ignore_file_size_signal();
+
+/// "12 MB are free there": of the disk that a file is on.
+std::string free_space(const std::string& file);
+
 }  // namespace platoon

@@ -17,7 +17,7 @@ namespace platoon {
 
 namespace {
 
-constexpr char kFormat[] = "stochastic_platoon checkpoint 2";
+constexpr char kFormat[] = "stochastic_platoon checkpoint 3";
 
 nlohmann::json to_json(const MomentTable& table) {
   nlohmann::json blocks = nlohmann::json::array();
@@ -31,6 +31,12 @@ nlohmann::json to_json(const MomentTable& table) {
   return blocks;
 }
 
+nlohmann::json to_json(const std::vector<Moments>& averages) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const Moments& of : averages) rows.push_back({of.count, of.mean, of.squared_deviations});
+  return rows;
+}
+
 Checkpoint from_json(const nlohmann::json& document) {
   MomentTable table(document.at("cells").get<std::size_t>());
   for (const nlohmann::json& block : document.at("blocks")) {
@@ -38,12 +44,17 @@ Checkpoint from_json(const nlohmann::json& document) {
                block.at("mean").get<std::vector<double>>(),
                block.at("squared_deviations").get<std::vector<double>>()});
   }
+  std::vector<Moments> averages;
+  for (const nlohmann::json& row : document.at("time_averages")) {
+    averages.push_back({row.at(0).get<std::uint64_t>(), row.at(1).get<double>(), row.at(2).get<double>()});
+  }
   const nlohmann::json& tally = document.at("tally");
   return {document.at("identity"),
           document.at("launch_id").get<std::string>(),
           {tally.at("positions_received").get<std::uint64_t>(), tally.at("attempts").get<std::uint32_t>(),
            tally.at("wall_seconds").get<double>(), tally.at("platoon_time").get<std::uint64_t>()},
-          std::move(table)};
+          std::move(table),
+          std::move(averages)};
 }
 
 // The lines before the content.
@@ -82,6 +93,11 @@ void require_free(const std::string& output) {
 
 }  // namespace
 
+std::string extent_of(const Checkpoint& checkpoint) {
+  if (checkpoint.time_averages.empty()) return std::to_string(checkpoint.table.count()) + " realizations";
+  return "averages over " + std::to_string(checkpoint.time_averages.front().count) + " steps";
+}
+
 std::string checkpoint_file(const std::string& output) {
   return output + "/checkpoint.cbor";
 }
@@ -99,7 +115,8 @@ void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
                                      {"wall_seconds", checkpoint.tally.wall_seconds},
                                      {"platoon_time", checkpoint.tally.platoon_time}}},
                                    {"cells", checkpoint.table.cells()},
-                                   {"blocks", to_json(checkpoint.table)}};
+                                   {"blocks", to_json(checkpoint.table)},
+                                   {"time_averages", to_json(checkpoint.time_averages)}};
   const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(document);
   const std::string content(bytes.begin(), bytes.end());
   const std::string file = checkpoint_file(output);
@@ -168,9 +185,8 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
   }
   const bool same_launch = found->launch_id == run.launch_id && !run.launch_id.empty();
   if (!same_launch && !run.resume) {
-    throw ConfigurationError(
-        {"output: " + run.output + ": holds a run of " + std::to_string(found->table.count()) +
-         " realizations: must be another folder (or resume:=true to go on with that run)"});
+    throw ConfigurationError({"output: " + run.output + ": holds a run of " + extent_of(*found) +
+                              ": must be another folder (or resume:=true to go on with that run)"});
   }
   const std::string differing = differences(found->identity, statistics_identity(configuration));
   if (!differing.empty()) {

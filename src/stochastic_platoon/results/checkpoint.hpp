@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/io/folder_lock.hpp"
@@ -18,9 +19,13 @@ struct Checkpoint {
   nlohmann::json identity;  ///< statistics_identity() of the run
   std::string launch_id;    ///< which launch wrote it
   Tally tally;
-  MomentTable table;
-  std::string damage = {};  ///< of one that was read: why it is not the latest; empty: it is
+  MomentTable table;                        ///< of averages over time: of no cells
+  std::vector<Moments> time_averages = {};  ///< of these, one per follower
+  std::string damage = {};                  ///< of one that was read: why it is not the latest; empty: it is
 };
+
+/// "1000 realizations", or over how many steps it averages.
+std::string extent_of(const Checkpoint& checkpoint);
 
 /// Name of the checkpoint in the output folder, and of the one before it.
 std::string checkpoint_file(const std::string& output);

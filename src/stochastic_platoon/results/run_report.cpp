@@ -13,10 +13,15 @@ bool is_shown(std::size_t follower, std::size_t followers) {
 
 std::string heading(const RunOptions& run, const RunResult& result) {
   if (run.averaging() == Averaging::over_time) {
-    return formatted(
+    std::string text = formatted(
         "time averages up to step %lld (variance over time, no standard error: successive errors are "
         "correlated)\n",
         static_cast<long long>(result.last_step));
+    if (result.tally.attempts > 1) {
+      text += formatted("the run was begun %u times, each time left out up to step %lld and with new noise\n",
+                        result.tally.attempts, static_cast<long long>(run.burn_in) - 1);
+    }
+    return text;
   }
   return formatted("tracking errors at step %lld, %llu realizations\n", static_cast<long long>(run.steps - 1),
                    static_cast<unsigned long long>(result.realizations));
@@ -35,7 +40,7 @@ std::string row(const ResultCell& of, Averaging averaging) {
 
 std::string table(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   std::string text = "follower   variance [m^2]   standard error   theory [m^2]         z\n";
-  for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result.moments)) {
+  for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result)) {
     if (is_shown(of.follower, run.followers)) {
       text += row(of, run.averaging());
     } else if (is_shown(of.follower - 1, run.followers)) {

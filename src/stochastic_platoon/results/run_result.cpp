@@ -29,10 +29,10 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
                             const RunResult& result) {
   const RunOptions& run = configuration.run;
   const bool over_time = run.averaging() == Averaging::over_time;
-  const std::int64_t steps = over_time ? result.last_step + 1 : run.steps;
-  const double vehicle_steps = static_cast<double>(run.followers) * static_cast<double>(steps) *
-                               static_cast<double>(result.realizations);
   const std::uint64_t received = result.tally.positions_received;
+  const double steps = over_time ? static_cast<double>(received) / static_cast<double>(run.followers + 1)
+                                 : static_cast<double>(run.steps) * static_cast<double>(result.realizations);
+  const double vehicle_steps = static_cast<double>(run.followers) * steps;
   const std::uint64_t expected = over_time ? received : positions_expected(run, result.realizations);
   const double seconds = result.tally.wall_seconds;
   return {{"version", kVersion},
@@ -55,16 +55,14 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
 }  // namespace
 
 std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
-                                 const std::vector<Moments>& measured) {
+                                 const RunResult& result) {
   const bool over_time = run.averaging() == Averaging::over_time;
   std::vector<ResultCell> cells;
   for (std::size_t i = 1; i <= run.followers; ++i) {
     const std::size_t c = over_time ? i - 1 : cell(i, step, run.steps);
     // When a run is stopped, its vehicles are not all at the same step.
-    const std::int64_t shown =
-        over_time ? run.burn_in + static_cast<std::int64_t>(measured[c].count) - 1 : step;
-    cells.push_back({i, shown, measured[c], prediction.mean[c], prediction.variance[c],
-                     prediction.rounding.empty() ? 0.0 : prediction.rounding[c]});
+    cells.push_back({i, over_time ? result.last_steps[c] : step, result.moments[c], prediction.mean[c],
+                     prediction.variance[c], prediction.rounding.empty() ? 0.0 : prediction.rounding[c]});
   }
   return cells;
 }
@@ -90,7 +88,7 @@ std::string statistics_csv(const Configuration& configuration, const Prediction&
                       of.theoretical_mean, of.theoretical_variance);
   };
   if (run.averaging() == Averaging::over_time) {
-    for (const ResultCell& of : cells_at(0, run, prediction, result.moments)) add(of);
+    for (const ResultCell& of : cells_at(0, run, prediction, result)) add(of);
     return text;
   }
   for (std::size_t i = 1; i <= run.followers; ++i) {

@@ -26,6 +26,7 @@ struct RunResult {
   std::int64_t last_step = 0;      ///< the latest step in the figures
   Tally tally;
   std::vector<Moments> moments;
+  std::vector<std::int64_t> last_steps;  ///< of averages over time: the latest step of each follower
 };
 
 /// A cell of a result: follower i and the step that its figures are of.
@@ -40,7 +41,7 @@ struct ResultCell {
 
 /// The result's cells of step k, one per follower; of averages over time, whatever k, all there are.
 std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
-                                 const std::vector<Moments>& measured);
+                                 const RunResult& result);
 
 /// How far measurement and theory are apart. None where it cannot be said: fewer than two realizations, or
 /// averages over time, whose errors are correlated.

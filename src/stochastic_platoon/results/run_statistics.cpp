@@ -6,25 +6,31 @@ namespace platoon {
 
 namespace {
 
-// Attempts are numbered anew in every launch.
-Tally tally_of(const std::optional<Checkpoint>& start, const std::string& launch_id) {
+// Attempts are numbered anew in every launch, but not of an endless run, where each is another realization.
+Tally tally_of(const std::optional<Checkpoint>& start, const RunOptions& run) {
   if (!start) return {};
   Tally tally = start->tally;
-  if (start->launch_id != launch_id) tally.attempts = 0;
+  if (start->launch_id != run.launch_id && run.averaging() == Averaging::over_realizations)
+    tally.attempts = 0;
   return tally;
+}
+
+EarlierAverages averages_of(const std::optional<Checkpoint>& start) {
+  if (!start) return {};
+  return {&start->table, start->time_averages};
 }
 
 }  // namespace
 
 RunStatistics::RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start)
-    : RunStatistics(configuration, start ? start->table.count() : 0,
-                    tally_of(start, configuration.run.launch_id), start ? &start->table : nullptr) {}
+    : RunStatistics(configuration, start ? start->table.count() : 0, tally_of(start, configuration.run),
+                    averages_of(start)) {}
 
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization)
-    : RunStatistics(configuration, first_realization, Tally{}, nullptr) {}
+    : RunStatistics(configuration, first_realization, Tally{}, EarlierAverages{}) {}
 
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization,
-                             const Tally& start, const MomentTable* earlier)
+                             const Tally& start, const EarlierAverages& earlier)
     : configuration_(configuration),
       error_{configuration.model.headway, configuration.model.standstill_distance},
       tally_(start),
@@ -36,10 +42,7 @@ RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t f
 RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const Heading& heading,
                                               const Positions& positions) {
   ErrorAssembly::Receipt receipt = assembly_.receive(vehicle, heading, positions);
-  if (receipt.restarted) {
-    averages_->restart();
-    if (averages_->averaging() == Averaging::over_time) tally_.positions_received = 0;
-  }
+  if (receipt.restarted) averages_->restart();
   if (receipt.verdict == Verdict::in_turn) tally_.attempts = std::max(tally_.attempts, heading.id.attempt);
   return {receipt.verdict, {vehicle, heading, std::move(receipt.due)}};
 }
@@ -85,14 +88,22 @@ void RunStatistics::saw(std::uint64_t platoon_time) {
 }
 
 RunResult RunStatistics::result(bool complete) const {
-  return {complete, averages_->realizations(), std::max<std::int64_t>(averages_->last_step(), 0), tally_,
-          averages_->moments()};
+  RunResult result{complete, averages_->realizations(), std::max<std::int64_t>(averages_->last_step(), 0),
+                   tally_,   averages_->moments(),      {}};
+  for (std::size_t i = 1; i <= configuration_.run.followers; ++i)
+    result.last_steps.push_back(averages_->last_step(i));
+  return result;
 }
 
-std::optional<Checkpoint> RunStatistics::checkpoint() const {
-  const MomentTable* totals = averages_->totals();
-  if (totals == nullptr) return std::nullopt;
-  return Checkpoint{statistics_identity(configuration_), configuration_.run.launch_id, tally_, *totals};
+Checkpoint RunStatistics::checkpoint() const {
+  Checkpoint checkpoint{statistics_identity(configuration_), configuration_.run.launch_id, tally_,
+                        MomentTable(0)};
+  if (const MomentTable* totals = averages_->totals()) {
+    checkpoint.table = *totals;
+  } else {
+    checkpoint.time_averages = averages_->moments();
+  }
+  return checkpoint;
 }
 
 }  // namespace platoon

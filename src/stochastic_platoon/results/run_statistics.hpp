@@ -70,12 +70,12 @@ public:
   const Tally& tally() const { return tally_; }
   RunResult result(bool complete) const;
 
-  /// Null where another run cannot go on from this one.
-  std::optional<Checkpoint> checkpoint() const;
+  /// What another run can go on from.
+  Checkpoint checkpoint() const;
 
 private:
   RunStatistics(const Configuration& configuration, std::uint64_t first_realization, const Tally& start,
-                const MomentTable* earlier);
+                const EarlierAverages& earlier);
   ReducedErrors reduced(const DueErrors& due) const;
 
   Configuration configuration_;

@@ -25,6 +25,7 @@ public:
   std::uint64_t realizations() const override { return table_.count(); }
   bool empty() const override { return realizations() == 0; }
   std::int64_t last_step() const override { return steps_ - 1; }
+  std::int64_t last_step(std::size_t) const override { return steps_ - 1; }
   std::vector<Moments> moments() const override { return table_.totals(); }
   const MomentTable* totals() const override { return &table_; }
 

@@ -6,10 +6,10 @@
 namespace platoon {
 
 std::unique_ptr<ErrorAverages> error_averages(std::size_t followers, std::int64_t steps, std::int64_t burn_in,
-                                              const MomentTable* earlier) {
-  if (steps == 0) return std::make_unique<TimeStatistics>(followers, burn_in);
+                                              const EarlierAverages& earlier) {
+  if (steps == 0) return std::make_unique<TimeStatistics>(followers, burn_in, earlier.over_time);
   auto averages = std::make_unique<EnsembleStatistics>(followers, steps);
-  if (earlier != nullptr) averages->merge(*earlier);
+  if (earlier.over_realizations != nullptr) averages->merge(*earlier.over_realizations);
   return averages;
 }
 

@@ -41,7 +41,8 @@ public:
   /// All errors of the batch were added.
   virtual void commit(std::uint64_t first_realization) = 0;
 
-  /// Everything of unfinished batches is void.
+  /// The present batch has broken off and is begun again: over realizations it is void, and repeated; over time
+  /// it counts as far as it came.
   virtual void restart() = 0;
 
   /// Realizations behind the figures.
@@ -50,18 +51,25 @@ public:
   /// Whether there is anything to show.
   virtual bool empty() const = 0;
 
-  /// The latest step behind the figures.
+  /// The latest step behind the figures, and behind those of a follower.
   virtual std::int64_t last_step() const = 0;
+  virtual std::int64_t last_step(std::size_t follower) const = 0;
 
   /// One per cell: a follower and step, or of time averages a follower.
   virtual std::vector<Moments> moments() const = 0;
 
-  /// The totals that another run can go on from; null where none can.
+  /// Over realizations the totals that another run can go on from; over time these are moments(), and it is null.
   virtual const MomentTable* totals() const = 0;
+};
+
+/// What an earlier launch has counted: over realizations, or over time. Both may be none.
+struct EarlierAverages {
+  const MomentTable* over_realizations = nullptr;
+  std::vector<Moments> over_time = {};  ///< one per follower
 };
 
 /// For a run of these steps; 0: endless, averaged over time from step `burn_in` on.
 std::unique_ptr<ErrorAverages> error_averages(std::size_t followers, std::int64_t steps, std::int64_t burn_in,
-                                              const MomentTable* earlier);
+                                              const EarlierAverages& earlier);
 
 }  // namespace platoon

@@ -16,6 +16,14 @@ TEST(BatchSchedule, CutsTheRealizationsIntoBatchesOfWhichTheLastIsTheRest) {
   EXPECT_EQ(schedule.size(20), 0u);
 }
 
+TEST(BatchSchedule, NoiseOfARepeatedBatchIsTheSameAndOfAnEndlessOneAnother) {
+  const BatchSchedule schedule{20, 8, 3}, endless{1, 1, 0};
+  EXPECT_EQ(first_noise_realization(schedule, {1, 8, 2}), 8u);
+  EXPECT_EQ(first_noise_realization(schedule, {7, 8, 2}), 8u);
+  EXPECT_EQ(first_noise_realization(endless, {1, 0, 2}), 0u);
+  EXPECT_EQ(first_noise_realization(endless, {7, 0, 2}), 6u);
+}
+
 TEST(BatchSchedule, GoesOnFromAnyRealization) {
   const BatchSchedule schedule{20, 8, 3};
   EXPECT_EQ(schedule.next(5), 13u);

@@ -248,6 +248,24 @@ TEST(Credit, BeginsAgainAtOnceWhenAReceiverHasLostWhatItHad) {
   expect_published(published(credit, 0.2), {{2, 0, -1}});
 }
 
+TEST(Credit, BeginsAgainAtOnceWhenAReceiverHasLostMessagesOfAStep) {
+  Credit credit = under_way();
+  published(credit);
+  credit.acknowledge(kMonitor, {1, 0, 0}, 0.1, 9);
+  credit.acknowledge(kMonitor, {1, 0, 0}, 0.2, 8);
+  expect_published(published(credit, 0.2), {{2, 0, -1}});
+}
+
+TEST(Credit, BeginsAgainAtOnceWhenAReceiverComesBackAfterTheNextAttemptHasBegun) {
+  Credit credit = under_way();
+  published(credit);
+  credit.acknowledge(kMonitor, {1, 0, 1}, 0.1);
+  ASSERT_TRUE(credit.retry_if_stalled(100.0));  // it is down
+  published(credit, 100.0);
+  credit.acknowledge(kMonitor, {1, 0, kNothingYet}, 101.0);
+  expect_published(published(credit, 101.0), {{3, 0, -1}});
+}
+
 TEST(Credit, BeginsAgainAtOnceWhenAReceiverComesBackFromBeforeTheAttempt) {
   Credit credit = under_way();
   published(credit);

@@ -82,6 +82,28 @@ TEST(Checkpoint, ComesBackToTheBit) {
   expect_same_blocks(read->table, written.table);
 }
 
+TEST(Checkpoint, OfAveragesOverTimeComesBackToTheBit) {
+  const TemporaryFolder folder;
+  Configuration configuration = paper_run(folder.path());
+  configuration.run.steps = 0;
+  configuration.run.burn_in = 200;
+  write_checkpoint(folder.path(), {statistics_identity(configuration),
+                                   "this launch",
+                                   {},
+                                   MomentTable(0),
+                                   {Moments{3, 0.1, 1.0 / 3.0}, Moments{4, -0.0, 1e-300}}});
+  const std::optional<Checkpoint> read = starting_point(configuration);
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->time_averages.size(), 2u);
+  EXPECT_EQ(read->time_averages[0].count, 3u);
+  EXPECT_EQ(read->time_averages[0].squared_deviations, 1.0 / 3.0);
+  EXPECT_TRUE(std::signbit(read->time_averages[1].mean));
+  configuration.run.burn_in = 100;
+  EXPECT_NE(refusal(configuration).find("burn_in is 200 there and 100 here"), std::string::npos);
+  configuration.run.launch_id = "another launch";
+  EXPECT_NE(refusal(configuration).find("holds a run of averages over 3 steps"), std::string::npos);
+}
+
 TEST(Checkpoint, KeepsTheBitsOfEveryDouble) {
   using Limits = std::numeric_limits<double>;
   const TemporaryFolder folder;
@@ -91,7 +113,7 @@ TEST(Checkpoint, KeepsTheBitsOfEveryDouble) {
   MomentTable unusual(values.size());
   unusual.add(MomentBlock{{3, 0}, values, values});
   unusual.add(MomentBlock{{std::uint64_t{1} << 45, 45}, values, values});
-  write_checkpoint(folder.path(), {{}, "", {}, unusual});
+  write_checkpoint(folder.path(), {{}, "", {}, unusual, {}});
   expect_same_blocks(read_checkpoint(folder.path())->table, unusual);
 }
 
@@ -196,9 +218,9 @@ TEST(Checkpoint, OfAnotherFormatIsNamed) {
   const Configuration configuration = paper_run(folder.path());
   write_checkpoint(folder.path(), checkpoint_of(configuration, 13));
   std::string other = content_of(checkpoint_file(folder.path()));
-  other.replace(other.find("checkpoint 2"), 12, "checkpoint 1");
+  other.replace(other.find("checkpoint 3"), 12, "checkpoint 1");
   folder.file("checkpoint.cbor", other);
-  EXPECT_NE(refusal(configuration).find("it does not begin with \"stochastic_platoon checkpoint 2\""),
+  EXPECT_NE(refusal(configuration).find("it does not begin with \"stochastic_platoon checkpoint 3\""),
             std::string::npos);
 }
 

@@ -71,8 +71,14 @@ TEST(Report, LabelsTimeAveragesAsSuch) {
   result.realizations = 1;
   result.last_step = 999;
   result.moments = {Moments{800, 0.1, 79.9}, Moments{800, 0.2, 159.8}};
+  result.last_steps = {999, 998};
   const std::string text = report(configuration, predict(configuration), result);
   EXPECT_NE(text.find("time averages up to step 999"), std::string::npos);
+  EXPECT_EQ(text.find("was begun"), std::string::npos);
+  result.tally.attempts = 3;
+  EXPECT_NE(
+      report(configuration, predict(configuration), result).find("was begun 3 times, each time left out"),
+      std::string::npos);
   EXPECT_EQ(text.find("agrees"), std::string::npos);
 }
 

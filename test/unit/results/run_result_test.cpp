@@ -182,11 +182,13 @@ TEST(WriteResults, LabelsTimeAveragesAsSuch) {
   result.realizations = 1;
   result.last_step = 999;
   result.moments = {Moments{800, 0.1, 79.9}, Moments{800, 0.2, 159.8}};
+  result.last_steps = {999, 998};
   const Written files = written(configuration, prediction, result);
   ASSERT_EQ(files.rows.size(), 3u);
   EXPECT_EQ(files.rows[1][0], "1");
   EXPECT_EQ(files.rows[1][1], "999");
   EXPECT_EQ(files.rows[1][2], "800");
+  EXPECT_EQ(files.rows[2][1], "998");
   EXPECT_EQ(files.summary["time_average"], true);
   EXPECT_TRUE(files.summary["agreement"]["max_abs_z_mean"].is_null());
 }

@@ -176,7 +176,7 @@ TEST(RunStatistics, NumberTheAttemptsOfAnotherLaunchAnew) {
   Configuration configuration = paper_run("");
   RunStatistics before(configuration, std::nullopt);
   receive_batch(before, configuration, 22, 0, 2);
-  const Checkpoint checkpoint = *before.checkpoint();
+  const Checkpoint checkpoint = before.checkpoint();
   configuration.run.launch_id = "the next launch";
   RunStatistics after(configuration, checkpoint);
   EXPECT_EQ(after.arrivals().attempt(), 0u);
@@ -201,7 +201,7 @@ TEST(RunStatistics, GoOnFromTheirCheckpointToTheBit) {
   const Configuration configuration = paper_run("");
   RunStatistics before(configuration, std::nullopt);
   receive_batch(before, configuration, 3, 0, 2);
-  const Checkpoint checkpoint = *before.checkpoint();
+  const Checkpoint checkpoint = before.checkpoint();
   EXPECT_EQ(checkpoint.launch_id, "this launch");
   EXPECT_EQ(checkpoint.identity, statistics_identity(configuration));
   RunStatistics after(configuration, checkpoint);
@@ -221,7 +221,6 @@ TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
   configuration.run.burn_in = 30;
   RunStatistics statistics(configuration, std::nullopt);
   EXPECT_EQ(statistics.averages().averaging(), Averaging::over_time);
-  EXPECT_FALSE(statistics.checkpoint());
   EXPECT_TRUE(statistics.averages().empty());
   receive_batch(statistics, configuration, 1, 0, 49);
   EXPECT_EQ(statistics.averages().last_step(), 49);
@@ -241,16 +240,33 @@ TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
   EXPECT_EQ(statistics.tally().positions_received, 3u * 51u);
 }
 
-TEST(RunStatistics, OfAnEndlessRunBeginAnewWithANewAttempt) {
+TEST(RunStatistics, OfAnEndlessRunGoOnWithANewAttemptAfterItsOwnBurnIn) {
   Configuration configuration = paper_run("");
   configuration.run.steps = 0;
   configuration.run.realizations = configuration.run.batch = 1;
+  configuration.run.burn_in = 30;
   RunStatistics statistics(configuration, std::nullopt);
   receive_batch(statistics, configuration, 1, 0, 49);
-  receive_batch(statistics, configuration, 2, 0, 9);
-  EXPECT_EQ(statistics.averages().last_step(), 9);
-  EXPECT_EQ(statistics.averages().moments()[0].count, 10u);
-  EXPECT_EQ(statistics.tally().positions_received, 3u * 11u);
+  receive_batch(statistics, configuration, 2, 0, 39);
+  EXPECT_EQ(statistics.averages().last_step(), 39);
+  EXPECT_EQ(statistics.averages().moments()[0].count, 20u + 10u);
+  EXPECT_EQ(statistics.tally().positions_received, 3u * (51u + 41u));
+  EXPECT_EQ(statistics.result(false).last_steps, (std::vector<std::int64_t>{39, 39}));
+}
+
+TEST(RunStatistics, OfAnEndlessRunGoOnFromTheirCheckpointAndNumberTheAttemptsOn) {
+  Configuration configuration = paper_run("");
+  configuration.run.steps = 0;
+  configuration.run.realizations = configuration.run.batch = 1;
+  configuration.run.burn_in = 30;
+  RunStatistics before(configuration, std::nullopt);
+  receive_batch(before, configuration, 3, 0, 49);
+  configuration.run.launch_id = "the next launch";
+  RunStatistics after(configuration, before.checkpoint());
+  EXPECT_FALSE(after.averages().empty());
+  EXPECT_EQ(after.arrivals().attempt(), 3u);  // each is a realization of its own
+  receive_batch(after, configuration, 4, 0, 39);
+  EXPECT_EQ(after.averages().moments()[1].count, 20u + 10u);
 }
 
 }  // namespace

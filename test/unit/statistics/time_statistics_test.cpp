@@ -68,14 +68,42 @@ TEST(TimeStatistics, WaitForTheStepThatIsMissing) {
   EXPECT_EQ(statistics.moments()[0].mean, 4.0);
 }
 
-TEST(TimeStatistics, BeginAnewWithTheSameBurnIn) {
+TEST(TimeStatistics, GoOnAfterARestartWithTheSameBurnIn) {
   TimeStatistics statistics(2, 5);
   for (std::int64_t k = 0; k < 8; ++k) add(statistics, 2, k, 4.0);
   statistics.restart();
+  EXPECT_EQ(statistics.last_step(), -1);
+  EXPECT_FALSE(statistics.empty());
   ASSERT_EQ(statistics.moments().size(), 2u);
-  EXPECT_EQ(statistics.moments()[1].count, 0u);
+  EXPECT_EQ(statistics.moments()[1].count, 3u);
   for (std::int64_t k = 0; k < 6; ++k) add(statistics, 2, k, 9.0);
-  EXPECT_EQ(statistics.moments()[1].count, 1u);
+  EXPECT_EQ(statistics.moments()[1].count, 4u);
+  EXPECT_DOUBLE_EQ(statistics.moments()[1].mean, (3.0 * 4.0 + 9.0) / 4.0);
+  EXPECT_EQ(statistics.last_step(1), -1);
+  EXPECT_EQ(statistics.last_step(2), 5);
+}
+
+TEST(TimeStatistics, AreOfTheWholeSampleWhereverItBrokeOff) {
+  TimeStatistics broken(1, 0);
+  Moments expected;
+  for (std::int64_t k = 0; k < 20; ++k) {
+    const double error = std::sin(static_cast<double>(k));
+    if (k % 7 == 0) broken.restart();
+    add(broken, 1, k % 7, error);
+    expected.add(error);
+  }
+  EXPECT_EQ(broken.moments()[0].count, 20u);
+  EXPECT_NEAR(broken.moments()[0].mean, expected.mean, 1e-15);
+  EXPECT_NEAR(broken.moments()[0].variance(), expected.variance(), 1e-15);
+}
+
+TEST(TimeStatistics, GoOnFromEarlierOnes) {
+  TimeStatistics statistics(1, 1, {Moments{2, 5.0, 8.0}});
+  EXPECT_FALSE(statistics.empty());
+  add(statistics, 1, 0, 100.0);
+  add(statistics, 1, 1, 8.0);
+  EXPECT_EQ(statistics.moments()[0].count, 3u);
+  EXPECT_DOUBLE_EQ(statistics.moments()[0].mean, 6.0);
 }
 
 }  // namespace
