@@ -108,10 +108,10 @@ int main(int argc, char** argv) {
       configuration.model.recorded_leader =
           platoon::recorded_leader(platoon::bag_files(bags), configuration.run.steps);
     }
+    require_free_recording(configuration.run);
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
     const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
     if (start) configuration.run.first_realization = start->table.count();
-    require_free_recording(configuration.run);
     lock->leave_claim();  // until the monitor of this launch is there
     std::cout << platoon::to_json(configuration).dump() << "\n";
     return 0;

@@ -11,23 +11,28 @@ namespace platoon {
 
 namespace {
 
-// The stamps of ROS count nanoseconds.
-const Allowed kSamplePeriod{"a finite number >= 1e-9", std::numeric_limits<double>::quiet_NaN(), 1e-9};
+// The stamps of ROS count nanoseconds, and end after 136 years.
+const Allowed kSamplePeriod{"a finite number >= 1e-9", std::numeric_limits<double>::quiet_NaN(), 1e-9, 1e6};
 
-TransferFunction read_fraction(Section& section) {
-  const Eigen::VectorXd numerator = section.numbers("numerator");
-  const Eigen::VectorXd denominator = section.numbers("denominator");
+TransferFunction read_fraction(Section& section, std::vector<std::string>& problems,
+                               const std::string& name) {
+  const Eigen::VectorXd numerator = section.numbers("numerator", kLongestRow);
+  const Eigen::VectorXd denominator = section.numbers("denominator", kLongestRow);
   section.reject_unknown_keys();
-  if (denominator.cwiseAbs().maxCoeff() > 0.0) return {numerator, denominator};
-  section.reject("denominator", "all zero", "a polynomial other than 0");
+  try {
+    if (denominator.cwiseAbs().maxCoeff() > 0.0) return {numerator, denominator};
+    section.reject("denominator", "all zero", "a polynomial other than 0");
+  } catch (const std::invalid_argument& error) {
+    problems.push_back(name + "/" + error.what());
+  }
   return {numerator, Eigen::VectorXd::Ones(1)};
 }
 
 std::optional<ClosedLoop> read_given_loop(Section section, std::vector<std::string>& problems) {
   const std::size_t before = problems.size();
   const Eigen::MatrixXd a = section.matrix("A");
-  const Eigen::VectorXd b = section.numbers("B");
-  const Eigen::VectorXd c = section.numbers("C");
+  const Eigen::VectorXd b = section.numbers("B", kLongestRow);
+  const Eigen::VectorXd c = section.numbers("C", kLongestRow);
   section.reject_unknown_keys();
   if (problems.size() > before) return std::nullopt;
   try {
@@ -92,11 +97,11 @@ std::optional<Loop> read_designed_loop(Section& document, double headway,
                                        std::vector<std::string>& problems) {
   const std::size_t before = problems.size();
   Section plant_section = document.section("plant");
-  const TransferFunction plant = read_fraction(plant_section);
+  const TransferFunction plant = read_fraction(plant_section, problems, "plant");
   Section controller_section = document.section("controller");
   const bool divide = controller_section.has("divide_by_one_plus_headway") &&
                       controller_section.boolean("divide_by_one_plus_headway");
-  const LoopDesign design{plant, read_fraction(controller_section), divide};
+  const LoopDesign design{plant, read_fraction(controller_section, problems, "controller"), divide};
   if (problems.size() > before) return std::nullopt;
   try {
     return Loop{close_loop(design, headway), design};
@@ -168,11 +173,18 @@ YAML::Node load_yaml(const std::string& file) {
   if (std::filesystem::is_directory(file))
     throw ConfigurationError({"model: " + file + ": must be a file, not a folder"});
   try {
-    return YAML::LoadFile(file);
+    const std::vector<YAML::Node> documents = YAML::LoadAllFromFile(file);
+    if (documents.size() > 1) {
+      throw ConfigurationError(
+          {"model: " + file + ": " + std::to_string(documents.size()) + " documents: must be one"});
+    }
+    return documents.empty() ? YAML::Node() : documents.front();
   } catch (const YAML::BadFile&) {
     throw ConfigurationError({"model: " + file + ": must be a file that can be read"});
   } catch (const YAML::Exception& error) {
     throw ConfigurationError({"model: " + file + ": must be YAML: " + error.what()});
+  } catch (const std::ios_base::failure&) {
+    throw ConfigurationError({"model: " + file + ": must be a file that can be read"});
   }
 }
 

@@ -1,6 +1,9 @@
 #include "stochastic_platoon/configuration/run_options.hpp"
 
 #include <algorithm>
+#include <limits>
+
+#include "stochastic_platoon/io/text.hpp"
 
 namespace platoon {
 
@@ -11,6 +14,12 @@ constexpr std::int64_t kMaxCount = std::int64_t{1} << 46;
 
 // Cells of statistics: followers times steps. A run keeps some 200 bytes a cell.
 constexpr std::int64_t kMaxCells = 20000000;
+
+// Timers of ROS count nanoseconds in 64 bits, and seconds in 32.
+const Allowed kRate{"a finite number >= 0", std::numeric_limits<double>::quiet_NaN(), 0.0, 1e6};
+constexpr double kSlowestRate = 1e-6;
+const Allowed kStallTimeout{"a finite number > 0", 0.0, std::numeric_limits<double>::quiet_NaN(), 1e6};
+constexpr double kShortestStall = 1e-3;
 
 constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
 
@@ -54,7 +63,9 @@ RunOptions read_run_options(Section section) {
   options.steps = section.integer("steps", 0, kMaxCount);
   options.realizations = static_cast<std::uint64_t>(section.integer("realizations", 1, kMaxCount));
   options.batch = static_cast<std::uint64_t>(section.integer("batch", 0, 1 << 24));
-  options.rate = section.number("rate", kNotNegative);
+  options.rate = section.number("rate", kRate);
+  if (options.rate > 0.0 && options.rate < kSlowestRate)
+    section.reject("rate", formatted("%g", options.rate), formatted("0 or at least %g", kSlowestRate));
   options.seed = static_cast<std::uint64_t>(section.integer("seed", 0, INT64_MAX));
   options.hosting = parsed_hosting(
       section.choice("hosting", {to_string(Hosting::processes), to_string(Hosting::one_process)}));
@@ -66,7 +77,10 @@ RunOptions read_run_options(Section section) {
   options.record_compression = section.choice("record_compression", {"none", "lz4"});
   options.launch_id = section.text("launch_id");
   options.window = section.integer("window", 0, 1 << 20);
-  options.stall_timeout = section.number("stall_timeout", kPositive);
+  options.stall_timeout = section.number("stall_timeout", kStallTimeout);
+  if (options.stall_timeout < kShortestStall)
+    section.reject("stall_timeout", formatted("%g", options.stall_timeout),
+                   formatted("at least %g", kShortestStall));
   options.burn_in = section.integer("burn_in", 0, kMaxCount);
   section.reject_unknown_keys();
   const auto followers = static_cast<std::int64_t>(options.followers);

@@ -21,8 +21,18 @@ std::string whole_text(const YAML::Node& node) {
   return emitter.c_str();
 }
 
+// What a file says must not steer the terminal that it is shown on.
+std::string on_one_line(const std::string& text) {
+  std::string line;
+  for (const char c : text) {
+    const bool space = c == ' ' || c == '\n';
+    if (!space || line.empty() || line.back() != ' ') line += space ? ' ' : c;
+  }
+  return printable(line);
+}
+
 std::string shown(const YAML::Node& node) {
-  return shortened(whole_text(node));
+  return on_one_line(shortened(whole_text(node)));
 }
 
 // The whole text as a number, in the C locale; nullopt for anything else. "nan" and "inf" are not read.
@@ -53,6 +63,10 @@ std::optional<Eigen::VectorXd> parsed_numbers(const YAML::Node& node) {
     values(static_cast<Eigen::Index>(i)) = *value;
   }
   return values;
+}
+
+std::string at_most(double most) {
+  return formatted("at most %g in magnitude", most);
 }
 
 }  // namespace
@@ -98,6 +112,10 @@ double Section::number(const std::string& key, const Allowed& allowed) {
     reject(key, shown(node), allowed.text);
     return 1.0;
   }
+  if (std::abs(*value) > allowed.most) {
+    reject(key, shown(node), at_most(allowed.most));
+    return 1.0;
+  }
   return *value;
 }
 
@@ -141,21 +159,36 @@ std::string Section::choice(const std::string& key, const std::vector<std::strin
   return choices.front();
 }
 
-Eigen::VectorXd Section::numbers(const std::string& key) {
+Eigen::VectorXd Section::numbers(const std::string& key, Eigen::Index longest) {
   const std::string allowed = "a list of finite numbers";
   const YAML::Node node = require(key, allowed);
   if (node.IsNull()) return Eigen::VectorXd::Ones(1);
   const std::optional<Eigen::VectorXd> values = parsed_numbers(node);
-  if (!values) reject(key, shown(node), allowed);
-  return values ? *values : Eigen::VectorXd::Ones(1);
+  if (!values) {
+    reject(key, shown(node), allowed);
+  } else if (longest != kUnlimited && values->size() > longest) {
+    reject(key, std::to_string(values->size()) + " numbers", "at most " + std::to_string(longest));
+  } else if (values->cwiseAbs().maxCoeff() > kLargest) {
+    reject(key, shown(node), at_most(kLargest));
+  } else {
+    return *values;
+  }
+  return Eigen::VectorXd::Ones(1);
 }
 
 Eigen::MatrixXd Section::matrix(const std::string& key) {
   const std::string allowed = "a list of rows of finite numbers, all of one length";
   const YAML::Node node = require(key, allowed);
   if (node.IsNull()) return Eigen::MatrixXd::Ones(1, 1);
+  constexpr auto kLongest = static_cast<std::size_t>(kLongestRow);
+  const std::size_t rows = node.IsSequence() ? node.size() : 0;
+  if (rows > kLongest || (rows > 0 && node[0].size() > kLongest)) {
+    reject(key, std::to_string(rows) + " rows of " + std::to_string(node[0].size()),
+           "at most " + std::to_string(kLongestRow) + " x " + std::to_string(kLongestRow));
+    return Eigen::MatrixXd::Ones(1, 1);
+  }
   Eigen::MatrixXd values;
-  for (std::size_t i = 0; node.IsSequence() && i < node.size(); ++i) {
+  for (std::size_t i = 0; i < rows; ++i) {
     const std::optional<Eigen::VectorXd> row = parsed_numbers(node[i]);
     if (!row || (i > 0 && row->size() != values.cols())) {
       values.resize(0, 0);
@@ -164,8 +197,8 @@ Eigen::MatrixXd Section::matrix(const std::string& key) {
     values.conservativeResize(values.rows() + 1, row->size());
     values.bottomRows(1) = row->transpose();
   }
-  if (values.size() > 0) return values;
-  reject(key, shown(node), allowed);
+  if (values.size() > 0 && values.cwiseAbs().maxCoeff() <= kLargest) return values;
+  reject(key, shown(node), values.size() > 0 ? at_most(kLargest) : allowed);
   return Eigen::MatrixXd::Ones(1, 1);
 }
 
@@ -193,7 +226,8 @@ void Section::reject_unknown_keys() {
   std::set<std::string> seen;
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
-    if (known_.count(key) == 0) problems_.push_back(name(key) + ": unknown key: allowed are " + allowed);
+    if (known_.count(key) == 0)
+      problems_.push_back(name(shown(entry.first)) + ": unknown key: allowed are " + allowed);
     if (!seen.insert(key).second) problems_.push_back(name(key) + ": given twice: must stand once");
   }
 }

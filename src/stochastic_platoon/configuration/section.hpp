@@ -11,11 +11,17 @@
 
 namespace platoon {
 
-/// What a number may be. Bounds of NaN do not bind.
+constexpr double kLargest = 1e100;
+constexpr Eigen::Index kUnlimited = -1;
+constexpr Eigen::Index kLongestRow = 100;  ///< far beyond the order that a closed loop may have
+
+/// What a number may be. Bounds of NaN do not bind. Beyond 1e100 what is computed of a number, its square, sums
+/// over a run, would overflow.
 struct Allowed {
-  std::string text;  ///< the end of the sentence "must be ..."
-  double above;      ///< exclusive lower bound
-  double at_least;   ///< inclusive lower bound
+  std::string text;        ///< the end of the sentence "must be ..."
+  double above;            ///< exclusive lower bound
+  double at_least;         ///< inclusive lower bound
+  double most = kLargest;  ///< of the magnitude
 };
 
 extern const Allowed kAnyFinite, kPositive, kNotNegative;
@@ -42,9 +48,9 @@ public:
   bool boolean(const std::string& key);
   std::string text(const std::string& key);
   std::string choice(const std::string& key, const std::vector<std::string>& choices);
-  /// A list of finite numbers, not empty.
-  Eigen::VectorXd numbers(const std::string& key);
-  /// A list of rows of finite numbers, all of one length, not empty.
+  /// A list of finite numbers, not empty, `longest` at most.
+  Eigen::VectorXd numbers(const std::string& key, Eigen::Index longest = kUnlimited);
+  /// A list of rows of finite numbers, all of one length, not empty, at most kLongestRow of each.
   Eigen::MatrixXd matrix(const std::string& key);
   Section section(const std::string& key);
   /// A list of mappings, which may be empty.

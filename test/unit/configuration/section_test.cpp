@@ -78,7 +78,9 @@ TEST(Section, RejectsNumbersOutOfRange) {
   EXPECT_EQ(problems_with("x: -0.1", number(kNotNegative)),
             Problems{"x: -0.1: must be a finite number >= 0"});
   EXPECT_EQ(problems_with("x: 0", number(kNotNegative)), Problems{});
-  EXPECT_EQ(problems_with("x: -1e300", number(kAnyFinite)), Problems{});
+  EXPECT_EQ(problems_with("x: -1e100", number(kAnyFinite)), Problems{});
+  EXPECT_EQ(problems_with("x: -2e100", number(kAnyFinite)),
+            Problems{"x: -2e100: must be at most 1e+100 in magnitude"});
 }
 
 TEST(Section, RejectsWhatIsNoWholeNumberInRange) {
