@@ -48,6 +48,13 @@ using Acknowledgement = MessageId;
 constexpr std::int64_t kInitialStep = -1;
 constexpr std::int64_t kNothingYet = -2;
 
+/// Whether there is such a step to report in a run of this schedule.
+inline bool may_be_reported(const BatchSchedule& schedule, const Acknowledgement& report) {
+  constexpr std::int64_t kMost = std::int64_t{1} << 46;  // of an endless run: what the noise can name
+  return report.first_realization <= schedule.realizations && report.step >= kNothingYet &&
+         report.step < (schedule.endless() ? kMost : schedule.steps);
+}
+
 /// Steps that a report covers of an attempt that began at realization `start`; 0 for an earlier one. All
 /// batches but the last have equal size, so whole ones can be counted.
 inline std::int64_t steps_covered(const BatchSchedule& schedule, std::uint64_t start,

@@ -9,6 +9,8 @@
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/graph/drop_counter.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
+#include "stochastic_platoon/graph/sole_publisher.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/messages/message_pool.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 
@@ -29,11 +31,12 @@ public:
 private:
   struct Link {
     NoisyChannel noise;
+    SolePublisher sender;
     DropCounter drops;
     ros::Publisher received;
     ros::Subscriber sent;
   };
-  void transmit(Link& link, const stochastic_platoon::Position::ConstPtr& message);
+  void transmit(Link& link, const PositionEvent& event);
 
   RunMembership membership_;
   BatchSchedule schedule_;

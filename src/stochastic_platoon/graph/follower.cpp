@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "stochastic_platoon/delivery/lead.hpp"
-#include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
 
@@ -17,6 +16,7 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
       joined_(std::move(joined)),
       membership_(platoon, "vehicle_" + std::to_string(index), 0,
                   [this](const Configuration& configuration) { begin(configuration); }),
+      predecessor_(platoon.resolveName(predecessor_position_topic(index))),
       drops_(platoon.resolveName(predecessor_position_topic(index))),
       messages_(messages),
       position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)) {
@@ -40,10 +40,12 @@ void Follower::begin(const Configuration& configuration) {
   if (joined_) joined_(configuration);
 }
 
-void Follower::receive(const Position::ConstPtr& message) {
+void Follower::receive(const PositionEvent& event) {
+  const Position::ConstPtr message = event.getMessage();
   if (!membership_.admits(message->run)) {
     return drops_.count(Verdict::foreign_run, id_of(*message), message->position.size());
   }
+  if (!predecessor_.admits(event.getConnectionHeaderPtr(), message->run)) return;
   const Heading heading = heading_of(*message);
   const MessageId& id = heading.id;
   const Verdict verdict = part_->order.receive(heading);
@@ -60,7 +62,7 @@ void Follower::receive(const Position::ConstPtr& message) {
   const auto next = messages_.take();
   part_->vehicle.step(message->position, next->position);
   if (part_->leads) {
-    publish(next, {id.attempt, id.first_realization, id.step + 1}, stamp + part_->period);
+    publish(next, {id.attempt, id.first_realization, id.step + 1}, later(stamp, part_->period));
   } else {
     part_->upcoming = next;
   }

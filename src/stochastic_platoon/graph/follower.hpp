@@ -11,6 +11,8 @@
 #include "stochastic_platoon/delivery/message_order.hpp"
 #include "stochastic_platoon/graph/drop_counter.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
+#include "stochastic_platoon/graph/sole_publisher.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/messages/message_pool.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 
@@ -45,13 +47,14 @@ private:
     stochastic_platoon::Position::Ptr upcoming = {};  ///< its own next step, of one that does not lead
   };
   void begin(const Configuration& configuration);
-  void receive(const stochastic_platoon::Position::ConstPtr& message);
+  void receive(const PositionEvent& event);
   void publish(const stochastic_platoon::Position::Ptr& message, const MessageId& id, const ros::Time& stamp);
 
   std::uint32_t index_;
   Joined joined_;
   RunMembership membership_;
   std::optional<Part> part_;
+  SolePublisher predecessor_;
   DropCounter drops_;
   MessagePool messages_;
   ros::Publisher position_;

@@ -6,6 +6,7 @@
 
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
 
@@ -42,6 +43,8 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunM
       vehicle_(configuration.model),
       position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
       progress_(platoon.subscribe(kProgressTopic, kUnboundedQueue, &Leader::receive, this, no_delay())) {
+  for (const std::string& name : configuration.run.receivers())
+    reporters_.emplace(name, SolePublisher(platoon.resolveName(kProgressTopic) + " of " + name));
   stall_timer_ = platoon.createSteadyTimer(ros::WallDuration(kWatchPeriod), [this](const auto&) { watch(); });
   if (paced_) {
     pace_timer_ = platoon.createSteadyTimer(ros::WallDuration(1.0 / configuration.run.rate),
@@ -49,14 +52,27 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunM
   }
 }
 
-void Leader::receive(const Progress::ConstPtr& message) {
+void Leader::receive(const ros::MessageEvent<const Progress>& event) {
+  const Progress::ConstPtr message = event.getMessage();
   if (!membership_.admits(message->run)) return;
   const Acknowledgement report{message->attempt, message->first_realization, message->step};
+  const auto reporter = reporters_.find(message->receiver);
+  if (reporter != reporters_.end()) {
+    if (!reporter->second.admits(event.getConnectionHeaderPtr(), message->run)) return;
+    if (!may_be_reported(schedule_, report)) {
+      ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report of \""
+                                        << reporter->first
+                                        << "\" of what this run does not have: realizations from "
+                                        << report.first_realization << ", step " << report.step);
+      return;
+    }
+  }
   if (!credit_.acknowledge(message->receiver, report, now(), message->messages)) {
     const bool notice = !message->note.empty();  // of a vehicle that cannot take part: the monitor's business
     if (notice) return;
     ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report from \""
-                                      << message->receiver << "\": it is no receiver of this run");
+                                      << printable(shortened(message->receiver))
+                                      << "\": it is no receiver of this run");
     return;
   }
   if (message->note.rfind(kHoldsUp, 0) == 0) {
@@ -66,10 +82,10 @@ void Leader::receive(const Progress::ConstPtr& message) {
   }
   if (paced_ && credit_.attempt() == 0 && message->attempt == 0 && !begin_) begin_ = now() + kObserverTime;
   // After a restart time goes on past everything that may still be on its way.
-  const ros::Time seen = message->header.stamp;
+  ros::Time seen = message->header.stamp;
   if (credit_.attempt() == 0 && !seen.isZero()) {
-    const ros::Duration in_flight = ros::Duration().fromNSec(period_.toNSec() * (window_ + 1));
-    stamp_ = std::max(stamp_, seen + in_flight);
+    for (std::int64_t step = 0; step <= window_; ++step) seen = later(seen, period_);
+    stamp_ = std::max(stamp_, seen);
   }
   publish_allowed();
 }
@@ -91,7 +107,7 @@ bool Leader::publish_one() {
   if (begin_ && now() < *begin_) return false;
   const std::optional<MessageId> id = credit_.next(now());
   if (!id) return false;
-  stamp_ += period_;
+  stamp_ = later(stamp_, period_);
   const double position = id->step == kInitialStep ? vehicle_.start() : vehicle_.step();
   const auto message = messages_.take();
   message->header.stamp = stamp_;

@@ -4,12 +4,15 @@
 #include <stochastic_platoon/Position.h>
 #include <stochastic_platoon/Progress.h>
 
+#include <map>
+#include <optional>
 #include <set>
 #include <string>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/credit.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
+#include "stochastic_platoon/graph/sole_publisher.hpp"
 #include "stochastic_platoon/messages/message_pool.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 
@@ -27,7 +30,7 @@ public:
   Leader(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
 private:
-  void receive(const stochastic_platoon::Progress::ConstPtr& message);
+  void receive(const ros::MessageEvent<const stochastic_platoon::Progress>& event);
   void watch();
   void publish_allowed();
   bool publish_one();
@@ -39,6 +42,7 @@ private:
   bool paced_;
   Credit credit_;
   std::set<std::string> holding_;  ///< receivers that say that they hold the platoon up
+  std::map<std::string, SolePublisher> reporters_;  ///< by the receiver they speak for
   LeaderVehicle vehicle_;
   ros::Time stamp_;  ///< of the latest step published; zero before the first
   MessagePool messages_;

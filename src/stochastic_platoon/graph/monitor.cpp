@@ -12,7 +12,6 @@
 
 #include "stochastic_platoon/delivery/lead.hpp"
 #include "stochastic_platoon/delivery/stall_diagnosis.hpp"
-#include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/position.hpp"
@@ -70,18 +69,24 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
 
 void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle) {
   const std::size_t followers = configuration_.run.followers;
-  for (std::size_t i = 0; i <= followers; ++i) drops_.emplace_back(platoon.resolveName(position_topic(i)));
   for (std::size_t i = 0; i <= followers; ++i) {
-    const boost::function<void(const Position::ConstPtr&)> callback =
-        [this, i](const Position::ConstPtr& message) { receive(i, message); };
-    positions_.push_back(node_of_vehicle(i).subscribe<Position>(position_topic(i), kUnboundedQueue, callback,
-                                                                ros::VoidConstPtr(), no_delay()));
+    vehicles_.emplace_back(platoon.resolveName(position_topic(i)));
+    drops_.emplace_back(platoon.resolveName(position_topic(i)));
+  }
+  for (std::size_t i = 0; i <= followers; ++i) {
+    const boost::function<void(const PositionEvent&)> callback = [this, i](const PositionEvent& event) {
+      receive(i, event);
+    };
+    positions_.push_back(node_of_vehicle(i).subscribe<Position, const PositionEvent&>(
+        position_topic(i), kUnboundedQueue, callback, ros::VoidConstPtr(), no_delay()));
   }
   others_ = platoon.subscribe(kProgressTopic, 100, &Monitor::receive_note, this);
 }
 
-void Monitor::receive(std::size_t vehicle, const Position::ConstPtr& message) {
+void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
+  const Position::ConstPtr message = event.getMessage();
   const bool of_this_run = membership_.admits(message->run);
+  if (of_this_run && !vehicles_[vehicle].admits(event.getConnectionHeaderPtr(), message->run)) return;
   const Heading heading = heading_of(*message);
   RunStatistics::Receipt receipt{Verdict::foreign_run, {}};
   {
@@ -107,7 +112,8 @@ void Monitor::receive(std::size_t vehicle, const Position::ConstPtr& message) {
 void Monitor::receive_note(const Progress::ConstPtr& message) {
   if (message->receiver == "monitor" || message->run != membership_.run()) return;
   const Locked lock(lock_);
-  notes_[message->receiver] = message->note;
+  const bool room = notes_.size() <= configuration_.run.followers + configuration_.run.receivers().size();
+  if (room || notes_.count(message->receiver) > 0) notes_[message->receiver] = printable(message->note);
 }
 
 void Monitor::tick() {
@@ -293,7 +299,7 @@ void Monitor::publish_statistics_if_due(double present) {
 
 void Monitor::publish_statistics(std::int64_t step, const RunResult& result) {
   ErrorStatistics message;
-  message.header.stamp.fromNSec(result.tally.platoon_time);
+  message.header.stamp = platoon_time(result.tally.platoon_time);
   message.step = step;
   message.realizations = result.realizations;
   message.time_average = endless();

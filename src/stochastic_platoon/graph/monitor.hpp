@@ -16,7 +16,9 @@
 #include "stochastic_platoon/graph/drop_counter.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
+#include "stochastic_platoon/graph/sole_publisher.hpp"
 #include "stochastic_platoon/graph/spin_lock.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/io/progress_display.hpp"
 #include "stochastic_platoon/io/retry_pause.hpp"
 #include "stochastic_platoon/results/run_statistics.hpp"
@@ -51,7 +53,7 @@ public:
 
 private:
   void subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle);
-  void receive(std::size_t vehicle, const stochastic_platoon::Position::ConstPtr& message);
+  void receive(std::size_t vehicle, const PositionEvent& event);
   void receive_note(const stochastic_platoon::Progress::ConstPtr& message);
   void tick();
   void check_for_stall(double present);
@@ -74,6 +76,7 @@ private:
 
   SpinLock lock_;  ///< of what several threads use, down to `notes_`
   RunStatistics statistics_;
+  std::vector<SolePublisher> vehicles_;  ///< each for the one thread that receives from the vehicle
   std::vector<DropCounter> drops_;
   ProgressReports reports_;
   StallWatch stall_;

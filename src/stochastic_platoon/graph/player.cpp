@@ -49,18 +49,24 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration
 void Player::receive(const Progress::ConstPtr& message) {
   if (message->run != run_) return;
   heard_ = true;
-  const std::int64_t acknowledged =
-      steps_covered(schedule_, 0, {0, message->first_realization, message->step});
+  const Acknowledgement report{0, message->first_realization, message->step};
+  if (!may_be_reported(schedule_, report)) return;
+  const std::int64_t acknowledged = steps_covered(schedule_, 0, report);
   if (acknowledged != acknowledged_) last_progress_ = now();
   acknowledged_ = acknowledged;
   play();
+}
+
+// [s]. A ros::Duration would throw beyond 68 years, which the stamps of a bag may be apart.
+double Player::since_first(const Position& message) const {
+  return message.header.stamp.toSec() - first_stamp_.toSec();
 }
 
 // Beyond the window only when the monitor does not move: what the recording has of attempts that were given
 // up cannot complete.
 bool Player::may_publish(const Position& message) const {
   if (options_.rate > 0.0) {
-    const double due = (message.header.stamp - first_stamp_).toSec() - options_.start;
+    const double due = since_first(message) - options_.start;
     if (now() - *began_ < due / options_.rate) return false;
   }
   return steps_covered(schedule_, 0, id_of(message)) <= acknowledged_ + window_ ||
@@ -72,7 +78,7 @@ void Player::play() {
   if (!began_) began_ = last_progress_ = now();
   while (upcoming_ && may_publish(*upcoming_->message)) {
     const auto position = positions_.find(upcoming_->topic.vehicle);
-    const bool left_out = (upcoming_->message->header.stamp - first_stamp_).toSec() < options_.start;
+    const bool left_out = since_first(*upcoming_->message) < options_.start;
     upcoming_->message->run = run_;
     if (position != positions_.end() && !left_out) position->second.publish(upcoming_->message);
     upcoming_ = stream_.next();

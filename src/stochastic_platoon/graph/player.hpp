@@ -36,6 +36,7 @@ public:
 private:
   void receive(const stochastic_platoon::Progress::ConstPtr& message);
   void play();
+  double since_first(const stochastic_platoon::Position& message) const;
   bool may_publish(const stochastic_platoon::Position& message) const;
 
   std::uint64_t run_;

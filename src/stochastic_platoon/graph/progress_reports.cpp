@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
@@ -25,7 +26,7 @@ bool ProgressReports::is_linked(const std::vector<ros::Subscriber>& subscribers)
 }
 
 void ProgressReports::saw(std::uint64_t platoon_time) {
-  message_.header.stamp = std::max(message_.header.stamp, ros::Time().fromNSec(platoon_time));
+  message_.header.stamp = std::max(message_.header.stamp, platoon::platoon_time(platoon_time));
 }
 
 void ProgressReports::report_if_due(const Arrivals& arrivals) {

@@ -4,7 +4,6 @@
 
 #include <boost/function.hpp>
 
-#include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/position.hpp"
@@ -38,11 +37,16 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration,
   begin();
   for (std::size_t s = 0; s < streams_of(configuration.run); ++s) {
     const std::string topic = topic_of_stream(s, configuration.run, name_space_);
+    publishers_.emplace_back(topic);
     drops_.emplace_back(topic);
-    const boost::function<void(const Position::ConstPtr&)> callback =
-        [this, s](const Position::ConstPtr& message) { receive(s, message); };
-    positions_.push_back(
-        platoon.subscribe<Position>(topic, kUnboundedQueue, callback, ros::VoidConstPtr(), no_delay()));
+  }
+  for (std::size_t s = 0; s < streams_of(configuration.run); ++s) {
+    const boost::function<void(const PositionEvent&)> callback = [this, s](const PositionEvent& event) {
+      receive(s, event);
+    };
+    positions_.push_back(platoon.subscribe<Position, const PositionEvent&>(
+        topic_of_stream(s, configuration.run, name_space_), kUnboundedQueue, callback, ros::VoidConstPtr(),
+        no_delay()));
   }
   error_statistics_ = platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics,
                                         this, no_delay());
@@ -79,10 +83,12 @@ void Recorder::stop() {
   if (recording_) write([this] { recording_->stop(); });
 }
 
-void Recorder::receive(std::size_t stream, const Position::ConstPtr& message) {
+void Recorder::receive(std::size_t stream, const PositionEvent& event) {
+  const Position::ConstPtr message = event.getMessage();
   const MessageId id = id_of(*message);
   const std::size_t size = message->position.size();
   if (!membership_.admits(message->run)) return drops_[stream].count(Verdict::foreign_run, id, size);
+  if (!publishers_[stream].admits(event.getConnectionHeaderPtr(), message->run)) return;
   reports_.saw(message->header.stamp.toNSec());
   if (!recording_) return;
   write([&] {

@@ -13,6 +13,8 @@
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
 #include "stochastic_platoon/io/retry_pause.hpp"
+#include "stochastic_platoon/graph/sole_publisher.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
 
 namespace platoon {
 
@@ -35,7 +37,7 @@ public:
 
 private:
   void begin();
-  void receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
+  void receive(std::size_t stream, const PositionEvent& event);
   void receive_statistics(const stochastic_platoon::ErrorStatistics::ConstPtr& message);
   void tick();
   void finish();
@@ -50,6 +52,7 @@ private:
   RetryPause pause_;
   std::uint64_t tried_at_ = 0;  ///< bytes in the file when it was last begun
   std::string refusal_;         ///< by the disk, of the latest try
+  std::vector<SolePublisher> publishers_;
   std::vector<DropCounter> drops_;
   std::optional<double> began_;  ///< [s] first message
   ProgressReports reports_;

@@ -16,7 +16,8 @@ namespace platoon {
 
 namespace {
 
-constexpr double kLookPeriod = 0.2;  // [s] between looks for the same unknown run
+constexpr double kLookPeriod = 0.2;           // [s] between looks for the same unknown run
+constexpr double kShortestLookPeriod = 0.05;  // [s] for any
 
 std::string shown(std::uint64_t run) {
   return formatted("%016llx", static_cast<unsigned long long>(run));
@@ -59,7 +60,8 @@ bool RunMembership::looks_and_admits(std::uint64_t run) {
   const std::lock_guard<std::mutex> lock(looking_);
   if (run == run_) return true;
   const double present = now();
-  if (run == last_unknown_ && last_look_ && present - *last_look_ < kLookPeriod) return false;
+  const double period = run == last_unknown_ ? kLookPeriod : kShortestLookPeriod;
+  if (last_look_ && present - *last_look_ < period) return false;
   last_unknown_ = run;
   last_look_ = present;
   try {

@@ -32,7 +32,7 @@ public:
   RunMembership(const ros::NodeHandle& platoon, std::string name, std::uint64_t run, Join join);
 
   /// Whether a message of this run counts. Looks at the parameter server for a run that it does not know, at
-  /// most five times a second.
+  /// most five times a second for the same, twenty for any.
   bool admits(std::uint64_t run) {
     return run == run_.load(std::memory_order_relaxed) || looks_and_admits(run);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ros/message_event.h>
 #include <ros/publisher.h>
 #include <ros/transport_hints.h>
 #include <stochastic_platoon/Position.h>
@@ -7,6 +8,9 @@
 #include <cstdint>
 
 namespace platoon {
+
+/// A position with the connection that it came over.
+using PositionEvent = ros::MessageEvent<const stochastic_platoon::Position>;
 
 /// Time that never jumps [s].
 double now();

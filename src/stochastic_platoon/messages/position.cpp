@@ -1,5 +1,6 @@
 #include "stochastic_platoon/messages/position.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -50,6 +51,14 @@ Positions positions_of(const Position::ConstPtr& message) {
 
 ros::Duration platoon_period(double sample_period) {
   return ros::Duration().fromNSec(static_cast<std::int64_t>(std::llround(sample_period * 1e9)));
+}
+
+ros::Time platoon_time(std::uint64_t nanoseconds) {
+  return ros::Time().fromNSec(std::min(nanoseconds, ros::TIME_MAX.toNSec()));
+}
+
+ros::Time later(const ros::Time& stamp, const ros::Duration& period) {
+  return platoon_time(stamp.toNSec() + static_cast<std::uint64_t>(period.toNSec()));
 }
 
 }  // namespace platoon

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ros/duration.h>
+#include <ros/time.h>
 #include <stochastic_platoon/Position.h>
 
 #include <cstdint>
@@ -24,6 +25,12 @@ Positions positions_of(const stochastic_platoon::Position::ConstPtr& message);
 
 /// T_s [s] as platoon time counts it: whole nanoseconds.
 ros::Duration platoon_period(double sample_period);
+
+/// Platoon time of so many nanoseconds; the last that a stamp can bear for more.
+ros::Time platoon_time(std::uint64_t nanoseconds);
+
+/// The stamp and a period above 0 more; at the end of all stamps it stands still. Any stamp of any message will do.
+ros::Time later(const ros::Time& stamp, const ros::Duration& period);
 
 /// Whether every value is finite.
 bool all_finite(const std::vector<double>& values);

@@ -51,6 +51,23 @@ TEST(PlatoonPeriod, IsTheNearestWholeNumberOfNanoseconds) {
   EXPECT_EQ(platoon_period(1.0 / 3.0).toNSec(), 333333333);
 }
 
+TEST(Later, IsOnePeriodOn) {
+  EXPECT_EQ(later(ros::Time(3, 950000000), platoon_period(0.1)), ros::Time(4, 50000000));
+}
+
+TEST(Later, StandsStillAtTheEndOfAllStamps) {
+  EXPECT_EQ(later(ros::TIME_MAX, platoon_period(1e6)), ros::TIME_MAX);
+  EXPECT_EQ(later(ros::Time(0xffffffff, 0), platoon_period(1e6)), ros::TIME_MAX);
+}
+
+// On the wire seconds and nanoseconds may be anything.
+TEST(Later, TakesWhatIsNoTime) {
+  ros::Time none;
+  none.sec = none.nsec = 0xffffffff;
+  EXPECT_EQ(later(none, platoon_period(0.1)), ros::TIME_MAX);
+  EXPECT_EQ(platoon_time(none.toNSec()), ros::TIME_MAX);
+}
+
 TEST(AllFinite, IsTrueForEveryFiniteNumber) {
   using Limits = std::numeric_limits<double>;
   EXPECT_TRUE(all_finite({}));
