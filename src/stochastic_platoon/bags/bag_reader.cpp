@@ -84,12 +84,11 @@ BagRemainder read_bags(const std::vector<std::string>& files, const BagContent& 
       view.addQuery(*bags.back(), is_wanted);
     }
     const std::uint64_t total = view.size();
+    std::string buffer;
     std::uint64_t done = 0;
     for (const rosbag::MessageInstance& instance : view) {
-      dispatch(content, wanted.at(instance.getTopic()), [&instance](auto message) {
-        const auto found = instance.instantiate<decltype(message)>();
-        if (!found) throw BagError(instance.getTopic() + ": holds a message that cannot be read");
-        return found;
+      dispatch(content, wanted.at(instance.getTopic()), [&instance, &buffer](auto message) {
+        return instantiated<decltype(message)>(instance, buffer);
       });
       ++done;
       if (content.progress && (done % 256 == 0 || done == total)) content.progress(done, total);

@@ -22,13 +22,14 @@ BagStream::BagStream(const std::vector<std::string>& files,
 std::optional<RecordedPosition> BagStream::next() {
   if (position_ == view_.end()) return std::nullopt;
   try {
-    const Position::Ptr message = position_->instantiate<Position>();
-    if (!message) throw BagError(position_->getTopic() + ": holds a message that cannot be read");
-    RecordedPosition recorded{*parse_topic(position_->getTopic()), message};
+    RecordedPosition recorded{*parse_topic(position_->getTopic()),
+                              instantiated<Position>(*position_, buffer_)};
     ++position_;
     return recorded;
   } catch (const rosbag::BagException& reason) {
     throw BagError(std::string("the bag is damaged: ") + reason.what());
+  } catch (const ros::serialization::StreamOverrunException& reason) {
+    throw BagError(std::string("the bag holds a message that is cut off: ") + reason.what());
   }
 }
 

@@ -34,6 +34,7 @@ private:
   std::vector<std::unique_ptr<rosbag::Bag>> bags_;
   rosbag::View view_;
   rosbag::View::iterator position_;
+  std::string buffer_;
 };
 
 }  // namespace platoon

@@ -4,6 +4,7 @@
 #include <stochastic_platoon/ErrorStatistics.h>
 #include <stochastic_platoon/Position.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -29,7 +30,7 @@ public:
 
   template <typename Message>
   void write(const std::string& topic, const Message& message) {
-    bag_.write(topic, message.header.stamp, message);
+    bag_.write(topic, std::clamp(message.header.stamp, ros::TIME_MIN, ros::TIME_MAX), message);
     write_behind_.advance(bag_.getSize());
   }
 

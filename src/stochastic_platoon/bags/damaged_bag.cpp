@@ -12,6 +12,7 @@
 
 #include "stochastic_platoon/bags/bag_reader.hpp"
 #include "stochastic_platoon/bags/message_dispatch.hpp"
+#include "stochastic_platoon/messages/serialized.hpp"
 
 namespace platoon {
 
@@ -20,6 +21,8 @@ namespace {
 constexpr char kVersionLine[] = "#ROSBAG V2.0\n";
 constexpr std::uint8_t kMessageData = 0x02, kChunk = 0x05, kConnection = 0x07;  // values of the field "op"
 constexpr std::uint32_t kLongest = 1u << 30;  // of a header or of data: rosbag itself writes nothing near it
+constexpr std::uint32_t kLongestChunk = 1u
+                                        << 28;  // unpacked; of the longest message and what stands beside it
 
 using Fields = std::map<std::string, std::string>;
 
@@ -127,18 +130,23 @@ private:
         record.header.count("compression") > 0 ? record.header.at("compression") : "";
     if (compression == "none") return;
     const auto size = number_field<std::uint32_t>(record.header, "size");
-    if (size > kLongest || (compression != "lz4" && compression != "bz2"))
+    const bool lz4 = compression == "lz4";
+    // A byte of LZ4 stands for 255 at most.
+    const std::uint64_t most = lz4 ? 255 * std::uint64_t{record.data.size()} : kLongestChunk;
+    if (in_chunk_ || size > std::min<std::uint64_t>(most, kLongestChunk) || (!lz4 && compression != "bz2"))
       throw Cut("a chunk makes no sense");
     std::string plain(size, '\0'), packed = record.data;
     try {
-      streams_.getStream(compression == "lz4" ? rosbag::compression::LZ4 : rosbag::compression::BZ2)
+      streams_.getStream(lz4 ? rosbag::compression::LZ4 : rosbag::compression::BZ2)
           ->decompress(reinterpret_cast<std::uint8_t*>(&plain[0]), size,
                        reinterpret_cast<std::uint8_t*>(&packed[0]), static_cast<unsigned int>(packed.size()));
     } catch (const rosbag::BagException& error) {
       throw Cut(std::string("a chunk cannot be unpacked: ") + error.what());
     }
     std::istringstream stream(plain);
+    in_chunk_ = true;
     read(stream);
+    in_chunk_ = false;
   }
 
   void take_connection(const Record& record) {
@@ -158,6 +166,7 @@ private:
     if (reading == readings_.end()) throw Cut("a message has no connection");
     if (!reading->second.wanted) return;
     dispatch(content_, *reading->second.topic, [&record](auto message) {
+      if (!holds_its_arrays<decltype(message)>(record.data)) throw Cut("a message is cut off");
       std::string data = record.data;
       ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(&data[0]),
                                          static_cast<std::uint32_t>(data.size()));
@@ -171,6 +180,7 @@ private:
   rosbag::ChunkedFile no_file_;
   rosbag::StreamFactory streams_;
   std::map<std::uint32_t, TopicReading> readings_;
+  bool in_chunk_ = false;  ///< that was packed: none is in another
 };
 
 }  // namespace

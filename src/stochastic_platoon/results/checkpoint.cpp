@@ -17,6 +17,7 @@ namespace platoon {
 
 namespace {
 
+constexpr std::size_t kMostCells = 20000000;  // of any run
 constexpr char kFormat[] = "stochastic_platoon checkpoint 3";
 
 nlohmann::json to_json(const MomentTable& table) {
@@ -38,7 +39,9 @@ nlohmann::json to_json(const std::vector<Moments>& averages) {
 }
 
 Checkpoint from_json(const nlohmann::json& document) {
-  MomentTable table(document.at("cells").get<std::size_t>());
+  const auto cells = document.at("cells").get<std::size_t>();
+  if (cells > kMostCells) throw std::runtime_error(std::to_string(cells) + " cells: must be fewer");
+  MomentTable table(cells);
   for (const nlohmann::json& block : document.at("blocks")) {
     table.add({{block.at("first").get<std::uint64_t>(), block.at("level").get<unsigned>()},
                block.at("mean").get<std::vector<double>>(),

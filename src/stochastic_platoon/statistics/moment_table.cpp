@@ -32,6 +32,12 @@ void MomentTable::add(MomentBlock block) {
     throw std::invalid_argument("block of " + std::to_string(block.mean.size()) + " cells: must have " +
                                 std::to_string(cells_));
   }
+  // Else the end of a range that comes from a file could not be told.
+  if (block.range.level > 62 || block.range.first % block.range.size() != 0 ||
+      block.range.first > (std::uint64_t{1} << 62)) {
+    throw std::invalid_argument("realizations from " + std::to_string(block.range.first) + " at level " +
+                                std::to_string(block.range.level) + ": must be a node of the binary tree");
+  }
   const auto after = blocks_.lower_bound(block.range.first);
   const bool overlaps_next = after != blocks_.end() && after->first < block.range.end();
   const bool overlaps_previous =

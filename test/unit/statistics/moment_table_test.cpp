@@ -179,6 +179,15 @@ TEST(MomentTable, NamesTheRealizationsThatAreThereAlready) {
   }
 }
 
+// A file may say anything.
+TEST(MomentTable, RefusesRangesThatAreNoNodeOfTheTree) {
+  MomentTable table(1);
+  const std::vector<double> one{1.0};
+  for (const DyadicRange range : {DyadicRange{1, 1}, {0, 63}, {0, 64}, {std::uint64_t{1} << 63, 0}, {6, 2}})
+    EXPECT_THROW(table.add({range, one, one}), std::invalid_argument) << range.first << " " << range.level;
+  EXPECT_EQ(table.count(), 0u);
+}
+
 TEST(MomentTable, RefusesBlocksOfOtherCells) {
   MomentTable other(kCells + 1);
   EXPECT_THROW(other.add(batch(0, 4)), std::invalid_argument);
