@@ -11,15 +11,16 @@ import live_platoon
 
 
 class Terminal:
-    """One roslaunch of a shipped launch file, on a master of its own unless one is given, with what it prints."""
+    """One roslaunch of a shipped launch file, on a master of its own unless one is given, with what it prints. `prefix` are the words of
+    a command that runs it."""
 
-    def __init__(self, folder, file, master=None, **arguments):
+    def __init__(self, folder, file, master=None, prefix=(), **arguments):
         port = live_platoon.free_port() if master is None else int(master.rsplit(":", 1)[1])
         self.log = tempfile.NamedTemporaryFile("w+", dir=folder, suffix=".log", delete=False)
         environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
                            ROS_HOME=folder, PYTHONUNBUFFERED="1")  # else what it says waits in roslaunch for more
         words = ["{}:={}".format(name, value) for name, value in arguments.items()]
-        self.process = subprocess.Popen(["roslaunch", "--port", str(port), "stochastic_platoon", file] + words,
+        self.process = subprocess.Popen(list(prefix) + ["roslaunch", "--port", str(port), "stochastic_platoon", file] + words,
                                         stdout=self.log, stderr=subprocess.STDOUT, env=environment)
         self.master = "http://localhost:{}".format(port)
 
