@@ -7,6 +7,10 @@ platoon_packages=(
   libboost-program-options-dev libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev
   python3-matplotlib python3-numpy
 )
+platoon_test_packages=(
+  catkin-lint catkin-tools clang-format-14 iproute2
+  libgtest-dev librandom123-dev librostest-dev python3-mpmath python3-rostest librosbag-dev python3-rosbag
+)
 
 # Installs what is missing of the packages given.
 platoon_install() {
