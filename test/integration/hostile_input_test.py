@@ -117,7 +117,8 @@ FILES = [
     ("\0\1\2", "model: \\x01: " + MAPPING),
     ("plant: [1, 2", "must be YAML: yaml-cpp: error at line 1, column 1: end of sequence flow not found"),
     ("plant:\n\tnumerator: [1]\n", "must be YAML: yaml-cpp: error at line 2, column 11: illegal map value"),
-    ("a: 1\n---\na: 2\n", "model.yaml: 2 documents: must be one"),
+    ("a: 1\n---\na: 2\n", "model.yaml: several documents: must be one"),
+    ("# one\n--- {a: 1}\n--- {a: 2}\n", "model.yaml: several documents: must be one"),
     ("[" * 100000, "must be YAML: "),
     ("{a: " * 100000, "must be YAML: "),
 ]

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/configuration/model_file.hpp"
 
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -169,16 +170,33 @@ PlatoonModel parse_model(const YAML::Node& node) {
   return *model;
 }
 
+namespace {
+
+// By the lines that separate them: yaml-cpp's own LoadAll does not come to an end on some files.
+bool holds_several_documents(const std::string& file) {
+  std::ifstream stream(file);
+  bool begun = false;
+  for (std::string line; std::getline(stream, line);) {
+    const bool separates =
+        line.compare(0, 3, "---") == 0 && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
+    if (separates && begun) return true;
+    const std::size_t content = line.find_first_not_of(" \t\r");
+    begun =
+        begun || separates || (content != std::string::npos && line[content] != '#' && line[content] != '%');
+  }
+  return false;
+}
+
+}  // namespace
+
 YAML::Node load_yaml(const std::string& file) {
   if (std::filesystem::is_directory(file))
     throw ConfigurationError({"model: " + file + ": must be a file, not a folder"});
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAllFromFile(file);
-    if (documents.size() > 1) {
-      throw ConfigurationError(
-          {"model: " + file + ": " + std::to_string(documents.size()) + " documents: must be one"});
-    }
-    return documents.empty() ? YAML::Node() : documents.front();
+    const YAML::Node document = YAML::LoadFile(file);
+    if (holds_several_documents(file))
+      throw ConfigurationError({"model: " + file + ": several documents: must be one"});
+    return document;
   } catch (const YAML::BadFile&) {
     throw ConfigurationError({"model: " + file + ": must be a file that can be read"});
   } catch (const YAML::Exception& error) {
