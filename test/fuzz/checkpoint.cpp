@@ -1,0 +1,41 @@
+// Any bytes as a checkpoint, as they are and as content whose digest is right: a checkpoint without a fault, or a
+// std::runtime_error.
+
+#include <cstdlib>
+#include <stdexcept>
+
+#include "fuzz/fuzz.hpp"
+#include "stochastic_platoon/io/digest.hpp"
+#include "stochastic_platoon/io/text.hpp"
+#include "stochastic_platoon/results/checkpoint.hpp"
+
+namespace {
+
+void read(const std::string& bytes) {
+  const std::string folder = platoon::fuzz::folder();
+  platoon::fuzz::write(platoon::checkpoint_file(folder), bytes);
+  try {
+    const std::optional<platoon::Checkpoint> found = platoon::read_checkpoint(folder);
+    if (!found) std::abort();
+    std::uint64_t end = 0, count = 0;
+    for (const auto& entry : found->table.blocks()) {
+      if (entry.second.range.first < end || entry.second.range.end() <= entry.second.range.first)
+        std::abort();
+      end = entry.second.range.end();
+      count += entry.second.range.size();
+    }
+    if (found->table.count() != count || found->table.totals().size() != found->table.cells()) std::abort();
+  } catch (const std::runtime_error&) {
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string bytes(reinterpret_cast<const char*>(data), size);
+  read(bytes);
+  read(platoon::formatted("stochastic_platoon checkpoint 2\n%016llx\n",
+                          static_cast<unsigned long long>(platoon::digest(bytes))) +
+       bytes);
+  return 0;
+}

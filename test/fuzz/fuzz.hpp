@@ -1,0 +1,36 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace platoon::fuzz {
+
+/// A folder of this process, in memory where there is such a place; gone with it, unless it dies.
+inline const std::string& folder() {
+  struct Folder {
+    const std::string name = std::string(std::filesystem::exists("/dev/shm") ? "/dev/shm" : "/tmp") +
+                             "/stochastic_platoon_fuzz_" + std::to_string(::getpid());
+    Folder() { std::filesystem::create_directories(name); }
+    ~Folder() { std::filesystem::remove_all(name); }
+  };
+  static const Folder made;
+  return made.name;
+}
+
+inline void write(const std::string& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// The name of a file that holds these bytes.
+inline std::string file_of(const std::uint8_t* data, std::size_t size) {
+  const std::string name = folder() + "/input";
+  write(name, std::string(reinterpret_cast<const char*>(data), size));
+  return name;
+}
+
+}  // namespace platoon::fuzz

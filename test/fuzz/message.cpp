@@ -1,0 +1,110 @@
+// Any bytes as messages on the wire, one after the other, each after a byte for the topic that it comes on: into a follower's, a
+// monitor's and a leader's side of the delivery contract. Nothing but what is in turn has an effect.
+
+#include <stochastic_platoon/Progress.h>
+
+#include <boost/make_shared.hpp>
+#include <cstdlib>
+
+#include "fuzz/fuzz.hpp"
+#include "stochastic_platoon/delivery/credit.hpp"
+#include "stochastic_platoon/delivery/stall_diagnosis.hpp"
+#include "stochastic_platoon/messages/position.hpp"
+#include "stochastic_platoon/messages/serialized.hpp"
+#include "stochastic_platoon/model/vehicle.hpp"
+#include "stochastic_platoon/results/run_statistics.hpp"
+
+namespace {
+
+using stochastic_platoon::Position;
+using stochastic_platoon::Progress;
+
+const platoon::Configuration& configuration() {
+  static const platoon::Configuration made = [] {
+    platoon::Configuration of_paper = platoon::parse_configuration(
+        platoon::configuration_document({{"model", PLATOON_SOURCE_DIR "/config/paper.yaml"},
+                                         {"followers", "2"},
+                                         {"steps", "3"},
+                                         {"realizations", "5"},
+                                         {"batch", "2"}}));
+    return of_paper;
+  }();
+  return made;
+}
+
+class Receivers {
+public:
+  Receivers()
+      : statistics_(configuration(), std::optional<platoon::Checkpoint>()),
+        order_(configuration().run.schedule()),
+        vehicle_(configuration().model, 1, 1),
+        credit_(configuration().run.schedule(), {4, 1.0, 1.0}, {"monitor"}) {}
+
+  void take(std::size_t vehicle, const Position::ConstPtr& message) {
+    const platoon::Heading heading = platoon::heading_of(*message);
+    stamp_ = platoon::later(message->header.stamp, platoon::platoon_period(0.1));
+    const std::uint64_t before = statistics_.arrivals().messages();
+    const platoon::Verdict verdict = statistics_.take(vehicle, heading, platoon::positions_of(message));
+    const bool counted =
+        statistics_.arrivals().messages() == before + 1 || statistics_.arrivals().messages() == 1;
+    if (verdict == platoon::Verdict::in_turn && !counted) std::abort();
+    if (verdict != platoon::Verdict::in_turn && statistics_.arrivals().messages() != before) std::abort();
+    if (vehicle == 0 && order_.receive(heading) == platoon::Verdict::in_turn) {
+      std::vector<double> out;
+      if (heading.id.step == platoon::kInitialStep)
+        vehicle_.start(heading.id.first_realization, heading.size, out);
+      if (!configuration().run.schedule().is_last_step(heading.id.step))
+        vehicle_.step(message->position, out);
+    }
+    statistics_.saw(platoon::platoon_time(message->header.stamp.toNSec()).toNSec());
+    diagnose_stall(statistics_.arrivals().latest(), configuration().run.schedule());
+  }
+
+  void take(const Progress& message) {
+    const platoon::Acknowledgement report{message.attempt, message.first_realization, message.step};
+    if (!platoon::may_be_reported(configuration().run.schedule(), report)) return;
+    credit_.acknowledge("monitor", report, time_, message.messages);
+    time_ += 0.5;
+    credit_.retry_if_stalled(time_);
+    for (int step = 0; step < 100 && credit_.next(time_); ++step) {
+      if (step == 99) std::abort();  // beyond the window
+    }
+  }
+
+private:
+  platoon::RunStatistics statistics_;
+  platoon::MessageOrder order_;
+  platoon::FollowerVehicle vehicle_;
+  platoon::Credit credit_;
+  ros::Time stamp_;
+  double time_ = 0.0;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  std::string bytes(reinterpret_cast<const char*>(data), size);
+  ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(&bytes[0]),
+                                     static_cast<std::uint32_t>(size));
+  Receivers receivers;
+  try {
+    while (stream.getLength() > 0) {
+      std::uint8_t topic;
+      stream.next(topic);
+      if (topic % 4 == 3) {
+        Progress message;
+        ros::serialization::deserialize(stream, message);
+        receivers.take(message);
+      } else {
+        const auto message = boost::make_shared<Position>();
+        const std::string rest(reinterpret_cast<const char*>(stream.getData()), stream.getLength());
+        if (!platoon::holds_its_arrays<Position>(rest))
+          return 0;  // roscpp would take the memory that is announced
+        ros::serialization::deserialize(stream, *message);
+        receivers.take(topic % 4, message);
+      }
+    }
+  } catch (const ros::serialization::StreamOverrunException&) {
+  }
+  return 0;
+}

@@ -1,0 +1,20 @@
+// Any bytes as a model file: a model, or a ConfigurationError. What is written of a model is the same model.
+
+#include <cstdlib>
+#include <string>
+
+#include "fuzz/fuzz.hpp"
+#include "stochastic_platoon/configuration/configuration_error.hpp"
+#include "stochastic_platoon/configuration/model_file.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string file = platoon::fuzz::file_of(data, size);
+  try {
+    const platoon::PlatoonModel model = platoon::parse_model(platoon::load_yaml(file));
+    const std::string written = platoon::to_json(model).dump();
+    const platoon::PlatoonModel again = platoon::parse_model(YAML::Load(written));
+    if (platoon::to_json(again).dump() != written) std::abort();
+  } catch (const platoon::ConfigurationError&) {
+  }
+  return 0;
+}
