@@ -58,9 +58,9 @@ int main(int argc, char** argv) {
       {"sweep_gain", "FROM:TO:COUNT: with --sweep-headway, over controller gains too"},
       {"csv", "file for the sweep, for plot map"},
   };
-  std::map<std::string, std::string> settings =
-      platoon::parse_command_line(argc, argv, "What the theory says of a platoon",
-                                  {"model", "followers", "headway", "noise_variance", "steps"}, extra);
+  std::map<std::string, std::string> settings = platoon::parse_command_line(
+      argc, argv, "What the theory says of a platoon",
+      {"model", "followers", "headway", "noise_variance", "loss", "delay", "steps"}, extra);
   std::map<std::string, std::string> own;
   for (const auto& entry : extra) {
     if (settings.count(entry.first) > 0) own[entry.first] = settings[entry.first];

@@ -55,7 +55,8 @@ unsigned threads_of(const std::string& text) {
 int main(int argc, char** argv) {
   std::map<std::string, std::string> settings = platoon::parse_command_line(
       argc, argv, "Monte Carlo of the platoon in one process",
-      {"model", "headway", "noise_variance", "followers", "steps", "realizations", "batch", "seed", "output"},
+      {"model", "headway", "noise_variance", "loss", "delay", "followers", "steps", "realizations", "batch",
+       "seed", "output"},
       {{"threads", "worker threads (one per core); the result does not depend on it"}});
   const std::string threads_text = settings.count("threads") > 0 ? settings["threads"] : "";
   settings.erase("threads");

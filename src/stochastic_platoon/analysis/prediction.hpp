@@ -7,14 +7,29 @@
 
 namespace platoon {
 
-/// What the paper predicts for a configuration: a cell for each cell of the measurement, that is one per
+/// What is known of a platoon's errors without running it.
+enum class Theory {
+  exact,  ///< mean and variance of every (i, k)
+  none,
+};
+
+/// "exact" or "none".
+const char* to_string(Theory theory);
+
+/// Which theory there is for a platoon.
+Theory theory_of(const PlatoonModel& model);
+
+/// What the theory predicts for a configuration: a cell for each cell of the measurement, that is one per
 /// follower and step (see cell()), or the stationary values, one per follower, where averages are over time.
+///
+/// Without a theory every value is NaN.
 struct Prediction {
   StringStability stability;
   std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN where there is none
   std::vector<double> mean;                 ///< [m], one per cell
   std::vector<double> variance;             ///< [m^2], one per cell
   std::vector<double> rounding = {};        ///< [m], one per cell: see rounding_bounds(); empty over time
+  Theory theory = Theory::exact;
 };
 
 Prediction predict(const Configuration& configuration);

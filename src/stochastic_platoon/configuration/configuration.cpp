@@ -71,12 +71,25 @@ void require_known(const std::map<std::string, std::string>& given) {
   if (!problems.empty()) throw ConfigurationError(problems);
 }
 
-// A model that is no mapping takes no override: read_model() says what is wrong with it.
+// Down the path "a/b", whose mappings are made where they are missing. What is no mapping takes no override:
+// read_model() says what is wrong with it.
+void put_at(const std::string& path, const std::string& value, YAML::Node node) {
+  if (!node.IsMap() && !node.IsNull()) return;
+  const std::size_t slash = path.find('/');
+  if (slash == std::string::npos) {
+    node[path] = value;
+    return;
+  }
+  const std::string key = path.substr(0, slash);
+  if (!node[key]) node[key] = YAML::Node(YAML::NodeType::Map);
+  put_at(path.substr(slash + 1), value, node[key]);
+}
+
 void put(const Setting& setting, const std::string& value, YAML::Node& document) {
   if (setting.model_key == nullptr) {
     document["run"][setting.name] = value;
   } else if (!value.empty() && document["model"].IsMap()) {
-    document["model"][setting.model_key] = value;
+    put_at(setting.model_key, value, document["model"]);
   }
 }
 
@@ -116,6 +129,8 @@ nlohmann::json statistics_identity(const Configuration& configuration) {
   nlohmann::json identity = to_json(configuration.model);
   identity["version"] = kVersion;
   identity["realization"] = to_json(configuration.model.loop.realization);
+  for (const VehicleType& type : configuration.model.types)
+    identity["vehicle_types"][type.name]["realization"] = to_json(type.vehicle.loop.realization);
   identity["seed"] = configuration.run.seed;
   identity["followers"] = configuration.run.followers;
   identity["steps"] = configuration.run.steps;

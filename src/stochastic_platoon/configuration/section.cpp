@@ -74,6 +74,7 @@ std::string at_most(double most) {
 const Allowed kAnyFinite{"a finite number", kUnbound, kUnbound};
 const Allowed kPositive{"a finite number > 0", 0.0, kUnbound};
 const Allowed kNotNegative{"a finite number >= 0", kUnbound, 0.0};
+const Allowed kLossProbability{"a number from 0 to below 1", kUnbound, 0.0, kLargest, 1.0};
 
 Section::Section(const YAML::Node& node, const std::string& path, std::vector<std::string>& problems)
     : node_(node), path_(path), problems_(problems) {
@@ -108,7 +109,7 @@ double Section::number(const std::string& key, const Allowed& allowed) {
   const YAML::Node node = require(key, allowed.text);
   if (node.IsNull()) return 1.0;
   const std::optional<double> value = parsed_number(node);
-  if (!value || *value <= allowed.above || *value < allowed.at_least) {
+  if (!value || *value <= allowed.above || *value < allowed.at_least || *value >= allowed.below) {
     reject(key, shown(node), allowed.text);
     return 1.0;
   }
@@ -200,6 +201,36 @@ Eigen::MatrixXd Section::matrix(const std::string& key) {
   if (values.size() > 0 && values.cwiseAbs().maxCoeff() <= kLargest) return values;
   reject(key, shown(node), values.size() > 0 ? at_most(kLargest) : allowed);
   return Eigen::MatrixXd::Ones(1, 1);
+}
+
+std::vector<std::string> Section::texts(const std::string& key) {
+  const std::string allowed = "a list of names, not empty";
+  const YAML::Node node = require(key, allowed);
+  if (node.IsNull()) return {};
+  std::vector<std::string> values;
+  for (std::size_t i = 0; node.IsSequence() && i < node.size(); ++i) {
+    if (!node[i].IsScalar()) {
+      values.clear();
+      break;
+    }
+    values.push_back(node[i].Scalar());
+  }
+  if (values.empty()) reject(key, shown(node), allowed);
+  return values;
+}
+
+std::vector<std::string> Section::keys() {
+  std::vector<std::string> found;
+  if (!node_.IsMap()) return found;
+  for (const auto& entry : node_) {
+    if (!entry.first.IsScalar()) continue;
+    if (known_.insert(entry.first.Scalar()).second) found.push_back(entry.first.Scalar());
+  }
+  return found;
+}
+
+bool Section::is_list(const std::string& key) {
+  return has(key) && static_cast<const YAML::Node&>(node_)[key].IsSequence();
 }
 
 Section Section::section(const std::string& key) {

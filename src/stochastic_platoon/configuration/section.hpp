@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <set>
 #include <string>
@@ -22,9 +23,10 @@ struct Allowed {
   double above;            ///< exclusive lower bound
   double at_least;         ///< inclusive lower bound
   double most = kLargest;  ///< of the magnitude
+  double below = std::numeric_limits<double>::quiet_NaN();  ///< exclusive upper bound
 };
 
-extern const Allowed kAnyFinite, kPositive, kNotNegative;
+extern const Allowed kAnyFinite, kPositive, kNotNegative, kLossProbability;
 
 /// Reads one mapping of a YAML document key by key and collects what is wrong with it, so that all errors are
 /// reported at once.
@@ -52,9 +54,26 @@ public:
   Eigen::VectorXd numbers(const std::string& key, Eigen::Index longest = kUnlimited);
   /// A list of rows of finite numbers, all of one length, not empty, at most kLongestRow of each.
   Eigen::MatrixXd matrix(const std::string& key);
+  /// A list of names, not empty.
+  std::vector<std::string> texts(const std::string& key);
   Section section(const std::string& key);
   /// A list of mappings, which may be empty.
   std::vector<Section> sections(const std::string& key);
+
+  /// The keys of this mapping, whatever they are: all of them count as known.
+  std::vector<std::string> keys();
+
+  /// Whether the value at an optional key is a list.
+  bool is_list(const std::string& key);
+
+  /// How many errors there are so far, of the whole document.
+  /// Another problem, whose text begins with the key.
+  void report(const std::string& problem) { problems_.push_back(name(problem)); }
+
+  std::size_t problems() const { return problems_.size(); }
+
+  /// What names a key of this section in messages.
+  std::string name(const std::string& key) const { return path_.empty() ? key : path_ + "/" + key; }
 
   /// Reports the keys that nobody asked for, or that stand twice. Call it last.
   void reject_unknown_keys();
@@ -64,7 +83,6 @@ public:
 
 private:
   YAML::Node require(const std::string& key, const std::string& allowed);
-  std::string name(const std::string& key) const { return path_.empty() ? key : path_ + "/" + key; }
 
   YAML::Node node_;
   std::string path_;

@@ -11,7 +11,8 @@ struct Setting {
   const char* name;           ///< "noise_variance"; as an option --noise-variance
   const char* default_value;  ///< as text
   const char* help;
-  const char* model_key;  ///< the key of the model file that it overrides where it is not empty; null: none
+  /// The key of the model file that it overrides where it is not empty, of nested ones "a/b"; null: none.
+  const char* model_key;
 };
 
 /// All settings but `model`, the model file's name.

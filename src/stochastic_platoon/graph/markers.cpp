@@ -47,9 +47,10 @@ Marker marker(int id, int type, double x, double z) {
 
 Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded)
     : membership_(platoon, "markers", run_identity(configuration), std::move(superseded)),
-      error_{configuration.model.headway, configuration.model.standstill_distance},
       vehicles_(configuration.run.followers + 1),
       markers_(platoon.advertise<visualization_msgs::MarkerArray>("markers", 1)) {
+  for (std::size_t i = 1; i <= configuration.run.followers; ++i)
+    error_.push_back(tracking_error(configuration.model, i));
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     const boost::function<void(const Position::ConstPtr&)> callback =
         [this, i](const Position::ConstPtr& message) { receive(i, message); };
@@ -88,7 +89,8 @@ void Markers::publish() const {
         marker(id + 1, Marker::TEXT_VIEW_FACING, vehicle.position - leader, i % 2 == 0 ? 2.6 : 4.4);
     label.scale.z = 1.2;
     label.color = box.color;
-    const double error = i == 0 ? 0.0 : error_(vehicles_[i - 1].position, vehicle.position, vehicle.before);
+    const double error =
+        i == 0 ? 0.0 : error_[i - 1](vehicles_[i - 1].position, vehicle.position, vehicle.before);
     label.text = i == 0 ? "leader" : formatted("%zu: %+.2f m", i, error);
     array.markers.push_back(label);
   }

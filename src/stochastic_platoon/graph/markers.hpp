@@ -32,7 +32,7 @@ private:
   void publish() const;
 
   RunMembership membership_;
-  TrackingError error_;
+  std::vector<TrackingError> error_;  ///< of every follower
   std::vector<Vehicle> vehicles_;
   ros::Publisher markers_;
   std::vector<ros::Subscriber> positions_;

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/model/closed_loop.hpp"
 #include "stochastic_platoon/model/leader_profile.hpp"
+#include "stochastic_platoon/model/link_model.hpp"
 
 namespace platoon {
 
@@ -14,7 +17,25 @@ struct InitialPosition {
   double variance = 0.0;  ///< [m^2], >= 0
 };
 
-/// Everything the mathematics of a homogeneous platoon needs (paper, section 3); the model file in C++.
+/// What may differ from follower to follower: the vehicle, its spacing and the link into it.
+struct VehicleModel {
+  ClosedLoop loop;
+  double headway;              ///< h > 0, in sample periods
+  double standstill_distance;  ///< delta >= 0 [m], to its predecessor
+  double noise_variance;       ///< P_d >= 0 [m^2]
+  InitialPosition initial_position;
+  std::optional<LoopDesign> design;  ///< none where the closed loop itself was given
+  LinkModel link;
+};
+
+/// A type of vehicle, by its name in the model file.
+struct VehicleType {
+  std::string name;
+  VehicleModel vehicle;
+};
+
+/// Everything the mathematics of a platoon needs (paper, section 3); the model file in C++. Without `types` in
+/// its `string` the platoon is homogeneous; with the default link, too, it is the paper's.
 ///
 /// A plain value: what uses a part of it checks that part (ClosedLoopBatch, NoisyChannel, FollowerVehicle,
 /// LeaderVehicle throw std::invalid_argument), and the model file's parser checks all of it.
@@ -30,6 +51,25 @@ struct PlatoonModel {
   std::optional<LoopDesign> design = {};  ///< none where the closed loop itself was given
   /// y_0(-1), y_0(0), ... [m]: vehicle 0 as it was recorded, in place of the loop behind `leader`. Empty: none.
   std::vector<double> recorded_leader = {};
+  LinkModel link = {};                  ///< into every follower of the type `default`
+  std::vector<VehicleType> types = {};  ///< other types of vehicle
+  /// Type of followers 1, 2, ..., repeated: 0 is the vehicle above, n is types[n - 1]. Empty: all are 0.
+  std::vector<std::size_t> string = {};
 };
+
+/// Follower i >= 1 of the platoon, and the vehicle above, which is the leader, for i = 0.
+VehicleModel vehicle(const PlatoonModel& model, std::size_t follower);
+
+/// One repetition of the string: each of its vehicles.
+std::vector<VehicleModel> pattern(const PlatoonModel& model);
+
+/// Whether all followers are of the type `default`.
+bool is_homogeneous(const PlatoonModel& model);
+
+/// Whether the platoon is the paper's: homogeneous, over channels that add white noise and nothing else.
+bool is_papers(const PlatoonModel& model);
+
+/// Where follower i stands in formation: -(delta_1 + ... + delta_i) [m].
+double place_in_formation(const PlatoonModel& model, std::size_t follower);
 
 }  // namespace platoon

@@ -18,4 +18,9 @@ void TrackingError::operator()(const double* predecessor, const double* own, con
   detail::tracking_errors(*this, predecessor, own, own_before, count, errors);
 }
 
+TrackingError tracking_error(const PlatoonModel& model, std::size_t follower) {
+  const VehicleModel own = vehicle(model, follower);
+  return {own.headway, own.standstill_distance};
+}
+
 }  // namespace platoon

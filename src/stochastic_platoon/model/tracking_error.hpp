@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "stochastic_platoon/model/platoon_model.hpp"
 #include "stochastic_platoon/model/vector_clones.hpp"
 
 namespace platoon {
@@ -20,5 +21,8 @@ struct TrackingError {
   void operator()(const double* predecessor, const double* own, const double* own_before, std::size_t count,
                   double* errors) const;
 };
+
+/// That of follower i >= 1, with its own headway and distance.
+TrackingError tracking_error(const PlatoonModel& model, std::size_t follower);
 
 }  // namespace platoon

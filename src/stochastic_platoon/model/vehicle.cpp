@@ -153,22 +153,25 @@ double root_of(const char* name, double variance) {
 }  // namespace
 
 FollowerVehicle::FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index)
-    : loop_(model.loop.realization),
+    : FollowerVehicle(vehicle(model, index), place_in_formation(model, index), seed, index) {}
+
+FollowerVehicle::FollowerVehicle(const VehicleModel& own, double place, std::uint64_t seed,
+                                 std::uint32_t index)
+    : loop_(own.loop.realization),
       noise_(seed),
-      initial_mean_(model.initial_position.mean),
-      initial_deviation_(root_of("variance of the initial positions", model.initial_position.variance)),
-      standstill_distance_(model.standstill_distance),
+      initial_place_(own.initial_position.mean + place),
+      initial_deviation_(root_of("variance of the initial positions", own.initial_position.variance)),
+      standstill_distance_(own.standstill_distance),
       index_(index) {}
 
 void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count,
                             std::vector<double>& positions) {
   positions.resize(count);
-  const double place = initial_mean_ - static_cast<double>(index_) * standstill_distance_;
   if (initial_deviation_ > 0.0) {
     noise_.fill({index_, -1}, first_realization, count, positions.data());
-    for (double& position : positions) position = place + initial_deviation_ * position;
+    for (double& position : positions) position = initial_place_ + initial_deviation_ * position;
   } else {
-    positions.assign(count, place);
+    positions.assign(count, initial_place_);
   }
   loop_.start_at_equilibrium(positions);
   loop_.output(positions);
@@ -198,8 +201,12 @@ double LeaderVehicle::step() {
   return buffer_.front();
 }
 
+double noise_deviation(double noise_variance) {
+  return root_of("noise variance", noise_variance);
+}
+
 NoisyChannel::NoisyChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver)
-    : noise_(seed), deviation_(root_of("noise variance", noise_variance)), receiver_(receiver) {}
+    : noise_(seed), deviation_(noise_deviation(noise_variance)), receiver_(receiver) {}
 
 void NoisyChannel::transmit(std::int64_t step, std::uint64_t first_realization, const double* sent,
                             std::size_t count, double* received) const {

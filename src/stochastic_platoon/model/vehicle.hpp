@@ -62,7 +62,7 @@ private:
   AlignedValues next_;               ///< of one tile, which is then copied; empty for a shift register
 };
 
-/// Vehicle i >= 1. Starts at -i delta + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by the
+/// Vehicle i >= 1. Starts at its place in formation + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by the
 /// received position of its predecessor minus delta.
 class FollowerVehicle {
 public:
@@ -81,9 +81,11 @@ public:
   }
 
 private:
+  FollowerVehicle(const VehicleModel& own, double place, std::uint64_t seed, std::uint32_t index);
+
   ClosedLoopBatch loop_;
   WhiteNoise noise_;
-  double initial_mean_;       ///< [m]
+  double initial_place_;      ///< [m], on average
   double initial_deviation_;  ///< [m]
   double standstill_distance_;
   std::uint32_t index_;
@@ -109,7 +111,10 @@ private:
   std::vector<double> buffer_, input_;
 };
 
-/// The channel into vehicle i: received = sent + d_i(k), d_i(k) = sqrt(P_d) g(seed, i, k, r) for k >= 0 and 0
+/// sqrt(P_d) [m]. Throws std::invalid_argument unless P_d is finite and >= 0.
+double noise_deviation(double noise_variance);
+
+/// The paper's channel into vehicle i: received = sent + d_i(k), d_i(k) = sqrt(P_d) g(seed, i, k, r) for k >= 0 and 0
 /// at k = -1 (paper, assumption d and e). Keeps nothing between calls.
 class NoisyChannel {
 public:

@@ -179,31 +179,56 @@ void box_muller(const std::uint64_t* radius, const std::uint64_t* angle, std::si
   }
 }
 
+PLATOON_VECTOR_CLONES
+void uniform_pairs(const std::uint64_t* first, const std::uint64_t* second, std::size_t pairs,
+                   double* uniforms) {
+  for (std::size_t j = 0; j < pairs; ++j) {
+    uniforms[2 * j] = in_one_to_two(first[j]) - 1.0;
+    uniforms[2 * j + 1] = in_one_to_two(second[j]) - 1.0;
+  }
+}
+
 }  // namespace detail
 
-void WhiteNoise::fill(DrawName name, std::uint64_t first_realization, std::size_t count,
-                      double* normals) const {
+namespace {
+
+// Two values a block, by `transform`, for realizations that may begin and end inside a block.
+template <class Transform>
+void fill_by(const Transform& transform, std::uint64_t seed, DrawName name, std::uint64_t first_realization,
+             std::size_t count, double* values) {
   static const detail::DrawWords draw_words = detail::draw_words_versions().front();
-  detail::Words radius, angle;
+  detail::Words first, second;
   double pair[2];
   std::size_t written = 0;
   while (written < count) {
     const std::uint64_t realization = first_realization + written;
     const std::size_t skipped = realization % 2;  // only the first pass can start inside a block
     const std::size_t blocks = std::min(detail::kBlocks, (skipped + count - written + 1) / 2);
-    draw_words(seed_, name, realization / 2, blocks, &radius, &angle);
+    draw_words(seed, name, realization / 2, blocks, &first, &second);
     if (skipped == 1) {
-      detail::box_muller(radius.data(), angle.data(), 1, pair);
-      normals[written++] = pair[1];
+      transform(first.data(), second.data(), 1, pair);
+      values[written++] = pair[1];
     }
     const std::size_t pairs = std::min(blocks - skipped, (count - written) / 2);
-    detail::box_muller(radius.data() + skipped, angle.data() + skipped, pairs, normals + written);
+    transform(first.data() + skipped, second.data() + skipped, pairs, values + written);
     written += 2 * pairs;
     if (skipped + pairs < blocks) {
-      detail::box_muller(radius.data() + skipped + pairs, angle.data() + skipped + pairs, 1, pair);
-      normals[written++] = pair[0];
+      transform(first.data() + skipped + pairs, second.data() + skipped + pairs, 1, pair);
+      values[written++] = pair[0];
     }
   }
+}
+
+}  // namespace
+
+void WhiteNoise::fill(DrawName name, std::uint64_t first_realization, std::size_t count,
+                      double* normals) const {
+  fill_by(detail::box_muller, seed_, name, first_realization, count, normals);
+}
+
+void WhiteNoise::fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count,
+                              double* uniforms) const {
+  fill_by(detail::uniform_pairs, seed_, name, first_realization, count, uniforms);
 }
 
 }  // namespace platoon

@@ -7,16 +7,25 @@
 
 namespace platoon {
 
-/// The name of one draw: which vehicle receives it and at which step. Step -1 names the initial position.
+/// What a draw is for: two purposes share no counter, and so no bit.
+enum class Purpose : std::uint32_t {
+  noise = 0,   ///< of the channel; of a vehicle's initial position at step -1
+  dither = 1,  ///< of a quantiser
+  loss = 2,    ///< whether a position arrives
+};
+
+/// The name of one draw: which vehicle receives it, at which step and what for. Step -1 names the initial
+/// position.
 struct DrawName {
-  std::uint32_t vehicle;  ///< i >= 1
+  std::uint32_t vehicle;  ///< i >= 1, below 2^24
   std::int64_t step;      ///< k >= -1, below 2^47
+  Purpose purpose = Purpose::noise;
 };
 
 /// Standard normal white noise g(seed, i, k, r) as a pure function of its arguments (paper, assumption d).
 ///
-/// Philox4x32-10 with key = seed and counter = (block number, step, vehicle), where block b serves
-/// realizations 2b and 2b + 1: two 52 bit uniforms u1 in (0, 1], u2 in [0, 1) give
+/// Philox4x32-10 with key = seed and counter = (block number, step, vehicle + 2^24 purpose), where block b
+/// serves realizations 2b and 2b + 1: two 52 bit uniforms u1 in (0, 1], u2 in [0, 1) give
 ///     g(2b) = sqrt(-2 ln u1) cos(2 pi u2),   g(2b + 1) = sqrt(-2 ln u1) sin(2 pi u2)     (Box and Muller,
 ///     1958).
 /// ln, cos and sin are polynomials in plain IEEE arithmetic, without libm and without contraction: the same
@@ -28,6 +37,11 @@ public:
 
   /// Writes g for realizations first .. first + count - 1 (below 2^48).
   void fill(DrawName name, std::uint64_t first_realization, std::size_t count, double* normals) const;
+
+  /// Writes values of the uniform distribution over [0, 1), multiples of 2^-52: u(2b) = 1 - u1 and u(2b + 1),
+  /// the leading bits of the two words of block b.
+  void fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count,
+                    double* uniforms) const;
 
 private:
   std::uint64_t seed_;

@@ -27,8 +27,9 @@ std::string heading(const RunOptions& run, const RunResult& result) {
                    static_cast<unsigned long long>(result.realizations));
 }
 
-std::string row(const ResultCell& of, Averaging averaging) {
+std::string row(const ResultCell& of, Averaging averaging, Theory theory) {
   std::string text = formatted("%8zu %16.6g ", of.follower, of.measured.variance());
+  if (theory == Theory::none) return text + formatted("%16s %14s %9s\n", "-", "-", "-");
   if (averaging == Averaging::over_time)
     return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
   return text +
@@ -42,7 +43,7 @@ std::string table(const RunOptions& run, const Prediction& prediction, const Run
   std::string text = "follower   variance [m^2]   standard error   theory [m^2]         z\n";
   for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result)) {
     if (is_shown(of.follower, run.followers)) {
-      text += row(of, run.averaging());
+      text += row(of, run.averaging(), prediction.theory);
     } else if (is_shown(of.follower - 1, run.followers)) {
       text += "     ...\n";
     }

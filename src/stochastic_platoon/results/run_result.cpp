@@ -11,6 +11,13 @@ namespace platoon {
 namespace {
 
 nlohmann::json theory_json(const Prediction& prediction) {
+  if (prediction.theory == Theory::none) {
+    nlohmann::json unknown;
+    for (const char* key : {"spectral_radius", "peak_gain", "mean_square_stable", "string_stable",
+                            "stationary_variance", "limit_variance"})
+      unknown[key] = nullptr;
+    return unknown;
+  }
   const StringStability& stability = prediction.stability;
   nlohmann::json limit;
   if (stability.limit_variance) limit = *stability.limit_variance;
@@ -70,6 +77,7 @@ std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result) {
   if (run.averaging() == Averaging::over_time || result.realizations < 2) return std::nullopt;
+  if (prediction.theory == Theory::none) return std::nullopt;
   return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding);
 }
 
@@ -81,11 +89,13 @@ std::string statistics_csv(const Configuration& configuration, const Prediction&
                            const RunResult& result) {
   const RunOptions& run = configuration.run;
   std::string text = "vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance\n";
-  const auto add = [&text](const ResultCell& of) {
-    text += formatted("%zu,%lld,%llu,%.17g,%.17g,%.17g,%.17g\n", of.follower, static_cast<long long>(of.step),
+  const auto add = [&](const ResultCell& of) {
+    text += formatted("%zu,%lld,%llu,%.17g,%.17g,", of.follower, static_cast<long long>(of.step),
                       static_cast<unsigned long long>(of.measured.count),
-                      of.measured.count > 0 ? of.measured.mean : std::nan(""), of.measured.variance(),
-                      of.theoretical_mean, of.theoretical_variance);
+                      of.measured.count > 0 ? of.measured.mean : std::nan(""), of.measured.variance());
+    text += prediction.theory == Theory::none
+                ? ",\n"
+                : formatted("%.17g,%.17g\n", of.theoretical_mean, of.theoretical_variance);
   };
   if (run.averaging() == Averaging::over_time) {
     for (const ResultCell& of : cells_at(0, run, prediction, result)) add(of);

@@ -32,12 +32,14 @@ RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t f
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization,
                              const Tally& start, const EarlierAverages& earlier)
     : configuration_(configuration),
-      error_{configuration.model.headway, configuration.model.standstill_distance},
       tally_(start),
       averages_(error_averages(configuration.run.followers, configuration.run.steps,
                                configuration.run.burn_in, earlier)),
       assembly_(configuration.run.schedule(), configuration.run.followers, first_realization,
-                start.attempts) {}
+                start.attempts) {
+  for (std::size_t i = 1; i <= configuration.run.followers; ++i)
+    error_.push_back(tracking_error(configuration.model, i));
+}
 
 RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const Heading& heading,
                                               const Positions& positions) {
@@ -51,8 +53,8 @@ RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const Heading
 ReducedErrors RunStatistics::reduced(const DueErrors& due) const {
   const std::size_t count = due.own->size();
   const auto errors = [this, &due](std::size_t offset, std::size_t size, double* buffer) {
-    error_(due.predecessor->data() + offset, due.own->data() + offset, due.own_before->data() + offset, size,
-           buffer);
+    error_[due.follower - 1](due.predecessor->data() + offset, due.own->data() + offset,
+                             due.own_before->data() + offset, size, buffer);
     return static_cast<const double*>(buffer);
   };
   return {due.follower, due.id.step, due.id.first_realization, count,

@@ -79,7 +79,7 @@ private:
   ReducedErrors reduced(const DueErrors& due) const;
 
   Configuration configuration_;
-  TrackingError error_;
+  std::vector<TrackingError> error_;  ///< of every follower
   Tally tally_;
   std::unique_ptr<ErrorAverages> averages_;
   ErrorAssembly assembly_;

@@ -10,13 +10,11 @@
 namespace platoon {
 
 PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers)
-    : leader_(model),
-      error_{model.headway, model.standstill_distance},
-      predecessor_(kStepsAtOnce + 1),
-      own_(kStepsAtOnce + 1) {
+    : leader_(model), predecessor_(kStepsAtOnce + 1), own_(kStepsAtOnce + 1) {
   for (std::uint32_t i = 1; i <= followers; ++i) {
     followers_.emplace_back(model, seed, i);
-    channels_.emplace_back(model.noise_variance, seed, i);
+    links_.emplace_back(model, seed, i);
+    error_.push_back(tracking_error(model, i));
   }
 }
 
@@ -38,9 +36,9 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
       own_[0].assign(latest_[i].begin(), latest_[i].end());
       for (std::size_t j = 1; j <= here; ++j) {
         const std::int64_t k = from + static_cast<std::int64_t>(j) - 1;
-        channels_[i - 1].transmit(k - 1, first, predecessor_[j - 1].data(), count, received_.data());
+        links_[i - 1].transmit(k - 1, first, predecessor_[j - 1].data(), count, received_.data());
         followers_[i - 1].step(received_.data(), own_[j].data());
-        error_(predecessor_[j].data(), own_[j].data(), own_[j - 1].data(), count, errors_.data());
+        error_[i - 1](predecessor_[j].data(), own_[j].data(), own_[j - 1].data(), count, errors_.data());
         sink(i, k, errors_);
       }
       latest_[i].assign(own_[here].begin(), own_[here].end());

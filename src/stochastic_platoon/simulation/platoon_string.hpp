@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "stochastic_platoon/model/link.hpp"
 #include "stochastic_platoon/model/tracking_error.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
 #include "stochastic_platoon/statistics/moment_table.hpp"
@@ -20,7 +21,7 @@ struct Ensemble {
   std::uint64_t batch;         ///< realizations computed side by side, >= 1
 };
 
-/// The whole string in one thread: the same vehicles, channels and errors that run as nodes, called one after
+/// The whole string in one thread: the same vehicles, links and errors that run as nodes, called one after
 /// the other.
 class PlatoonString {
 public:
@@ -39,8 +40,8 @@ private:
 
   LeaderVehicle leader_;
   std::vector<FollowerVehicle> followers_;
-  std::vector<NoisyChannel> channels_;
-  TrackingError error_;
+  std::vector<Link> links_;
+  std::vector<TrackingError> error_;
 
   // Kept from batch to batch: nothing is allocated in steady state.
   std::vector<std::vector<double>> latest_;  ///< y_i at the last step made, of every vehicle

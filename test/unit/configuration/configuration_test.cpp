@@ -199,5 +199,20 @@ TEST_F(ConfigurationTest, StatisticsDependOnNothingElse) {
   }
 }
 
+TEST(Configuration, TakesLossAndDelayAsItTakesTheHeadway) {
+  const std::string model = PLATOON_SOURCE_DIR "/config/paper.yaml";
+  const Configuration changed =
+      parse_configuration(configuration_document({{"model", model}, {"loss", "0.25"}, {"delay", "2"}}));
+  EXPECT_EQ(changed.model.link.delay, 2);
+  ASSERT_TRUE(changed.model.link.loss);
+  EXPECT_EQ(changed.model.link.loss->probability, 0.25);
+  EXPECT_EQ(changed.model.link.loss->predictor, std::vector<double>{1.0});
+  const Configuration again = parse_configuration(configuration_document(changed, {{"loss", "0.5"}}));
+  EXPECT_EQ(again.model.link.loss->probability, 0.5);
+  EXPECT_EQ(again.model.link.delay, 2);
+  EXPECT_NE(run_identity(changed), run_identity(again));
+  EXPECT_FALSE(parse_configuration(configuration_document({{"model", model}})).model.link.loss);
+}
+
 }  // namespace
 }  // namespace platoon

@@ -315,5 +315,138 @@ TEST(LoadYaml, NamesTheFolderThatStandsInTheFilesPlace) {
   }
 }
 
+const char* const kLinkText =
+    "channel: {noise_filter: {numerator: [1.0, 0.3], denominator: [1.0, -0.5, 0.1]}, quantisation_step: 0.5, "
+    "delay: 2,\n"
+    "          loss: {probability: 0.2, mean_burst: 2.5, on_loss: extrapolate}}\n"
+    "vehicle_types:\n"
+    "  truck: {time_headway: 4.0, standstill_distance: 5.0, channel: {delay: 1, loss: {probability: 0.1}}}\n"
+    "  bus: {noise_variance: 0.1, initial_position: {mean: 1.0, variance: 2.0},\n"
+    "        controller: {numerator: [1.3, 0.0], denominator: [1.0, 0.89], divide_by_one_plus_headway: "
+    "true}}\n"
+    "string: [default, truck, default, bus]\n";
+
+TEST(ModelFile, SetsLinksAndTypesThatInheritWhatTheyDoNotGive) {
+  const PlatoonModel model = parse(kModelText + kLinkText);
+  EXPECT_EQ(model.link.noise_filter.numerator(), Eigen::Vector2d(1.0, 0.3));
+  EXPECT_EQ(model.link.quantisation_step, 0.5);
+  EXPECT_EQ(model.link.delay, 2);
+  ASSERT_TRUE(model.link.loss);
+  EXPECT_EQ(model.link.loss->probability, 0.2);
+  EXPECT_EQ(model.link.loss->mean_burst, 2.5);
+  EXPECT_EQ(model.link.loss->predictor, (std::vector<double>{2.0, -1.0}));
+  ASSERT_EQ(model.types.size(), 2u);
+  const VehicleModel &bus = model.types[0].vehicle, &truck = model.types[1].vehicle;
+  EXPECT_EQ(truck.headway, 4.0);
+  expect_same_bits(truck.loop.realization, paper_platoon(4.0).loop.realization);
+  EXPECT_EQ(truck.standstill_distance, 5.0);
+  EXPECT_EQ(truck.noise_variance, 0.6);
+  EXPECT_EQ(truck.link.delay, 1);
+  EXPECT_EQ(truck.link.quantisation_step, 0.5);
+  EXPECT_EQ(truck.link.loss->probability, 0.1);
+  EXPECT_EQ(truck.link.loss->predictor, (std::vector<double>{2.0, -1.0}));
+  EXPECT_EQ(bus.headway, 3.2);
+  EXPECT_EQ(bus.noise_variance, 0.1);
+  EXPECT_EQ(bus.initial_position.variance, 2.0);
+  EXPECT_NE(bus.loop.realization.b(), model.loop.realization.b());
+  EXPECT_TRUE(bus.link == model.link);
+  EXPECT_EQ(model.string, (std::vector<std::size_t>{0, 2, 0, 1}));
+  EXPECT_FALSE(is_homogeneous(model));
+  for (const std::size_t i : {2, 6}) EXPECT_EQ(vehicle(model, i).headway, 4.0);
+  EXPECT_EQ(place_in_formation(model, 7), -10.0);
+}
+
+TEST(ModelFile, OfLinksAndTypesIsTheSameWhenWrittenAndReadAgain) {
+  const PlatoonModel model = parse(kModelText + kLinkText);
+  const PlatoonModel again = parse(to_json(model).dump());
+  EXPECT_EQ(to_json(again), to_json(model));
+  EXPECT_TRUE(again.link == model.link);
+  EXPECT_EQ(again.string, model.string);
+  for (std::size_t i = 0; i < model.types.size(); ++i) {
+    EXPECT_TRUE(again.types[i].vehicle.link == model.types[i].vehicle.link);
+    expect_same_bits(again.types[i].vehicle.loop.realization, model.types[i].vehicle.loop.realization);
+  }
+}
+
+TEST(ModelFile, WithoutLinksAndTypesIsWrittenAsBefore) {
+  const nlohmann::json document = to_json(parse(kModelText));
+  for (const char* key : {"channel", "vehicle_types", "string"}) EXPECT_FALSE(document.contains(key)) << key;
+  EXPECT_TRUE(is_papers(parse(kModelText)));
+  EXPECT_TRUE(
+      is_papers(parse(kModelText + "channel: {delay: 0, loss: {probability: 0}}\nstring: [default]\n")));
+  EXPECT_FALSE(is_papers(parse(kModelText + "channel: {delay: 1}\n")));
+}
+
+TEST(ModelFile, NamesWhatIsWrongWithALink) {
+  const auto problems_of_link = [](const std::string& text) {
+    return problems_in(kModelText + "channel: {" + text + "}\n");
+  };
+  EXPECT_EQ(problems_of_link("loss: {probability: 1.0}"),
+            Problems{"channel/loss/probability: 1.0: must be a number from 0 to below 1"});
+  EXPECT_EQ(problems_of_link("loss: {probability: -0.1}"),
+            Problems{"channel/loss/probability: -0.1: must be a number from 0 to below 1"});
+  EXPECT_EQ(problems_of_link("loss: {on_loss: hold}"),
+            Problems{"channel/loss/probability: missing: must be a number from 0 to below 1"});
+  EXPECT_EQ(problems_of_link("loss: {probability: 0.9, mean_burst: 8}"),
+            Problems{"channel/loss/mean_burst: 8: must be at least 9, the larger of 1 and q / (1 - q) for q "
+                     "= 0.9: no chain "
+                     "has shorter bursts; independent losses have 1 / (1 - q) = 10"});
+  EXPECT_EQ(problems_of_link("loss: {probability: 0.2, mean_burst: 0.9}").front().substr(0, 48),
+            "channel/loss/mean_burst: 0.9: must be at least 1");
+  EXPECT_EQ(
+      problems_of_link("noise_filter: {numerator: [1, 0, 0], denominator: [1, 0.5]}"),
+      Problems{"channel/noise_filter: more zeros than poles: must be proper: no more zeros than poles"});
+  EXPECT_EQ(
+      problems_of_link("noise_filter: {numerator: [1], denominator: [1, -1]}"),
+      Problems{"channel/noise_filter: a pole of modulus 1: must be stable: poles inside the unit circle"});
+  EXPECT_EQ(problems_of_link("delay: -1"),
+            Problems{"channel/delay: -1: must be a whole number from 0 to 10000"});
+  EXPECT_EQ(problems_of_link("quantisation_step: -1"),
+            Problems{"channel/quantisation_step: -1: must be a finite number >= 0"});
+  EXPECT_EQ(problems_of_link("loss: {probability: 0.1, on_loss: [1, 0.5]}"),
+            Problems{"channel/loss/on_loss: coefficients of sum 1.5: must be of sum 1, as a platoon moves: "
+                     "[1] holds, [2, "
+                     "-1] extrapolates"});
+  EXPECT_EQ(
+      problems_of_link("loss: {probability: 0.1, on_loss: stop}"),
+      Problems{"channel/loss/on_loss: stop: must be hold or extrapolate or a list of coefficients of sum 1"});
+  EXPECT_EQ(
+      problems_of_link("jitter: 1"),
+      Problems{"channel/jitter: unknown key: allowed are delay, loss, noise_filter, quantisation_step"});
+}
+
+TEST(ModelFile, RunsPredictionsThatGrowOnlyIfAskedTo) {
+  const std::string growing = kModelText + "channel: {loss: {probability: 0.5, on_loss: [2.5, -1.5]}}\n";
+  const Problems problems = problems_in(growing);
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_EQ(problems[0].find("channel/loss/on_loss: predictions whose p q ||L F||^2 is 3.66667: must be one"),
+            0u)
+      << problems[0];
+  EXPECT_EQ(problems_in(growing + "allow_unstable: true\n"), Problems{});
+}
+
+TEST(ModelFile, NamesWhatIsWrongWithTypesAndStrings) {
+  const Problems problems = problems_in(
+      kModelText +
+      "vehicle_types: {truck: {sample_period: 0.2, leader: {speed: []}, time_headway: -1}, default: {}, "
+      "car: {weight: 1}}\nstring: [default, lorry]\n");
+  for (const char* key :
+       {"vehicle_types/truck/sample_period: given: must be absent, as all vehicles share it",
+        "vehicle_types/truck/leader: given: must be absent, as all vehicles share it",
+        "vehicle_types/truck/time_headway: -1: must be a finite number > 0",
+        "vehicle_types/default: given: must be of another name",
+        "vehicle_types/car/weight: unknown key: allowed are ",
+        "string[1]: lorry: must be one of the vehicle types default, car, truck"}) {
+    EXPECT_TRUE(any_begins_with(problems, key)) << key;
+  }
+  EXPECT_EQ(problems.size(), 6u);
+  EXPECT_EQ(problems_in(kModelText + "string: []\n"),
+            Problems{"string: []: must be a list of names, not empty"});
+  const Problems unstable =
+      problems_in(kModelText + "vehicle_types: {slow: {plant: {numerator: [1], denominator: [1, -1]}}}\n");
+  ASSERT_FALSE(unstable.empty());
+  EXPECT_EQ(unstable[0].find("vehicle_types/slow: no double integral action"), 0u) << unstable[0];
+}
+
 }  // namespace
 }  // namespace platoon

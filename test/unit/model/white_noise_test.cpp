@@ -18,6 +18,8 @@ class WhiteNoise {
 public:
   explicit WhiteNoise(std::uint64_t seed) : seed_(seed) {}
   void fill(DrawName name, std::uint64_t first_realization, std::size_t count, double* normals) const;
+  void fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count,
+                    double* uniforms) const;
 
 private:
   std::uint64_t seed_;
@@ -44,14 +46,14 @@ struct Block {
   std::uint64_t angle;
 };
 
-// What the header promises, one block at a time: key = seed, counter = (block number, step, vehicle).
+// What the header promises, one block at a time: key = seed, counter = (block number, step, vehicle + 2^24 purpose).
 Block reference_block(std::uint64_t seed, DrawName name, std::uint64_t block) {
   const auto step = static_cast<std::uint64_t>(name.step) & 0xffffffffffffULL;
   philox4x32_ctr_t counter;
   counter.v[0] = static_cast<std::uint32_t>(block);
   counter.v[1] = static_cast<std::uint32_t>((block >> 32) | ((step >> 32) << 16));
   counter.v[2] = static_cast<std::uint32_t>(step);
-  counter.v[3] = name.vehicle;
+  counter.v[3] = name.vehicle | static_cast<std::uint32_t>(name.purpose) << 24;
   philox4x32_key_t key;
   key.v[0] = static_cast<std::uint32_t>(seed);
   key.v[1] = static_cast<std::uint32_t>(seed >> 32);
@@ -405,6 +407,35 @@ TEST(WhiteNoise, IsWhiteAlongTimeAndAlongTheString) {
     EXPECT_NEAR(square, 1.0, kStandardErrors * std::sqrt(2.0 / kShort));
     expect_independent({x.begin(), x.end() - 1}, {x.begin() + 1, x.end()}, "lag 1");
   }
+}
+
+TEST(WhiteNoise, DrawsUniformsFromTheWordsOfItsBlocks) {
+  const std::uint64_t seed = 0x123456789abcdefULL, first = 1001;
+  const std::size_t count = 2 * kBlocks + 5;
+  for (const Purpose purpose : {Purpose::dither, Purpose::loss}) {
+    const DrawName name{5, 70000000000, purpose};
+    std::vector<double> uniforms(count);
+    WhiteNoise(seed).fill_uniform(name, first, count, uniforms.data());
+    for (std::size_t r = 0; r < count; ++r) {
+      const Block block = reference_block(seed, name, (first + r) / 2);
+      const std::uint64_t word = (first + r) % 2 == 0 ? block.radius : block.angle;
+      EXPECT_EQ(uniforms[r], std::ldexp(static_cast<double>(word >> 12), -52)) << r;
+    }
+  }
+}
+
+// Pinned: recordings and checkpoints depend on them. The normals to the last bit: test/integration/tools_test.py.
+constexpr double kNoiseAnswer = 0.4837981951081564, kDitherAnswer = 0x1.f671b1cf55930p-3,
+                 kLossAnswer = 0x1.d19a2ad8dce7cp-2;
+
+TEST(WhiteNoise, HasKnownAnswersForEveryPurpose) {
+  double value;
+  WhiteNoise(1).fill({1, 0}, 0, 1, &value);
+  EXPECT_NEAR(value, kNoiseAnswer, 1e-15);
+  WhiteNoise(1).fill_uniform({1, 0, Purpose::dither}, 0, 1, &value);
+  EXPECT_EQ(value, kDitherAnswer);
+  WhiteNoise(1).fill_uniform({1, 0, Purpose::loss}, 0, 1, &value);
+  EXPECT_EQ(value, kLossAnswer);
 }
 
 }  // namespace
