@@ -1,9 +1,11 @@
 // What the theory says of a platoon, without running it: a report on the terminal, all numbers as JSON or CSV
 // on request.
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 
 #include "stochastic_platoon/analysis/analysis.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
@@ -12,15 +14,23 @@
 
 namespace {
 
-// FROM:TO:COUNT as COUNT equally spaced values. Throws ConfigurationError naming the option.
-std::vector<double> spaced(const std::string& option, const std::string& text) {
+// FROM:TO:COUNT as COUNT equally spaced values of [least, below). Throws ConfigurationError naming the option.
+struct Range {
+  double least, below;
+  const char* text;
+};
+const Range kAboveZero{std::numeric_limits<double>::min(), 1e300, "0 < FROM"};
+const Range kProbability{0.0, 1.0, "0 <= FROM"};
+
+std::vector<double> spaced(const std::string& option, const std::string& text, const Range& range) {
   double from = 0.0, to = 0.0;
   int count = 0;
   char rest = 0;
   const int read = std::sscanf(text.c_str(), "%lf:%lf:%d%c", &from, &to, &count, &rest);
-  if (read != 3 || !(from > 0.0) || !(to >= from) || !(to < 1e300) || count < 1 || count > 1000000) {
-    throw platoon::ConfigurationError(
-        {option + ": " + text + ": must be FROM:TO:COUNT with 0 < FROM <= TO and 1 <= COUNT"});
+  if (read != 3 || !(from >= range.least) || !(to >= from) || !(to < range.below) || count < 1 ||
+      count > 1000000) {
+    throw platoon::ConfigurationError({option + ": " + text + ": must be FROM:TO:COUNT with " + range.text +
+                                       " <= TO" + (range.below == 1.0 ? " < 1" : "") + " and 1 <= COUNT"});
   }
   std::vector<double> values;
   for (int i = 0; i < count; ++i) values.push_back(count == 1 ? from : from + (to - from) * i / (count - 1));
@@ -33,19 +43,26 @@ void write(const std::string& file, const std::string& content) {
 
 std::vector<platoon::SweepPoint> run_sweep(const platoon::PlatoonModel& model,
                                            const std::map<std::string, std::string>& own) {
-  if (own.count("sweep_headway") == 0) return {};
-  const std::vector<double> headways = spaced("--sweep-headway", own.at("sweep_headway"));
-  const std::vector<double> gains =
-      own.count("sweep_gain") > 0 ? spaced("--sweep-gain", own.at("sweep_gain")) : std::vector<double>();
-  return platoon::sweep(model, headways, gains);
+  const auto axis = [&own](const char* name, const std::string& option, const Range& range) {
+    return own.count(name) > 0 ? spaced(option, own.at(name), range) : std::vector<double>();
+  };
+  const platoon::SweepAxes axes{axis("sweep_headway", "--sweep-headway", kAboveZero),
+                                axis("sweep_gain", "--sweep-gain", kAboveZero),
+                                axis("sweep_loss", "--sweep-loss", kProbability)};
+  if (axes.headways.empty() && axes.losses.empty()) return {};
+  return platoon::sweep(model, axes);
 }
 
 void print(const std::vector<platoon::SweepPoint>& points) {
-  std::cout << "\n   headway        gain      rho(A)    peak |T|   string stable\n";
+  const bool lossy = points.front().loss.has_value();
+  std::cout << "\n   headway        gain" << (lossy ? "        loss" : "") << "      rho(A)    peak |T|"
+            << (lossy ? "   loss gain" : "") << "   string stable\n";
   for (const platoon::SweepPoint& point : points) {
-    std::printf("%10.6g %11.6g %11.6g %11.9g   %s\n", point.headway, point.gain,
-                point.stability.spectral_radius, point.stability.peak_gain,
-                point.stability.string_stable ? "yes" : "no");
+    std::printf("%10.6g %11.6g", point.headway, point.gain);
+    if (lossy) std::printf(" %11.6g", *point.loss);
+    std::printf(" %11.6g %11.9g", point.stability.spectral_radius, point.stability.peak_gain);
+    if (lossy) std::printf(" %11.6g", point.stability.loss_gain.value_or(std::nan("")));
+    std::printf("   %s\n", point.stability.string_stable ? "yes" : "no");
   }
 }
 
@@ -56,6 +73,7 @@ int main(int argc, char** argv) {
       {"json", "file for all numbers"},
       {"sweep_headway", "FROM:TO:COUNT: stability over headways"},
       {"sweep_gain", "FROM:TO:COUNT: with --sweep-headway, over controller gains too"},
+      {"sweep_loss", "FROM:TO:COUNT: stability over loss probabilities, and headways where both are given"},
       {"csv", "file for the sweep, for plot map"},
   };
   std::map<std::string, std::string> settings = platoon::parse_command_line(
@@ -68,8 +86,10 @@ int main(int argc, char** argv) {
   }
   try {
     for (const char* option : {"sweep_gain", "csv"}) {
-      if (own.count(option) == 0 || own.count("sweep_headway") > 0) continue;
-      throw platoon::ConfigurationError({std::string(option) + ": given: must go with --sweep-headway"});
+      const bool by_loss = option == std::string("csv") && own.count("sweep_loss") > 0;
+      if (own.count(option) == 0 || own.count("sweep_headway") > 0 || by_loss) continue;
+      throw platoon::ConfigurationError({std::string(option) + ": given: must go with --sweep-headway" +
+                                         (option == std::string("csv") ? " or --sweep-loss" : "")});
     }
     settings.emplace("model", platoon::paper_model_file());
     std::cout << settings["model"] << "\n";

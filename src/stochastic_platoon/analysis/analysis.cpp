@@ -1,9 +1,11 @@
 #include "stochastic_platoon/analysis/analysis.hpp"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "stochastic_platoon/io/text.hpp"
+#include "stochastic_platoon/theory/linked_string.hpp"
 #include "stochastic_platoon/theory/rounding_bound.hpp"
 #include "stochastic_platoon/theory/stationary_variance.hpp"
 
@@ -56,6 +58,14 @@ std::string headway_lines(const Analysis& analysis) {
          shown(headways.intervals) + "\n";
 }
 
+std::string loss_lines(const Analysis& analysis) {
+  if (!analysis.losses) return "";
+  const std::optional<double> critical = analysis.losses->critical;
+  std::string text = "Critical loss probability: " + (critical ? formatted("%.9g", *critical) : "none");
+  text += "; string stable loss probabilities within [0, 0.99]:" + shown(analysis.losses->intervals) + "\n";
+  return text;
+}
+
 LoopDesign with_gain(const LoopDesign& design, double gain) {
   const TransferFunction& controller = design.controller;
   return {design.plant,
@@ -65,38 +75,77 @@ LoopDesign with_gain(const LoopDesign& design, double gain) {
 
 }  // namespace
 
-Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
-  Analysis analysis{string_stability(model),
-                    {},
-                    stationary_variances(model, followers),
-                    error_moments(model, followers, steps),
-                    {},
-                    {}};
-  analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
-  if (analysis.stability.mean_square_stable) analysis.bounds = theorem_two_bounds(model, followers, steps);
-  if (model.design) {
-    analysis.headways =
-        stable_headways([&model](double headway) { return close_loop(*model.design, headway); },
-                        headways_about(model.headway));
+namespace {
+
+// Of the default vehicle, whatever the links and the other vehicles are.
+StableHeadways headways_of(const PlatoonModel& model) {
+  if (is_papers(model)) {
+    return stable_headways([&model](double headway) { return close_loop(*model.design, headway); },
+                           headways_about(model.headway));
   }
+  const auto margin = [&model](double headway) {
+    try {
+      PlatoonModel varied = model;
+      varied.headway = headway;
+      varied.loop = close_loop(*model.design, headway);
+      return linked_string_margin(varied);
+    } catch (const std::invalid_argument&) {
+      return -1.0;
+    }
+  };
+  HeadwayRange range = headways_about(model.headway);
+  range.samples /= 4;  // each needs a quadrature
+  return stable_headways(StabilityMargin(margin), range);
+}
+
+}  // namespace
+
+Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+  Analysis analysis{};
+  analysis.theory = theory_of(model);
   analysis.integral_defect = integral_defect(model.loop, model.headway);
   analysis.rounding = rounding_bound_of_a_metre(model.loop.realization, static_cast<std::size_t>(steps));
+  if (analysis.theory == Theory::none) return analysis;
+  analysis.stability = string_stability(model);
+  analysis.stationary_variance = stationary_variances(model, followers);
+  analysis.moments = error_moments(model, followers, steps);
+  analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
+  if (is_papers(model)) {
+    if (analysis.stability.mean_square_stable) analysis.bounds = theorem_two_bounds(model, followers, steps);
+  } else {
+    analysis.stationary_mean = stationary_means(model, followers);
+  }
+  if (model.design) analysis.headways = headways_of(model);
+  analysis.losses = stable_losses(model);
   return analysis;
 }
 
-std::vector<SweepPoint> sweep(const PlatoonModel& model, const std::vector<double>& headways,
-                              const std::vector<double>& gains) {
-  if (!model.design) {
+std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) {
+  if (!model.design && !(axes.headways.empty() && axes.gains.empty())) {
     throw std::invalid_argument("closed_loop: given: must be plant and controller for a sweep over headways");
   }
-  const std::vector<double> own_gain{model.design->controller.numerator()(0)};
+  if (theory_of(model) == Theory::none)
+    throw std::invalid_argument(
+        "mean_burst: given: must be absent for a sweep, as there is no theory for bursts");
+  const auto or_own = [](const std::vector<double>& values, double own) {
+    return values.empty() ? std::vector<double>{own} : values;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double own_gain = model.design ? model.design->controller.numerator()(0) : nan;
   std::vector<SweepPoint> points;
-  for (const double gain : gains.empty() ? own_gain : gains) {
-    for (const double headway : headways) {
-      PlatoonModel varied = model;
-      varied.headway = headway;
-      varied.loop = close_loop(with_gain(*model.design, gain), headway);
-      points.push_back({headway, gain, string_stability(varied)});
+  for (const double gain : or_own(axes.gains, own_gain)) {
+    for (const double loss : or_own(axes.losses, model.link.loss ? model.link.loss->probability : nan)) {
+      for (const double headway : or_own(axes.headways, model.headway)) {
+        PlatoonModel varied = model;
+        varied.headway = headway;
+        if (model.design) varied.loop = close_loop(with_gain(*model.design, gain), headway);
+        if (!axes.losses.empty() && !varied.link.loss) varied.link.loss = LossModel();
+        if (!axes.losses.empty())
+          varied.link.loss->mean_burst.reset();  // that of independent losses at one q
+        if (varied.link.loss) varied.link.loss->probability = loss;
+        points.push_back({headway, gain, string_stability(varied), {}});
+        if (varied.link.loss) points.back().loss = loss;
+      }
     }
   }
   return points;
@@ -104,18 +153,25 @@ std::vector<SweepPoint> sweep(const PlatoonModel& model, const std::vector<doubl
 
 std::string report(const PlatoonModel& model, const Analysis& analysis) {
   const StringStability& stability = analysis.stability;
-  std::string text =
-      formatted("h = %g, P_d = %g m^2: ", model.headway, model.noise_variance) + stability.reason + "\n";
+  std::string text = formatted("h = %g, P_d = %g m^2: ", model.headway, model.noise_variance);
+  if (analysis.theory == Theory::none)
+    return text + "no theory, as losses come in bursts: monte_carlo measures what they do\n";
+  text += stability.reason + "\n";
   text += formatted("rho(A) = %.6g: the errors' mean and variance %s over time\n", stability.spectral_radius,
                     stability.mean_square_stable ? "settle" : "DO NOT SETTLE");
   text +=
       formatted("peak of |T| = %.9g at w = %.6g rad/sample\n", stability.peak_gain, stability.peak_frequency);
-  text += headway_lines(analysis);
+  text += headway_lines(analysis) + loss_lines(analysis);
   const std::vector<double>& stationary = analysis.stationary_variance;
   text += formatted(
               "Stationary variance: %.6g m^2 of follower 1, %.6g m^2 of follower %zu; of an endless string: ",
               stationary.front(), stationary.back(), stationary.size()) +
           shown(stability.limit_variance, "m^2") + "\n";
+  if (!analysis.stationary_mean.empty() && analysis.stationary_mean.back() != 0.0) {
+    text +=
+        formatted("Stationary mean: %.6g m of follower %zu, what delay and loss leave at constant speed\n",
+                  analysis.stationary_mean.back(), stationary.size());
+  }
   text += formatted(
       "Largest norms over %zu followers and %lld steps: ||mean||_2 = %.6g m, ||variance||_inf = %.6g m^2\n",
       analysis.moments.followers, static_cast<long long>(analysis.moments.steps),
@@ -128,6 +184,8 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
             shown(bounds.variance_bound, "m^2") + " (alpha_2 " + shown(bounds.alpha_2, "m^2") + ", beta_2 " +
             shown(bounds.beta_2, "m^2") + "; the paper's beta_2 " + shown(bounds.stated_beta_2, "m^2") +
             ")\n";
+  } else if (!is_papers(model)) {
+    text += "Bounds of Theorem 2: none, as they are of the paper's platoon\n";
   } else {
     text += "Bounds of Theorem 2: none, as rho(A) is not below 1\n";
   }
@@ -150,6 +208,18 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
 nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
   const StringStability& stability = analysis.stability;
   const auto steps = static_cast<std::size_t>(analysis.moments.steps);
+  if (analysis.theory == Theory::none) {
+    return {{"headway", model.headway},
+            {"noise_variance", model.noise_variance},
+            {"theory", to_string(analysis.theory)},
+            {"rounding", number(analysis.rounding)}};
+  }
+  nlohmann::json losses;
+  if (analysis.losses) {
+    losses = nlohmann::json::array();
+    for (const StableInterval& interval : analysis.losses->intervals)
+      losses.push_back({interval.from, interval.to});
+  }
   nlohmann::json headways = nlohmann::json::array();
   if (analysis.headways) {
     for (const HeadwayInterval& interval : analysis.headways->intervals)
@@ -183,6 +253,11 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
           {"reason", stability.reason},
           {"critical_headway", number(analysis.headways ? analysis.headways->critical : std::nullopt)},
           {"stable_headways", analysis.headways ? headways : nlohmann::json()},
+          {"theory", to_string(analysis.theory)},
+          {"loss_gain", number(stability.loss_gain)},
+          {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
+          {"stable_loss_probabilities", losses},
+          {"stationary_mean", numbers(analysis.stationary_mean)},
           {"stationary_variance", numbers(analysis.stationary_variance)},
           {"limit_variance", number(stability.limit_variance)},
           {"mean", rows(analysis.moments.mean, steps)},
@@ -195,7 +270,9 @@ nlohmann::json to_json(const std::vector<SweepPoint>& points) {
   nlohmann::json list = nlohmann::json::array();
   for (const SweepPoint& point : points) {
     list.push_back({{"headway", point.headway},
-                    {"gain", point.gain},
+                    {"gain", number(point.gain)},
+                    {"loss", number(point.loss)},
+                    {"loss_gain", number(point.stability.loss_gain)},
                     {"spectral_radius", point.stability.spectral_radius},
                     {"peak_gain", number(point.stability.peak_gain)},
                     {"string_stable", point.stability.string_stable},
@@ -205,11 +282,16 @@ nlohmann::json to_json(const std::vector<SweepPoint>& points) {
 }
 
 std::string to_csv(const std::vector<SweepPoint>& points) {
-  std::string text = "headway,gain,spectral_radius,peak_gain,string_stable\n";
+  const bool lossy = !points.empty() && points.front().loss;
+  std::string text = lossy ? "headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable\n"
+                           : "headway,gain,spectral_radius,peak_gain,string_stable\n";
   for (const SweepPoint& point : points) {
-    text +=
-        formatted("%.17g,%.17g,%.17g,%.17g,%d\n", point.headway, point.gain, point.stability.spectral_radius,
-                  point.stability.peak_gain, point.stability.string_stable ? 1 : 0);
+    const StringStability& stability = point.stability;
+    text += formatted("%.17g,%.17g,", point.headway, point.gain);
+    if (lossy) text += formatted("%.17g,", *point.loss);
+    text += formatted("%.17g,%.17g,", stability.spectral_radius, stability.peak_gain);
+    if (lossy) text += formatted("%.17g,", stability.loss_gain.value_or(std::nan("")));
+    text += stability.string_stable ? "1\n" : "0\n";
   }
   return text;
 }

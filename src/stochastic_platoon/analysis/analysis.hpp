@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/analysis/prediction.hpp"
 #include "stochastic_platoon/theory/critical_headway.hpp"
+#include "stochastic_platoon/theory/critical_loss.hpp"
 #include "stochastic_platoon/theory/error_moments.hpp"
 #include "stochastic_platoon/theory/norms.hpp"
 #include "stochastic_platoon/theory/string_stability.hpp"
@@ -14,32 +16,43 @@
 
 namespace platoon {
 
-/// All that the theory says of a platoon (paper, sections 4 and 5).
+/// All that the theory says of a platoon (paper, sections 4 and 5). Without a theory (losses in bursts) it has
+/// only `theory`.
 struct Analysis {
   StringStability stability;
   std::optional<StableHeadways>
       headways;  ///< none where the closed loop itself was given: it has no other headway
   std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN where there is none
   ErrorMoments moments;
-  ErrorNorms norms;                        ///< L_2 of the means, L_infinity of the variances
-  std::optional<TheoremTwoBounds> bounds;  ///< none where the loop is unstable
+  ErrorNorms norms;  ///< L_2 of the means, L_infinity of the variances
+  std::optional<TheoremTwoBounds>
+      bounds;                    ///< none where the loop is unstable, or the platoon not the paper's
   double rounding = 0.0;         ///< [m] to which the vehicles' own arithmetic keeps a position of 1 m
   double integral_defect = 0.0;  ///< by how much T(1) = 1 and dT/dz(1) = -h are missed: no verdict is finer
+  std::optional<StableLosses> losses = {};   ///< none without a loss stage
+  std::vector<double> stationary_mean = {};  ///< [m], one per follower: what delays and losses leave
+  Theory theory = Theory::exact;
 };
 
 Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
-/// One headway of a sweep, or one point of a map over headway and gain.
+/// One point of a sweep or a map over headway, gain and loss probability of the default vehicle.
 struct SweepPoint {
   double headway;
-  double gain;  ///< leading coefficient of the controller's numerator, as the model file gives it
+  double
+      gain;  ///< leading coefficient of the controller's numerator, as the model file gives it; NaN without one
   StringStability stability;
+  std::optional<double> loss = {};  ///< probability, where the link has a loss stage
 };
 
-/// Stability at each headway, and at each gain in `gains` (empty: the model's own). Throws
-/// std::invalid_argument where the closed loop itself was given.
-std::vector<SweepPoint> sweep(const PlatoonModel& model, const std::vector<double>& headways,
-                              const std::vector<double>& gains);
+/// What a sweep goes over; an empty list is the model's own value.
+struct SweepAxes {
+  std::vector<double> headways, gains, losses;
+};
+
+/// Stability at every combination. Throws std::invalid_argument where headways or gains are given and the closed
+/// loop itself was given, and for losses in bursts.
+std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes);
 
 /// For a person: the verdict first, then why.
 std::string report(const PlatoonModel& model, const Analysis& analysis);
@@ -48,7 +61,8 @@ std::string report(const PlatoonModel& model, const Analysis& analysis);
 nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis);
 nlohmann::json to_json(const std::vector<SweepPoint>& points);
 
-/// headway,gain,spectral_radius,peak_gain,string_stable: a row per point.
+/// headway,gain,spectral_radius,peak_gain,string_stable: a row per point; with a loss stage
+/// headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable.
 std::string to_csv(const std::vector<SweepPoint>& points);
 
 }  // namespace platoon

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "stochastic_platoon/theory/error_moments.hpp"
+#include "stochastic_platoon/theory/linked_string.hpp"
 #include "stochastic_platoon/theory/rounding_bound.hpp"
 #include "stochastic_platoon/theory/stationary_variance.hpp"
 
@@ -13,7 +14,10 @@ const char* to_string(Theory theory) {
 }
 
 Theory theory_of(const PlatoonModel& model) {
-  return is_papers(model) ? Theory::exact : Theory::none;
+  for (const VehicleModel& vehicle : pattern(model)) {
+    if (vehicle.link.loss && !vehicle.link.loss->is_independent()) return Theory::none;
+  }
+  return Theory::exact;
 }
 
 namespace {
@@ -23,7 +27,7 @@ Prediction no_prediction(const Configuration& configuration) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::size_t cells =
       run.followers * static_cast<std::size_t>(run.averaging() == Averaging::over_time ? 1 : run.steps);
-  StringStability unknown{nan, nan, nan, false, false, false, {}, "none for these links"};
+  StringStability unknown{nan, nan, nan, false, false, false, {}, "none, as losses come in bursts"};
   return {unknown,
           std::vector<double>(run.followers, nan),
           std::vector<double>(cells, nan),
@@ -42,7 +46,8 @@ Prediction predict(const Configuration& configuration) {
                         {},
                         {}};
   if (run.averaging() == Averaging::over_time) {
-    prediction.mean.assign(run.followers, 0.0);
+    prediction.mean = is_papers(configuration.model) ? std::vector<double>(run.followers, 0.0)
+                                                     : stationary_means(configuration.model, run.followers);
     prediction.variance = prediction.stationary_variance;
   } else {
     ErrorMoments moments = error_moments(configuration.model, run.followers, run.steps);

@@ -19,10 +19,10 @@ constexpr Eigen::Index kLongestRow = 100;  ///< far beyond the order that a clos
 /// What a number may be. Bounds of NaN do not bind. Beyond 1e100 what is computed of a number, its square, sums
 /// over a run, would overflow.
 struct Allowed {
-  std::string text;        ///< the end of the sentence "must be ..."
-  double above;            ///< exclusive lower bound
-  double at_least;         ///< inclusive lower bound
-  double most = kLargest;  ///< of the magnitude
+  std::string text;                                         ///< the end of the sentence "must be ..."
+  double above;                                             ///< exclusive lower bound
+  double at_least;                                          ///< inclusive lower bound
+  double most = kLargest;                                   ///< of the magnitude
   double below = std::numeric_limits<double>::quiet_NaN();  ///< exclusive upper bound
 };
 
@@ -66,10 +66,10 @@ public:
   /// Whether the value at an optional key is a list.
   bool is_list(const std::string& key);
 
-  /// How many errors there are so far, of the whole document.
   /// Another problem, whose text begins with the key.
   void report(const std::string& problem) { problems_.push_back(name(problem)); }
 
+  /// How many errors there are so far, of the whole document.
   std::size_t problems() const { return problems_.size(); }
 
   /// What names a key of this section in messages.

@@ -51,14 +51,19 @@ std::string table(const RunOptions& run, const Prediction& prediction, const Run
   return text;
 }
 
-std::string comparison(const Agreement& found, std::size_t cells) {
+std::string comparison(const Agreement& found, std::size_t cells, bool papers) {
   const double bound = largest_plausible_score(2 * cells);
   const bool agrees = found.max_abs_z_mean <= bound && found.max_abs_z_variance <= bound;
   return formatted(
       "%s: over all %zu (i, k) the largest |z| is %.2f for the means and %.2f for the variances "
       "(chance alone exceeds %.2f once in 1000 runs)\n",
-      agrees ? "Measurement agrees with Lemma 1" : "MEASUREMENT AND LEMMA 1 DISAGREE", cells,
-      found.max_abs_z_mean, found.max_abs_z_variance, bound);
+      (std::string(agrees ? "Measurement agrees with " : "MEASUREMENT AND ") +
+       (papers   ? agrees ? "Lemma 1" : "LEMMA 1"
+        : agrees ? "the theory"
+                 : "THE THEORY") +
+       (agrees ? "" : " DISAGREE"))
+          .c_str(),
+      cells, found.max_abs_z_mean, found.max_abs_z_variance, bound);
 }
 
 }  // namespace
@@ -71,7 +76,7 @@ std::string report(const Configuration& configuration, const Prediction& predict
                                configuration.model.headway, configuration.model.noise_variance);
   text += heading(run, result) + table(run, prediction, result);
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
-  if (found) text += comparison(*found, result.moments.size());
+  if (found) text += comparison(*found, result.moments.size(), is_papers(configuration.model));
   text += "Theory: " + stability.reason + ".\n";
   if (stability.limit_variance) {
     text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stochastic_platoon/model/closed_loop.hpp"
+#include "stochastic_platoon/theory/stable_intervals.hpp"
 
 namespace platoon {
 
@@ -23,10 +24,7 @@ struct HeadwayRange {
 /// and one at the headway itself: what is said of it there is what string_stability says.
 HeadwayRange headways_about(double headway);
 
-struct HeadwayInterval {
-  double from;
-  double to;
-};
+using HeadwayInterval = StableInterval;
 
 /// Which headways make the platoon string stable, within a range.
 struct StableHeadways {
@@ -42,6 +40,9 @@ struct StableHeadways {
 /// A headway for which the law or string_margin throw std::invalid_argument counts as unstable. Throws
 /// std::invalid_argument unless 0 < from < to and samples >= 2.
 StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range = {});
+
+/// The same by any margin over headways.
+StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range);
 
 /// Positive just when string_stability finds the platoon string stable, zero at the border, and continuous in
 /// the coefficients of T but for their rounding: the smaller of 1 - rho(A) and the minimum of |D|^2 - |N|^2,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "stochastic_platoon/theory/delta_filter.hpp"
+#include "stochastic_platoon/theory/linked_moments.hpp"
 #include "stochastic_platoon/theory/loop_filter.hpp"
 #include "stochastic_platoon/theory/recorded_leader.hpp"
 
@@ -202,6 +203,7 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
 }
 
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+  if (!is_papers(model)) return linked_error_moments(model, followers, steps);
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   unit_equilibrium(model.loop.realization);
   if (has_digits_in_double(model.loop))

@@ -43,7 +43,8 @@ private:
 /// The standstill distance cancels. In double for loops that plant and controller form with no slow poles, in
 /// extended precision by powers of z - 1 for all others; either way to 1e-12 of the largest term of a mean,
 /// and relatively of a variance. O(followers steps) time, O(steps) memory beyond the result. Holds for
-/// unstable loops too, as far as the numbers reach.
+/// unstable loops too, as far as the numbers reach. Of any other platoon than the paper's they are
+/// linked_error_moments().
 ///
 /// Throws std::invalid_argument unless followers >= 1 and steps >= 1, and when the loop has no equilibrium.
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);

@@ -68,7 +68,33 @@ double rounding_bound_of_a_metre(const StateSpace& vehicle, std::size_t steps) {
   return steps == 0 ? 0.0 : kRoundoff * rounding_gains(vehicle, 0.0, steps).position.back();
 }
 
+namespace {
+
+// The largest of what the paper's platoons of its vehicles have, times what a predictor may enlarge it by.
+std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const ErrorMoments& moments) {
+  std::vector<double> largest(moments.variance.size(), 0.0);
+  for (const VehicleModel& vehicle : pattern(model)) {
+    PlatoonModel alike = model;
+    alike.types.clear();
+    alike.string.clear();
+    alike.link = LinkModel();
+    alike.loop = vehicle.loop;
+    alike.headway = vehicle.headway;
+    double predicted = 1.0;
+    if (vehicle.link.loss) {
+      for (const double c : vehicle.link.loss->predictor) predicted += std::abs(c);
+    }
+    const std::vector<double> bounds =
+        rounding_bounds(alike, error_moments(alike, moments.followers, moments.steps));
+    for (std::size_t c = 0; c < bounds.size(); ++c) largest[c] = std::max(largest[c], predicted * bounds[c]);
+  }
+  return largest;
+}
+
+}  // namespace
+
 std::vector<double> rounding_bounds(const PlatoonModel& model, const ErrorMoments& moments) {
+  if (!is_papers(model)) return linked_rounding_bounds(model, moments);
   const auto steps = static_cast<std::size_t>(moments.steps);
   const RoundingGains gains = rounding_gains(model.loop.realization, model.headway, steps);
   const std::vector<double> largest = largest_positions(model, moments.followers, steps);

@@ -21,7 +21,8 @@ double rounding_bound_of_a_metre(const StateSpace& vehicle, std::size_t steps);
 ///     u [4 (1 + 2h) M + E_H + E (1 + sqrt(i (k+1)) sigma_i(k))],
 /// u the unit roundoff, M(k) the largest position so far [m], E(k) = M rounding_bound_of_a_metre(k) / u and
 /// E_H the same with H (1 + h - h/z) applied to the responses; sigma_i(k)^2 the variance per unit of noise
-/// variance, which bounds what the errors of the positions ahead do, by Cauchy and Schwarz.
+/// variance, which bounds what the errors of the positions ahead do, by Cauchy and Schwarz. Over other links the
+/// largest of its vehicles' own platoons, times 1 + |c_1| + |c_2| + ... of a predictor.
 std::vector<double> rounding_bounds(const PlatoonModel& model, const ErrorMoments& moments);
 
 }  // namespace platoon

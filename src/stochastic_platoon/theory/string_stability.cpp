@@ -1,4 +1,5 @@
 #include "stochastic_platoon/theory/string_stability.hpp"
+#include "stochastic_platoon/theory/linked_string.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -89,6 +90,7 @@ void judge(const LoopSpectrum& spectrum, double noise_variance, StringStability&
 }  // namespace
 
 StringStability string_stability(const PlatoonModel& model) {
+  if (!is_papers(model)) return linked_string_stability(model);
   const LoopSpectrum spectrum(model.loop, model.headway);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   StringStability verdict{spectral_radius(model.loop), nan, nan, false, false, false, {}, {}};

@@ -17,6 +17,7 @@ struct StringStability {
   bool string_stable;       ///< and the variances stay bounded along the string
   std::optional<double> limit_variance;  ///< their limit [m^2]; empty when they have none
   std::string reason;                    ///< one sentence: why, or why not
+  std::optional<double> loss_gain = {};  ///< of links that lose positions: see linked_string_stability()
 };
 
 /// Decides paper eq. (scalability_all), |T(e^{jw})| < 1 for all w > 0, without a grid: |D|^2 - |N|^2 as a
@@ -28,6 +29,8 @@ struct StringStability {
 /// the circle of |HT|^2 + |T|^2 |S|^2 / (1 - |T|^2). It exists for every string stable platoon but one kind:
 /// where 1 - |T|^2 is flatter at w = 0 than |S|^2 (order w^6 over w^4), |T| < 1 for all w > 0 holds and the
 /// variances grow all the same; such a platoon is not string stable.
+///
+/// Of any other platoon than the paper's it is linked_string_stability().
 ///
 /// Throws std::invalid_argument when S has fewer than two zeros at z = 1 or h is not positive.
 StringStability string_stability(const PlatoonModel& model);

@@ -79,11 +79,11 @@ TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
   const nlohmann::json document = to_json(model, analyze(model, 2, 5));
   EXPECT_TRUE(document.at("critical_headway").is_null());
   EXPECT_TRUE(document.at("stable_headways").is_null());
-  EXPECT_THROW(sweep(model, {3.0}, {}), std::invalid_argument);
+  EXPECT_THROW(sweep(model, {{3.0}, {}, {}}), std::invalid_argument);
 }
 
 TEST(Sweep, CoversHeadwaysAndGainsAndMeetsTheSinglePoints) {
-  const std::vector<SweepPoint> points = sweep(model_at(3.2), {2.4, 3.2}, {1.35, 9.0});
+  const std::vector<SweepPoint> points = sweep(model_at(3.2), {{2.4, 3.2}, {1.35, 9.0}, {}});
   ASSERT_EQ(points.size(), 4u);
   EXPECT_FALSE(points[0].stability.string_stable);
   EXPECT_TRUE(points[1].stability.string_stable);

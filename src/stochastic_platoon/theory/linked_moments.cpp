@@ -1,0 +1,406 @@
+#include "stochastic_platoon/theory/linked_moments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <unsupported/Eigen/FFT>
+
+#include "stochastic_platoon/theory/delta_filter.hpp"
+
+namespace platoon {
+
+namespace {
+
+using Sequence = DeltaFilter::Sequence;  // of a position: from step -1 on; of an error: from step 0 on
+using Values = std::vector<double>;
+using Spectrum = std::vector<std::complex<double>>;
+
+constexpr double kDigits = 1e-12;          // of a variance, relative
+constexpr double kTransformError = 4e-16;  // of a convolution, relative to the product of the 2-norms
+
+/// A follower and the link into it, as operators on what is known on average.
+class MeanVehicle {
+public:
+  explicit MeanVehicle(const VehicleModel& vehicle)
+      : filter_(delta_fraction(vehicle.loop)),
+        headway_(vehicle.headway),
+        delay_(static_cast<std::size_t>(vehicle.link.delay)),
+        loss_(vehicle.link.loss.value_or(LossModel())) {
+    if (!loss_.is_independent())
+      throw std::invalid_argument("mean_burst: given: must be absent for this theory");
+  }
+
+  struct Passed {
+    Sequence innovation;  ///< e(k), from step 0 on
+    Sequence position;    ///< y_i
+  };
+
+  /// What the predecessor's positions make of the own ones, without the own initial position.
+  Passed operator()(const Sequence& predecessor) const {
+    Passed passed;
+    Sequence received{predecessor.front()};
+    for (std::size_t a = 1; a < predecessor.size(); ++a) {
+      const long double arriving = predecessor[a > delay_ ? a - delay_ : 0];
+      const long double predicted = prediction(received);
+      passed.innovation.push_back(arriving - predicted);
+      received.push_back(predicted + (1.0L - probability()) * passed.innovation.back());
+    }
+    passed.position = filter_(received);
+    return passed;
+  }
+
+  /// y_i's response to its link's w: a unit impulse at step 0 on what is received.
+  Passed of_loss(std::size_t steps) const {
+    Passed passed;
+    Sequence received{0.0L};
+    for (std::size_t k = 0; k < steps; ++k) {
+      const long double predicted = prediction(received);
+      passed.innovation.push_back(-predicted);
+      received.push_back(probability() * predicted + (k == 0 ? 1.0L : 0.0L));
+    }
+    passed.position = filter_(received);
+    return passed;
+  }
+
+  /// From the own equilibrium at 1.
+  Sequence free_motion(std::size_t steps) const { return filter_.free_response(steps + 1); }
+
+  /// zeta_i from the positions of both, from step 0 on.
+  Sequence error(const Sequence& predecessor, const Sequence& own) const {
+    Sequence errors;
+    for (std::size_t a = 1; a < own.size(); ++a)
+      errors.push_back(predecessor[a] - own[a] - headway_ * (own[a] - own[a - 1]));
+    return errors;
+  }
+
+  double variance_factor() const { return loss_.probability * (1.0 - loss_.probability); }
+
+private:
+  long double probability() const { return loss_.probability; }
+
+  // c_1 r(k-1) + c_2 r(k-2) + ...
+  long double prediction(const Sequence& received) const {
+    long double sum = 0.0L;
+    for (std::size_t j = 0; j < loss_.predictor.size(); ++j)
+      sum +=
+          loss_.predictor[j] * (received.size() > j ? received[received.size() - 1 - j] : received.front());
+    return sum;
+  }
+
+  DeltaFilter filter_;
+  long double headway_;
+  std::size_t delay_;
+  LossModel loss_;
+};
+
+Values squares(const Sequence& values) {
+  Values result;
+  for (const long double value : values) result.push_back(static_cast<double>(value * value));
+  return result;
+}
+
+double norm(const Values& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum);
+}
+
+/// Causal convolutions of sequences of one length, by transforms of twice that.
+class Transform {
+public:
+  explicit Transform(std::size_t steps) : steps_(steps) {
+    while (length_ < 2 * steps) length_ *= 2;
+    fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  }
+
+  Spectrum operator()(const Values& values) {
+    Values padded = values;
+    padded.resize(length_, 0.0);
+    Spectrum spectrum;
+    fft_.fwd(spectrum, padded);
+    return spectrum;
+  }
+
+  Values back(const Spectrum& spectrum) {
+    Values values;
+    fft_.inv(values, spectrum, static_cast<Eigen::Index>(length_));
+    values.resize(steps_);
+    return values;
+  }
+
+private:
+  std::size_t steps_, length_ = 1;
+  Eigen::FFT<double> fft_;
+};
+
+/// A square of a response, and what its convolutions need.
+struct Kernel {
+  Values values;
+  Spectrum spectrum;
+  double size = 0.0;
+};
+
+/// Responses of everything downstream to one kind of source at one place of the pattern: by how many vehicles
+/// further on, from the source's own on.
+struct Responses {
+  std::vector<Values> error;       ///< squares of zeta's
+  std::vector<Values> innovation;  ///< squares of e's; of the source's own vehicle empty
+};
+
+class LinkedString {
+public:
+  LinkedString(const PlatoonModel& model, std::size_t followers, std::int64_t steps)
+      : model_(model),
+        followers_(followers),
+        steps_(static_cast<std::size_t>(steps)),
+        vehicles_(pattern(model)) {
+    for (const VehicleModel& vehicle : vehicles_) mean_vehicles_.emplace_back(vehicle);
+  }
+
+  ErrorMoments moments() {
+    ErrorMoments result{static_cast<std::int64_t>(steps_), followers_, {}, {}};
+    std::vector<Values> innovation_means;
+    pass_means(result.mean, innovation_means);
+    error_.assign(followers_, Values(steps_, 0.0));
+    innovation_.clear();
+    for (const Values& mean : innovation_means) {
+      innovation_.push_back(mean);
+      for (double& value : innovation_.back()) value *= value;
+    }
+    for (std::size_t j = 0; j < vehicles_.size() && j < followers_; ++j) add_constant_sources(j);
+    add_losses();
+    for (const Values& row : error_) result.variance.insert(result.variance.end(), row.begin(), row.end());
+    return result;
+  }
+
+private:
+  const MeanVehicle& mean_vehicle(std::size_t i) const { return mean_vehicles_[i % mean_vehicles_.size()]; }
+
+  Sequence leader_positions() const {
+    Sequence positions;
+    if (!model_.recorded_leader.empty()) {
+      if (model_.recorded_leader.size() < steps_ + 1) {
+        throw std::invalid_argument("recorded leader: " + std::to_string(model_.recorded_leader.size()) +
+                                    " positions: must be at least steps + 1 = " + std::to_string(steps_ + 1));
+      }
+      positions.assign(model_.recorded_leader.begin(),
+                       model_.recorded_leader.begin() + static_cast<std::ptrdiff_t>(steps_ + 1));
+      return positions;
+    }
+    for (std::size_t a = 0; a <= steps_; ++a)
+      positions.push_back(model_.leader.position(static_cast<std::int64_t>(a) - 1));
+    return DeltaFilter(delta_fraction(model_.loop))(positions);
+  }
+
+  void pass_means(Values& error_means, std::vector<Values>& innovation_means) const {
+    Sequence predecessor = leader_positions();
+    for (std::size_t i = 0; i < followers_; ++i) {
+      const MeanVehicle& vehicle = mean_vehicle(i);
+      MeanVehicle::Passed passed = vehicle(predecessor);
+      const double placed = vehicles_[i % vehicles_.size()].initial_position.mean;
+      if (placed != 0.0) {
+        const Sequence free = vehicle.free_motion(steps_);
+        for (std::size_t a = 0; a < free.size(); ++a) passed.position[a] += placed * free[a];
+      }
+      const Sequence errors = vehicle.error(predecessor, passed.position);
+      error_means.insert(error_means.end(), errors.begin(), errors.end());
+      innovation_means.emplace_back(passed.innovation.begin(), passed.innovation.end());
+      predecessor.swap(passed.position);
+    }
+  }
+
+  // From the source's own vehicle, whose position responds so, down the string.
+  Responses downstream(std::size_t place, Sequence position) const {
+    Responses responses;
+    responses.error.push_back(squares(mean_vehicle(place).error(Sequence(steps_ + 1, 0.0L), position)));
+    responses.innovation.emplace_back();
+    for (std::size_t i = place + 1; i < followers_; ++i) {
+      MeanVehicle::Passed passed = mean_vehicle(i)(position);
+      responses.error.push_back(squares(mean_vehicle(i).error(position, passed.position)));
+      responses.innovation.push_back(squares(passed.innovation));
+      position.swap(passed.position);
+    }
+    return responses;
+  }
+
+  // Of the noise and the dither of link `place` and its repetitions, and of the initial positions there.
+  void add_constant_sources(std::size_t place) {
+    const VehicleModel& vehicle = vehicles_[place];
+    const double quantisation = vehicle.link.quantisation_step * vehicle.link.quantisation_step / 12.0;
+    const bool white = vehicle.link.has_white_noise();
+    if (vehicle.noise_variance > 0.0) {
+      const Sequence of_noise = white ? impulse() : filtered_impulse(vehicle.link.noise_filter);
+      add_white(place, of_noise, vehicle.noise_variance + (white ? quantisation : 0.0));
+    }
+    if (quantisation > 0.0 && !(white && vehicle.noise_variance > 0.0))
+      add_white(place, impulse(), quantisation);
+    if (vehicle.initial_position.variance > 0.0) {
+      add_repeated(place, downstream(place, mean_vehicle(place).free_motion(steps_)), {},
+                   vehicle.initial_position.variance);
+    }
+  }
+
+  // A white source of this variance on what is sent, from step 0 on: sums over all its steps so far.
+  void add_white(std::size_t place, const Sequence& sent, double variance) {
+    const MeanVehicle::Passed own = mean_vehicle(place)(sent);
+    Responses responses = downstream(place, own.position);
+    Values own_innovation = squares(own.innovation);
+    for (auto* rows : {&responses.error, &responses.innovation}) {
+      for (Values& row : *rows) std::partial_sum(row.begin(), row.end(), row.begin());
+    }
+    std::partial_sum(own_innovation.begin(), own_innovation.end(), own_innovation.begin());
+    add_repeated(place, responses, own_innovation, variance);
+  }
+
+  void add_repeated(std::size_t place, const Responses& responses, const Values& own_innovation,
+                    double variance) {
+    const auto add = [&](const Values& from, Values& to) {
+      for (std::size_t k = 0; k < from.size(); ++k) to[k] += variance * from[k];
+    };
+    // What repetitions of the source add to follower i: the responses at distances i, i - M, ..., summed once.
+    const std::size_t period = vehicles_.size(), count = responses.error.size();
+    std::vector<Values> error = responses.error, innovation = responses.innovation;
+    if (!own_innovation.empty()) innovation[0] = own_innovation;
+    if (innovation[0].empty()) innovation[0].assign(steps_, 0.0);
+    for (std::size_t m = period; m < count; ++m) {
+      for (std::size_t k = 0; k < steps_; ++k) {
+        error[m][k] += error[m - period][k];
+        innovation[m][k] += innovation[m - period][k];
+      }
+    }
+    for (std::size_t m = 0; m < count; ++m) {
+      add(error[m], error_[place + m]);
+      add(innovation[m], innovation_[place + m]);
+    }
+  }
+
+  Sequence impulse() const {
+    Sequence sequence(steps_ + 1, 0.0L);
+    sequence[1] = 1.0L;
+    return sequence;
+  }
+
+  Sequence filtered_impulse(const TransferFunction& filter) const {
+    const Polynomial &b = filter.numerator(), &a = filter.denominator();
+    const Eigen::Index lead = a.size() - b.size();
+    Sequence w(steps_ + 1, 0.0L);
+    for (std::size_t k = 0; k < steps_; ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      long double value = at >= lead && at - lead < b.size() ? b(at - lead) : 0.0;
+      for (Eigen::Index j = 1; j < a.size() && j <= at; ++j)
+        value -= a(j) * w[k + 1 - static_cast<std::size_t>(j)];
+      w[k + 1] = value;
+    }
+    return w;
+  }
+
+  // sum_{l <= k} kernel(k - l) source(l)
+  static double direct(const Values& kernel, const Values& source, std::size_t k) {
+    double sum = 0.0;
+    for (std::size_t l = 0; l <= k; ++l) sum += kernel[k - l] * source[l];
+    return sum;
+  }
+
+  struct Source {
+    Values variance;  ///< of w(k), from step 0 on
+    Spectrum spectrum;
+    double size = 0.0;
+  };
+
+  // What the losses of the links up to `last` add to follower i's row, by these responses.
+  void convolve(Transform& transform, const std::vector<std::vector<Kernel>>& kernels, std::size_t i,
+                std::size_t last, Values& row) const {
+    Spectrum sum;
+    double doubt = 0.0;
+    for (std::size_t j = 0; j <= last; ++j) {
+      if (sources_[j].size == 0.0) continue;
+      const Kernel& kernel = kernels[j % vehicles_.size()][i - j];
+      if (sum.empty()) sum.assign(kernel.spectrum.size(), 0.0);
+      for (std::size_t f = 0; f < sum.size(); ++f) sum[f] += kernel.spectrum[f] * sources_[j].spectrum[f];
+      doubt += kTransformError * kernel.size * sources_[j].size;
+    }
+    if (sum.empty()) return;
+    const Values added = transform.back(sum);
+    for (std::size_t k = 0; k < steps_; ++k) {
+      if (doubt <= kDigits * (row[k] + added[k])) {
+        row[k] += std::max(added[k], 0.0);
+        continue;
+      }
+      for (std::size_t j = 0; j <= last; ++j) {
+        if (sources_[j].size > 0.0)
+          row[k] += direct(kernels[j % vehicles_.size()][i - j].values, sources_[j].variance, k);
+      }
+    }
+  }
+
+  void add_losses() {
+    const std::size_t period = std::min(vehicles_.size(), followers_);
+    Transform transform(steps_);
+    std::vector<std::vector<Kernel>> of_error(vehicles_.size()), of_innovation(vehicles_.size());
+    std::vector<Values> own(vehicles_.size());
+    const auto kernel = [&transform](const Values& values) {
+      return Kernel{values, transform(values), norm(values)};
+    };
+    bool any = false;
+    for (std::size_t j = 0; j < period; ++j) {
+      if (mean_vehicles_[j].variance_factor() == 0.0) continue;
+      any = true;
+      const MeanVehicle::Passed passed = mean_vehicles_[j].of_loss(steps_);
+      own[j] = squares(passed.innovation);
+      const Responses responses = downstream(j, passed.position);
+      for (std::size_t m = 0; m < responses.error.size(); ++m) {
+        of_error[j].push_back(kernel(responses.error[m]));
+        of_innovation[j].push_back(m == 0 ? Kernel() : kernel(responses.innovation[m]));
+      }
+    }
+    if (!any) return;
+    for (std::size_t i = 0; i < followers_; ++i) {
+      if (i > 0) convolve(transform, of_innovation, i, i - 1, innovation_[i]);
+      add_source(transform, i, own[i % vehicles_.size()]);
+      convolve(transform, of_error, i, i, error_[i]);
+    }
+  }
+
+  // The variance of w_i, which acts on the innovation of its own link: p q E e^2.
+  void add_source(Transform& transform, std::size_t i, const Values& own) {
+    Source source;
+    const double factor = mean_vehicle(i).variance_factor();
+    if (factor > 0.0) {
+      std::size_t reach = own.size();
+      const double negligible = 1e-40 * *std::max_element(own.begin(), own.end());
+      while (reach > 1 && own[reach - 1] <= negligible) --reach;
+      Values& squared = innovation_[i];
+      for (std::size_t k = 0; k < steps_; ++k) {
+        double returned = 0.0;
+        for (std::size_t t = 1; t < reach && t <= k; ++t) returned += own[t] * source.variance[k - t];
+        squared[k] += returned;
+        source.variance.push_back(factor * squared[k]);
+      }
+      source.spectrum = transform(source.variance);
+      source.size = norm(source.variance);
+    }
+    sources_.push_back(std::move(source));
+  }
+
+  PlatoonModel model_;
+  std::size_t followers_, steps_;
+  std::vector<VehicleModel> vehicles_;
+  std::vector<MeanVehicle> mean_vehicles_;
+  std::vector<Values> error_;       ///< variance of zeta_i(k), so far
+  std::vector<Values> innovation_;  ///< E e_i(k)^2, so far
+  std::vector<Source> sources_;
+};
+
+}  // namespace
+
+ErrorMoments linked_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
+  if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
+  for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
+  return LinkedString(model, followers, steps).moments();
+}
+
+}  // namespace platoon

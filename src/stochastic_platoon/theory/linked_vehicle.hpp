@@ -1,0 +1,73 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "stochastic_platoon/model/platoon_model.hpp"
+#include "stochastic_platoon/theory/circle_polynomial.hpp"
+
+namespace platoon {
+
+/// What one frequency passes through one follower and the link into it. With p = 1 - q, the predictor
+/// L = c_1 z^-1 + c_2 z^-2 + ..., F = 1 / (1 - q L) and H = (1 + h) - h / z:
+struct LinkedVehicleValue {
+  double gain;        ///< |T^|^2, T^ = p z^-m F T: from the predecessor's position to the own, on average
+  double margin;      ///< 1 - |T^|^2, given that T^(1) = 1 exactly
+  double loss_gain;   ///< |T F|^2: from what the losses add, w, to the own position
+  double innovation;  ///< |(1 - L) F|^2: from what arrives to its difference e from what was predicted
+  double noise;       ///< |W|^2 P_d + D^2 / 12 [m^2]
+  double complement;  ///< |1 - H T^|^2
+  double headway;     ///< |H|^2
+};
+
+/// One follower behind its link with independent losses, on the unit circle, w in rad/sample. What is lost acts
+/// on the moments as a white noise w = (theta - p) e, uncorrelated with all that is sent, of variance
+/// E w^2 = p q E e^2, theta being 1 where a position arrives.
+class LinkedVehicle {
+public:
+  /// Throws std::invalid_argument for losses in bursts.
+  explicit LinkedVehicle(const VehicleModel& vehicle);
+
+  LinkedVehicleValue at(double frequency) const;
+
+  /// |N^|^2 and |D^|^2 of |T^|^2 as polynomials in t about the centre; equal at z = 1.
+  const CirclePolynomial& gain_numerator(Centre centre) const;
+  const CirclePolynomial& gain_denominator(Centre centre) const;
+
+  /// The complex w where any of the above is singular.
+  std::vector<std::complex<double>> pole_frequencies() const;
+
+  double spectral_radius() const { return spectral_radius_; }  ///< rho(A)
+  double loss_feedback() const { return loss_feedback_; }      ///< p q ||L F||^2; infinite: F is unstable
+
+  /// kappa = p q / (1 - p q ||L F||^2): E w^2 over what E e^2 would be without w's own return through the link.
+  double loss_factor() const;
+
+  /// Steps by which the mean of what is received lags at constant speed: m + q (c_1 + 2 c_2 + ...) / p.
+  double lag() const;
+
+  /// Mean of e at constant speed, over metres per step: (c_1 + 2 c_2 + ...) / p; 0 without losses.
+  double mean_innovation() const;
+
+  bool has_losses() const { return loss_.probability > 0.0; }
+  const VehicleModel& vehicle() const { return vehicle_; }
+
+private:
+  /// Taylor coefficients about one centre, and |T^|^2 in t.
+  struct Half {
+    CirclePolynomial numerator, denominator;  ///< of T
+    CirclePolynomial registers;               ///< z^n - q (c_1 z^(n-1) + ...): F is z^n over it
+    CirclePolynomial surprise;                ///< z^n - (c_1 z^(n-1) + ...): 1 - L is it over z^n
+    CirclePolynomial gain_numerator, gain_denominator;
+    CirclePolynomial margin;  ///< D^ - N^ in t; about z = 1 divided by t
+  };
+  Half half(const CirclePolynomial& numerator, const CirclePolynomial& denominator,
+            const CirclePolynomial& registers, const CirclePolynomial& surprise, Centre centre) const;
+
+  VehicleModel vehicle_;
+  LossModel loss_;  ///< of probability 0 where there is none
+  double spectral_radius_, loss_feedback_;
+  Half near_, far_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,93 @@
+#include "stochastic_platoon/theory/stable_intervals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace platoon {
+
+namespace {
+
+struct Sample {
+  double place;
+  double margin;
+  bool stable() const { return margin > 0.0; }
+};
+
+class MarginCurve {
+public:
+  explicit MarginCurve(const StabilityMargin& margin) : margin_(margin) {}
+
+  Sample at(double place) const { return {place, margin_(place)}; }
+
+  /// Where the margin of the middle sample, which has the sign of its neighbours but lies nearer to zero,
+  /// comes nearest to zero or passes it; golden section search.
+  Sample extreme(Sample left, Sample middle, Sample right) const {
+    const double towards_zero = middle.stable() ? -1.0 : 1.0;
+    for (int iteration = 0; iteration < 60; ++iteration) {
+      const bool right_is_wider = right.place - middle.place > middle.place - left.place;
+      const Sample& wide = right_is_wider ? right : left;
+      const Sample probe = at(middle.place + 0.381966 * (wide.place - middle.place));
+      if (probe.stable() != middle.stable()) return probe;
+      if (towards_zero * probe.margin > towards_zero * middle.margin) {
+        (right_is_wider ? left : right) = middle;
+        middle = probe;
+      } else {
+        (right_is_wider ? right : left) = probe;
+      }
+      if (right.place - left.place < 1e-9 * middle.place) break;
+    }
+    return middle;
+  }
+
+  /// The border between a stable and an unstable place, on its stable side.
+  double border(Sample a, Sample b) const {
+    while (std::abs(b.place - a.place) > 1e-13 * b.place) {
+      const Sample middle = at(a.place + (b.place - a.place) / 2.0);
+      if (middle.place == a.place || middle.place == b.place) break;
+      (middle.stable() == a.stable() ? a : b) = middle;
+    }
+    return a.stable() ? a.place : b.place;
+  }
+
+private:
+  const StabilityMargin& margin_;
+};
+
+// With a sample more wherever the margin, between two of its sign, has one of the other.
+std::vector<Sample> samples_of(const MarginCurve& curve, const std::vector<double>& places) {
+  std::vector<Sample> samples;
+  for (const double place : places) samples.push_back(curve.at(place));
+  std::vector<Sample> found;
+  for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
+    const Sample& here = samples[i];
+    if (here.stable() != samples[i - 1].stable() || here.stable() != samples[i + 1].stable()) continue;
+    const double size = std::abs(here.margin);
+    if (size > std::abs(samples[i - 1].margin) || size > std::abs(samples[i + 1].margin)) continue;
+    const Sample extreme = curve.extreme(samples[i - 1], here, samples[i + 1]);
+    if (extreme.stable() != here.stable()) found.push_back(extreme);
+  }
+  samples.insert(samples.end(), found.begin(), found.end());
+  std::sort(samples.begin(), samples.end(),
+            [](const Sample& a, const Sample& b) { return a.place < b.place; });
+  return samples;
+}
+
+}  // namespace
+
+std::vector<StableInterval> stable_intervals(const StabilityMargin& margin,
+                                             const std::vector<double>& places) {
+  const MarginCurve curve(margin);
+  const std::vector<Sample> samples = samples_of(curve, places);
+  std::vector<StableInterval> intervals;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!samples[i].stable()) continue;
+    const double from = i == 0 ? samples[i].place : curve.border(samples[i - 1], samples[i]);
+    while (i + 1 < samples.size() && samples[i + 1].stable()) ++i;
+    const double to = i + 1 < samples.size() ? curve.border(samples[i], samples[i + 1]) : samples[i].place;
+    intervals.push_back({from, to});
+  }
+  return intervals;
+}
+
+}  // namespace platoon
