@@ -65,6 +65,10 @@ void AdditiveNoise::step(std::int64_t step, std::uint64_t first_realization, std
   for (std::size_t r = 0; r < count; r += kTile) {
     const std::size_t size = std::min(kTile, count - r);
     draws_.fill({receiver_, step}, first_realization + r, size, normals.data());
+    if (order == 0) {
+      detail::add_noise(deviation_ * gain_, normals.data(), size, positions + r);
+      continue;
+    }
     const auto v = [&](std::size_t j) { return j < order ? &registers_[j][r] : nullptr; };
     detail::filter_output(gain_, normals.data(), v(0), size, noise.data());
     for (std::size_t j = 0; j < order; ++j) {

@@ -31,6 +31,13 @@ void lose(const double* uniforms, const double* predicted, double after_loss, do
   }
 }
 
+// The same where losses are independent: every chance is q.
+PLATOON_VECTOR_CLONES
+void lose_independently(const double* uniforms, const double* predicted, double q, std::size_t size,
+                        double* positions) {
+  for (std::size_t r = 0; r < size; ++r) positions[r] = uniforms[r] < q ? predicted[r] : positions[r];
+}
+
 }  // namespace detail
 
 PacketLoss::PacketLoss(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver)
@@ -55,11 +62,20 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
   for (std::size_t r = 0; r < count; r += kTile) {
     const std::size_t size = std::min(kTile, count - r);
     draws_.fill_uniform({receiver_, step, Purpose::loss}, first_realization + r, size, uniforms.data());
-    detail::scale(loss_.predictor[0], &used_[newest_][r], size, predicted.data());
-    for (std::size_t j = 1; j < n; ++j)
-      detail::add_multiple(loss_.predictor[j], &used_[(newest_ + j) % n][r], size, predicted.data());
-    detail::lose(uniforms.data(), predicted.data(), loss_.after_loss(), loss_.after_arrival(), size,
-                 &chance_[r], positions + r);
+    const double* guess = predicted.data();
+    if (n == 1) {
+      guess = &used_[0][r];  // held, as the coefficients have sum 1
+    } else {
+      detail::scale(loss_.predictor[0], &used_[newest_][r], size, predicted.data());
+      for (std::size_t j = 1; j < n; ++j)
+        detail::add_multiple(loss_.predictor[j], &used_[(newest_ + j) % n][r], size, predicted.data());
+    }
+    if (loss_.mean_burst) {
+      detail::lose(uniforms.data(), guess, loss_.after_loss(), loss_.after_arrival(), size, &chance_[r],
+                   positions + r);
+    } else {
+      detail::lose_independently(uniforms.data(), guess, loss_.probability, size, positions + r);
+    }
     std::copy_n(positions + r, size, &used_[oldest][r]);
   }
   newest_ = oldest;

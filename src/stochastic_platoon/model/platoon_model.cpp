@@ -38,6 +38,14 @@ bool is_papers(const PlatoonModel& model) {
   return is_homogeneous(model) && model.link.is_white_noise_only();
 }
 
+bool has_normal_errors(const PlatoonModel& model) {
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  return std::all_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& vehicle) {
+    const bool loses = vehicle.link.loss && vehicle.link.loss->probability > 0.0;
+    return !loses && vehicle.link.quantisation_step == 0.0;
+  });
+}
+
 double place_in_formation(const PlatoonModel& model, std::size_t follower) {
   if (is_homogeneous(model)) return -static_cast<double>(follower) * model.standstill_distance;
   const auto distance_up_to = [&model](std::size_t last) {

@@ -69,6 +69,9 @@ bool is_homogeneous(const PlatoonModel& model);
 /// Whether the platoon is the paper's: homogeneous, over channels that add white noise and nothing else.
 bool is_papers(const PlatoonModel& model);
 
+/// Whether all errors are normal, as they are without losses and quantisation.
+bool has_normal_errors(const PlatoonModel& model);
+
 /// Where follower i stands in formation: -(delta_1 + ... + delta_i) [m].
 double place_in_formation(const PlatoonModel& model, std::size_t follower);
 

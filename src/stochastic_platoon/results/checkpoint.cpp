@@ -28,6 +28,9 @@ nlohmann::json to_json(const MomentTable& table) {
                       {"level", block.range.level},
                       {"mean", block.mean},
                       {"squared_deviations", block.squared_deviations}});
+    if (block.fourth_deviations.empty()) continue;
+    blocks.back()["cubed_deviations"] = block.cubed_deviations;
+    blocks.back()["fourth_deviations"] = block.fourth_deviations;
   }
   return blocks;
 }
@@ -45,7 +48,9 @@ Checkpoint from_json(const nlohmann::json& document) {
   for (const nlohmann::json& block : document.at("blocks")) {
     table.add({{block.at("first").get<std::uint64_t>(), block.at("level").get<unsigned>()},
                block.at("mean").get<std::vector<double>>(),
-               block.at("squared_deviations").get<std::vector<double>>()});
+               block.at("squared_deviations").get<std::vector<double>>(),
+               block.value("cubed_deviations", std::vector<double>()),
+               block.value("fourth_deviations", std::vector<double>())});
   }
   std::vector<Moments> averages;
   for (const nlohmann::json& row : document.at("time_averages")) {

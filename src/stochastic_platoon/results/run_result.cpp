@@ -10,6 +10,9 @@ namespace platoon {
 
 namespace {
 
+// Realizations from which on the means and variances of errors that are not normal are so themselves.
+constexpr std::uint64_t kEnoughForAnyDistribution = 1000;
+
 nlohmann::json theory_json(const Prediction& prediction) {
   if (prediction.theory == Theory::none) {
     nlohmann::json unknown;
@@ -78,6 +81,8 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
                                             const RunResult& result) {
   if (run.averaging() == Averaging::over_time || result.realizations < 2) return std::nullopt;
   if (prediction.theory == Theory::none) return std::nullopt;
+  const bool normal = result.moments.empty() || std::isnan(result.moments.front().fourth_deviations);
+  if (!normal && result.realizations < kEnoughForAnyDistribution) return std::nullopt;
   return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding);
 }
 

@@ -43,8 +43,8 @@ struct ResultCell {
 std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
                                  const RunResult& result);
 
-/// How far measurement and theory are apart. None where it cannot be said: fewer than two realizations, or
-/// averages over time, whose errors are correlated.
+/// How far measurement and theory are apart. None where it cannot be said: fewer than two realizations
+/// (a thousand, where errors are not normal), no theory, or averages over time, whose errors are correlated.
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result);
 

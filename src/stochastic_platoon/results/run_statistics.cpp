@@ -32,9 +32,10 @@ RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t f
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization,
                              const Tally& start, const EarlierAverages& earlier)
     : configuration_(configuration),
+      kept_(has_normal_errors(configuration.model) ? KeptMoments::two : KeptMoments::four),
       tally_(start),
       averages_(error_averages(configuration.run.followers, configuration.run.steps,
-                               configuration.run.burn_in, earlier)),
+                               configuration.run.burn_in, earlier, kept_)),
       assembly_(configuration.run.schedule(), configuration.run.followers, first_realization,
                 start.attempts) {
   for (std::size_t i = 1; i <= configuration.run.followers; ++i)
@@ -58,7 +59,7 @@ ReducedErrors RunStatistics::reduced(const DueErrors& due) const {
     return static_cast<const double*>(buffer);
   };
   return {due.follower, due.id.step, due.id.first_realization, count,
-          reduce_batch(due.id.first_realization, count, errors)};
+          reduce_batch(due.id.first_realization, count, errors, kept_)};
 }
 
 RunStatistics::Computed RunStatistics::compute(const Work& work) const {

@@ -80,6 +80,7 @@ private:
 
   Configuration configuration_;
   std::vector<TrackingError> error_;  ///< of every follower
+  KeptMoments kept_;
   Tally tally_;
   std::unique_ptr<ErrorAverages> averages_;
   ErrorAssembly assembly_;

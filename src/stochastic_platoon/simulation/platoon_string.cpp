@@ -68,7 +68,8 @@ private:
 
 MomentTable work(const PlatoonModel& model, const Ensemble& ensemble, BatchQueue& queue) {
   PlatoonString string(model, ensemble.seed, ensemble.followers);
-  EnsembleStatistics statistics(ensemble.followers, ensemble.steps);
+  EnsembleStatistics statistics(ensemble.followers, ensemble.steps,
+                                has_normal_errors(model) ? KeptMoments::two : KeptMoments::four);
   std::uint64_t first;
   std::size_t count;
   while (queue.take(&first, &count)) {

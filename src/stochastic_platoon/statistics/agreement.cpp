@@ -67,8 +67,16 @@ bool is_judged(double measured, double variance) {
   return std::isfinite(measured) && variance >= 0.0;
 }
 
+// Of values of any distribution, whose fourth moment was measured.
+double measured_variance_score(const Moments& measured, double variance, double rounding) {
+  const double difference =
+      beyond(measured.variance() - variance, rounding * (2.0 * std::sqrt(variance) + rounding));
+  return difference == 0.0 ? 0.0 : difference / standard_error_of_variance(measured);
+}
+
 double variance_score(const Moments& measured, double variance, double rounding) {
   if (!is_judged(measured.variance(), variance)) return kNaN;
+  if (!std::isnan(measured.fourth_deviations)) return measured_variance_score(measured, variance, rounding);
   const double ratio = variance_ratio(measured.variance(), variance, rounding);
   if (std::isnan(ratio)) return 0.0;
   return std::isinf(ratio) ? kInfinity : chi_squared_score(ratio, static_cast<double>(measured.count - 1));
@@ -101,7 +109,8 @@ Agreement agreement(const std::vector<Moments>& measured, const std::vector<doub
     const double allowed = rounding.empty() ? 0.0 : rounding[c];
     const double mean = mean_score(measured[c], theoretical_mean[c], theoretical_variance[c], allowed);
     worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(mean));
-    if (is_judged(measured[c].variance(), theoretical_variance[c])) {
+    if (std::isnan(measured[c].fourth_deviations) &&
+        is_judged(measured[c].variance(), theoretical_variance[c])) {
       const double ratio = variance_ratio(measured[c].variance(), theoretical_variance[c], allowed);
       if (measured[c].count != count) lowest = kInfinity, highest = -kInfinity;
       count = measured[c].count;

@@ -20,6 +20,9 @@ struct Scores {
 /// (n - 1) variance / v has the chi-squared distribution with n - 1 degrees of freedom. Its tail probability
 /// is given as that of a normal; for large n this tends to (variance - theory) / (v sqrt(2 / (n - 1))).
 ///
+/// Where the fourth moment was kept, as the errors are not normal, the score of the variance is its distance
+/// over the standard error sqrt((m_4 - v^2) / n) that was measured, and both hold for large n.
+///
 /// `rounding` [m] bounds what the arithmetic may add to one error: a mean within it, and a standard deviation
 /// within it, count as equal to the theory. Beyond it a score is infinite where v = 0. NaN where a value is,
 /// and for the variance of fewer than two values.

@@ -7,7 +7,7 @@
 namespace platoon {
 
 BatchMoments& EnsembleStatistics::open(std::uint64_t first_realization, std::size_t size) {
-  return open_.try_emplace(first_realization, first_realization, size, table_.cells()).first->second;
+  return open_.try_emplace(first_realization, first_realization, size, table_.cells(), kept_).first->second;
 }
 
 void EnsembleStatistics::add(const ReducedErrors& errors) {

@@ -14,8 +14,8 @@ namespace platoon {
 /// Batches may be open side by side. A batch contributes only once committed, and then as a whole.
 class EnsembleStatistics : public ErrorAverages {
 public:
-  EnsembleStatistics(std::size_t followers, std::int64_t steps)
-      : steps_(steps), table_(followers * static_cast<std::size_t>(steps)) {}
+  EnsembleStatistics(std::size_t followers, std::int64_t steps, KeptMoments kept = KeptMoments::two)
+      : steps_(steps), kept_(kept), table_(followers * static_cast<std::size_t>(steps)) {}
 
   Averaging averaging() const override { return Averaging::over_realizations; }
   void add(const ReducedErrors& errors) override;
@@ -40,6 +40,7 @@ public:
 
 private:
   std::int64_t steps_;
+  KeptMoments kept_;
   MomentTable table_;
   std::map<std::uint64_t, BatchMoments> open_;
 };

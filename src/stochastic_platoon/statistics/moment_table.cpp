@@ -12,6 +12,10 @@ namespace {
 // Makes the left child the parent of both.
 void join(MomentBlock& left, const MomentBlock& right) {
   const double half_count = 0.5 * static_cast<double>(left.range.size());
+  for (std::size_t c = 0; c < left.fourth_deviations.size(); ++c) {
+    merge_equal_powers(right.mean[c] - left.mean[c], left.deviations(c), right.deviations(c), half_count,
+                       &left.cubed_deviations[c], &left.fourth_deviations[c]);
+  }
   for (std::size_t c = 0; c < left.mean.size(); ++c) {
     merge_equal(left.mean[c], left.squared_deviations[c], right.mean[c], right.squared_deviations[c],
                 half_count, &left.mean[c], &left.squared_deviations[c]);
@@ -37,6 +41,13 @@ void MomentTable::add(MomentBlock block) {
       block.range.first > (std::uint64_t{1} << 62)) {
     throw std::invalid_argument("realizations from " + std::to_string(block.range.first) + " at level " +
                                 std::to_string(block.range.level) + ": must be a node of the binary tree");
+  }
+  const std::size_t powers =
+      blocks_.empty() ? block.fourth_deviations.size() : blocks_.begin()->second.fourth_deviations.size();
+  if (block.cubed_deviations.size() != powers || block.fourth_deviations.size() != powers ||
+      (powers != 0 && powers != cells_)) {
+    throw std::invalid_argument("block of " + std::to_string(block.fourth_deviations.size()) +
+                                " fourth moments: must have " + std::to_string(powers));
   }
   const auto after = blocks_.lower_bound(block.range.first);
   const bool overlaps_next = after != blocks_.end() && after->first < block.range.end();
@@ -72,7 +83,12 @@ std::vector<Moments> MomentTable::totals() const {
   for (const auto& entry : blocks_) {
     const MomentBlock& block = entry.second;
     for (std::size_t c = 0; c < cells_; ++c) {
-      totals[c] = platoon::merge(totals[c], {block.range.size(), block.mean[c], block.squared_deviations[c]});
+      Moments more{block.range.size(), block.mean[c], block.squared_deviations[c]};
+      if (!block.fourth_deviations.empty()) {
+        more.cubed_deviations = block.cubed_deviations[c];
+        more.fourth_deviations = block.fourth_deviations[c];
+      }
+      totals[c] = platoon::merge(totals[c], more);
     }
   }
   return totals;

@@ -216,5 +216,64 @@ TEST(BatchMoments, RefusesACellThereIsNot) {
   EXPECT_THROW(moments.set(kCells, x.data()), std::out_of_range);
 }
 
+BatchMoments batch_of_four(std::uint64_t first, std::size_t count) {
+  BatchMoments batch(first, count, kCells, KeptMoments::four);
+  for (std::size_t c = 0; c < kCells; ++c) batch.set(c, values(c, first, count).data());
+  return batch;
+}
+
+TEST(MomentTable, KeepsFourMomentsWithTheSameBitsForRandomPartitionsInRandomOrder) {
+  std::mt19937 generator(2);
+  MomentTable expected(kCells);
+  expected.add(batch_of_four(0, 3000));
+  for (int trial = 0; trial < 20; ++trial) {
+    std::vector<BatchMoments> parts;
+    for (std::uint64_t first = 0; first < 3000;) {
+      const std::uint64_t count = std::min<std::uint64_t>(1 + generator() % 900, 3000 - first);
+      parts.push_back(batch_of_four(first, count));
+      first += count;
+    }
+    std::shuffle(parts.begin(), parts.end(), generator);
+    MomentTable found(kCells);
+    for (const BatchMoments& part : parts) found.add(part);
+    const std::vector<Moments> some = found.totals(), all = expected.totals();
+    for (std::size_t c = 0; c < kCells; ++c) {
+      EXPECT_EQ(some[c].cubed_deviations, all[c].cubed_deviations);
+      EXPECT_EQ(some[c].fourth_deviations, all[c].fourth_deviations);
+    }
+    expect_same_bits(found, expected);
+  }
+}
+
+TEST(MomentTable, OfFourMomentsHasThoseOfTwoPassesAndTheBitsOfTwo) {
+  for (const std::uint64_t count : {1, 2, 3, 511, 512, 513, 8192, 20011}) {
+    MomentTable four(kCells), two(kCells);
+    four.add(batch_of_four(0, count));
+    two.add(batch(0, count));
+    expect_same_bits(four, two);
+    const std::vector<Moments> totals = four.totals();
+    for (std::size_t c = 0; c < kCells; ++c) {
+      const std::vector<double> x = values(c, 0, count);
+      long double sum = 0.0L, cubed = 0.0L, fourth = 0.0L, size = 0.0L;
+      for (const double value : x) sum += value;
+      for (const double value : x) {
+        const long double d = value - sum / static_cast<long double>(count);
+        cubed += d * d * d;
+        size += std::abs(d * d * d);
+        fourth += d * d * d * d;
+      }
+      EXPECT_NEAR(totals[c].cubed_deviations, static_cast<double>(cubed), 1e-12 * static_cast<double>(size));
+      EXPECT_NEAR(totals[c].fourth_deviations, static_cast<double>(fourth),
+                  1e-12 * static_cast<double>(fourth));
+    }
+  }
+}
+
+TEST(MomentTable, RefusesToMixWhatKeepsTwoAndFourMoments) {
+  MomentTable table(kCells);
+  table.add(batch_of_four(0, 4));
+  EXPECT_THROW(table.add(batch(4, 4)), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace platoon

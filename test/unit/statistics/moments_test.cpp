@@ -113,5 +113,50 @@ TEST(StandardErrors, AreTheScatterOfTheEstimates) {
   EXPECT_NEAR(std::sqrt(variances.variance()) / standard_error_of_variance(0.6, kCount), 1.0, tolerance);
 }
 
+Moments four_by_two_passes(const std::vector<double>& values) {
+  long double sum = 0.0L, squared = 0.0L, cubed = 0.0L, fourth = 0.0L;
+  for (const double value : values) sum += value;
+  const long double mean = sum / static_cast<long double>(values.size());
+  for (const double value : values) {
+    const long double d = value - mean;
+    squared += d * d;
+    cubed += d * d * d;
+    fourth += d * d * d * d;
+  }
+  return {values.size(), static_cast<double>(mean), static_cast<double>(squared), static_cast<double>(cubed),
+          static_cast<double>(fourth)};
+}
+
+std::vector<double> skewed_sample(std::size_t count) {
+  std::vector<double> values = sample(count, 0.5, 1.0);
+  for (double& v : values) v = 100.0 + v * v * v;
+  return values;
+}
+
+TEST(Moments, OfFourPowersMergedAreThoseOfTheUnion) {
+  const std::vector<double> values = skewed_sample(1000);
+  const Moments expected = four_by_two_passes(values);
+  for (const std::size_t cut : {1, 2, 333, 999}) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(cut);
+    const Moments merged =
+        merge(four_by_two_passes({values.begin(), middle}), four_by_two_passes({middle, values.end()}));
+    EXPECT_NEAR(merged.squared_deviations, expected.squared_deviations, 1e-12 * expected.squared_deviations);
+    EXPECT_NEAR(merged.cubed_deviations, expected.cubed_deviations,
+                1e-12 * std::abs(expected.cubed_deviations));
+    EXPECT_NEAR(merged.fourth_deviations, expected.fourth_deviations, 1e-12 * expected.fourth_deviations);
+  }
+}
+
+TEST(Moments, WithoutTheFourthHaveNoErrorOfTheVarianceOfAnyDistribution) {
+  Moments moments;
+  for (const double value : {1.0, 2.0, 4.0}) moments.add(value);
+  EXPECT_TRUE(std::isnan(standard_error_of_variance(moments)));
+  // Of the two values 0 and 1 with probability q: m4 - v^2 = q (1 - q) (1 - 2 q)^2.
+  std::vector<double> values(1000, 0.0);
+  for (std::size_t j = 0; j < 100; ++j) values[10 * j] = 1.0;
+  EXPECT_NEAR(standard_error_of_variance(four_by_two_passes(values)), std::sqrt(0.1 * 0.9 * 0.64 / 1000.0),
+              1e-5);
+}
+
 }  // namespace
 }  // namespace platoon
