@@ -1,5 +1,8 @@
 #include "stochastic_platoon/model/link.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "stochastic_platoon/model/additive_noise.hpp"
 #include "stochastic_platoon/model/delay_line.hpp"
 #include "stochastic_platoon/model/packet_loss.hpp"
@@ -28,8 +31,15 @@ std::vector<std::unique_ptr<LinkStage>> stages_of(const LinkModel& link, double 
 Link::Link(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver)
     : noise_(vehicle(model, receiver).noise_variance, seed, receiver) {
   const VehicleModel own = vehicle(model, receiver);
-  if (own.link.is_white_noise_only()) return;
-  stages_ = stages_of(own.link, own.noise_variance, seed, receiver);
+  if (!own.link.is_white_noise_only()) take(stages_of(own.link, own.noise_variance, seed, receiver));
+}
+
+Link::Link(std::vector<std::unique_ptr<LinkStage>> stages) : noise_(0.0, 0, 1) {
+  take(std::move(stages));
+}
+
+void Link::take(std::vector<std::unique_ptr<LinkStage>> stages) {
+  stages_ = std::move(stages);
   for (const auto& stage : stages_) keeps_state_ = keeps_state_ || stage->keeps_state();
 }
 

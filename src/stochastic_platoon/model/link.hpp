@@ -23,6 +23,9 @@ public:
   /// receiver is i >= 1. Throws std::invalid_argument for what a stage cannot be.
   Link(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver);
 
+  /// Of stages of one's own, in this order.
+  explicit Link(std::vector<std::unique_ptr<LinkStage>> stages);
+
   Link(const Link&) = delete;  // so that a vector of what holds one does not try to copy it
   Link(Link&&) = default;
   Link& operator=(Link&&) = default;
@@ -39,6 +42,8 @@ public:
   }
 
 private:
+  void take(std::vector<std::unique_ptr<LinkStage>> stages);
+
   NoisyChannel noise_;                              ///< the paper's channel
   std::vector<std::unique_ptr<LinkStage>> stages_;  ///< in its place; none where it is all there is
   bool keeps_state_ = false;

@@ -6,9 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "stochastic_platoon/configuration/model_file.hpp"
+#include "stochastic_platoon/model/link.hpp"
 #include "stochastic_platoon/model/tracking_error.hpp"
 #include "stochastic_platoon/simulation/platoon_string.hpp"
 
@@ -36,29 +39,50 @@ TEST(HowToAdd, AVehicleByItsClosedLoop) {
   for (std::size_t c = 0; c < given.size(); ++c) EXPECT_NEAR(given[c].mean, designed[c].mean, 1e-11);
 }
 
-// A channel: what is received is a pure function of (seed, i, k, r) and of the position sent, so that a repeated
-// message is the same one. This one rounds to centimetres.
-double rounded_to_centimetres(double sent) {
-  return std::round(100.0 * sent) / 100.0;
-}
+// A channel: a stage of the link. This one sends a position only when it is further than a threshold from the last
+// one sent, which stands until then (an event-triggered sender). It keeps state: start() fills it, step() takes
+// its turn. Its line in model/link.cpp puts it among the other stages.
+class EventTriggered : public LinkStage {
+public:
+  explicit EventTriggered(double threshold) : threshold_(threshold) {}
 
-TEST(HowToAdd, AChannelIsAFunctionOfWhatIsSent) {
-  PlatoonModel model = shipped("paper.yaml");
-  model.leader = LeaderProfile({{0, 13.37}}, model.sample_period);  // millimetres, that rounding takes away
+  bool keeps_state() const override { return true; }
+  void start(std::uint64_t, std::size_t count, const double* positions) override {
+    sent_.assign(positions, positions + count);
+  }
+  void step(std::int64_t, std::uint64_t, std::size_t count, double* positions) override {
+    for (std::size_t r = 0; r < count; ++r) {
+      if (std::abs(positions[r] - sent_[r]) > threshold_) sent_[r] = positions[r];
+      positions[r] = sent_[r];
+    }
+  }
+
+private:
+  double threshold_;  ///< [m]
+  std::vector<double> sent_;
+};
+
+TEST(HowToAdd, AChannelAsAStageOfTheLink) {
+  const PlatoonModel model = shipped("paper.yaml");
+  std::vector<std::unique_ptr<LinkStage>> stages;
+  stages.push_back(std::make_unique<EventTriggered>(0.5));
+  Link link(std::move(stages));
+  EXPECT_TRUE(link.keeps_state());
   LeaderVehicle leader(model);
   FollowerVehicle follower(model, kSeed, 1);
   const TrackingError error{model.headway, model.standstill_distance};
-  std::vector<double> own(1);
-  double sent = leader.start(), before = 0.0, largest = 0.0;
+  std::vector<double> own(1), received;
+  double sent = leader.start(), largest = 0.0;
   follower.start(0, 1, own);
-  for (std::int64_t k = 0; k < kSteps; ++k) {
-    before = own.front();
-    follower.step({rounded_to_centimetres(sent)}, own);
+  for (std::int64_t k = -1; k < kSteps; ++k) {
+    link.transmit(k, 0, {sent}, received);
+    EXPECT_LE(std::abs(received.front() - sent), 0.5);
+    const double before = own.front();
+    follower.step(received, own);
     sent = leader.step();
     if (k > 40) largest = std::max(largest, std::abs(error(sent, own.front(), before)));
   }
-  EXPECT_GT(largest, 1e-3) << "the error that rounding leaves";
-  EXPECT_LT(largest, 0.5e-2 * 2.69) << "half a centimetre times the sum of |HT|'s impulse response";
+  EXPECT_LT(largest, 0.5 * 2.69) << "the threshold times the sum of |HT|'s impulse response";
 }
 
 // A statistic: fed with every zeta_i(k); counts can be merged in any order, so it is the same for every batch size.
