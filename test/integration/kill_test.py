@@ -34,7 +34,8 @@ class Kill(unittest.TestCase):
         self.assertEqual(summary["positions_lost"], 0)
         self.assertEqual(summary["positions_received"],
                          (self.settings["followers"] + 1) * (self.settings["steps"] + 1) * self.settings["realizations"])
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.output, **self.settings))
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.output, model=live_platoon.shared("config", rospy.get_param("~model")),
+                                                **self.settings))
 
 
 if __name__ == "__main__":

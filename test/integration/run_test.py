@@ -17,6 +17,8 @@ class Run(unittest.TestCase):
         self.steps = rospy.get_param("~steps")
         self.realizations = rospy.get_param("~realizations")
         self.headway = rospy.get_param("~headway")
+        self.link = {name: rospy.get_param("~" + name) for name in ("loss", "delay") if rospy.get_param("~" + name)}
+        self.model = rospy.get_param("~model")
         self.summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
 
     def test_every_position_is_received_and_none_is_lost(self):
@@ -25,7 +27,7 @@ class Run(unittest.TestCase):
         self.assertEqual(self.summary["positions_lost"], 0)
         self.assertEqual(self.summary["realizations"], self.realizations)
 
-    def test_it_agrees_with_lemma_1_within_the_error_of_the_estimators(self):
+    def test_it_agrees_with_the_theory_within_the_error_of_the_estimators(self):
         # The largest of 2 N K normal scores exceeds this with probability 1e-3 (Bonferroni, N K <= 10^4); the sample variance
         # is normal enough for it from some thousand realizations on.
         if self.realizations < 2000:
@@ -36,10 +38,12 @@ class Run(unittest.TestCase):
 
     def test_it_equals_monte_carlo_to_the_bit(self):
         reference = live_platoon.reference(self.output, followers=self.followers, steps=self.steps, headway=self.headway,
-                                           realizations=self.realizations)
+                                           realizations=self.realizations, model=live_platoon.shared("config", self.model),
+                                           **self.link)
         self.assertEqual(live_platoon.statistics(self.output), reference)
 
     def test_the_verdict_on_string_stability_is_the_papers(self):
+        # Of the links and strings run here, too.
         self.assertTrue(self.summary["theory"]["mean_square_stable"])
         self.assertEqual(self.summary["theory"]["string_stable"], self.headway == 3.2)
 

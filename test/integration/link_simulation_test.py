@@ -1,0 +1,111 @@
+#!/usr/bin/python3
+"""The shipped models of links and mixed strings: the theory and the measurement of this package against a plain simulation by
+numpy, written here with nothing of the package and with random numbers of its own."""
+
+import csv
+import io
+import shutil
+import tempfile
+import unittest
+
+import numpy as np
+import yaml
+
+import link_reference
+import live_platoon
+
+FOLLOWERS, STEPS, REALIZATIONS = 7, 40, 40000
+
+# The largest of 2 N K normal scores exceeds this with probability 1e-3 (Bonferroni); of two estimates, each with its own error,
+# the standard errors add in squares.
+BOUND = 5.0
+
+
+def simulated(model, seed):
+    """zeta, shape (followers, steps, realizations)."""
+    random = np.random.default_rng(seed)
+    vehicles = link_reference.vehicles_of(model, FOLLOWERS)
+    leader = link_reference.vehicles_of(dict(model, string=["default"]), 1)[0]
+    speed = 0.1 * 20.0  # of every shipped model: [m] a step from step 0 on
+    r0 = np.concatenate([[0.0], speed * np.arange(STEPS + 1)])  # steps -1, 0, ...
+    place = 0.0
+    above = np.repeat(follow(leader, r0[:, None], 0.0, None), REALIZATIONS, axis=1)
+    errors = []
+    for vehicle in vehicles:
+        delta, h = vehicle["standstill_distance"], vehicle["time_headway"]
+        place -= delta
+        own = follow(vehicle, received(vehicle, above, random), place, delta)
+        errors.append(above[1:] - own[1:] - delta - h * (own[1:] - own[:-1]))
+        above = own
+    return np.array(errors)[:, :STEPS]
+
+
+def follow(vehicle, heard, place, delta):
+    """y(-1), y(0), ... from what is heard at steps -1, 0, ...; by A, B, C or by plant and controller."""
+    if "closed_loop" in vehicle:
+        loop = vehicle["closed_loop"]
+        a, b, c = np.array(loop["A"]), np.array(loop["B"]), np.array(loop["C"])
+    else:
+        a, b, c, _ = link_reference.state_space(*link_reference.polynomials_of(vehicle))
+    rest = np.linalg.solve(np.eye(len(b)) - a, b)
+    state = np.outer(rest / (c @ rest), np.full(heard.shape[1], place))
+    positions = []
+    for step in heard:
+        positions.append(c @ state)
+        state = a @ state + np.outer(b, step - (delta or 0.0))
+    return np.array(positions)
+
+
+def received(vehicle, sent, random):
+    link = vehicle.get("channel", {})
+    loss = link.get("loss", {"probability": 0.0, "on_loss": "hold"})
+    predictor = link_reference.predictor_of(loss)
+    noisy = sent.copy()
+    noisy[1:] += np.sqrt(vehicle["noise_variance"]) * random.standard_normal(sent[1:].shape)
+    used = [noisy[0]]
+    for k in range(1, len(sent)):
+        arriving = noisy[max(k - link.get("delay", 0), 0)]
+        predicted = sum(c * used[max(k - 1 - j, 0)] for j, c in enumerate(predictor))
+        used.append(np.where(random.random(arriving.shape) < loss["probability"], predicted, arriving))
+    return np.array(used)
+
+
+class ShippedModels(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def measured(self, file):
+        text = live_platoon.reference(self.folder, model=file, followers=FOLLOWERS, steps=STEPS, realizations=REALIZATIONS)
+        rows = list(csv.DictReader(io.StringIO(text.decode())))
+        table = lambda key: np.array([float(row[key]) for row in rows]).reshape(FOLLOWERS, STEPS)
+        return table("mean"), table("variance"), table("theoretical_mean"), table("theoretical_variance")
+
+    def check(self, name):
+        file = live_platoon.shared("config", name)
+        with open(file) as stream:
+            model = yaml.safe_load(stream)
+        errors = simulated(model, 1)
+        mean, variance = errors.mean(axis=2), errors.var(axis=2, ddof=1)
+        fourth = ((errors - mean[:, :, None]) ** 4).mean(axis=2)
+        of_mean = np.sqrt(variance / REALIZATIONS) + 1e-12
+        of_variance = np.sqrt(np.maximum(fourth - variance ** 2, 0.0) / REALIZATIONS) + 1e-12
+        own_mean, own_variance, theoretical_mean, theoretical_variance = self.measured(file)
+        self.assertLess(np.abs((mean - theoretical_mean) / of_mean).max(), BOUND)
+        self.assertLess(np.abs((variance - theoretical_variance) / of_variance).max(), BOUND)
+        self.assertLess(np.abs((mean - own_mean) / of_mean).max(), BOUND * np.sqrt(2.0))
+        self.assertLess(np.abs((variance - own_variance) / of_variance).max(), BOUND * np.sqrt(2.0))
+        self.assertGreater(np.abs((variance - theoretical_variance) / of_variance).max(), 0.5)  # it is a measurement
+
+    def test_lossy(self):
+        self.check("lossy.yaml")
+
+    def test_mixed(self):
+        self.check("mixed.yaml")
+
+    def test_receiver_filter(self):
+        self.check("receiver_filter.yaml")
+
+
+if __name__ == "__main__":
+    unittest.main()
