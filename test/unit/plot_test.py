@@ -151,6 +151,22 @@ class Figures(PlotTest):
         self.assert_draws("string", self.path("a.json"), self.make_analysis("b.json", limit_variance=None),
                           "--run", self.make_run(), self.make_average())
 
+    def test_map_over_losses_is_drawn(self):
+        rows = ["headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable"]
+        for loss in (0.0, 0.1, 0.3):
+            for headway in (2.0, 2.6, 3.2):
+                rows.append("{},1.35,{},0.5,{},{},{}".format(headway, loss, 1.0 + loss, "nan" if loss > 0.2 else loss,
+                                                             int(loss < 0.2)))
+        path = self.write("\n".join(rows) + "\n", "losses.csv")
+        stability = plot.inputs.read_map(path)
+        self.assertEqual(stability.over, "loss")
+        self.assertEqual(stability.heights.tolist(), [0.0, 0.1, 0.3])
+        self.assert_draws("map", path)
+
+    def test_a_run_without_theory_is_drawn(self):
+        rows = ["{},{},100,0.01,{},,".format(i, k, 1.0 + i) for i in (1, 2, 3) for k in range(3)]
+        self.assert_draws("errors", self.make_run("bursts", rows=rows))
+
     def test_map_is_drawn(self):
         self.assert_draws("map", self.make_map())
 

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/analysis/analysis.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -167,10 +168,13 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
               "Stationary variance: %.6g m^2 of follower 1, %.6g m^2 of follower %zu; of an endless string: ",
               stationary.front(), stationary.back(), stationary.size()) +
           shown(stability.limit_variance, "m^2") + "\n";
-  if (!analysis.stationary_mean.empty() && analysis.stationary_mean.back() != 0.0) {
-    text +=
-        formatted("Stationary mean: %.6g m of follower %zu, what delay and loss leave at constant speed\n",
-                  analysis.stationary_mean.back(), stationary.size());
+  const std::vector<double>& means = analysis.stationary_mean;
+  const auto largest = std::max_element(
+      means.begin(), means.end(), [](double one, double other) { return std::abs(one) < std::abs(other); });
+  if (largest != means.end() && *largest != 0.0) {
+    text += formatted(
+        "Stationary mean: up to %.6g m, of follower %zu: what delay and loss leave at constant speed\n",
+        *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
   }
   text += formatted(
       "Largest norms over %zu followers and %lld steps: ||mean||_2 = %.6g m, ||variance||_inf = %.6g m^2\n",

@@ -17,8 +17,8 @@ Run = namedtuple("Run", "path name steps count mean variance theoretical_mean th
 # What `analyze --json` wrote: a path, a name for labels and the document itself.
 Analysis = namedtuple("Analysis", "path name document")
 
-# Columns of a map over headway (columns) and gain (rows), each value an array (gains, headways).
-StabilityMap = namedtuple("StabilityMap", "headways gains spectral_radius peak_gain string_stable")
+# Columns of a map over headway (columns) and gain or loss probability (rows), each value an array (heights, headways).
+StabilityMap = namedtuple("StabilityMap", "headways heights over spectral_radius peak_gain string_stable")
 
 STATISTICS = ["vehicle", "step", "count", "mean", "variance", "theoretical_mean", "theoretical_variance"]
 MAP = ["headway", "gain", "spectral_radius", "peak_gain", "string_stable"]
@@ -120,7 +120,8 @@ def read_columns(path, names):
             raise InputError("{}: line {} has {} values instead of {}"
                              .format(path, at + 2, len(values), len(heading)))
         try:
-            table[at] = [float(value) for value in values]
+            # Where there is no theory its columns are empty.
+            table[at] = [float(value) if value.strip() else np.nan for value in values]
         except ValueError as error:
             raise InputError("{}: line {}: {}".format(path, at + 2, error))
     return {name: table[:, heading.index(name)] for name in names}
@@ -161,7 +162,8 @@ def read_run(path):
                complete=truth(summary_path, summary, "complete"),
                time_average=truth(summary_path, summary, "time_average"),
                spectral_radius=number(summary_path, summary, "theory.spectral_radius"),
-               string_stable=truth(summary_path, summary, "theory.string_stable"), **table)
+               string_stable=lookup(summary_path, summary, "theory.string_stable") is not None and
+               truth(summary_path, summary, "theory.string_stable"), **table)
 
 
 def read_analysis(path):
@@ -183,16 +185,20 @@ def require_same_platoon(run, analysis, followers):
 
 
 def read_map(path):
-    columns = read_columns(path, MAP)
-    headway, gain = columns.pop("headway"), columns.pop("gain")
-    headways, gains = np.unique(headway), np.unique(gain)
-    order = np.lexsort((headway, gain))
-    if headways.size < 2 or gains.size < 2 \
-            or not np.array_equal(headway[order], np.tile(headways, gains.size)) \
-            or not np.array_equal(gain[order], np.repeat(gains, headways.size)):
+    """Over loss probabilities where the file has more than one, else over gains."""
+    over = "loss" if "loss" in read_text(path).split("\n", 1)[0].split(",") else "gain"
+    if over == "loss" and np.unique(read_columns(path, ["loss"])["loss"]).size < 2:
+        over = "gain"
+    columns = read_columns(path, [over if name == "gain" else name for name in MAP])
+    headway, height = columns.pop("headway"), columns.pop(over)
+    headways, heights = np.unique(headway), np.unique(height)
+    order = np.lexsort((headway, height))
+    if headways.size < 2 or heights.size < 2 \
+            or not np.array_equal(headway[order], np.tile(headways, heights.size)) \
+            or not np.array_equal(height[order], np.repeat(heights, headways.size)):
         raise InputError("{}: must hold one row for each point of a grid of two or more headways and two or more "
-                         "gains".format(path))
-    table = {name: drawable(column)[order].reshape(gains.size, headways.size) for name, column in columns.items()}
+                         "gains or loss probabilities".format(path))
+    table = {name: drawable(column)[order].reshape(heights.size, headways.size) for name, column in columns.items()}
     for name, array in table.items():
         require_some(path, name, array)
-    return StabilityMap(headways, gains, **table)
+    return StabilityMap(headways, heights, over, **table)

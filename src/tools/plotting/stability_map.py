@@ -1,4 +1,4 @@
-"""String stability over headway and gain: how far |T| rises above 1, and where the loop itself is unstable."""
+"""String stability over headway and gain, or loss probability: how far |T| rises above 1, and where the loop itself is unstable."""
 
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -27,19 +27,30 @@ def draw(stability):
     axes.grid(False)
     draw_peaks(figure, axes, stability)
     if np.nanmax(stability.spectral_radius) > 1.0:
-        axes.contourf(stability.headways, stability.gains, np.ma.masked_invalid(stability.spectral_radius),
+        axes.contourf(stability.headways, stability.heights, np.ma.masked_invalid(stability.spectral_radius),
                       levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
+    undefined = np.isnan(stability.peak_gain) & ~(stability.spectral_radius >= 1.0)
+    if undefined.any():  # losses from losses: no variance at all
+        axes.contourf(stability.headways, stability.heights, undefined.astype(float), levels=[0.5, 1.5], colors="white",
+                      hatches=["\\\\\\\\"])
     draw_border(axes, stability)
-    mark_paper_points(axes, stability)
+    of_paper = stability.over == "gain"
+    if of_paper:
+        mark_paper_points(axes, stability)
     axes.set_xlim(stability.headways[0], stability.headways[-1])
-    axes.set_ylim(stability.gains[0], stability.gains[-1])
+    axes.set_ylim(stability.heights[0], stability.heights[-1])
     axes.set_xlabel("time headway $h$ [sample periods]")
-    axes.set_ylabel("controller gain")
-    axes.legend(handles=[
+    axes.set_ylabel("controller gain" if of_paper else "loss probability $q$")
+    entries = [
         style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border"),
         Patch(facecolor="white", edgecolor="#9a9a9a", hatch="////", label="loop unstable, $\\rho(A) \\geq 1$"),
         style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
-                           label="the paper's example")],
+                           label="the paper's example")]
+    if not of_paper:
+        entries[1:] = [Patch(facecolor="white", edgecolor="#9a9a9a", hatch="\\\\\\\\",
+                             label="not mean square stable")] if undefined.any() else []
+    axes.legend(
+        handles=entries,
         loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False, columnspacing=1.0, handlelength=1.5,
         handletextpad=0.5)
     return figure
@@ -50,7 +61,7 @@ def draw_peaks(figure, axes, stability):
     # hatching laid over them cuts it smoothly.
     unstable = stability.spectral_radius >= 1.0
     peaks = np.ma.masked_invalid(np.where(unstable, 2.0 * HIGHEST_PEAK, np.maximum(stability.peak_gain, 1.0)))
-    mesh = axes.pcolormesh(edges(stability.headways), edges(stability.gains), peaks, cmap="YlOrBr",
+    mesh = axes.pcolormesh(edges(stability.headways), edges(stability.heights), peaks, cmap="YlOrBr",
                            norm=LogNorm(1.0, HIGHEST_PEAK), rasterized=True)
     bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02, ticks=FixedLocator(PEAK_TICKS),
                           format=FuncFormatter(lambda value, _: "{:g}".format(value)))
@@ -61,7 +72,7 @@ def draw_peaks(figure, axes, stability):
 def draw_border(axes, stability):
     if stability.string_stable.min() > 0.5 or stability.string_stable.max() < 0.5:
         return
-    contour = axes.contour(stability.headways, stability.gains, stability.string_stable, levels=[0.5],
+    contour = axes.contour(stability.headways, stability.heights, stability.string_stable, levels=[0.5],
                            linewidths=0.0)
     for line in contour.allsegs[0]:
         axes.plot(*smoothed(line).T, color=BORDER, linewidth=1.8)
@@ -83,7 +94,7 @@ def smoothed(line):
 def mark_paper_points(axes, stability):
     for headway, gain, side, alignment in PAPER_POINTS:
         if stability.headways[0] <= headway <= stability.headways[-1] \
-                and stability.gains[0] <= gain <= stability.gains[-1]:
+                and stability.heights[0] <= gain <= stability.heights[-1]:
             axes.plot([headway], [gain], "o", color=style.INK, markerfacecolor="white", markersize=6)
             axes.annotate("$h = {:g}$".format(headway), (headway, gain), xytext=(7 * side, 0), ha=alignment,
                           va="center", textcoords="offset points",
