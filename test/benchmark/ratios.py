@@ -160,10 +160,10 @@ def known_nodes(master):
     return len({node for _, nodes in services for node in nodes})
 
 
-def monte_carlo(machine):
+def monte_carlo(machine, *options):
     folder = machine.fresh("monte_carlo")
     subprocess.run([live_platoon.executable("monte_carlo"), "--model", MODEL, "--realizations", str(MILLION), "--output",
-                    folder], check=True, stdout=subprocess.DEVNULL)
+                    folder] + list(options), check=True, stdout=subprocess.DEVNULL)
     with open(os.path.join(folder, "summary.json")) as file:
         return json.load(file)["vehicle_steps_per_second"]
 
@@ -187,13 +187,15 @@ def pairs(machine):
                            lambda: peer("peer_numpy.py", "normals")["normals_per_second"])
     yield "normals per second, one core", "NumPy standard_normal", ours, theirs
     speed = "vehicle_steps_per_second"
-    core, numpy, scipy, octave, one, many = in_turn(
-        lambda: monte_carlo(machine), lambda: peer("peer_numpy.py", str(REALIZATIONS), "1024")[speed],
+    core, lossy, numpy, scipy, octave, one, many = in_turn(
+        lambda: monte_carlo(machine), lambda: monte_carlo(machine, "--loss", "0.1"),
+        lambda: peer("peer_numpy.py", str(REALIZATIONS), "1024")[speed],
         lambda: peer("peer_scipy.py", str(REALIZATIONS // 4), "256")[speed],
         lambda: peer("peer_octave.m", str(REALIZATIONS // 4), "256")[speed],
         lambda: machine.speed(realizations=MILLION, hosting="one_process"),
         lambda: machine.speed(realizations=4 * REALIZATIONS))
     yield "monte_carlo, vehicle-steps per second", "NumPy program, one core", core, numpy
+    yield "monte_carlo, positions lost with probability 0.1", "monte_carlo", lossy, core
     yield "monte_carlo", "SciPy lfilter program, one core", core, scipy
     yield "monte_carlo", "Octave program", core, octave
     yield "one_process", "monte_carlo", one, core

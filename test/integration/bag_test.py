@@ -73,6 +73,17 @@ class RecordAndReplay(BagTest):
     def test_many_realizations_from_one_process_compressed(self):
         self.check(500, "one_process", 3000, record_compression="lz4")
 
+    def test_links_with_state_and_a_mixed_string(self):
+        model = live_platoon.shared("config", "mixed.yaml")
+        for hosting in ("processes", "one_process"):
+            self.bag = os.path.join(self.folder, hosting + ".bag")
+            self.output = os.path.join(self.folder, hosting)
+            self.check(500, hosting, 3000, model=model, output=self.output)
+            # The truck, by the headway and the distance of its own type.
+            replay = self.launch("replay.launch", bag=self.bag, drive="vehicle_3", output="")
+            replay.wait()
+            self.assertIn("vehicle_3: 126 messages equal the recorded ones to the bit", replay.text())
+
     def test_a_paced_replay_can_be_paced(self):
         self.record(followers=1, steps=10, realizations=20, batch=10)
         again = os.path.join(self.folder, "again")

@@ -1,0 +1,111 @@
+#include "stochastic_platoon/theory/linked_string.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "../paper_platoon.hpp"
+#include "stochastic_platoon/theory/critical_loss.hpp"
+#include "stochastic_platoon/theory/linked_moments.hpp"
+#include "stochastic_platoon/theory/stationary_variance.hpp"
+
+namespace platoon {
+namespace {
+
+PlatoonModel with_loss(double probability, const std::vector<double>& predictor, double headway = 3.2) {
+  PlatoonModel model = paper_platoon(headway);
+  model.link.loss = LossModel{probability, {}, predictor};
+  return model;
+}
+
+// By the other way to compute it, which knows of no links.
+TEST(LinkedString, WithoutLossesIsThePapers) {
+  for (const double headway : {2.4, 3.2}) {
+    const PlatoonModel model = paper_platoon(headway);
+    const StringStability paper = string_stability(model), linked = linked_string_stability(model);
+    EXPECT_EQ(linked.string_stable, paper.string_stable);
+    EXPECT_NEAR(linked.peak_gain, paper.peak_gain, 1e-12);
+    EXPECT_EQ(linked.limit_variance.has_value(), paper.limit_variance.has_value());
+    if (paper.limit_variance) {
+      EXPECT_NEAR(*linked.limit_variance / *paper.limit_variance, 1.0, 1e-11);
+    }
+    const std::vector<double> expected = stationary_variances(model, 50);
+    const std::vector<double> found = linked_stationary_variances(model, 50);
+    for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(found[i] / expected[i], 1.0, 1e-11) << i;
+    const ErrorMoments table = error_moments(model, 5, 40), linked_table = linked_error_moments(model, 5, 40);
+    for (std::size_t c = 0; c < table.variance.size(); ++c) {
+      EXPECT_NEAR(linked_table.variance[c], table.variance[c], 1e-12 * table.variance.back());
+      EXPECT_NEAR(linked_table.mean[c], table.mean[c], 1e-11);
+    }
+  }
+}
+
+// A string of two names for one vehicle is homogeneous.
+TEST(LinkedString, OfAlikeTypesIsHomogeneous) {
+  const PlatoonModel model = with_loss(0.2, {2.0, -1.0});
+  PlatoonModel patterned = model;
+  patterned.types = {{"twin", vehicle(model, 1)}};
+  patterned.string = {0, 1, 1};
+  const StringStability one = linked_string_stability(model), other = linked_string_stability(patterned);
+  EXPECT_NEAR(*other.loss_gain, *one.loss_gain, 1e-10);
+  EXPECT_NEAR(*other.limit_variance / *one.limit_variance, 1.0, 1e-9);
+  const ErrorMoments expected = linked_error_moments(model, 7, 30),
+                     found = linked_error_moments(patterned, 7, 30);
+  for (std::size_t c = 0; c < expected.variance.size(); ++c)
+    EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-12 * expected.variance.back());
+}
+
+TEST(LinkedString, SaysInOneSentenceWhy) {
+  EXPECT_EQ(linked_string_stability(with_loss(0.3, {2.0, -1.0}))
+                .reason.find("not string stable: the loss gain is "),
+            0u);
+  EXPECT_EQ(linked_string_stability(with_loss(0.1, {2.0, -1.0}, 2.4))
+                .reason.find("not string stable: |T^| exceeds 1 by "),
+            0u);
+  EXPECT_EQ(linked_string_stability(with_loss(0.4, {2.0, -1.0}))
+                .reason.find("not mean square stable: p q ||L F||^2 = "),
+            0u);
+  EXPECT_EQ(linked_string_stability(with_loss(0.1, {1.0})).reason.find("string stable: rho(A) = "), 0u);
+}
+
+// Extrapolation settles while p q ||L F||^2 < 1, that is q < 1/3; the string only below the critical loss.
+TEST(LinkedString, HasNoStationaryVarianceWherePredictionsGrow) {
+  EXPECT_TRUE(std::isfinite(linked_stationary_variances(with_loss(0.333, {2.0, -1.0}), 1).front()));
+  EXPECT_TRUE(std::isnan(linked_stationary_variances(with_loss(0.334, {2.0, -1.0}), 1).front()));
+}
+
+TEST(LinkedString, ShowsTheMeanThatDelayAndHoldingLeave) {
+  PlatoonModel model = with_loss(0.25, {1.0});
+  model.link.delay = 3;
+  for (const double mean : stationary_means(model, 3)) EXPECT_DOUBLE_EQ(mean, 2.0 * (3.0 + 0.25 / 0.75));
+  for (const double mean : stationary_means(with_loss(0.25, {2.0, -1.0}), 3)) EXPECT_EQ(mean, 0.0);
+}
+
+TEST(StableLosses, AreFoundToTheLastDigitsThatDecide) {
+  const std::optional<StableLosses> losses = stable_losses(with_loss(0.1, {2.0, -1.0}));
+  ASSERT_TRUE(losses && losses->critical);
+  EXPECT_TRUE(linked_string_stability(with_loss(*losses->critical - 1e-9, {2.0, -1.0})).string_stable);
+  EXPECT_FALSE(linked_string_stability(with_loss(*losses->critical + 1e-9, {2.0, -1.0})).string_stable);
+  EXPECT_FALSE(stable_losses(paper_platoon()));
+  const std::optional<StableLosses> held = stable_losses(with_loss(0.1, {1.0}));
+  EXPECT_FALSE(held->critical) << "stable throughout";
+  ASSERT_EQ(held->intervals.size(), 1u);
+  EXPECT_EQ(held->intervals.front().from, 0.0);
+  EXPECT_EQ(held->intervals.front().to, 0.99);
+  EXPECT_FALSE(stable_losses(with_loss(0.1, {2.0, -1.0}, 2.4))->critical) << "unstable without losses";
+}
+
+TEST(LinkedTheory, ThrowsForWhatItDoesNotKnow) {
+  PlatoonModel bursts = with_loss(0.1, {1.0});
+  bursts.link.loss->mean_burst = 3.0;
+  EXPECT_THROW(linked_string_stability(bursts), std::invalid_argument);
+  EXPECT_THROW(linked_stationary_variances(bursts, 2), std::invalid_argument);
+  EXPECT_THROW(linked_error_moments(bursts, 2, 5), std::invalid_argument);
+  EXPECT_THROW(linked_stationary_variances(with_loss(0.1, {1.0}), 0), std::invalid_argument);
+  EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 0, 5), std::invalid_argument);
+  EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 2, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace platoon
