@@ -171,7 +171,7 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   const std::vector<double>& means = analysis.stationary_mean;
   const auto largest = std::max_element(
       means.begin(), means.end(), [](double one, double other) { return std::abs(one) < std::abs(other); });
-  if (largest != means.end() && *largest != 0.0) {
+  if (largest != means.end() && *largest != 0.0 && std::isfinite(*largest)) {
     text += formatted(
         "Stationary mean: up to %.6g m, of follower %zu: what delay and loss leave at constant speed\n",
         *largest, static_cast<std::size_t>(largest - means.begin()) + 1);

@@ -376,7 +376,10 @@ void judge(const std::vector<LinkedVehicle>& vehicles, double speed, StringStabi
     return;
   }
   const double loss_gain = loss_gain_of(vehicles, gain);
-  if (any_losses(vehicles)) verdict.loss_gain = loss_gain;
+  const bool has_stage = std::any_of(vehicles.begin(), vehicles.end(), [](const LinkedVehicle& v) {
+    return v.vehicle().link.loss.has_value();
+  });
+  if (has_stage) verdict.loss_gain = loss_gain;
   if (!(loss_gain < 1.0)) {
     verdict.reason = sentence(
         "not string stable: the loss gain is %.6g, not below 1: the variance that losses add grows along the "
@@ -408,6 +411,7 @@ std::vector<double> linked_stationary_variances(const PlatoonModel& model, std::
 
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers) {
   const std::vector<LinkedVehicle> vehicles = linked_pattern(model);
+  if (!mean_square(vehicles).stable()) return std::vector<double>(followers, kNaN);
   std::vector<double> means;
   for (std::size_t i = 0; i < followers; ++i)
     means.push_back(metres_per_step(model) * vehicles[i % vehicles.size()].lag());

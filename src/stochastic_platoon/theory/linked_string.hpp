@@ -21,7 +21,7 @@ namespace platoon {
 /// followers >= 1, and for losses in bursts.
 std::vector<double> linked_stationary_variances(const PlatoonModel& model, std::size_t followers);
 
-/// Stationary means of the errors at the leader's last speed [m]: v (m + q (c_1 + 2 c_2 + ...) / p).
+/// Stationary means of the errors at the leader's last speed [m]: v (m + q (c_1 + 2 c_2 + ...) / p). NaN as above.
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers);
 
 /// The decision: mean square stable just when every rho(A) < 1, F is stable and p q ||L F||^2 < 1; string stable

@@ -99,6 +99,7 @@ StringStability string_stability(const PlatoonModel& model) {
     verdict.peak_gain = 1.0;
     verdict.peak_frequency = 0.0;
     judge(spectrum, model.noise_variance, verdict);
+    if (model.link.loss && verdict.string_stable) verdict.loss_gain = 0.0;  // nothing is lost
   } else {
     verdict.reason = text("not mean square stable: rho(A) = %.6g is not below 1", verdict.spectral_radius);
   }

@@ -69,6 +69,14 @@ TEST(LinkedString, SaysInOneSentenceWhy) {
   EXPECT_EQ(linked_string_stability(with_loss(0.1, {1.0})).reason.find("string stable: rho(A) = "), 0u);
 }
 
+TEST(LinkedString, HasALossGainOfZeroWhereALinkMayLoseButDoesNot) {
+  EXPECT_EQ(string_stability(with_loss(0.0, {1.0})).loss_gain, 0.0);
+  EXPECT_FALSE(string_stability(paper_platoon()).loss_gain);
+  PlatoonModel delayed = with_loss(0.0, {1.0});
+  delayed.link.delay = 1;
+  EXPECT_EQ(string_stability(delayed).loss_gain, 0.0);
+}
+
 // Extrapolation settles while p q ||L F||^2 < 1, that is q < 1/3; the string only below the critical loss.
 TEST(LinkedString, HasNoStationaryVarianceWherePredictionsGrow) {
   EXPECT_TRUE(std::isfinite(linked_stationary_variances(with_loss(0.333, {2.0, -1.0}), 1).front()));
@@ -80,6 +88,7 @@ TEST(LinkedString, ShowsTheMeanThatDelayAndHoldingLeave) {
   model.link.delay = 3;
   for (const double mean : stationary_means(model, 3)) EXPECT_DOUBLE_EQ(mean, 2.0 * (3.0 + 0.25 / 0.75));
   for (const double mean : stationary_means(with_loss(0.25, {2.0, -1.0}), 3)) EXPECT_EQ(mean, 0.0);
+  EXPECT_TRUE(std::isnan(stationary_means(with_loss(0.4, {2.0, -1.0}), 1).front()));
 }
 
 TEST(StableLosses, AreFoundToTheLastDigitsThatDecide) {
