@@ -356,6 +356,25 @@ TEST(ModelFile, SetsLinksAndTypesThatInheritWhatTheyDoNotGive) {
   EXPECT_EQ(place_in_formation(model, 7), -10.0);
 }
 
+TEST(ModelFile, SetsATypeByItsOwnClosedLoop) {
+  const PlatoonModel model = parse(
+      kModelText +
+      "vehicle_types: {twin: {closed_loop: {A: [[1.11, 1, 0], [-0.57, 0, 1], [0.13857142857142857, 0, 0]], "
+      "B: [0, 0.3214285714285714, 0], C: [1, 0, 0]}}}\nstring: [twin]\n");
+  EXPECT_LT((vehicle(model, 1).loop.realization.a() - model.loop.realization.a()).cwiseAbs().maxCoeff(),
+            1e-15);
+  EXPECT_FALSE(vehicle(model, 1).design);
+  EXPECT_TRUE(vehicle(model, 0).design);
+  // The loop is of one headway: another needs another loop.
+  const Problems problems =
+      problems_in(kModelText +
+                  "vehicle_types: {twin: {time_headway: 4, closed_loop: {A: [[1.11, 1, 0], [-0.57, 0, 1], "
+                  "[0.13857142857142857, 0, "
+                  "0]], B: [0, 0.3214285714285714, 0], C: [1, 0, 0]}}}\nstring: [twin]\n");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_EQ(problems[0].find("vehicle_types/twin: no double integral action"), 0u) << problems[0];
+}
+
 TEST(ModelFile, OfLinksAndTypesIsTheSameWhenWrittenAndReadAgain) {
   const PlatoonModel model = parse(kModelText + kLinkText);
   const PlatoonModel again = parse(to_json(model).dump());
