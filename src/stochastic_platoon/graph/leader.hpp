@@ -41,7 +41,7 @@ private:
   std::int64_t window_;
   bool paced_;
   Credit credit_;
-  std::set<std::string> holding_;  ///< receivers that say that they hold the platoon up
+  std::set<std::string> holding_;                   ///< receivers that say that they hold the platoon up
   std::map<std::string, SolePublisher> reporters_;  ///< by the receiver they speak for
   LeaderVehicle vehicle_;
   ros::Time stamp_;  ///< of the latest step published; zero before the first

@@ -12,9 +12,9 @@
 #include "stochastic_platoon/graph/drop_counter.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
-#include "stochastic_platoon/io/retry_pause.hpp"
 #include "stochastic_platoon/graph/sole_publisher.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
+#include "stochastic_platoon/io/retry_pause.hpp"
 
 namespace platoon {
 
