@@ -55,7 +55,8 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
       attempt_ > 0 && sender.latest && extent(report, messages) < extent(*sender.latest, sender.messages);
   const bool through_a_batch = sender.latest && report.first_realization > sender.latest->first_realization;
   sender.latest = report;
-  if (of_this_attempt && messages > (sender.in_attempt ? sender.messages : 0)) last_activity_ = now;
+  const bool more = of_this_attempt && messages > (sender.in_attempt ? sender.messages : 0);
+  if (more && !may_publish()) last_activity_ = now;
   sender.messages = messages;
   sender.in_attempt = of_this_attempt;
   if (lost && !complete()) begin_attempt(now);
@@ -65,6 +66,12 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
     if (through_a_batch || now - attempt_began_ > patience_) patience_ = limits_.stall_timeout;
   }
   return true;
+}
+
+bool Credit::may_publish() const {
+  const std::int64_t acknowledged_steps = acknowledged();
+  const std::int64_t allowed = acknowledged_steps == 0 ? 1 : limits_.window;
+  return !schedule_.is_complete(upcoming_.first_realization) && published_ - acknowledged_steps < allowed;
 }
 
 void Credit::begin_attempt(double now) {
@@ -83,12 +90,9 @@ void Credit::begin_attempt(double now) {
 std::optional<MessageId> Credit::next(double now) {
   if (!all_reported() || complete()) return std::nullopt;
   if (attempt_ == 0) begin_attempt(now);
-  if (schedule_.is_complete(upcoming_.first_realization)) return std::nullopt;
-  const std::int64_t acknowledged_steps = acknowledged();
-  const std::int64_t allowed = acknowledged_steps == 0 ? 1 : limits_.window;
-  if (published_ - acknowledged_steps >= allowed) return std::nullopt;
+  if (!may_publish()) return std::nullopt;
   const MessageId id = upcoming_;
-  if (published_ == acknowledged_steps)
+  if (published_ == acknowledged())
     last_activity_ = now;  // idle until now: the wait for an answer begins here
   ++published_;
   if (schedule_.is_last_step(id.step)) {

@@ -30,7 +30,8 @@ public:
          const std::vector<std::string>& receivers);
 
   /// Takes a report; `messages` are those that the receiver has counted in the attempt: progress, too, as the
-  /// first step of a batch alone takes many of them. Unknown receivers are ignored; returns false for them.
+  /// first step of a batch alone takes many of them, but not while steps are published that bring messages
+  /// of their own whoever else is gone. Unknown receivers are ignored; returns false for them.
   bool acknowledge(const std::string& receiver, const Acknowledgement& report, double now,
                    std::uint64_t messages = 0);
 
@@ -53,6 +54,7 @@ private:
   };
   std::int64_t acknowledged() const;
   bool all_reported() const;
+  bool may_publish() const;
   void begin_attempt(double now);
 
   BatchSchedule schedule_;

@@ -179,6 +179,18 @@ TEST(Credit, IsNotStalledWhileMessagesOfAStepArrive) {
   EXPECT_TRUE(credit.retry_if_stalled(now + 0.5)) << "a report that tells nothing new is no progress";
 }
 
+// With a follower gone in a paced run, each new step of the leader still reaches the vehicles before it.
+TEST(Credit, IsStalledWhereOnlyTheLeadersNewStepsArrive) {
+  Credit credit = under_way();
+  std::uint64_t messages = 10;
+  for (double now = 0.5; now <= 2.0; now += 0.5) {
+    EXPECT_TRUE(credit.next(now));
+    EXPECT_FALSE(credit.retry_if_stalled(now));
+    credit.acknowledge(kMonitor, {1, 0, -1}, now, ++messages);
+  }
+  expect_retry_at(credit, 0.5 + kLimits.stall_timeout, {2, 0, -1});
+}
+
 TEST(Credit, WaitsAsLongForTheHundredthStallAsForTheFirstOnceStepsHaveFlowedBetween) {
   Credit credit(BatchSchedule{1, 1, 0}, kLimits, {kMonitor});  // endless: no batch is ever through
   credit.acknowledge(kMonitor, {0, 0, kNothingYet}, 0.0);
