@@ -11,18 +11,20 @@ import live_platoon
 
 
 class Terminal:
-    """One roslaunch of a shipped launch file, on a master of its own unless one is given, with what it prints. `prefix` are the words of
-    a command that runs it."""
+    """One roslaunch of a shipped launch file, on a master of its own unless one is given, with what it prints.
 
-    def __init__(self, folder, file, master=None, prefix=(), **arguments):
-        port = live_platoon.free_port() if master is None else int(master.rsplit(":", 1)[1])
+    `inside` is a command that runs another one, elsewhere; `environment` is what that needs of its own.
+    """
+
+    def __init__(self, folder, file, master=None, inside=(), environment=None, **arguments):
+        self.master = master or "http://localhost:{}".format(live_platoon.free_port())  # which roslaunch starts
         self.log = tempfile.NamedTemporaryFile("w+", dir=folder, suffix=".log", delete=False)
-        environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
-                           ROS_HOME=folder, PYTHONUNBUFFERED="1")  # else what it says waits in roslaunch for more
+        environment = environment or dict(os.environ, ROS_HOSTNAME="localhost")
+        environment = dict(environment, ROS_MASTER_URI=self.master, ROS_HOME=folder,
+                           PYTHONUNBUFFERED="1")  # else what it says waits in roslaunch for more
         words = ["{}:={}".format(name, value) for name, value in arguments.items()]
-        self.process = subprocess.Popen(list(prefix) + ["roslaunch", "--port", str(port), "stochastic_platoon", file] + words,
+        self.process = subprocess.Popen(list(inside) + ["roslaunch", "stochastic_platoon", file] + words,
                                         stdout=self.log, stderr=subprocess.STDOUT, env=environment)
-        self.master = "http://localhost:{}".format(port)
 
     def text(self):
         with open(self.log.name, errors="replace") as file:
@@ -51,6 +53,20 @@ class Terminal:
         self.log.close()
 
 
+def start_master(folder):
+    """A master that outlives launches: its process and its address."""
+    port = live_platoon.free_port()
+    master = "http://localhost:{}".format(port)
+    environment = dict(os.environ, ROS_MASTER_URI=master, ROS_HOSTNAME="localhost", ROS_HOME=folder)
+    core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", master), "the master")
+    except BaseException:
+        core.terminate()
+        raise
+    return core, master
+
+
 class LaunchTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp()
@@ -59,14 +75,9 @@ class LaunchTest(unittest.TestCase):
 
     def roscore(self):
         """A master that outlives launches; its address."""
-        port = live_platoon.free_port()
-        master = "http://localhost:{}".format(port)
-        environment = dict(os.environ, ROS_MASTER_URI=master, ROS_HOSTNAME="localhost", ROS_HOME=self.folder)
-        core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL,
-                                stderr=subprocess.DEVNULL)
+        core, master = start_master(self.folder)
         self.addCleanup(core.wait)
         self.addCleanup(core.terminate)
-        live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", master), "the master")
         return master
 
     def launch(self, file="platoon.launch", **arguments):

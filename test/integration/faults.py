@@ -1,0 +1,181 @@
+"""Faults of a running platoon's nodes, and how long the platoon takes to go on behind them."""
+
+import os
+import signal
+import threading
+import time
+
+import rospy
+from stochastic_platoon.msg import Progress
+
+PAGE = os.sysconf("SC_PAGE_SIZE")
+
+
+def children(process):
+    """Process ids of the children of one that may have started them from any of its threads."""
+    found = []
+    try:
+        for task in os.listdir("/proc/{}/task".format(process)):
+            with open("/proc/{}/task/{}/children".format(process, task)) as file:
+                found += [int(word) for word in file.read().split()]
+    except OSError:
+        pass  # has ended
+    return found
+
+
+def nodes(*launches):
+    """Process id of each node that these roslaunch processes have started, by its name."""
+    found = {}
+    for launch in launches:
+        for process in children(launch):
+            try:
+                with open("/proc/{}/cmdline".format(process)) as file:
+                    words = file.read().split("\0")
+            except OSError:
+                continue
+            found.update({word[len("__name:="):]: process for word in words if word.startswith("__name:=")})
+    return found
+
+
+def footprint(process):
+    """Resident memory [bytes] and open descriptors; None of a process that is not there any more."""
+    try:
+        with open("/proc/{}/statm".format(process)) as file:
+            resident = int(file.read().split()[1]) * PAGE
+        return resident, len(os.listdir("/proc/{}/fd".format(process)))
+    except OSError:
+        return None
+
+
+class ProgressWatch:
+    """What the monitor reports of the latest run.
+
+    The platoon has recovered from a node's end when the monitor reports step 0 or a later one of an attempt that is newer than any
+    reported before: every vehicle has then been heard of in two steps that the fault did not see. Where the node that ended is the one
+    that reports, it must be over a new connection instead. From a SIGSTOP it has recovered when, after the SIGCONT, the monitor reports
+    more than before. All of it counts from when the signal (the SIGCONT) was sent.
+    """
+
+    def __init__(self):
+        self.lock = threading.Condition()
+        self.old_runs = set()
+        self.forget()
+        self.subscriber = rospy.Subscriber("/platoon/progress", Progress, self.receive, queue_size=None, tcp_nodelay=True)
+
+    def forget(self):
+        """What is reported from now on is of a run that is new."""
+        with self.lock:
+            self.run = None
+            self.latest = (0, 0, -2, 0)  # attempt, first realization, step, messages
+            self.most = 0                # attempt
+            self.connection = None
+            self.changed = None          # [s] when it last was more than before
+            self.finished = False
+
+    def run_is_over(self):
+        self.old_runs.add(self.run)
+
+    def receive(self, message):
+        if message.receiver != "monitor" or message.run in self.old_runs:
+            return
+        with self.lock:
+            self.run = message.run
+            report = (message.attempt, message.first_realization, message.step, message.messages)
+            if report != self.latest or message._connection_header is not self.connection:
+                self.changed = time.monotonic()
+            self.latest, self.connection = report, message._connection_header
+            self.most = max(self.most, message.attempt)
+            self.finished = message.finished
+            self.lock.notify_all()
+
+    def moved_on_from(self, reporter):
+        """A condition that holds once the platoon has recovered from the end of a node that reports, or does not, just now."""
+        with self.lock:
+            attempt, connection = self.most, self.connection
+        if reporter:
+            return lambda: self.connection is not connection and self.latest[2] >= 0
+        return lambda: self.latest[0] > attempt and self.latest[2] >= 0
+
+    def more(self):
+        """A condition that holds once more is reported than just now."""
+        with self.lock:
+            before = self.latest
+        return lambda: self.latest != before and self.latest[2] >= -1
+
+    def wait(self, condition, ended, deadline):
+        """When the condition held [s]; None if ended() came first; an AssertionError after the deadline."""
+        end = time.monotonic() + deadline
+        with self.lock:
+            while not condition():
+                if ended():
+                    return None
+                if time.monotonic() > end:
+                    raise AssertionError("the platoon stood still for {:.0f} s; last report: attempt {}, realization {}, step {}, "
+                                         "{} messages".format(deadline, *self.latest))
+                self.lock.wait(0.05)
+            return self.changed
+
+    def wait_for_flow(self, seconds, ended, deadline):
+        """Waits until reports have told of more and more for so many seconds."""
+        begin = time.monotonic()
+        while not ended():
+            present = time.monotonic()
+            still = present - (self.changed or 0.0)
+            if still > 0.5:
+                begin = present
+            elif present - begin >= seconds and self.latest[2] >= -1:
+                return True
+            if still > deadline and present - begin > deadline:
+                raise AssertionError("the platoon stood still for {:.0f} s".format(still))
+            time.sleep(0.01)
+        return False
+
+
+class Injector:
+    """Sends the faults of a group to the nodes of these launches, and says when and to whom."""
+
+    def __init__(self, watch, launches, began, say):
+        self.watch, self.launches, self.began, self.say = watch, launches, began, say
+        self.stopped = {}  # process: when to continue it [s]
+        self.sent = 0
+
+    def continue_due(self, present=float("inf")):
+        """The conditions of recovery of those that go on now."""
+        conditions = []
+        for process in [process for process, until in self.stopped.items() if until <= present]:
+            del self.stopped[process]
+            if process not in nodes(*self.launches).values():
+                continue  # killed meanwhile
+            conditions.append((time.monotonic(), self.watch.more()))
+            os.kill(process, signal.SIGCONT)
+        return conditions
+
+    def send(self, fault):
+        """Its condition of recovery, with when it was sent; none if there is no such process just now, or if it is stopped."""
+        process = nodes(*self.launches).get(fault.victim)
+        if process is None:
+            return []
+        present = time.monotonic()
+        if fault.signal == "SIGSTOP":
+            self.stopped[process] = max(present + fault.hold, self.stopped.get(process, 0.0))
+            condition = []
+        else:
+            condition = [(present, self.watch.moved_on_from(fault.victim in ("monitor", "platoon")))]
+        os.kill(process, getattr(signal, fault.signal))
+        self.sent += 1
+        self.say("{:8.2f} s  {}".format(present - self.began, fault))
+        return condition
+
+    def send_all(self, group):
+        """All faults of a group, to the last SIGCONT; the conditions of recovery with the times they count from."""
+        begin, waiting, conditions = time.monotonic(), list(group.faults), []
+        try:
+            while waiting or self.stopped:
+                present = time.monotonic()
+                conditions += self.continue_due(present)
+                while waiting and present - begin >= waiting[0].delay:
+                    conditions += self.send(waiting.pop(0))
+                time.sleep(0.005)
+        finally:
+            conditions += self.continue_due()
+        return conditions

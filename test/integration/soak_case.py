@@ -1,0 +1,175 @@
+"""What a soak does: runs and faults, drawn from a seed alone. Nothing here starts, stops or looks at anything."""
+
+import random
+from dataclasses import dataclass, field
+
+SIGNALS = ("SIGKILL", "SIGSTOP", "SIGTERM")
+BURN_IN = 50
+
+
+@dataclass
+class Fault:
+    signal: str
+    victim: str   # a node's name without its namespace
+    delay: float  # [s] after the moment of its group
+    hold: float   # [s] from SIGSTOP to SIGCONT
+
+    def __str__(self):
+        held = " for {:.2f} s".format(self.hold) if self.signal == "SIGSTOP" else ""
+        return "{} {}{}".format(self.signal, self.victim, held)
+
+
+@dataclass
+class Group:
+    """Faults that belong together; the next group waits until the platoon moves again. One fault alone is an isolated one.
+
+    start: once its first victim's process exists, and then `after` seconds. flow: after that many seconds of undisturbed flow.
+    commit, checkpoint: the same, and then with the next batch that is committed or checkpoint that is being written. finish: `after`
+    seconds behind the commit of the last realization.
+    """
+    moment: str
+    after: float
+    faults: list
+
+
+@dataclass
+class Run:
+    settings: dict   # what the statistics depend on: of the launch and of monte_carlo
+    arguments: dict  # what they must not depend on: of the launch alone
+    record: bool
+    groups: list
+
+    @property
+    def endless(self):
+        return self.settings["steps"] == 0
+
+    def __str__(self):
+        words = ["{}:={}".format(name, value) for name, value in list(self.settings.items()) + list(self.arguments.items())]
+        return " ".join(words + ["record"] * self.record)
+
+
+@dataclass
+class Case:
+    """Runs on one master, one after the other; vehicles from `kept` on, if any, are of followers.launch and outlive the runs."""
+    number: int
+    followers: int
+    kept: int = 0
+    runs: list = field(default_factory=list)
+
+
+@dataclass
+class Scale:
+    followers: int  # at most
+    seconds: tuple  # [s] of an undisturbed run: at least, at most
+    gap: tuple      # [s] of flow between groups
+    hold: float     # [s] at most between SIGSTOP and SIGCONT
+    kept_share: float  # of the cases
+    many_kills: int  # in a case of many kills; 0: no such cases
+    launch: dict    # arguments of every launch
+
+
+LONG = Scale(followers=20, seconds=(4.0, 12.0), gap=(0.2, 2.0), hold=3.0, kept_share=0.3, many_kills=200, launch={})
+SHORT = Scale(followers=6, seconds=(0.7, 1.2), gap=(0.1, 0.5), hold=0.6, kept_share=0.1, many_kills=0,
+              launch=dict(stall_timeout=0.5))
+
+
+def log_uniform(rng, least, most):
+    return int(round(least * (most / least) ** rng.random()))
+
+
+def nodes_of(hosting, followers):
+    if hosting == "one_process":
+        return ["platoon"]
+    return ["channel", "monitor"] + ["vehicle_{}".format(i) for i in range(followers + 1)]
+
+
+def draw_fault(rng, nodes, scale, signals=SIGNALS):
+    # As often the nodes that there is one of as the followers.
+    few = [node for node in nodes if node in ("channel", "monitor", "vehicle_0", "platoon")]
+    victim = rng.choice(few if few and rng.random() < 0.5 else nodes)
+    return Fault(rng.choices(signals, (5, 3, 2)[:len(signals)])[0], victim, 0.0, rng.uniform(0.05, scale.hold))
+
+
+def draw_group(rng, moment, nodes, scale):
+    faults = [draw_fault(rng, nodes, scale)]
+    if rng.random() < 0.4:  # several, at once or overlapping
+        spread = rng.choice((0.0, 0.05, 1.0)) * min(1.0, scale.hold)
+        for _ in range(rng.randint(1, 4)):
+            fault = draw_fault(rng, nodes, scale)
+            fault.delay = spread * rng.random()
+            faults.append(fault)
+        faults.sort(key=lambda fault: fault.delay)
+    after = rng.uniform(*scale.gap) if moment not in ("start", "finish") else rng.choice((0.0, 0.05, 0.4)) * rng.random()
+    return Group(moment, after, faults)
+
+
+def draw_groups(rng, nodes, scale, seconds, endless):
+    groups = [draw_group(rng, "start", nodes, scale)] if rng.random() < 0.4 else []
+    planned = 0.0
+    while planned < seconds:
+        moment = "flow" if endless else rng.choice(("flow", "flow", "commit", "checkpoint"))
+        groups.append(draw_group(rng, moment, nodes, scale))
+        planned += groups[-1].after + 0.2  # some is flow before it is noticed as such
+    if not endless and rng.random() < 0.4:
+        groups.append(draw_group(rng, "finish", nodes, scale))
+    return groups
+
+
+def draw_size(rng, run, followers, hosting, seconds):
+    """Steps, realizations, batch and rate of a run that would take about so long, if nothing happened, on two busy cores."""
+    steps = log_uniform(rng, 5, 100)
+    paced = rng.random() < 0.5
+    rate = max(log_uniform(rng, 50, 400), 2 * steps) if paced else 0
+    batch = log_uniform(rng, 1, 4096)
+    messages = 250000.0 if hosting == "one_process" else 40000.0    # [1/s]
+    positions = 4e7 if hosting == "one_process" else 2e7            # [1/s]
+    pace = min(messages, positions / batch) / (2 * followers + 1)   # [steps/s]
+    batches = max(1, int(seconds * (min(rate, pace) if paced else pace) / (steps + 1)))
+    realizations = batches * batch - rng.randrange(batch)
+    if run.record:  # on the disk 16 bytes a position
+        realizations = max(1, min(realizations, int(4e6 / ((steps + 1) * (followers + 1)))))
+    run.settings.update(steps=steps, realizations=realizations)
+    run.arguments.update(batch=0 if not paced and rng.random() < 0.2 else batch, rate=rate)
+
+
+def draw_run(rng, case, scale, endless_share=0.1):
+    hosting = "processes" if case.kept or rng.random() < 0.6 else "one_process"
+    seconds = rng.uniform(*scale.seconds)
+    endless = rng.random() < endless_share
+    run = Run(dict(followers=case.followers, headway=round(rng.uniform(2.2, 3.6), 2), seed=rng.randrange(1, 2 ** 31)),
+              dict(scale.launch, hosting=hosting), not endless and rng.random() < 0.35, [])
+    if endless:
+        run.settings.update(steps=0, realizations=1)
+        run.arguments.update(rate=log_uniform(rng, 200, 1000), burn_in=BURN_IN)
+    else:
+        draw_size(rng, run, case.followers, hosting, seconds)
+    if case.kept:
+        run.arguments["last"] = case.kept - 1
+    run.groups = draw_groups(rng, nodes_of(hosting, case.followers), scale, seconds, endless)
+    return run
+
+
+def draw_many_kills(rng, case, scale):
+    """One run with kill after kill, of some nodes only: the others tell whether memory and descriptors grow with the kills."""
+    nodes = nodes_of("processes", case.followers)
+    victims = rng.sample(nodes, (len(nodes) + 1) // 2)
+    steps, rate, gap, batch = 20, 200, 0.3, log_uniform(rng, 16, 512)
+    batches = int(scale.many_kills * gap * rate / (steps + 1))
+    groups = [Group("flow", gap, [draw_fault(rng, victims, scale, ("SIGKILL",))]) for _ in range(scale.many_kills)]
+    case.runs = [Run(dict(followers=case.followers, headway=3.2, seed=rng.randrange(1, 2 ** 31), steps=steps,
+                          realizations=batches * batch), dict(scale.launch, hosting="processes", batch=batch, rate=rate), False, groups)]
+
+
+def draw_case(seed, number, scale):
+    """Case `number` of a seed: the same whatever came before it."""
+    rng = random.Random("{}/{}".format(seed, number))
+    case = Case(number, rng.randint(2, scale.followers))
+    if scale.many_kills and number % 25 == 5:
+        case.followers = min(case.followers, 8)
+        draw_many_kills(rng, case, scale)
+        return case
+    if rng.random() < scale.kept_share:
+        case.kept = rng.randint(2, case.followers)
+    for _ in range(rng.randint(2, 3) if case.kept else 1):
+        case.runs.append(draw_run(rng, case, scale))
+    return case
