@@ -1,0 +1,144 @@
+#!/usr/bin/python3
+"""A platoon on three machines: a link that is down for 10 s and a machine that is gone for good cost time, never a bit.
+
+The machines are network namespaces that a bridge joins, in a network, process and mount namespace of this test, with which everything
+in it ends. Where that is not allowed there is nothing to test: status 77.
+"""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+import live_platoon
+from terminal import LaunchTest, Terminal
+
+INSIDE = "--inside"
+OWN = ["unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"]
+BRIDGE = "10.77.0.254"
+MASTER = "http://10.77.0.1:11311"
+SETTINGS = dict(followers=20, steps=20, realizations=6400)
+DOWN = 10.0  # [s]
+
+
+def network(command):
+    subprocess.run(["ip"] + command.split(), check=True)
+
+
+def own_namespaces():
+    """The command that runs another one in namespaces of its own: as root, or as root of a user namespace."""
+    if os.geteuid() != 0:
+        return OWN + ["--user", "--map-root-user"]
+    return OWN
+
+
+class Machine:
+    """A network namespace with an address, joined to the others by the bridge."""
+
+    def __init__(self, number, address=None):
+        self.name, self.address = "machine{}".format(number), address or "10.77.0.{}".format(number)
+        self.port = "port{}".format(number)  # of the bridge
+        network("netns add " + self.name)
+        network("link add {0} type veth peer name eth0 netns {1}".format(self.port, self.name))
+        network("link set {} master road up".format(self.port))
+        for command in ("link set lo up", "address add {}/24 dev eth0".format(self.address), "link set eth0 up"):
+            network("-n {} {}".format(self.name, command))
+
+    def launch(self, folder, file, **arguments):
+        environment = {name: value for name, value in os.environ.items() if name != "ROS_HOSTNAME"}
+        return Terminal(folder, file, MASTER, ["nsenter", "--net=/run/netns/" + self.name],
+                        dict(environment, ROS_IP=self.address), **arguments)
+
+    def set_link(self, state):
+        network("link set {} {}".format(self.port, state))
+
+
+class SeveralMachines(LaunchTest):
+    def setUp(self):
+        super().setUp()
+        network("link set lo up")
+        network("link add road type bridge")
+        network("address add {}/24 dev road".format(BRIDGE))
+        network("link set road up")
+        self.first, self.second, self.third = Machine(1), Machine(2), Machine(3)
+
+    def launch_on(self, machine, file, **arguments):
+        terminal = machine.launch(self.folder, file, **arguments)
+        self.addCleanup(terminal.end)
+        return terminal
+
+    def power_off(self, machine, terminal):
+        """Gone in silence: what is sent to it from now on is not answered, and nothing says goodbye."""
+        machine.set_link("down")
+        for process in self.faults.children(terminal.process.pid) + [terminal.process.pid]:
+            os.kill(process, signal.SIGKILL)
+        terminal.process.wait()
+        network("netns delete " + machine.name)
+
+    def recovers(self, what):
+        """From now on."""
+        began = time.monotonic()
+        recovered = self.watch.wait(self.watch.moved_on_from(False), lambda: self.run.process.poll() is not None, 60.0)
+        self.assertIsNotNone(recovered, what + ": the run was over before")
+        print("{}: {:.1f} s".format(what, recovered - began), flush=True)
+
+    def flows(self):
+        self.assertTrue(self.watch.wait_for_flow(0.5, lambda: self.run.process.poll() is not None, 60.0), self.run.text())
+
+    def test_the_bits_are_those_of_one_process_whatever_link_or_machine_fails(self):
+        self.run = self.launch_on(self.first, "platoon.launch", last=0, output=self.output, rate=150, batch=100, **SETTINGS)
+        live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", MASTER), "the master")
+        self.launch_on(self.second, "followers.launch", first=1, last=10)
+        lost = self.launch_on(self.third, "followers.launch", first=11, last=20)
+        os.environ.update(ROS_MASTER_URI=MASTER, ROS_IP=BRIDGE)
+        os.environ.pop("ROS_HOSTNAME", None)
+        import rospy
+        import faults
+        rospy.init_node("several_machines_test", disable_signals=True)
+        self.faults, self.watch = faults, faults.ProgressWatch()
+
+        self.flows()
+        self.third.set_link("down")
+        time.sleep(DOWN)
+        self.third.set_link("up")
+        self.recovers("a link that was down for {:.0f} s".format(DOWN))
+
+        self.flows()
+        self.power_off(self.third, lost)
+        # Under its address: ROS's master would wait for the answer of nodes that are registered under one that nobody has any more.
+        fourth = Machine(4, self.third.address)
+        self.launch_on(fourth, "followers.launch", first=11, last=20)
+        self.recovers("a machine replaced by another")
+
+        self.run.wait()
+        summary = live_platoon.completed_summary(self.output)
+        self.assertTrue(summary, self.run.text())
+        self.assertEqual(summary["positions_lost"], 0)
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.output, **SETTINGS))
+
+
+def why_not():
+    """Why there can be no machines here; empty if there can."""
+    missing = [program for program in ("ip", "nsenter", "unshare") if not shutil.which(program)]
+    if missing:
+        return "needs " + ", ".join(missing)
+    probe = "mount -t tmpfs tmpfs /run && ip netns add probe && ip link add probe type bridge && ip link add type veth"
+    tried = subprocess.run(own_namespaces() + ["sh", "-c", probe], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                           universal_newlines=True)
+    return "no network namespaces here: " + tried.stdout.strip() if tried.returncode != 0 else ""
+
+
+if __name__ == "__main__":
+    if INSIDE in sys.argv:
+        sys.argv.remove(INSIDE)
+        subprocess.run(["mount", "-t", "tmpfs", "tmpfs", "/run"], check=True)  # where ip keeps the names of namespaces
+        unittest.main(warnings="ignore")  # those of rospy
+    reason = why_not()
+    if reason:
+        print("skipped: " + reason)
+        sys.exit(77)
+    command = own_namespaces() + [sys.executable, os.path.abspath(__file__), INSIDE] + sys.argv[1:]
+    os.execvp(command[0], command)
