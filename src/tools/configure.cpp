@@ -40,6 +40,30 @@ std::string new_output_folder(const std::string& launch) {
          "/stochastic_platoon/" + launch;
 }
 
+// Where roslaunch and every node keep their logs. Without it they end with a riddle, one by one.
+void require_log_folder() {
+  const char* log_folder = std::getenv("ROS_LOG_DIR");
+  const char* ros_home = std::getenv("ROS_HOME");
+  const char* home = std::getenv("HOME");
+  std::string folder;
+  if (log_folder != nullptr) {
+    folder = log_folder;
+  } else if (ros_home != nullptr) {
+    folder = std::string(ros_home) + "/log";
+  } else if (home != nullptr) {
+    folder = std::string(home) + "/.ros/log";
+  }
+  if (folder.empty()) return;
+  try {
+    platoon::require_writable_folder(folder);
+  } catch (const std::runtime_error& error) {
+    throw platoon::ConfigurationError(
+        {std::string("ROS_LOG_DIR: ") + error.what() +
+         ": must be a folder that can be written, as every node keeps its log there (unset: log under "
+         "ROS_HOME, or .ros/log under HOME)"});
+  }
+}
+
 std::string absolute(const std::string& path) {
   return std::filesystem::absolute(path).lexically_normal().string();
 }
@@ -91,8 +115,17 @@ int main(int argc, char** argv) {
   std::map<std::string, std::string> settings = platoon::parse_command_line(
       argc, argv, "Checks a platoon's configuration and prints it for the parameter server", accepted,
       {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
+       {"quote_in_path", "true: refuse a quote in a path, which a launch file cannot pass on"},
        {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"}});
   try {
+    if (settings["quote_in_path"] == "true") {
+      throw platoon::ConfigurationError(
+          {"model, output, record, bag: a path with a quote ('): must be without, as a launch file cannot "
+           "pass "
+           "it on (a symbolic link can give it another name)"});
+    }
+    settings.erase("quote_in_path");
+    require_log_folder();
     const std::string bags = settings["bag"];
     const bool behind_recorded_leader = settings["recorded_leader"] == "true";
     settings.erase("bag");

@@ -120,6 +120,82 @@ class StopAndResume(LaunchTest):
         self.assertEqual(live_platoon.statistics(self.output), before)
 
 
+class Surroundings(LaunchTest):
+    """What is around a launch: odd paths, a home that cannot be written, masters and roslaunch itself that die."""
+
+    def test_a_quote_in_a_path_is_refused_in_words(self):
+        for argument in ("output", "record", "model"):
+            terminal = self.launch(**{argument: self.folder + "/it's.bag"})
+            self.assertNotEqual(terminal.wait(), 0)
+            self.assertIn("a path with a quote (')", terminal.text())
+            self.assertNotIn("No closing quotation", terminal.text())
+
+    def test_other_odd_paths_work(self):
+        output = self.folder + "/a folder with blanks, \"quotes\" and $signs"
+        self.launch(output=output, followers=1, steps=5, realizations=10).wait()
+        self.assertTrue(live_platoon.completed_summary(output))
+
+    def test_a_home_that_cannot_be_written_is_named(self):
+        blocked = self.folder + "/file"
+        open(blocked, "w").close()
+        environment = dict(os.environ, ROS_HOSTNAME="localhost", ROS_LOG_DIR=blocked + "/log")
+        terminal = self.launch(environment=environment)
+        self.assertNotEqual(terminal.wait(), 0)
+        self.assertIn("ROS_LOG_DIR: " + blocked + "/log: cannot be made: Not a directory: must be a folder", terminal.text())
+
+    def nodes_of(self, master):
+        names = ["/platoon/" + name for name in ("vehicle_0", "vehicle_1", "vehicle_2", "channel", "monitor", "until_complete")]
+        return [live_platoon.wait_for(lambda name=name: live_platoon.process_of(name, master), name) for name in names]
+
+    def test_kill_9_of_roslaunch_leaves_no_node_and_the_next_launch_works_at_once(self):
+        master = self.roscore()
+        terminal = self.launch(master=master, followers=2, rate=20)
+        processes = self.nodes_of(master)
+        terminal.wait_for_text("process[platoon/monitor")
+        terminal.process.kill()
+        terminal.wait()
+        live_platoon.wait_for(lambda: not any(os.path.exists("/proc/{}".format(process)) for process in processes),
+                              "the nodes to end", 10.0)
+        settings = dict(followers=2, steps=20, realizations=100)
+        second = os.path.join(self.folder, "second")
+        self.launch(master=master, output=second, **settings).wait()
+        self.assertEqual(live_platoon.completed_summary(second)["attempts"], 1)
+        self.assertEqual(live_platoon.statistics(second), live_platoon.reference(self.folder, **settings))
+
+    def test_kill_9_of_until_complete_ends_the_launch_and_loses_nothing(self):
+        settings = dict(followers=2, steps=20, realizations=2000)
+        terminal = self.launch(batch=100, rate=100, **settings)
+        terminal.wait_for_text("/2000 realizations")
+        os.kill(live_platoon.process_of("/platoon/until_complete", terminal.master), signal.SIGKILL)
+        terminal.wait()
+        self.assertIn("resume:=true goes on from there", terminal.text())
+        self.launch(resume="true", **settings).wait()
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
+    def test_nodes_outlive_a_master_that_is_started_anew(self):
+        port = live_platoon.free_port()
+        environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
+                           ROS_HOME=self.folder)
+
+        def master():
+            process = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL)
+            self.addCleanup(process.wait)
+            self.addCleanup(process.kill)
+            return process
+
+        first = master()
+        settings = dict(followers=2, steps=20, realizations=3000)
+        terminal = self.launch(master=environment["ROS_MASTER_URI"], batch=100, rate=150, **settings)
+        terminal.wait_for_text("/3000 realizations")
+        first.kill()
+        first.wait()
+        master()
+        summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
+        self.assertEqual(summary["attempts"], 1)
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
+
 class FullDisk(LaunchTest):
     def test_the_monitor_says_so_once_and_writes_when_there_is_room(self):
         settings = dict(followers=6, steps=100, realizations=1000)

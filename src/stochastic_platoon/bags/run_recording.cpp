@@ -15,9 +15,6 @@ namespace {
 
 constexpr char kRecoveredSuffix[] = ".recovered";
 
-// A file of this size is written again at once, a larger one when it is complete: the run does not wait.
-constexpr std::uint64_t kBytesToRewriteAtOnce = 64u << 20;
-
 bool is_of_launch(const std::string& configuration_text, const std::string& launch_id) {
   return parse_configuration(configuration_text).run.launch_id == launch_id;
 }
@@ -82,10 +79,7 @@ void RunRecording::restarted() {
   open_.clear();
   if (!partial_) return;
   partial_ = false;
-  given_up_ = true;
-  if (configuration_.run.averaging() == Averaging::over_realizations &&
-      recording_->bytes() < kBytesToRewriteAtOnce)
-    rewrite();
+  given_up_ = true;  // written again without it when the file is complete: now the run would wait
 }
 
 void RunRecording::batch_complete(std::uint64_t first_realization) {

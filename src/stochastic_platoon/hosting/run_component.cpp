@@ -3,18 +3,36 @@
 #include <malloc.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <thread>
 
 namespace platoon {
 
+namespace {
+
+// roslaunch takes its nodes down when it ends, but not when it is killed: then they would go on without it, and
+// the next launch on the same master would run into them. The launch files ask for this; a node that is started
+// by hand may outlive the shell.
+void end_with_launch() {
+  if (std::getenv("PLATOON_ENDS_WITH_LAUNCH") == nullptr) return;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() == 1) ::raise(SIGTERM);  // it has ended already
+}
+
+}  // namespace
+
 int run_node(int argc, char** argv, const NodeTraits& traits,
              const std::function<void(const ros::NodeHandle&)>& run) {
   if (traits.arenas > 0) mallopt(M_ARENA_MAX, traits.arenas);
   ros::init(argc, argv, traits.name, traits.init_options);
+  end_with_launch();
   // Outside the try block: keeps ROS, and with it the console, alive until the line is out.
   const ros::NodeHandle platoon;
   try {

@@ -122,7 +122,7 @@ TEST_F(RunRecordingTest, LeavesNothingOfAnAttemptThatWasGivenUp) {
   send(&recorder, 1, 1, 1, 1);
   const std::uint64_t before = recorder.bytes();
   send_one(&recorder, 0, {3, 1, -1}, 1);
-  EXPECT_LT(recorder.bytes(), before) << "a small file is written again at once";
+  EXPECT_GE(recorder.bytes(), before) << "the run does not wait for a file that is written again";
   send(&recorder, 4, 1, 1);
   send(&recorder, 4, 2, 1);
   send_final_statistics(&recorder, configuration);
@@ -130,21 +130,6 @@ TEST_F(RunRecordingTest, LeavesNothingOfAnAttemptThatWasGivenUp) {
   recorder.finish();
   EXPECT_EQ(places_in(bag_), joined(joined(whole_batch(1, 0), whole_batch(4, 1)), whole_batch(4, 2)));
   EXPECT_EQ(folder_.entries(), std::vector<std::string>{"run.bag"});
-}
-
-TEST_F(RunRecordingTest, WritesALargeFileOnceMoreAtItsEnd) {
-  const Configuration configuration = run(2 * kManyPositions, kManyPositions);
-  RunRecording recorder(configuration, "/platoon");
-  send(&recorder, 1, 0, kManyPositions);
-  send(&recorder, 1, kManyPositions, kManyPositions, 0);
-  const std::uint64_t before = recorder.bytes();
-  ASSERT_GT(before, 64u << 20);
-  send(&recorder, 2, kManyPositions, kManyPositions);
-  EXPECT_GT(recorder.bytes(), before + 20 * 8 * kManyPositions) << "the run does not wait for it";
-  send_final_statistics(&recorder, configuration);
-  ASSERT_TRUE(recorder.ready_to_finish());
-  recorder.finish();
-  EXPECT_EQ(places_in(bag_), joined(whole_batch(1, 0), whole_batch(2, kManyPositions)));
 }
 
 TEST_F(RunRecordingTest, OfTheSameLaunchGoesOnBehindTheWholeBatches) {
