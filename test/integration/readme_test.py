@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Every command line of the README works as it is typed, in a fresh shell with another HOME; long ones are cut short."""
+"""Every command line of the README, and of those beside config and launch, works as it is typed, in a fresh shell with another HOME;
+long ones are cut short."""
 
 import os
 import re
@@ -27,10 +28,15 @@ SHORTER = (
 STAY_UP = ("roslaunch stochastic_platoon live.launch", "roslaunch stochastic_platoon followers.launch")
 
 
+FILES = ("README.md", "config/README.md", "launch/README.md")
+
+
 def command_lines():
-    """The indented lines of the README, but for the picture of the layout."""
-    with open(os.path.join(PACKAGE, "README.md")) as file:
-        text = re.sub(r"\n## Layout\n.*?\n(How to add|## )", r"\n\1", file.read(), flags=re.S)
+    """The indented lines of the READMEs, but for the picture of the layout."""
+    text = ""
+    for name in FILES:
+        with open(os.path.join(PACKAGE, name)) as file:
+            text += re.sub(r"\n## Layout\n.*?\n(How to add|## )", r"\n\1", file.read(), flags=re.S) + "\n"
     lines = [line.strip() for line in text.splitlines() if line.startswith("    ")]
     return [re.sub(r"\s+# .*", "", line) for line in lines]
 
