@@ -103,6 +103,10 @@ std::optional<MessageId> Credit::next(double now) {
   return id;
 }
 
+void Credit::give_up(std::uint32_t attempt, double now) {
+  if (attempt == attempt_ && attempt_ > 0 && acknowledged() > 0 && !complete()) begin_attempt(now);
+}
+
 bool Credit::retry_if_stalled(double now) {
   if (attempt_ == 0 || complete() || published_ == acknowledged()) return false;
   const bool unanswered = acknowledged() == 0;

@@ -41,6 +41,10 @@ public:
   /// Begins a new attempt if the present one has stalled; true if it did.
   bool retry_if_stalled(double now);
 
+  /// A vehicle has missed messages of this attempt, which cannot come through. Begins a new one at once if it is
+  /// the present one and steps have flowed in it: while nodes come up, it is the timeout that tells.
+  void give_up(std::uint32_t attempt, double now);
+
   /// Every receiver has every realization.
   bool complete() const;
 

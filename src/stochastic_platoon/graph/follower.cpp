@@ -1,5 +1,6 @@
 #include "stochastic_platoon/graph/follower.hpp"
 
+#include <tuple>
 #include <utility>
 
 #include "stochastic_platoon/delivery/lead.hpp"
@@ -49,7 +50,10 @@ void Follower::receive(const PositionEvent& event) {
   const Heading heading = heading_of(*message);
   const MessageId& id = heading.id;
   const Verdict verdict = part_->order.receive(heading);
-  if (verdict != Verdict::in_turn) return drops_.count(verdict, id, heading.size);
+  if (verdict != Verdict::in_turn) {
+    if (has_missed(verdict, id)) membership_.tell_missed(id.attempt);
+    return drops_.count(verdict, id, heading.size);
+  }
   const ros::Time stamp = message->header.stamp;
   if (id.step == kInitialStep) {
     const auto initial = messages_.take();
@@ -66,6 +70,15 @@ void Follower::receive(const PositionEvent& event) {
   } else {
     part_->upcoming = next;
   }
+}
+
+// Whether messages before this one are gone for good: there is a gap, or it came up while the attempt was under
+// way. The leader's first step alone, while nodes come up, brings its predecessor to step i - 2 at most.
+bool Follower::has_missed(Verdict verdict, const MessageId& id) const {
+  if (verdict == Verdict::missed_start) return id.step >= static_cast<std::int64_t>(index_);
+  const std::optional<MessageId>& latest = part_->order.latest();
+  return verdict == Verdict::out_of_turn && latest && id.attempt == latest->attempt &&
+         std::tie(id.first_realization, id.step) > std::tie(latest->first_realization, latest->step);
 }
 
 void Follower::publish(const Position::Ptr& message, const MessageId& id, const ros::Time& stamp) {

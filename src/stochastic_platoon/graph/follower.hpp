@@ -48,6 +48,7 @@ private:
   };
   void begin(const Configuration& configuration);
   void receive(const PositionEvent& event);
+  bool has_missed(Verdict verdict, const MessageId& id) const;
   void publish(const stochastic_platoon::Position::Ptr& message, const MessageId& id, const ros::Time& stamp);
 
   std::uint32_t index_;

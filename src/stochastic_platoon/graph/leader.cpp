@@ -68,6 +68,10 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
     }
   }
   if (!credit_.acknowledge(message->receiver, report, now(), message->messages)) {
+    if (message->note.rfind(kMissed, 0) == 0) {
+      credit_.give_up(message->attempt, now());
+      return publish_allowed();
+    }
     const bool notice = !message->note.empty();  // of a vehicle that cannot take part: the monitor's business
     if (notice) return;
     ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report from \""

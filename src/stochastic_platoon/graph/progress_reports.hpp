@@ -14,7 +14,8 @@
 
 namespace platoon {
 
-/// A receiver's note that begins so is why the platoon stands still.
+/// A vehicle's note that begins so says which attempt it cannot follow, a receiver's why the platoon stands still.
+constexpr char kMissed[] = "has missed messages of attempt ";
 constexpr char kHoldsUp[] = "holds the platoon up: ";
 
 constexpr double kHeartbeat = 0.05;  ///< [s] between reports when nothing else calls for one

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
@@ -89,11 +90,22 @@ void RunMembership::refuse(std::uint64_t run, const std::string& reason) {
   if (said == last_reason_) return;
   last_reason_ = said;
   ROS_WARN_STREAM(said);
+  tell(run, 0, reason);
+}
+
+void RunMembership::tell_missed(std::uint32_t attempt) {
+  if (missed_ == std::make_pair(run(), attempt)) return;
+  missed_ = {run(), attempt};
+  tell(run(), attempt, kMissed + std::to_string(attempt));
+}
+
+void RunMembership::tell(std::uint64_t run, std::uint32_t attempt, const std::string& note) {
   stochastic_platoon::Progress notice;
   notice.receiver = name_;
   notice.run = run;
+  notice.attempt = attempt;
   notice.step = kNothingYet;
-  notice.note = reason;
+  notice.note = note;
   if (!notices_) notices_ = platoon_.advertise<stochastic_platoon::Progress>(kProgressTopic, 10, true);
   notices_.publish(notice);
 }

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
 
@@ -40,11 +41,15 @@ public:
   /// Takes part in the run of this configuration from now on, by Join.
   void join(const Configuration& configuration);
 
+  /// Tells leader and monitor that this component has missed messages of an attempt; once for each.
+  void tell_missed(std::uint32_t attempt);
+
   std::uint64_t run() const { return run_.load(std::memory_order_relaxed); }
 
 private:
   bool looks_and_admits(std::uint64_t run);
   void refuse(std::uint64_t run, const std::string& reason);
+  void tell(std::uint64_t run, std::uint32_t attempt, const std::string& note);
 
   ros::NodeHandle platoon_;
   std::string name_;
@@ -54,6 +59,7 @@ private:
   std::uint64_t last_unknown_ = 0;
   std::optional<double> last_look_;  ///< [s]
   std::string last_reason_;
+  std::optional<std::pair<std::uint64_t, std::uint32_t>> missed_;  ///< run and attempt of the latest told
   ros::Publisher notices_;  ///< on `progress`, made when there is something to say
 };
 

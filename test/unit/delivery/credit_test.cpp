@@ -260,6 +260,17 @@ TEST(Credit, BeginsAgainAtOnceWhenAReceiverHasLostWhatItHad) {
   expect_published(published(credit, 0.2), {{2, 0, -1}});
 }
 
+TEST(Credit, BeginsAgainAtOnceWhenAVehicleHasMissedMessagesOfTheAttemptUnderWay) {
+  Credit credit = under_way();
+  published(credit);
+  credit.give_up(1, 0.1);
+  expect_published(published(credit, 0.1), {{2, 0, -1}});
+  credit.give_up(1, 0.2);  // said by another one, later
+  EXPECT_EQ(credit.attempt(), 2u);
+  credit.give_up(2, 0.3);
+  EXPECT_EQ(credit.attempt(), 2u) << "nothing has flowed yet";
+}
+
 TEST(Credit, BeginsAgainAtOnceWhenAReceiverHasLostMessagesOfAStep) {
   Credit credit = under_way();
   published(credit);
