@@ -17,8 +17,8 @@ ROWS = "must be a list of rows of finite numbers, all of one length"
 MAPPING = "must be a mapping of keys"
 COUNT = "must be a whole number from {} to 70368744177664"
 HUGE = "must be at most 1e+100 in magnitude"
-ALLOWED = ("allowed are allow_unstable, closed_loop, controller, initial_position, leader, noise_variance, plant, sample_period, "
-           "standstill_distance, time_headway")
+ALLOWED = ("allowed are allow_unstable, channel, closed_loop, controller, initial_position, leader, noise_variance, plant, sample_period, "
+           "standstill_distance, string, time_headway, vehicle_types")
 
 # A part of the paper's model file, what stands in its place, and what is said of that.
 REPLACED = [
