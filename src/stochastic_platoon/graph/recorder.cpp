@@ -50,6 +50,8 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration,
   }
   error_statistics_ = platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics,
                                         this, no_delay());
+  links_ = positions_;
+  links_.push_back(error_statistics_);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
 }
 
@@ -125,7 +127,7 @@ void Recorder::finish() {
 
 void Recorder::tick() {
   if (!recording_ && pause_.is_due(now())) begin();
-  if (reports_.is_linked(positions_) || (recording_ && recording_->finished())) report();
+  if (reports_.is_linked(links_) || (recording_ && recording_->finished())) report();
 }
 
 // While nothing can be recorded the reports stay what they were: the first of a new recording then is less, and

@@ -58,6 +58,7 @@ private:
   ProgressReports reports_;
   std::vector<ros::Subscriber> positions_;
   ros::Subscriber error_statistics_;
+  std::vector<ros::Subscriber> links_;  ///< all of these: the run begins when the recorder hears everyone
   ros::SteadyTimer timer_;
 };
 
