@@ -75,6 +75,7 @@ void Follower::receive(const PositionEvent& event) {
 // Whether messages before this one are gone for good: there is a gap, or it came up while the attempt was under
 // way. The leader's first step alone, while nodes come up, brings its predecessor to step i - 2 at most.
 bool Follower::has_missed(Verdict verdict, const MessageId& id) const {
+  if (!may_be_reported(part_->schedule, id)) return false;  // there is no such message
   if (verdict == Verdict::missed_start) return id.step >= static_cast<std::int64_t>(index_);
   const std::optional<MessageId>& latest = part_->order.latest();
   return verdict == Verdict::out_of_turn && latest && id.attempt == latest->attempt &&
