@@ -145,6 +145,7 @@ void Monitor::tick() {
 
 void Monitor::save_checkpoint_if_due(double present) {
   if (last_checkpoint_ && present - *last_checkpoint_ < kCheckpointPeriod) return;
+  if (!disk_.is_due(present)) return;
   std::optional<Checkpoint> checkpoint;
   {
     const Locked lock(lock_);
@@ -156,9 +157,8 @@ void Monitor::save_checkpoint_if_due(double present) {
   last_checkpoint_ = present;
 }
 
-// Does what the disk may refuse: then it is tried again, after a pause that grows. Whether it was done.
+// Does what the disk may refuse: then it is to be tried again when it is due. Whether it was done.
 bool Monitor::write(double present, const std::function<void()>& work) {
-  if (!disk_.is_due(present)) return false;
   try {
     work();
   } catch (const std::runtime_error& error) {
@@ -175,6 +175,7 @@ bool Monitor::write(double present, const std::function<void()>& work) {
 }
 
 void Monitor::finish() {
+  if (!disk_.is_due(now())) return;
   std::optional<Checkpoint> checkpoint;
   RunResult result;
   {
@@ -248,15 +249,17 @@ std::string Monitor::culprit() const {
   return diagnosis.text + (explained ? "; it says: " + note->second : "");
 }
 
-std::size_t Monitor::missing_vehicles() const {
-  return static_cast<std::size_t>(
-      std::count_if(positions_.begin(), positions_.end(),
-                    [](const ros::Subscriber& position) { return position.getNumPublishers() == 0; }));
+std::vector<std::size_t> Monitor::missing_vehicles() const {
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    if (positions_[i].getNumPublishers() == 0) missing.push_back(i);
+  }
+  return missing;
 }
 
 void Monitor::show_start(double present) {
   const RunOptions& run = configuration_.run;
-  const std::size_t missing = missing_vehicles();
+  const std::size_t missing = missing_vehicles().size();
   if (missing > 0) {
     return display_.prepare(formatted("waiting for %zu of %zu vehicles", missing, run.followers + 1),
                             present);
@@ -273,10 +276,7 @@ void Monitor::show_start(double present) {
 
 // Empty when every vehicle is there.
 std::string Monitor::name_of_missing() const {
-  std::vector<std::size_t> missing;
-  for (std::size_t i = 0; i < positions_.size(); ++i) {
-    if (positions_[i].getNumPublishers() == 0) missing.push_back(i);
-  }
+  const std::vector<std::size_t> missing = missing_vehicles();
   if (missing.empty()) return "";
   const std::string name = "vehicle_" + std::to_string(missing.front());
   if (missing.size() == 1)

@@ -25,6 +25,26 @@ std::string parent_of(const std::string& name) {
 
 }  // namespace
 
+// Does what the disk may refuse.
+template <typename Work>
+void Recorder::write(const Work& work) {
+  try {
+    work();
+  } catch (const ConfigurationError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    refusal_ = configuration_.run.record + ": cannot be written: " + error.what() + "; " +
+               free_space(configuration_.run.record);
+    if (!pause_.is_on()) ROS_ERROR_STREAM(refusal_ << ". The platoon waits, and goes on when there is room");
+    if (recording_) {
+      reported_ = recording_->arrivals();
+      recording_->abandon();
+      recording_.reset();
+    }
+    pause_.failed(now());
+  }
+}
+
 Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration,
                    RunMembership::Join superseded)
     : configuration_(configuration),
@@ -60,25 +80,6 @@ void Recorder::begin() {
     recording_.emplace(configuration_, name_space_);
     tried_at_ = recording_->bytes();
   });
-}
-
-// Does what the disk may refuse.
-void Recorder::write(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const ConfigurationError&) {
-    throw;
-  } catch (const std::runtime_error& error) {
-    refusal_ = configuration_.run.record + ": cannot be written: " + error.what() + "; " +
-               free_space(configuration_.run.record);
-    if (!pause_.is_on()) ROS_ERROR_STREAM(refusal_ << ". The platoon waits, and goes on when there is room");
-    if (recording_) {
-      reported_ = recording_->arrivals();
-      recording_->abandon();
-      recording_.reset();
-    }
-    pause_.failed(now());
-  }
 }
 
 void Recorder::stop() {

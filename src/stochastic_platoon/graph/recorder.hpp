@@ -4,7 +4,6 @@
 #include <stochastic_platoon/ErrorStatistics.h>
 #include <stochastic_platoon/Position.h>
 
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -42,7 +41,8 @@ private:
   void tick();
   void finish();
   void report();
-  void write(const std::function<void()>& work);
+  template <typename Work>
+  void write(const Work& work);
 
   Configuration configuration_;
   RunMembership membership_;

@@ -43,6 +43,14 @@ Verdict take(RunStatistics& statistics, std::size_t vehicle, const MessageId& id
   return statistics.take(vehicle, {id, positions->size(), true}, positions);
 }
 
+Configuration endless_run() {
+  Configuration configuration = paper_run("");
+  configuration.run.steps = 0;
+  configuration.run.realizations = configuration.run.batch = 1;
+  configuration.run.burn_in = 30;
+  return configuration;
+}
+
 // Hands the batch over step by step, up to `last_step`.
 void receive_batch(RunStatistics& statistics, const Configuration& configuration, std::uint32_t attempt,
                    std::uint64_t first, std::int64_t last_step) {
@@ -215,10 +223,7 @@ TEST(RunStatistics, GoOnFromTheirCheckpointToTheBit) {
 }
 
 TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
-  Configuration configuration = paper_run("");
-  configuration.run.steps = 0;
-  configuration.run.realizations = configuration.run.batch = 1;
-  configuration.run.burn_in = 30;
+  Configuration configuration = endless_run();
   RunStatistics statistics(configuration, std::nullopt);
   EXPECT_EQ(statistics.averages().averaging(), Averaging::over_time);
   EXPECT_TRUE(statistics.averages().empty());
@@ -241,10 +246,7 @@ TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
 }
 
 TEST(RunStatistics, OfAnEndlessRunGoOnWithANewAttemptAfterItsOwnBurnIn) {
-  Configuration configuration = paper_run("");
-  configuration.run.steps = 0;
-  configuration.run.realizations = configuration.run.batch = 1;
-  configuration.run.burn_in = 30;
+  Configuration configuration = endless_run();
   RunStatistics statistics(configuration, std::nullopt);
   receive_batch(statistics, configuration, 1, 0, 49);
   receive_batch(statistics, configuration, 2, 0, 39);
@@ -255,10 +257,7 @@ TEST(RunStatistics, OfAnEndlessRunGoOnWithANewAttemptAfterItsOwnBurnIn) {
 }
 
 TEST(RunStatistics, OfAnEndlessRunGoOnFromTheirCheckpointAndNumberTheAttemptsOn) {
-  Configuration configuration = paper_run("");
-  configuration.run.steps = 0;
-  configuration.run.realizations = configuration.run.batch = 1;
-  configuration.run.burn_in = 30;
+  Configuration configuration = endless_run();
   RunStatistics before(configuration, std::nullopt);
   receive_batch(before, configuration, 3, 0, 49);
   configuration.run.launch_id = "the next launch";
