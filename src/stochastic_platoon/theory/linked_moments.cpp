@@ -1,147 +1,26 @@
 #include "stochastic_platoon/theory/linked_moments.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <complex>
 #include <numeric>
 #include <stdexcept>
 #include <string>
-#include <unsupported/Eigen/FFT>
+#include <vector>
 
-#include "stochastic_platoon/theory/delta_filter.hpp"
+#include "stochastic_platoon/theory/causal_convolution.hpp"
+#include "stochastic_platoon/theory/mean_vehicle.hpp"
 
 namespace platoon {
 
 namespace {
 
-using Sequence = DeltaFilter::Sequence;  // of a position: from step -1 on; of an error: from step 0 on
-using Values = std::vector<double>;
-using Spectrum = std::vector<std::complex<double>>;
-
-constexpr double kDigits = 1e-12;          // of a variance, relative
-constexpr double kTransformError = 4e-16;  // of a convolution, relative to the product of the 2-norms
-
-/// A follower and the link into it, as operators on what is known on average.
-class MeanVehicle {
-public:
-  explicit MeanVehicle(const VehicleModel& vehicle)
-      : filter_(delta_fraction(vehicle.loop)),
-        headway_(vehicle.headway),
-        delay_(static_cast<std::size_t>(vehicle.link.delay)),
-        loss_(vehicle.link.loss.value_or(LossModel())) {
-    if (!loss_.is_independent())
-      throw std::invalid_argument("mean_burst: given: must be absent for this theory");
-  }
-
-  struct Passed {
-    Sequence innovation;  ///< e(k), from step 0 on
-    Sequence position;    ///< y_i
-  };
-
-  /// What the predecessor's positions make of the own ones, without the own initial position.
-  Passed operator()(const Sequence& predecessor) const {
-    Passed passed;
-    Sequence received{predecessor.front()};
-    for (std::size_t a = 1; a < predecessor.size(); ++a) {
-      const long double arriving = predecessor[a > delay_ ? a - delay_ : 0];
-      const long double predicted = prediction(received);
-      passed.innovation.push_back(arriving - predicted);
-      received.push_back(predicted + (1.0L - probability()) * passed.innovation.back());
-    }
-    passed.position = filter_(received);
-    return passed;
-  }
-
-  /// y_i's response to its link's w: a unit impulse at step 0 on what is received.
-  Passed of_loss(std::size_t steps) const {
-    Passed passed;
-    Sequence received{0.0L};
-    for (std::size_t k = 0; k < steps; ++k) {
-      const long double predicted = prediction(received);
-      passed.innovation.push_back(-predicted);
-      received.push_back(probability() * predicted + (k == 0 ? 1.0L : 0.0L));
-    }
-    passed.position = filter_(received);
-    return passed;
-  }
-
-  /// From the own equilibrium at 1.
-  Sequence free_motion(std::size_t steps) const { return filter_.free_response(steps + 1); }
-
-  /// zeta_i from the positions of both, from step 0 on.
-  Sequence error(const Sequence& predecessor, const Sequence& own) const {
-    Sequence errors;
-    for (std::size_t a = 1; a < own.size(); ++a)
-      errors.push_back(predecessor[a] - own[a] - headway_ * (own[a] - own[a - 1]));
-    return errors;
-  }
-
-  double variance_factor() const { return loss_.probability * (1.0 - loss_.probability); }
-
-private:
-  long double probability() const { return loss_.probability; }
-
-  // c_1 r(k-1) + c_2 r(k-2) + ...
-  long double prediction(const Sequence& received) const {
-    long double sum = 0.0L;
-    for (std::size_t j = 0; j < loss_.predictor.size(); ++j)
-      sum +=
-          loss_.predictor[j] * (received.size() > j ? received[received.size() - 1 - j] : received.front());
-    return sum;
-  }
-
-  DeltaFilter filter_;
-  long double headway_;
-  std::size_t delay_;
-  LossModel loss_;
-};
+using Sequence = MeanVehicle::Sequence;
+using Values = CausalConvolution::Values;
 
 Values squares(const Sequence& values) {
   Values result;
   for (const long double value : values) result.push_back(static_cast<double>(value * value));
   return result;
 }
-
-double norm(const Values& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value * value;
-  return std::sqrt(sum);
-}
-
-/// Causal convolutions of sequences of one length, by transforms of twice that.
-class Transform {
-public:
-  explicit Transform(std::size_t steps) : steps_(steps) {
-    while (length_ < 2 * steps) length_ *= 2;
-    fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  }
-
-  Spectrum operator()(const Values& values) {
-    Values padded = values;
-    padded.resize(length_, 0.0);
-    Spectrum spectrum;
-    fft_.fwd(spectrum, padded);
-    return spectrum;
-  }
-
-  Values back(const Spectrum& spectrum) {
-    Values values;
-    fft_.inv(values, spectrum, static_cast<Eigen::Index>(length_));
-    values.resize(steps_);
-    return values;
-  }
-
-private:
-  std::size_t steps_, length_ = 1;
-  Eigen::FFT<double> fft_;
-};
-
-/// A square of a response, and what its convolutions need.
-struct Kernel {
-  Values values;
-  Spectrum spectrum;
-  double size = 0.0;
-};
 
 /// Responses of everything downstream to one kind of source at one place of the pattern: by how many vehicles
 /// further on, from the source's own on.
@@ -297,53 +176,23 @@ private:
     return w;
   }
 
-  // sum_{l <= k} kernel(k - l) source(l)
-  static double direct(const Values& kernel, const Values& source, std::size_t k) {
-    double sum = 0.0;
-    for (std::size_t l = 0; l <= k; ++l) sum += kernel[k - l] * source[l];
-    return sum;
-  }
-
-  struct Source {
-    Values variance;  ///< of w(k), from step 0 on
-    Spectrum spectrum;
-    double size = 0.0;
-  };
+  using Kernels = std::vector<CausalConvolution::Prepared>;
 
   // What the losses of the links up to `last` add to follower i's row, by these responses.
-  void convolve(Transform& transform, const std::vector<std::vector<Kernel>>& kernels, std::size_t i,
-                std::size_t last, Values& row) const {
-    Spectrum sum;
-    double doubt = 0.0;
+  void add_losses_to(CausalConvolution& convolution, const std::vector<Kernels>& kernels, std::size_t i,
+                     std::size_t last, Values& row) const {
+    std::vector<CausalConvolution::Product> products;
     for (std::size_t j = 0; j <= last; ++j) {
-      if (sources_[j].size == 0.0) continue;
-      const Kernel& kernel = kernels[j % vehicles_.size()][i - j];
-      if (sum.empty()) sum.assign(kernel.spectrum.size(), 0.0);
-      for (std::size_t f = 0; f < sum.size(); ++f) sum[f] += kernel.spectrum[f] * sources_[j].spectrum[f];
-      doubt += kTransformError * kernel.size * sources_[j].size;
+      if (sources_[j].size > 0.0) products.push_back({kernels[j % vehicles_.size()][i - j], sources_[j]});
     }
-    if (sum.empty()) return;
-    const Values added = transform.back(sum);
-    for (std::size_t k = 0; k < steps_; ++k) {
-      if (doubt <= kDigits * (row[k] + added[k])) {
-        row[k] += std::max(added[k], 0.0);
-        continue;
-      }
-      for (std::size_t j = 0; j <= last; ++j) {
-        if (sources_[j].size > 0.0)
-          row[k] += direct(kernels[j % vehicles_.size()][i - j].values, sources_[j].variance, k);
-      }
-    }
+    convolution.add(products, row);
   }
 
   void add_losses() {
     const std::size_t period = std::min(vehicles_.size(), followers_);
-    Transform transform(steps_);
-    std::vector<std::vector<Kernel>> of_error(vehicles_.size()), of_innovation(vehicles_.size());
+    CausalConvolution convolution(steps_);
+    std::vector<Kernels> of_error(vehicles_.size()), of_innovation(vehicles_.size());
     std::vector<Values> own(vehicles_.size());
-    const auto kernel = [&transform](const Values& values) {
-      return Kernel{values, transform(values), norm(values)};
-    };
     bool any = false;
     for (std::size_t j = 0; j < period; ++j) {
       if (mean_vehicles_[j].variance_factor() == 0.0) continue;
@@ -352,21 +201,22 @@ private:
       own[j] = squares(passed.innovation);
       const Responses responses = downstream(j, passed.position);
       for (std::size_t m = 0; m < responses.error.size(); ++m) {
-        of_error[j].push_back(kernel(responses.error[m]));
-        of_innovation[j].push_back(m == 0 ? Kernel() : kernel(responses.innovation[m]));
+        of_error[j].push_back(convolution.prepare(responses.error[m]));
+        of_innovation[j].push_back(m == 0 ? CausalConvolution::Prepared()
+                                          : convolution.prepare(responses.innovation[m]));
       }
     }
     if (!any) return;
     for (std::size_t i = 0; i < followers_; ++i) {
-      if (i > 0) convolve(transform, of_innovation, i, i - 1, innovation_[i]);
-      add_source(transform, i, own[i % vehicles_.size()]);
-      convolve(transform, of_error, i, i, error_[i]);
+      if (i > 0) add_losses_to(convolution, of_innovation, i, i - 1, innovation_[i]);
+      add_source(convolution, i, own[i % vehicles_.size()]);
+      add_losses_to(convolution, of_error, i, i, error_[i]);
     }
   }
 
   // The variance of w_i, which acts on the innovation of its own link: p q E e^2.
-  void add_source(Transform& transform, std::size_t i, const Values& own) {
-    Source source;
+  void add_source(CausalConvolution& convolution, std::size_t i, const Values& own) {
+    Values variance;  // of w(k), from step 0 on
     const double factor = mean_vehicle(i).variance_factor();
     if (factor > 0.0) {
       std::size_t reach = own.size();
@@ -375,23 +225,21 @@ private:
       Values& squared = innovation_[i];
       for (std::size_t k = 0; k < steps_; ++k) {
         double returned = 0.0;
-        for (std::size_t t = 1; t < reach && t <= k; ++t) returned += own[t] * source.variance[k - t];
+        for (std::size_t t = 1; t < reach && t <= k; ++t) returned += own[t] * variance[k - t];
         squared[k] += returned;
-        source.variance.push_back(factor * squared[k]);
+        variance.push_back(factor * squared[k]);
       }
-      source.spectrum = transform(source.variance);
-      source.size = norm(source.variance);
     }
-    sources_.push_back(std::move(source));
+    sources_.push_back(variance.empty() ? CausalConvolution::Prepared() : convolution.prepare(variance));
   }
 
   PlatoonModel model_;
   std::size_t followers_, steps_;
   std::vector<VehicleModel> vehicles_;
   std::vector<MeanVehicle> mean_vehicles_;
-  std::vector<Values> error_;       ///< variance of zeta_i(k), so far
-  std::vector<Values> innovation_;  ///< E e_i(k)^2, so far
-  std::vector<Source> sources_;
+  std::vector<Values> error_;                         ///< variance of zeta_i(k), so far
+  std::vector<Values> innovation_;                    ///< E e_i(k)^2, so far
+  std::vector<CausalConvolution::Prepared> sources_;  ///< the variance of every w_i
 };
 
 }  // namespace

@@ -8,14 +8,14 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/theory/least_margin.hpp"
-#include "stochastic_platoon/theory/loop_spectrum.hpp"
+#include "stochastic_platoon/theory/pattern_gain.hpp"
+#include "stochastic_platoon/theory/pattern_spectra.hpp"
 #include "stochastic_platoon/theory/quadrature.hpp"
 
 namespace platoon {
 
 namespace {
 
-constexpr double kRounding = 32.0 * std::numeric_limits<double>::epsilon();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -41,173 +41,28 @@ double metres_per_step(const PlatoonModel& model) {
   return model.leader.changes().empty() ? 0.0 : model.sample_period * model.leader.changes().back().value;
 }
 
-/// |prod T^|^2 over one pattern, as polynomials in t.
-class PatternGain {
-public:
-  explicit PatternGain(const std::vector<LinkedVehicle>& vehicles) {
-    for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
-      Half& part = centre == Centre::kOne ? near_ : far_;
-      part.numerator = part.denominator = {1.0L};
-      for (const LinkedVehicle& vehicle : vehicles) {
-        part.numerator = multiply(part.numerator, vehicle.gain_numerator(centre));
-        part.denominator = multiply(part.denominator, vehicle.gain_denominator(centre));
-      }
-      part.margin = subtract(part.denominator, part.numerator);
-    }
-    near_.margin = without_zero_at_origin(near_.margin);
-    while (near_.margin.size() > 1 && std::abs(near_.margin.front()) <= doubt(0.0L, Centre::kOne)) {
-      near_.margin = without_zero_at_origin(near_.margin);
-      ++zeros_;
-    }
-  }
-
-  /// How often 1 - cos w divides 1 - |prod T^|^2.
-  int zeros() const { return zeros_; }
-
-  /// As of LoopSpectrum, relative to the pattern's |prod D^|^2.
-  LeastMargin least() const {
-    LeastMargin least{Sign::kPositive, kInfinity, 0.0};
-    for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
-      const Half& part = about(centre);
-      std::vector<long double> places = sign_changes(derivative(part.margin), 0.0L, 1.0L);
-      places.push_back(0.0L);
-      places.push_back(1.0L);
-      for (const long double t : places) {
-        long double value = evaluate(part.margin, t);
-        if (std::abs(value) <= doubt(t, centre)) value = 0.0L;
-        const auto relative = static_cast<double>(value / evaluate(part.denominator, t));
-        if (relative > least.value) continue;
-        least = {relative > 0.0   ? Sign::kPositive
-                 : relative < 0.0 ? Sign::kNegative
-                                  : Sign::kZero,
-                 relative, frequency_at(t, centre)};
-      }
-    }
-    return least;
-  }
-
-  /// Frequencies w > 0 where |prod T^| may be largest.
-  std::vector<double> critical_frequencies() const {
-    std::vector<double> frequencies{frequency_at(0.0L, Centre::kMinusOne)};
-    for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
-      const Half& part = about(centre);
-      const CirclePolynomial slope = subtract(multiply(derivative(part.numerator), part.denominator),
-                                              multiply(part.numerator, derivative(part.denominator)));
-      for (const long double t : sign_changes(slope, 0.0L, 1.0L))
-        frequencies.push_back(frequency_at(t, centre));
-      frequencies.push_back(frequency_at(1.0L, centre));
-    }
-    return frequencies;
-  }
-
-  /// The complex w off the real axis where |prod T^| = 1.
-  std::vector<std::complex<double>> margin_frequencies() const {
-    std::vector<std::complex<double>> frequencies;
-    for (const std::complex<long double>& t : platoon::zeros(near_.margin)) {
-      const std::complex<long double> w = 2.0L * std::asin(std::sqrt(t / 2.0L));
-      if (std::abs(w.imag()) > 1e-12L) frequencies.emplace_back(w);
-    }
-    return frequencies;
-  }
-
-private:
-  struct Half {
-    CirclePolynomial numerator, denominator;
-    CirclePolynomial margin;  ///< their difference; about z = 1 divided by t^zeros
-  };
-  const Half& about(Centre centre) const { return centre == Centre::kOne ? near_ : far_; }
-
-  // What the rounding of the coefficients of both may add to the margin.
-  long double doubt(long double t, Centre centre) const {
-    const Half& part = about(centre);
-    const auto divided = [&](CirclePolynomial p) {
-      for (int j = 0; j < zeros_ && centre == Centre::kOne; ++j) p = without_zero_at_origin(p);
-      return magnitude(p, t);
-    };
-    return kRounding * (divided(part.numerator) + divided(part.denominator));
-  }
-
-  Half near_, far_;
-  int zeros_ = 1;
-};
-
-/// One pattern's vehicles at the nodes of a quadrature over the circle.
-struct PatternNodes {
-  Eigen::ArrayXd weight;
-  /// Of each vehicle, a row per node.
-  std::vector<Eigen::ArrayXd> gain, margin, loss_gain, innovation, noise, complement, headway;
-
-  double mean(const Eigen::ArrayXd& values) const { return (weight * values).sum(); }
-
-  /// 1 - prod |T^|^2, as a sum without cancellation where no vehicle's gain is above 1.
-  Eigen::ArrayXd pattern_margin() const {
-    Eigen::ArrayXd sum = margin.front(), product = gain.front();
-    for (std::size_t j = 1; j < gain.size(); ++j) {
-      sum += product * margin[j];
-      product *= gain[j];
-    }
-    return sum;
-  }
-};
-
-PatternNodes nodes_of(const std::vector<LinkedVehicle>& vehicles, const PatternGain& gain, bool with_margin,
-                      int refinement) {
-  std::vector<std::complex<double>> singular;
-  double delay = 1.0;
-  for (const LinkedVehicle& vehicle : vehicles) {
-    for (const std::complex<double>& w : vehicle.pole_frequencies()) singular.push_back(w);
-    delay = std::max(delay, static_cast<double>(vehicle.vehicle().link.delay));
-  }
-  if (with_margin) {
-    for (const std::complex<double>& w : gain.margin_frequencies()) singular.push_back(w);
-  }
-  std::vector<double> peaks = with_margin ? std::vector<double>() : gain.critical_frequencies();
-  peaks.push_back(0.0);
-  const int of_delay = static_cast<int>(std::ceil(std::log2(std::max(1.0, delay / 16.0))));
-  const Quadrature rule = half_circle_quadrature(singular, peaks, refinement + of_delay);
-  const auto count = static_cast<Eigen::Index>(rule.node.size());
-  PatternNodes nodes;
-  nodes.weight = Eigen::Map<const Eigen::ArrayXd>(rule.weight.data(), count);
-  for (const LinkedVehicle& vehicle : vehicles) {
-    for (auto* values : {&nodes.gain, &nodes.margin, &nodes.loss_gain, &nodes.innovation, &nodes.noise,
-                         &nodes.complement, &nodes.headway})
-      values->emplace_back(count);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const LinkedVehicleValue value = vehicle.at(rule.node[static_cast<std::size_t>(k)]);
-      nodes.gain.back()(k) = value.gain;
-      nodes.margin.back()(k) = value.margin;
-      nodes.loss_gain.back()(k) = value.loss_gain;
-      nodes.innovation.back()(k) = value.innovation;
-      nodes.noise.back()(k) = value.noise;
-      nodes.complement.back()(k) = value.complement;
-      nodes.headway.back()(k) = value.headway;
-    }
-  }
-  return nodes;
-}
-
 /// sigma^2 and P of one follower behind a predecessor of this spectrum, and its own spectrum.
-double pass(const PatternNodes& nodes, const LinkedVehicle& vehicle, std::size_t j, double speed,
+double pass(const PatternSpectra& spectra, const LinkedVehicle& vehicle, std::size_t j, double speed,
             Eigen::ArrayXd& spectrum) {
   const double ebar = speed * vehicle.mean_innovation();
   const double sigma =
       !vehicle.has_losses()
           ? 0.0
           : vehicle.loss_factor() *
-                (nodes.mean(nodes.innovation[j] * (spectrum + nodes.noise[j])) + ebar * ebar);
-  const Eigen::ArrayXd added = nodes.gain[j] * nodes.noise[j] + nodes.loss_gain[j] * sigma;
-  const double variance = nodes.mean(nodes.complement[j] * spectrum + nodes.headway[j] * added);
-  spectrum = nodes.gain[j] * spectrum + added;
+                (spectra.mean(spectra.innovation[j] * (spectrum + spectra.noise[j])) + ebar * ebar);
+  const Eigen::ArrayXd added = spectra.gain[j] * spectra.noise[j] + spectra.loss_gain[j] * sigma;
+  const double variance = spectra.mean(spectra.complement[j] * spectrum + spectra.headway[j] * added);
+  spectrum = spectra.gain[j] * spectrum + added;
   return variance;
 }
 
-std::vector<double> variances_by(const PatternNodes& nodes, const std::vector<LinkedVehicle>& vehicles,
+std::vector<double> variances_by(const PatternSpectra& spectra, const std::vector<LinkedVehicle>& vehicles,
                                  double speed, std::size_t followers) {
-  Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(nodes.weight.size());
+  Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.weight.size());
   std::vector<double> variances;
   for (std::size_t i = 0; i < followers; ++i) {
     const std::size_t j = i % vehicles.size();
-    const double variance = pass(nodes, vehicles[j], j, speed, spectrum);
+    const double variance = pass(spectra, vehicles[j], j, speed, spectrum);
     variances.push_back(std::isnan(variance) ? kInfinity : variance);
     if (std::isinf(variances.back())) break;
   }
@@ -240,25 +95,16 @@ std::vector<double> refined(const Values& values) {
   return coarse;
 }
 
-/// |T^|^2 from after vehicle `from` to after vehicle `to`, and the vehicles between them left out: of a way that
-/// begins with the vehicle behind `from` and ends with the one before `to`.
-Eigen::ArrayXd between(const PatternNodes& nodes, std::size_t from, std::size_t to) {
-  const std::size_t m = nodes.gain.size();
-  Eigen::ArrayXd product = Eigen::ArrayXd::Ones(nodes.weight.size());
-  for (std::size_t j = (from + 1) % m; j != to; j = (j + 1) % m) product *= nodes.gain[j];
-  return product;
-}
-
-Eigen::MatrixXd loss_gains(const PatternNodes& nodes, const std::vector<LinkedVehicle>& vehicles) {
+Eigen::MatrixXd loss_gains(const PatternSpectra& spectra, const std::vector<LinkedVehicle>& vehicles) {
   const auto m = static_cast<Eigen::Index>(vehicles.size());
-  const Eigen::ArrayXd divisor = nodes.pattern_margin();
+  const Eigen::ArrayXd divisor = spectra.pattern_margin();
   Eigen::MatrixXd gains = Eigen::MatrixXd::Zero(m, m);
   for (std::size_t j = 0; j < vehicles.size(); ++j) {
     for (std::size_t l = 0; l < vehicles.size(); ++l) {
       if (!vehicles[j].has_losses() || !vehicles[l].has_losses()) continue;
       gains(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(l)) =
           vehicles[j].loss_factor() *
-          nodes.mean(nodes.innovation[j] * between(nodes, l, j) * nodes.loss_gain[l] / divisor);
+          spectra.mean(spectra.innovation[j] * spectra.between(l, j) * spectra.loss_gain[l] / divisor);
     }
   }
   return gains;
@@ -268,19 +114,11 @@ double radius(const Eigen::MatrixXd& gains) {
   return gains.eigenvalues().cwiseAbs().maxCoeff();
 }
 
-/// The spectrum in front of vehicle j of an endless string, where vehicle l adds added[l] to its own.
-Eigen::ArrayXd spectrum_before(const PatternNodes& nodes, std::size_t j,
-                               const std::vector<Eigen::ArrayXd>& added) {
-  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(nodes.weight.size());
-  for (std::size_t l = 0; l < added.size(); ++l) sum += between(nodes, l, j) * added[l];
-  return sum / nodes.pattern_margin();
-}
-
-std::vector<double> limits_by(const PatternNodes& nodes, const std::vector<LinkedVehicle>& vehicles,
+std::vector<double> limits_by(const PatternSpectra& spectra, const std::vector<LinkedVehicle>& vehicles,
                               double speed) {
   const std::size_t m = vehicles.size();
   std::vector<Eigen::ArrayXd> added;
-  for (std::size_t j = 0; j < m; ++j) added.push_back(nodes.gain[j] * nodes.noise[j]);
+  for (std::size_t j = 0; j < m; ++j) added.push_back(spectra.gain[j] * spectra.noise[j]);
   Eigen::VectorXd given(static_cast<Eigen::Index>(m));
   for (std::size_t j = 0; j < m; ++j) {
     const double ebar = speed * vehicles[j].mean_innovation();
@@ -288,17 +126,17 @@ std::vector<double> limits_by(const PatternNodes& nodes, const std::vector<Linke
         !vehicles[j].has_losses()
             ? 0.0
             : vehicles[j].loss_factor() *
-                  (nodes.mean(nodes.innovation[j] * (nodes.noise[j] + spectrum_before(nodes, j, added))) +
+                  (spectra.mean(spectra.innovation[j] * (spectra.noise[j] + spectra.before(j, added))) +
                    ebar * ebar);
   }
-  const Eigen::MatrixXd gains = loss_gains(nodes, vehicles);
+  const Eigen::MatrixXd gains = loss_gains(spectra, vehicles);
   const Eigen::VectorXd sigma =
       (Eigen::MatrixXd::Identity(gains.rows(), gains.cols()) - gains).partialPivLu().solve(given);
-  for (std::size_t j = 0; j < m; ++j) added[j] += nodes.loss_gain[j] * sigma(static_cast<Eigen::Index>(j));
+  for (std::size_t j = 0; j < m; ++j) added[j] += spectra.loss_gain[j] * sigma(static_cast<Eigen::Index>(j));
   std::vector<double> limits;
   for (std::size_t j = 0; j < m; ++j)
     limits.push_back(
-        nodes.mean(nodes.complement[j] * spectrum_before(nodes, j, added) + nodes.headway[j] * added[j]));
+        spectra.mean(spectra.complement[j] * spectra.before(j, added) + spectra.headway[j] * added[j]));
   return limits;
 }
 
@@ -320,7 +158,7 @@ double loss_gain_of(const std::vector<LinkedVehicle>& vehicles, const PatternGai
   if (!any_losses(vehicles)) return 0.0;
   return refined([&](int refinement) {
            return std::vector<double>{
-               radius(loss_gains(nodes_of(vehicles, gain, true, refinement), vehicles))};
+               radius(loss_gains(PatternSpectra(vehicles, gain, true, refinement), vehicles))};
          })
       .front();
 }
@@ -388,8 +226,9 @@ void judge(const std::vector<LinkedVehicle>& vehicles, double speed, StringStabi
     return;
   }
   verdict.string_stable = true;
-  const std::vector<double> limits = refined(
-      [&](int refinement) { return limits_by(nodes_of(vehicles, gain, true, refinement), vehicles, speed); });
+  const std::vector<double> limits = refined([&](int refinement) {
+    return limits_by(PatternSpectra(vehicles, gain, true, refinement), vehicles, speed);
+  });
   verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
   verdict.reason = sentence("string stable: rho(A) = %.6g is below 1, %s is below 1 for all w > 0",
                             verdict.spectral_radius, gain_name);
@@ -404,7 +243,7 @@ std::vector<double> linked_stationary_variances(const PlatoonModel& model, std::
   if (!mean_square(vehicles).stable()) return std::vector<double>(followers, kNaN);
   const PatternGain gain(vehicles);
   return refined([&](int refinement) {
-    return variances_by(nodes_of(vehicles, gain, false, refinement), vehicles, metres_per_step(model),
+    return variances_by(PatternSpectra(vehicles, gain, false, refinement), vehicles, metres_per_step(model),
                         followers);
   });
 }
@@ -444,7 +283,7 @@ double linked_string_margin(const PlatoonModel& model) {
   if (!(least > 0.0) || grows_at_zero(vehicles, gain)) return std::min(least, 0.0);
   // Panels resolve the integrand: far from the border their first cut says enough.
   double loss_gain =
-      any_losses(vehicles) ? radius(loss_gains(nodes_of(vehicles, gain, true, 0), vehicles)) : 0.0;
+      any_losses(vehicles) ? radius(loss_gains(PatternSpectra(vehicles, gain, true, 0), vehicles)) : 0.0;
   if (std::abs(loss_gain - 1.0) < 1e-3) loss_gain = loss_gain_of(vehicles, gain);
   return std::min(
       {1.0 - worst.spectral_radius, 1.0 - worst.loss_feedback, least, 1.0 / std::max(loss_gain, 1e-3) - 1.0});
