@@ -13,6 +13,7 @@ import sys
 import tempfile
 import unittest
 import xml.dom.minidom
+import zlib
 
 import numpy as np
 
@@ -61,10 +62,18 @@ class PlotTest(unittest.TestCase):
         rows = self.rows(followers, steps) if rows is None else rows
         self.write("\n".join([heading] + rows) + "\n", name, "statistics.csv")
         summary = {"complete": True, "followers": followers, "steps": steps, "time_average": False,
-                   "realizations": COUNT, "seed": 7, "theory": {"spectral_radius": 0.5, "string_stable": True}}
+                   "realizations": COUNT, "seed": 7, "theory": {"spectral_radius": 0.5, "string_stable": True},
+                   "standard_error_of_variance": [0.25 * i for i in range(1, followers + 1)],
+                   "crc32": {"statistics": self.checksum(name, "statistics.csv"), "summary": "00000000"}}
         summary.update(changes)
         self.write(json.dumps(summary), name, "summary.json")
+        own = self.checksum(name, "summary.json")
+        self.write(json.dumps(summary).replace('"summary": "00000000"', '"summary": "{}"'.format(own)), name, "summary.json")
         return self.path(name)
+
+    def checksum(self, *names):
+        with open(self.path(*names), "rb") as file:
+            return "{:08x}".format(zlib.crc32(file.read()))
 
     def make_average(self, name="average"):
         rows = ["{},5000,4800,0.01,{},0,{}".format(i, 1.0 + i, 1.1 + i) for i in (1, 2, 3)]
@@ -248,8 +257,8 @@ class Numbers(PlotTest):
         analysis = plot.inputs.read_analysis(self.make_analysis())
         run = plot.inputs.read_run(self.make_run())
         figure = plot.string_variance.draw(plot.string_variance.pair([analysis], [run]), [])
-        bar = figure.axes[0].containers[0].lines[2][0].get_segments()[0]
-        self.assertAlmostEqual(bar[1][1] - bar[0][1], 4.0 * 2.3 * np.sqrt(2.0 / (COUNT - 1)))
+        for i, bar in enumerate(figure.axes[0].containers[0].lines[2][0].get_segments(), 1):
+            self.assertAlmostEqual(bar[1][1] - bar[0][1], 4.0 * 0.25 * i)
 
     def test_the_border_of_the_map_keeps_its_ends_and_moves_less_than_a_cell(self):
         stairs = np.array([[k // 2 + k % 2, k // 2] for k in range(41)], dtype=float)
@@ -319,6 +328,21 @@ class Errors(PlotTest):
     def test_a_summary_of_another_string(self):
         self.assert_run_refused("summary.json", "followers is 3, but statistics.csv beside it has 2",
                                 rows=self.rows(followers=2))
+
+    def test_a_byte_that_was_changed_in_either_file(self):
+        run = self.make_run(followers=2, steps=2)
+        plot.inputs.read_run(run)
+        for name in ("statistics.csv", "summary.json"):
+            written = self.read(os.path.join("run", name))
+            for at in range(len(written)):
+                damaged = bytearray(written)
+                damaged[at] ^= 1 << at % 8
+                with open(self.path("run", name), "wb") as file:
+                    file.write(damaged)
+                with self.assertRaises(plot.inputs.InputError, msg="{} byte {}".format(name, at)):
+                    plot.inputs.read_run(run)
+            with open(self.path("run", name), "wb") as file:
+                file.write(written)
 
     def test_a_summary_that_is_no_json(self):
         run = self.make_run()

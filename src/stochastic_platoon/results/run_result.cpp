@@ -4,6 +4,7 @@
 
 #include "stochastic_platoon/configuration/version.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
+#include "stochastic_platoon/io/checksum.hpp"
 #include "stochastic_platoon/io/text.hpp"
 
 namespace platoon {
@@ -35,6 +36,22 @@ nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
           {"max_abs_z_variance", agreement->max_abs_z_variance}};
 }
 
+// Of every follower's variance at the last step: what statistics.csv cannot tell where errors are not normal.
+nlohmann::json standard_errors_json(const RunOptions& run, const RunResult& result) {
+  nlohmann::json errors = nlohmann::json::array();
+  for (std::size_t i = 1; i <= run.followers; ++i) {
+    if (run.averaging() == Averaging::over_time) {
+      errors.push_back(nullptr);
+      continue;
+    }
+    const Moments& measured = result.moments[cell(i, run.steps - 1, run.steps)];
+    errors.push_back(std::isnan(measured.fourth_deviations)
+                         ? standard_error_of_variance(measured.variance(), measured.count)
+                         : standard_error_of_variance(measured));
+  }
+  return errors;
+}
+
 nlohmann::json summary_json(const Configuration& configuration, const Prediction& prediction,
                             const RunResult& result) {
   const RunOptions& run = configuration.run;
@@ -58,6 +75,7 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"positions_lost", static_cast<std::int64_t>(expected) - static_cast<std::int64_t>(received)},
           {"wall_seconds", seconds},
           {"vehicle_steps_per_second", seconds > 0.0 ? vehicle_steps / seconds : 0.0},
+          {"standard_error_of_variance", standard_errors_json(run, result)},
           {"agreement", agreement_json(measured_agreement(run, prediction, result))},
           {"theory", theory_json(prediction)}};
 }
@@ -115,11 +133,27 @@ std::string statistics_csv(const Configuration& configuration, const Prediction&
   return text;
 }
 
+namespace {
+
+// A summary's own checksum is that of its text with these in its place.
+const std::string kNoChecksum(8, '0');
+
+std::string summary_text(nlohmann::json summary, const std::string& statistics) {
+  summary["crc32"] = {{"statistics", checksum(statistics)}, {"summary", kNoChecksum}};
+  std::string text = summary.dump(2) + "\n";
+  const std::string own = "\"summary\": \"";
+  return text.replace(text.find(own) + own.size(), kNoChecksum.size(), checksum(text));
+}
+
+}  // namespace
+
 void write_results(const Configuration& configuration, const Prediction& prediction,
                    const RunResult& result) {
   const std::string& output = configuration.run.output;
-  write_atomically(output + "/statistics.csv", statistics_csv(configuration, prediction, result));
-  write_atomically(output + "/summary.json", summary_json(configuration, prediction, result).dump(2) + "\n");
+  const std::string statistics = statistics_csv(configuration, prediction, result);
+  write_atomically(output + "/statistics.csv", statistics);
+  write_atomically(output + "/summary.json",
+                   summary_text(summary_json(configuration, prediction, result), statistics));
 }
 
 }  // namespace platoon

@@ -51,7 +51,8 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
 /// Positions that the committed realizations must have brought: (N + 1)(K + 1) each.
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations);
 
-/// Writes output/statistics.csv and output/summary.json, each atomically. Throws std::runtime_error.
+/// Writes output/statistics.csv and output/summary.json, each atomically. The summary's "crc32" holds the
+/// checksum() of both, its own that of its text with "00000000" in its place: who reads them recognizes damage. Throws std::runtime_error.
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
 /// The content of statistics.csv.

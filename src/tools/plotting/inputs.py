@@ -5,14 +5,17 @@ Whatever is wrong raises InputError, which names the file and what is missing in
 
 import json
 import os
+import re
+import zlib
 from collections import namedtuple
 
 import numpy as np
 
 # A run folder. count, mean [m], variance [m^2], theoretical_mean, theoretical_variance have a row per follower and
-# a column per step (one column for time averages); steps holds the numbers of the columns.
+# a column per step (one column for time averages); steps holds the numbers of the columns. standard_error_of_variance
+# [m^2] is that of every follower at the last step, None of time averages.
 Run = namedtuple("Run", "path name steps count mean variance theoretical_mean theoretical_variance "
-                        "realizations seed complete time_average spectral_radius string_stable")
+                        "standard_error_of_variance realizations seed complete time_average spectral_radius string_stable")
 
 # What `analyze --json` wrote: a path, a name for labels and the document itself.
 Analysis = namedtuple("Analysis", "path name document")
@@ -150,20 +153,35 @@ def read_run(path):
     if not os.path.isdir(path):
         reason = "must be a run's folder" if os.path.exists(path) else "no such folder"
         raise InputError("{}: {}".format(path, reason))
-    steps, table = read_statistics(os.path.join(path, "statistics.csv"))
-    summary_path = os.path.join(path, "summary.json")
+    statistics_path, summary_path = (os.path.join(path, name) for name in ("statistics.csv", "summary.json"))
+    steps, table = read_statistics(statistics_path)
     summary = read_json(summary_path)
+    require_undamaged(statistics_path, summary_path, summary)
     if number(summary_path, summary, "followers") != table["mean"].shape[0]:
         raise InputError("{}: followers is {}, but statistics.csv beside it has {}".format(
             summary_path, summary["followers"], table["mean"].shape[0]))
+    time_average = truth(summary_path, summary, "time_average")
     return Run(path=path, name=os.path.basename(os.path.abspath(path)), steps=steps,
                realizations=int(np.nan_to_num(number(summary_path, summary, "realizations"))),
                seed=lookup(summary_path, summary, "seed"),
+               standard_error_of_variance=None if time_average else numbers(
+                   summary_path, summary, "standard_error_of_variance"),
                complete=truth(summary_path, summary, "complete"),
-               time_average=truth(summary_path, summary, "time_average"),
+               time_average=time_average,
                spectral_radius=number(summary_path, summary, "theory.spectral_radius"),
                string_stable=lookup(summary_path, summary, "theory.string_stable") is not None and
                truth(summary_path, summary, "theory.string_stable"), **table)
+
+
+def require_undamaged(statistics_path, summary_path, summary):
+    """The checksums in a summary are those of both files' bytes; its own is taken with zeros in its place."""
+    with open(summary_path, "rb") as file:
+        blank = re.sub(b'("summary": ")[0-9a-f]{8}"', b'\\g<1>00000000"', file.read())
+    with open(statistics_path, "rb") as file:
+        statistics = file.read()
+    for path, content, key in ((summary_path, blank, "crc32.summary"), (statistics_path, statistics, "crc32.statistics")):
+        if "{:08x}".format(zlib.crc32(content)) != lookup(summary_path, summary, key):
+            raise InputError("{}: is not as it was written: damaged, or changed by hand".format(path))
 
 
 def read_analysis(path):

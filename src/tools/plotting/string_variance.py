@@ -63,12 +63,12 @@ def draw_measured(axes, shown, name, colour, marker):
     """Draws the variances of the run's last step; returns what the legend shows."""
     run = shown.run
     at = style.thinned(run.mean.shape[0], style.MANY)
-    variance, count = run.variance[at, -1], run.count[at, -1]
+    variance = run.variance[at, -1]
     last = style.spaced(int(run.steps[-1]))
     look = {"color": colour, "markersize": 4.5, "markerfacecolor": "white"}
     if run.time_average:
         return axes.plot(at + 1, variance, marker, label="{}: time average up to step {}".format(name, last), **look)
-    errors = SHOWN_ERRORS * style.standard_error_of_variance(variance, count)
+    errors = SHOWN_ERRORS * run.standard_error_of_variance[at]
     legend = [axes.errorbar(
         at + 1, variance, yerr=errors, fmt=marker, capsize=2.5, elinewidth=1.0,
         label="{}: measured at step {}, $\\pm${} standard errors".format(name, last, SHOWN_ERRORS), **look)]

@@ -9,6 +9,7 @@
 #include "../paper_run.hpp"
 #include "../temporary_folder.hpp"
 #include "result_with.hpp"
+#include "stochastic_platoon/io/checksum.hpp"
 #include "stochastic_platoon/statistics/ensemble_statistics.hpp"
 
 namespace platoon {
@@ -107,6 +108,40 @@ TEST(WriteResults, PutsEveryKeyIntoTheSummary) {
   EXPECT_EQ(keys_of(summary["theory"]),
             (std::set<std::string>{"spectral_radius", "peak_gain", "mean_square_stable", "string_stable",
                                    "stationary_variance", "limit_variance"}));
+}
+
+// Of zlib.crc32(b"123456789"), the check value of CRC-32.
+TEST(Checksum, IsCrc32) {
+  EXPECT_EQ(checksum("123456789"), "cbf43926");
+}
+
+TEST(WriteResults, PutsTheChecksumsOfBothFilesIntoTheSummary) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  const Prediction prediction = predict(configuration);
+  const nlohmann::json summary =
+      written(configuration, prediction, result_with(configuration, prediction)).summary;
+  EXPECT_EQ(summary["crc32"]["statistics"], checksum(content_of(folder.path() + "/statistics.csv")));
+  std::string text = content_of(folder.path() + "/summary.json");
+  const std::string own = summary["crc32"]["summary"];
+  text.replace(text.find(own), own.size(), "00000000");
+  EXPECT_EQ(own, checksum(text));
+}
+
+// Errors that are not normal: the fourth deviations say how far a variance may be off.
+TEST(WriteResults, PutsTheStandardErrorsOfTheVariancesIntoTheSummary) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  const Prediction prediction = predict(configuration);
+  RunResult result = result_with(configuration, prediction);
+  Moments& last = result.moments[cell(2, 2, 3)];
+  const double gaussian = standard_error_of_variance(last.variance(), last.count);
+  EXPECT_EQ(written(configuration, prediction, result).summary["standard_error_of_variance"][1], gaussian);
+  last.cubed_deviations = 0.0;
+  last.fourth_deviations = 9.0 * last.variance() * last.variance() * static_cast<double>(last.count);
+  const double own = written(configuration, prediction, result).summary["standard_error_of_variance"][1];
+  EXPECT_EQ(own, standard_error_of_variance(last));
+  EXPECT_GT(own, 1.5 * gaussian);
 }
 
 TEST(WriteResults, PutsTheRunsFiguresIntoTheSummary) {
