@@ -1,8 +1,12 @@
 #include "stochastic_platoon/configuration/configuration.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "stochastic_platoon/configuration/settings.hpp"
 #include "stochastic_platoon/configuration/version.hpp"
 #include "stochastic_platoon/io/digest.hpp"
+#include "stochastic_platoon/io/text.hpp"
 
 namespace platoon {
 
@@ -17,6 +21,27 @@ void require_version(Section& document, std::vector<std::string>& problems) {
   }
   const std::string version = document.text("version");
   if (version != kVersion) document.reject("version", version, std::string(kVersion) + ", this program's");
+}
+
+// followers^2 x steps of exact variances, a minute or so.
+constexpr double kMostLossResponses = 1e10;
+
+bool has_independent_losses(const PlatoonModel& model) {
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  return std::any_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& vehicle) {
+    return vehicle.link.loss && vehicle.link.loss->probability > 0.0 && vehicle.link.loss->is_independent();
+  });
+}
+
+void require_feasible_theory(const PlatoonModel& model, const RunOptions& run,
+                             std::vector<std::string>& problems) {
+  const double most =
+      std::floor(std::sqrt(kMostLossResponses / static_cast<double>(std::max<std::int64_t>(run.steps, 1))));
+  if (run.steps == 0 || static_cast<double>(run.followers) <= most || !has_independent_losses(model)) return;
+  problems.push_back(
+      formatted("run/followers: %zu: must be at most %.0f with losses and %lld steps, as every link's losses "
+                "act on every vehicle behind it (steps: 0 averages over time instead)",
+                run.followers, most, static_cast<long long>(run.steps)));
 }
 
 }  // namespace
@@ -37,6 +62,7 @@ Configuration parse_configuration(const YAML::Node& node) {
                          ", and steps above 0");
     }
   }
+  if (model) require_feasible_theory(*model, run, problems);
   if (!problems.empty()) throw ConfigurationError(problems);
   return {*model, run};
 }

@@ -214,5 +214,22 @@ TEST(Configuration, TakesLossAndDelayAsItTakesTheHeadway) {
   EXPECT_FALSE(parse_configuration(configuration_document({{"model", model}})).model.link.loss);
 }
 
+// What the losses of every link add to every vehicle behind it takes followers^2 x steps.
+TEST(ParseConfiguration, RefusesALossyStringWhoseTheoryWouldTakeHours) {
+  const std::string model = PLATOON_SOURCE_DIR "/config/paper.yaml";
+  const auto document = [&](const char* followers, const char* loss) {
+    return configuration_document(
+        {{"model", model}, {"loss", loss}, {"followers", followers}, {"steps", "100"}});
+  };
+  EXPECT_EQ(
+      problems_of([&] { parse_configuration(document("10001", "0.1")); }),
+      Problems{
+          "run/followers: 10001: must be at most 10000 with losses and 100 steps, as every link's losses "
+          "act on every vehicle behind it (steps: 0 averages over time instead)"});
+  EXPECT_EQ(parse_configuration(document("10000", "0.1")).run.followers, 10000u);
+  EXPECT_EQ(parse_configuration(document("10001", "0")).run.followers, 10001u);
+  EXPECT_EQ(parse_configuration(document("10001", "")).run.followers, 10001u);
+}
+
 }  // namespace
 }  // namespace platoon
