@@ -5,6 +5,7 @@ import json
 import os
 import resource
 import shutil
+import struct
 import subprocess
 import time
 import unittest
@@ -142,6 +143,20 @@ class Drive(BagTest):
         self.assertLess(summary["agreement"]["max_abs_z_variance"], 4.6)
 
 
+class Damaged(BagTest):
+    def test_a_replay_of_a_changed_position_does_not_complete(self):
+        forged = os.path.join(self.folder, "forged.bag")
+        with rosbag.Bag(os.path.join(DATA, "small.bag")) as source, rosbag.Bag(forged, "w") as target:
+            for topic, message, time_ in source.read_messages():
+                if topic == "/platoon/vehicle_1/position" and message.step == 2:
+                    message.position = tuple(value + 1e-12 for value in message.position)
+                target.write(topic, message, time_)
+        terminal = self.launch("replay.launch", bag=forged)
+        terminal.wait_for_text("are not those of the positions beside them: the recording is damaged")
+        terminal.end()
+        self.assertFalse(live_platoon.completed_summary(self.output), terminal.text())
+
+
 class Killed(BagTest):
     def test_kill_9_of_the_recorder_costs_no_message(self):
         for split in (0, 1):
@@ -272,6 +287,61 @@ class SmallBag(unittest.TestCase):
 
         self.refused(self.altered("foreign.bag", forge), "vehicle_1/position: step -1 of the realizations from 4 is of another run")
         self.assertEqual(self.partial(os.path.join(self.folder, "foreign.bag"))["realizations"], 4)
+
+    def bent(self, name, change):
+        def forge(topic, message):
+            change(topic, message)
+            return 1
+
+        return self.altered(name, forge)
+
+    def test_a_position_that_was_changed_is_recognized_by_the_figures_beside_it(self):
+        def change(topic, message):
+            if topic.endswith("vehicle_2/position") and message.step == 3 and message.first_realization == 4:
+                bits = bytearray(struct.pack("<2d", *message.position))
+                bits[1] ^= 1  # the ninth lowest bit
+                message.position = struct.unpack("<2d", bits)
+
+        self.refused(self.bent("bent.bag", change),
+                     "error_statistics: the figures of step 3 are not those of the positions beside them: the recording is damaged")
+
+    def test_every_value_that_was_changed_is_recognized(self):
+        """One bit of one position after the other, of which none makes another number unnoticed."""
+        with open(os.path.join(DATA, "small_statistics.csv"), "rb") as file:
+            right = file.read()
+        with open(self.small, "rb") as file:
+            content = file.read()
+        values = set()
+        with rosbag.Bag(self.small) as bag:
+            for topic, message, _ in bag.read_messages():
+                if topic.endswith("/position"):
+                    values.update(message.position)
+        places = sorted({content.find(struct.pack("<d", value)) for value in values if value != 0.0} - {-1})
+        self.assertGreater(len(places), 20)
+        recognized = 0
+        path = os.path.join(self.folder, "bent.bag")
+        for count, at in enumerate(places):
+            bent = bytearray(content)
+            bent[at + count % 7] ^= 1 << count % 8
+            with open(path, "wb") as file:
+                file.write(bent)
+            result = bag_statistics(path, "--csv")
+            if result.returncode == 0:
+                self.assertEqual(result.stdout.encode(), right, "byte {}".format(at + count % 7))
+            recognized += result.returncode == 1
+        self.assertGreater(recognized, 0.9 * len(places))
+
+    def test_a_leader_that_is_not_at_one_place_is_refused(self):
+        def change(topic, message):
+            if topic.endswith("vehicle_0/position") and message.step == 2 and message.first_realization == 0:
+                message.position = (message.position[0] + 1e-9,) + tuple(message.position[1:])
+
+        bag = self.bent("leader.bag", change)
+        result = subprocess.run([live_platoon.executable("configure"), "--bag", bag, "--recorded-leader", "true", "--hosting",
+                                 "one_process", "--output", self.folder + "/out"], stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, universal_newlines=True)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("is damaged: the leader is not at one place at step 2", result.stderr)
 
     def test_a_bag_of_two_runs_is_refused(self):
         from std_msgs.msg import String

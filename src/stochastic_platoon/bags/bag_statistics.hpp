@@ -1,25 +1,13 @@
 #pragma once
 
-#include <map>
-#include <memory>
-#include <optional>
-#include <set>
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/bags/bag_reader.hpp"
-#include "stochastic_platoon/results/run_statistics.hpp"
+#include "stochastic_platoon/bags/run_reading.hpp"
 
 namespace platoon {
-
-/// What a bag's positions amount to.
-struct BagStatistics {
-  Configuration configuration;  ///< of the run that was recorded
-  RunResult result;             ///< of the whole batches in the bag
-  /// What is missing, duplicated or foreign: by topic and step, at most some of each.
-  std::vector<std::string> findings;
-  std::set<std::string> foreign_topics;  ///< of other names or types: passed over
-};
 
 /// Runs the positions of a recorded platoon through the same statistics as the monitor's.
 ///
@@ -28,12 +16,6 @@ struct BagStatistics {
 /// and for a bag that cannot be read so.
 BagStatistics statistics_of_bags(const std::vector<std::string>& files, bool partial,
                                  const std::function<void(std::uint64_t, std::uint64_t)>& progress);
-
-/// A recorded run.
-struct RecordedPlatoon {
-  Configuration configuration;
-  std::string name_space;  ///< of its platoon, "/platoon"
-};
 
 /// What the bags were recorded with. Throws BagError when they hold none or more than one run, or one of
 /// another version of this package.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "stochastic_platoon/bags/bag_reader.hpp"
+#include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 
@@ -26,11 +28,17 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration
       options_(options),
       stream_(options.bags,
               [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::position; }),
+      reading_(recorded_platoon(options.bags)),
       upcoming_(stream_.next()),
       paused_at_(options.paused ? std::optional<double>(now()) : std::nullopt) {
   for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
     positions_[i] = platoon.advertise<Position>(position_topic(i), kUnboundedQueue);
   }
+  BagContent figures;
+  figures.error_statistics = [this](const PlatoonTopic& topic, const auto& message) {
+    reading_.take(topic, message);
+  };
+  read_bags(options.bags, figures);
   if (upcoming_) first_stamp_ = upcoming_->message->header.stamp;
   const boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)> set_paused =
       [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
@@ -79,10 +87,20 @@ void Player::play() {
   while (upcoming_ && may_publish(*upcoming_->message)) {
     const auto position = positions_.find(upcoming_->topic.vehicle);
     const bool left_out = since_first(*upcoming_->message) < options_.start;
-    upcoming_->message->run = run_;
-    if (position != positions_.end() && !left_out) position->second.publish(upcoming_->message);
+    const RecordedPosition due = *upcoming_;
+    reading_.take(due.topic, due.message);
     upcoming_ = stream_.next();
+    if (!upcoming_ && !is_as_recorded()) return;
+    due.message->run = run_;
+    if (position != positions_.end() && !left_out) position->second.publish(due.message);
   }
+}
+
+// Says what is not.
+bool Player::is_as_recorded() const {
+  const std::vector<std::string> changed = reading_.changed_figures();
+  if (!changed.empty()) ROS_FATAL_STREAM(options_.bags.front() << ": error_statistics: " << changed.front());
+  return changed.empty();
 }
 
 }  // namespace platoon

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "stochastic_platoon/bags/bag_stream.hpp"
+#include "stochastic_platoon/bags/run_reading.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
 
 namespace platoon {
@@ -23,19 +24,22 @@ struct PlayerOptions {
 
 /// Plays the positions of all vehicles of a recorded platoon, in the place of the vehicles, as messages of the
 /// present run. It goes no further ahead of the monitor's progress than the leader would, so nothing is lost
-/// at any rate.
+/// at any rate. The last message is kept back when the figures recorded beside the positions are not theirs: a
+/// replay of a damaged bag does not complete.
 ///
 /// Subscribes: progress (stochastic_platoon/Progress). Publishes: vehicle_<i>/position
 /// (stochastic_platoon/Position). Offers: ~pause_playback (std_srvs/SetBool), as
 /// rosbag play does.
 class Player {
 public:
+  /// Throws BagError as recorded_platoon() does.
   Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration& configuration,
          const PlayerOptions& options);
 
 private:
   void receive(const stochastic_platoon::Progress::ConstPtr& message);
   void play();
+  bool is_as_recorded() const;
   double since_first(const stochastic_platoon::Position& message) const;
   bool may_publish(const stochastic_platoon::Position& message) const;
 
@@ -44,6 +48,7 @@ private:
   std::int64_t window_;
   PlayerOptions options_;
   BagStream stream_;
+  RunReading reading_;  ///< of all that was read, whether it is published or not
   std::optional<RecordedPosition> upcoming_;
   std::map<std::size_t, ros::Publisher> positions_;  ///< by vehicle
   bool heard_ = false;                               ///< the monitor has reported
