@@ -4,10 +4,12 @@
 platoon_packages=(
   cmake g++ make
   ros-core rosbash ros-message-generation ros-message-runtime libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev libvisualization-msgs-dev ros-std-msgs
+  libdiagnostic-updater-dev libdiagnostic-msgs-dev libtf2-msgs-dev
   libboost-program-options-dev libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev
   python3-matplotlib python3-numpy
 )
 platoon_test_packages=(
+  python3-diagnostic-msgs
   catkin-lint catkin-tools clang-format-14 iproute2
   libgtest-dev librandom123-dev librostest-dev python3-mpmath python3-rostest librosbag-dev python3-rosbag
 )

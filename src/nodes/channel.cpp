@@ -9,6 +9,7 @@
 #include "stochastic_platoon/graph/recorder.hpp"
 #include "stochastic_platoon/hosting/receiving_thread.hpp"
 #include "stochastic_platoon/hosting/run_component.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace {
 
@@ -17,11 +18,17 @@ void run(ros::NodeHandle platoon, const platoon::Configuration& configuration,
   std::unique_ptr<platoon::Recorder> recorder;
   if (!configuration.run.record.empty())
     recorder = std::make_unique<platoon::Recorder>(platoon, configuration, superseded.join());
+  const ros::NodeHandle watched = platoon;
   platoon::ReceivingThread receiving_thread;
   platoon.setCallbackQueue(&receiving_thread);
   const auto followers = static_cast<std::uint32_t>(configuration.run.followers);
-  const platoon::Channel channel(platoon, configuration, 1, followers, platoon::MessagePool(),
+  const auto told =
+      std::make_shared<platoon::Snapshots>(watched, platoon::kPredecessorSnapshotTopic, followers);
+  const platoon::Channel channel(platoon, configuration, 1, followers, platoon::MessagePool(), told,
                                  superseded.join());
+  platoon::Diagnostics diagnostics(watched);
+  diagnostics.add("channel", platoon::vital_signs(channel.sources()));
+  if (recorder) diagnostics.add("recorder", platoon::vital_signs(recorder->sources()));
   superseded.spin();
   if (recorder) recorder->stop();
 }

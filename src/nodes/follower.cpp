@@ -31,11 +31,13 @@ std::optional<platoon::Configuration> present_run(const ros::NodeHandle& platoon
 
 void run(ros::NodeHandle platoon) {
   const std::uint32_t index = read_index();
+  platoon::Diagnostics diagnostics(platoon);
   platoon::ReceivingThread receiving_thread;
   platoon.setCallbackQueue(&receiving_thread);
   const platoon::Follower follower(
       platoon, present_run(platoon, index), index, platoon::MessagePool(),
       [](const platoon::Configuration& joined) { platoon::keep_freed_memory(joined.run, 1); });
+  diagnostics.add("follower", platoon::vital_signs(follower.sources()));
   platoon::Superseded().spin();
 }
 

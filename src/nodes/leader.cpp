@@ -7,6 +7,8 @@ namespace {
 void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
          platoon::Superseded& superseded) {
   const platoon::Leader leader(platoon, configuration, superseded.join());
+  platoon::Diagnostics diagnostics(platoon);
+  diagnostics.add("leader", leader.status());
   superseded.spin();
 }
 

@@ -8,6 +8,8 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
          platoon::Superseded& superseded) {
   const auto all_on_one = [&platoon](std::size_t) { return platoon; };
   platoon::Monitor monitor(platoon, configuration, all_on_one, superseded.join());
+  platoon::Diagnostics diagnostics(platoon);
+  diagnostics.add("monitor", monitor.status());
   superseded.spin();
   monitor.stop();
 }

@@ -18,6 +18,7 @@ inline Configuration paper_run(const std::string& output, double headway = 3.2) 
   run.hosting = Hosting::processes;
   run.output = output;
   run.launch_id = "this launch";
+  run.number = 1;
   run.window = 4;
   run.stall_timeout = 2.0;
   return {paper_platoon(headway), run};

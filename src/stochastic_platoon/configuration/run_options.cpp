@@ -76,6 +76,8 @@ RunOptions read_run_options(Section section) {
   options.record_split_mb = section.integer("record_split_mb", 0, 1 << 30);
   options.record_compression = section.choice("record_compression", {"none", "lz4"});
   options.launch_id = section.text("launch_id");
+  options.number =
+      section.has("run_number") ? static_cast<std::uint64_t>(section.integer("run_number", 1, kMaxCount)) : 1;
   options.window = section.integer("window", 0, 1 << 20);
   options.stall_timeout = section.number("stall_timeout", kStallTimeout);
   if (options.stall_timeout < kShortestStall)
@@ -116,23 +118,25 @@ std::size_t RunOptions::longest_lead() const {
 }
 
 nlohmann::json to_json(const RunOptions& options) {
-  return {{"followers", options.followers},
-          {"steps", options.steps},
-          {"realizations", options.realizations},
-          {"batch", options.batch},
-          {"rate", options.rate},
-          {"seed", options.seed},
-          {"hosting", to_string(options.hosting)},
-          {"output", options.output},
-          {"resume", options.resume},
-          {"first_realization", options.first_realization},
-          {"record", options.record},
-          {"record_split_mb", options.record_split_mb},
-          {"record_compression", options.record_compression},
-          {"launch_id", options.launch_id},
-          {"window", options.window},
-          {"stall_timeout", options.stall_timeout},
-          {"burn_in", options.burn_in}};
+  nlohmann::json document = {{"followers", options.followers},
+                             {"steps", options.steps},
+                             {"realizations", options.realizations},
+                             {"batch", options.batch},
+                             {"rate", options.rate},
+                             {"seed", options.seed},
+                             {"hosting", to_string(options.hosting)},
+                             {"output", options.output},
+                             {"resume", options.resume},
+                             {"first_realization", options.first_realization},
+                             {"record", options.record},
+                             {"record_split_mb", options.record_split_mb},
+                             {"record_compression", options.record_compression},
+                             {"launch_id", options.launch_id},
+                             {"window", options.window},
+                             {"stall_timeout", options.stall_timeout},
+                             {"burn_in", options.burn_in}};
+  if (options.number > 1) document["run_number"] = options.number;
+  return document;
 }
 
 }  // namespace platoon

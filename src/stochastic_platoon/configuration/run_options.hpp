@@ -35,7 +35,9 @@ struct RunOptions {
   std::string launch_id;  ///< names one launch: a checkpoint of the same launch is always gone on from
   std::int64_t window;    ///< steps that may be unacknowledged, >= 1
   double stall_timeout;   ///< [s]
-  std::int64_t burn_in;   ///< steps left out of the time averages of an endless run
+  std::uint64_t
+      number;  ///< which run of its launch it is: 1, and one more with every change of an endless run
+  std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
 
   /// Who has to acknowledge every step.
   std::vector<std::string> receivers() const;

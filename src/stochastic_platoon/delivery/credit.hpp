@@ -50,6 +50,9 @@ public:
 
   std::uint32_t attempt() const { return attempt_; }
 
+  /// Steps of the attempt that are published and not acknowledged by all.
+  std::int64_t unacknowledged() const { return published_ - (attempt_ > 0 ? acknowledged() : 0); }
+
 private:
   struct Receiver {
     std::optional<Acknowledgement> latest;

@@ -11,19 +11,20 @@ namespace platoon {
 using stochastic_platoon::Position;
 
 Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first,
-                 std::uint32_t last, const MessagePool& messages, RunMembership::Join superseded)
-    : membership_(platoon, "channel", run_identity(configuration), std::move(superseded)),
-      schedule_(configuration.run.schedule()),
-      messages_(messages) {
+                 std::uint32_t last, const MessagePool& messages, std::shared_ptr<Snapshots> told,
+                 RunMembership::Join superseded)
+    : superseded_(std::move(superseded)),
+      run_(configuration.run),
+      membership_(platoon, "channel", 0, [this](const Configuration& joined) { begin(joined); }),
+      messages_(messages),
+      told_(std::move(told)) {
   for (std::uint32_t i = first; i <= last; ++i) {
-    Link link(configuration.model, configuration.run.seed, i);
-    const std::optional<MessageOrder> order =
-        link.keeps_state() ? std::make_optional(MessageOrder(schedule_)) : std::nullopt;
-    wires_.push_back({std::move(link), order, SolePublisher(platoon.resolveName(position_topic(i - 1))),
-                      DropCounter(platoon.resolveName(position_topic(i - 1)) + " (channel)"),
-                      platoon.advertise<Position>(predecessor_position_topic(i), kUnboundedQueue),
-                      ros::Subscriber()});
+    wires_.push_back(
+        {i, std::nullopt, std::nullopt, SolePublisher(platoon.resolveName(position_topic(i - 1))),
+         DropCounter(platoon.resolveName(position_topic(i - 1)) + " (channel)"), Activity(),
+         platoon.advertise<Position>(predecessor_position_topic(i), kUnboundedQueue), ros::Subscriber()});
   }
+  membership_.join(configuration);
   for (std::uint32_t i = first; i <= last; ++i) {
     Wire& wire = wires_[i - first];
     const boost::function<void(const PositionEvent&)> receive = [this, &wire](const PositionEvent& event) {
@@ -34,20 +35,44 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
   }
 }
 
+void Channel::begin(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
+  if (run.followers != run_.followers || run.batch != run_.batch || run.record != run_.record) {
+    over_ = true;
+    return superseded_(configuration);
+  }
+  run_ = run;
+  told_->set_paced(run.rate > 0.0);
+  for (Wire& wire : wires_) {
+    wire.link.emplace(configuration.model, run.seed, wire.follower);
+    wire.order.reset();
+    if (wire.link->keeps_state()) wire.order.emplace(run.schedule());
+  }
+}
+
+VitalSigns::Sources Channel::sources() const {
+  VitalSigns::Sources all;
+  for (const Wire& wire : wires_) all.emplace_back(&wire.activity, &wire.drops);
+  return all;
+}
+
 void Channel::transmit(Wire& wire, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
   const MessageId id = id_of(*message);
   if (!membership_.admits(message->run))
     return wire.drops.count(Verdict::foreign_run, id, message->position.size());
-  if (!wire.sender.admits(event.getConnectionHeaderPtr(), message->run)) return;
+  if (over_ || !wire.sender.admits(event.getConnectionHeaderPtr(), message->run)) return;
   if (wire.order) {
     const Verdict verdict = wire.order->receive(heading_of(*message));
     if (verdict != Verdict::in_turn) return wire.drops.count(verdict, id, message->position.size());
   }
+  wire.activity.count(id);
   const auto received = messages_.take();
   received->header = message->header;
   set_id(message->run, id, *received);
-  wire.link.transmit(id.step, first_noise_realization(schedule_, id), message->position, received->position);
+  wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), message->position,
+                      received->position);
+  if (told_->wanted()) told_->take(wire.follower - 1, *received);
   publish(wire.received, received);
 }
 

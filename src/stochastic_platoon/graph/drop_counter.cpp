@@ -6,6 +6,11 @@
 
 namespace platoon {
 
+std::uint64_t DropCounter::faults() const {
+  return of(Verdict::out_of_turn) + of(Verdict::wrong_size) + of(Verdict::not_finite) +
+         of(Verdict::foreign_run);
+}
+
 void DropCounter::count(Verdict verdict, const MessageId& id, std::size_t size) {
   ++counts_[static_cast<std::size_t>(verdict)];
   if (verdict == Verdict::stale || verdict == Verdict::missed_start || verdict == Verdict::in_turn) return;

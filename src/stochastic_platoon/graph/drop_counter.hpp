@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stochastic_platoon/delivery/message_order.hpp"
+#include "stochastic_platoon/graph/activity.hpp"
 
 namespace platoon {
 
@@ -18,11 +19,14 @@ public:
 
   void count(Verdict verdict, const MessageId& id, std::size_t size);
 
-  std::uint64_t of(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
+  std::uint64_t of(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)].get(); }
+
+  /// Those that are not to be expected.
+  std::uint64_t faults() const;
 
 private:
   std::string topic_;
-  std::array<std::uint64_t, kVerdicts> counts_{};
+  std::array<Shown<std::uint64_t>, kVerdicts> counts_{};
   std::optional<double> last_said_;  ///< [s]
 };
 

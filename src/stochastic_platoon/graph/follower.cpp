@@ -54,6 +54,7 @@ void Follower::receive(const PositionEvent& event) {
     if (has_missed(verdict, id)) membership_.tell_missed(id.attempt);
     return drops_.count(verdict, id, heading.size);
   }
+  activity_.count(id);
   const ros::Time stamp = message->header.stamp;
   if (id.step == kInitialStep) {
     const auto initial = messages_.take();

@@ -9,6 +9,7 @@
 
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/message_order.hpp"
+#include "stochastic_platoon/graph/diagnostics.hpp"
 #include "stochastic_platoon/graph/drop_counter.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
 #include "stochastic_platoon/graph/sole_publisher.hpp"
@@ -36,6 +37,9 @@ public:
   Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index,
            const MessagePool& messages, Joined joined = {});
 
+  /// What it has taken and dropped.
+  VitalSigns::Sources sources() const { return {{&activity_, &drops_}}; }
+
 private:
   /// What it is within one run.
   struct Part {
@@ -57,6 +61,7 @@ private:
   std::optional<Part> part_;
   SolePublisher predecessor_;
   DropCounter drops_;
+  Activity activity_;
   MessagePool messages_;
   ros::Publisher position_;
   ros::Subscriber predecessor_position_;

@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
@@ -33,31 +34,56 @@ constexpr double kWatchPeriod = 0.02;  // [s]
 }  // namespace
 
 Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded)
-    : membership_(platoon, "vehicle_0", run_identity(configuration), std::move(superseded)),
-      schedule_(configuration.run.schedule()),
-      period_(platoon_period(configuration.model.sample_period)),
-      window_(configuration.run.window),
-      paced_(configuration.run.rate > 0.0),
-      credit_(schedule_, {window_, configuration.run.stall_timeout, first_step_timeout(configuration.run)},
-              configuration.run.receivers()),
-      vehicle_(configuration.model),
+    : platoon_(platoon),
+      run_(configuration.run),
+      schedule_(run_.schedule()),
+      paced_(run_.rate > 0.0),
+      superseded_(std::move(superseded)),
+      membership_(platoon, "vehicle_0", 0, [this](const Configuration& joined) { begin(joined); }),
       position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
-      progress_(platoon.subscribe(kProgressTopic, kUnboundedQueue, &Leader::receive, this, no_delay())) {
-  for (const std::string& name : configuration.run.receivers())
-    reporters_.emplace(name, SolePublisher(platoon.resolveName(kProgressTopic) + " of " + name));
+      orders_(platoon, [this](const LeaderOrders::Order& order) { return obey(order); }) {
+  membership_.join(configuration);
+  progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &Leader::receive, this, no_delay());
   stall_timer_ = platoon.createSteadyTimer(ros::WallDuration(kWatchPeriod), [this](const auto&) { watch(); });
   if (paced_) {
-    pace_timer_ = platoon.createSteadyTimer(ros::WallDuration(1.0 / configuration.run.rate),
-                                            [this](const auto&) { publish_one(); });
+    pace_timer_ =
+        platoon.createSteadyTimer(ros::WallDuration(1.0 / run_.rate), [this](const auto&) { publish_one(); });
   }
+}
+
+void Leader::begin(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
+  if (run.batch != run_.batch || run.rate != run_.rate || run.receivers() != run_.receivers()) {
+    over_ = true;
+    return superseded_(configuration);
+  }
+  run_ = run;
+  schedule_ = run.schedule();
+  part_.emplace(
+      Part{Credit(schedule_, {run.window, run.stall_timeout, first_step_timeout(run)}, run.receivers()),
+           LeaderVehicle(configuration.model),
+           platoon_period(configuration.model.sample_period),
+           paced_ && run.number == 1,
+           {}});
+  for (const std::string& name : run.receivers())
+    part_->reporters.emplace(name, SolePublisher(platoon_.resolveName(kProgressTopic) + " of " + name));
+}
+
+std::string Leader::obey(const LeaderOrders::Order& order) {
+  if (run_.averaging() == Averaging::over_realizations) {
+    throw std::runtime_error(
+        "refused: in a run of many realizations the leader drives by the model file (leader/speed there); an "
+        "endless run (live.launch, steps:=0) takes orders");
+  }
+  return order(part_->vehicle.manoeuvre());
 }
 
 void Leader::receive(const ros::MessageEvent<const Progress>& event) {
   const Progress::ConstPtr message = event.getMessage();
-  if (!membership_.admits(message->run)) return;
+  if (!membership_.admits(message->run) || over_) return;
   const Acknowledgement report{message->attempt, message->first_realization, message->step};
-  const auto reporter = reporters_.find(message->receiver);
-  if (reporter != reporters_.end()) {
+  const auto reporter = part_->reporters.find(message->receiver);
+  if (reporter != part_->reporters.end()) {
     if (!reporter->second.admits(event.getConnectionHeaderPtr(), message->run)) return;
     if (!may_be_reported(schedule_, report)) {
       ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report of \""
@@ -67,9 +93,9 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
       return;
     }
   }
-  if (!credit_.acknowledge(message->receiver, report, now(), message->messages)) {
+  if (!part_->credit.acknowledge(message->receiver, report, now(), message->messages)) {
     if (message->note.rfind(kMissed, 0) == 0) {
-      credit_.give_up(message->attempt, now());
+      part_->credit.give_up(message->attempt, now());
       return publish_allowed();
     }
     const bool notice = !message->note.empty();  // of a vehicle that cannot take part: the monitor's business
@@ -80,26 +106,39 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
     return;
   }
   if (message->note.rfind(kHoldsUp, 0) == 0) {
-    holding_.insert(message->receiver);
+    part_->holding.insert(message->receiver);
   } else {
-    holding_.erase(message->receiver);
+    part_->holding.erase(message->receiver);
   }
-  if (paced_ && credit_.attempt() == 0 && message->attempt == 0 && !begin_) begin_ = now() + kObserverTime;
+  if (part_->waits_for_observers && part_->credit.attempt() == 0 && message->attempt == 0 && !part_->begin)
+    part_->begin = now() + kObserverTime;
   // After a restart time goes on past everything that may still be on its way.
   ros::Time seen = message->header.stamp;
-  if (credit_.attempt() == 0 && !seen.isZero()) {
-    for (std::int64_t step = 0; step <= window_; ++step) seen = later(seen, period_);
-    stamp_ = std::max(stamp_, seen);
+  if (part_->credit.attempt() == 0 && !seen.isZero()) {
+    for (std::int64_t step = 0; step <= run_.window; ++step) seen = later(seen, part_->period);
+    part_->stamp = std::max(part_->stamp, seen);
   }
   publish_allowed();
 }
 
 void Leader::watch() {
   // To begin again is of no use before there is room.
-  if (holding_.empty() && credit_.retry_if_stalled(now())) {
-    ROS_DEBUG_STREAM("no progress: attempt " << credit_.attempt() << " begins");
+  if (part_->holding.empty() && part_->credit.retry_if_stalled(now())) {
+    ROS_DEBUG_STREAM("no progress: attempt " << part_->credit.attempt() << " begins");
   }
   publish_allowed();
+  window_ = run_.window;
+  unacknowledged_ = part_->credit.unacknowledged();
+}
+
+Diagnostics::Fill Leader::status() const {
+  return [this, signs = VitalSigns({{&activity_, nullptr}})](
+             diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
+    signs.add_to(status);
+    status.add("credit", std::to_string(window_.get() - unacknowledged_.get()) + " of " +
+                             std::to_string(window_.get()) + " steps");
+    status.add("unacknowledged steps", unacknowledged_.get());
+  };
 }
 
 void Leader::publish_allowed() {
@@ -108,13 +147,16 @@ void Leader::publish_allowed() {
 }
 
 bool Leader::publish_one() {
-  if (begin_ && now() < *begin_) return false;
-  const std::optional<MessageId> id = credit_.next(now());
+  if (over_ || (part_->begin && now() < *part_->begin)) return false;
+  const std::optional<MessageId> id = part_->credit.next(now());
   if (!id) return false;
-  stamp_ = later(stamp_, period_);
-  const double position = id->step == kInitialStep ? vehicle_.start() : vehicle_.step();
+  activity_.count(*id);
+  part_->stamp = later(part_->stamp, part_->period);
+  if (id->step == kInitialStep && part_->vehicle.manoeuvre().is_under_way())
+    ROS_WARN("the platoon begins again: the leader's manoeuvre is over");
+  const double position = id->step == kInitialStep ? part_->vehicle.start() : part_->vehicle.step();
   const auto message = messages_.take();
-  message->header.stamp = stamp_;
+  message->header.stamp = part_->stamp;
   set_id(membership_.run(), *id, *message);
   message->position.assign(schedule_.size(id->first_realization), position);
   platoon::publish(position_, message);

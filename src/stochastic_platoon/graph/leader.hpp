@@ -4,6 +4,7 @@
 #include <stochastic_platoon/Position.h>
 #include <stochastic_platoon/Progress.h>
 
+#include <atomic>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,6 +12,8 @@
 
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/credit.hpp"
+#include "stochastic_platoon/graph/diagnostics.hpp"
+#include "stochastic_platoon/graph/leader_orders.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
 #include "stochastic_platoon/graph/sole_publisher.hpp"
 #include "stochastic_platoon/messages/message_pool.hpp"
@@ -20,37 +23,57 @@ namespace platoon {
 
 /// Vehicle 0 as a ROS component: the closed loop behind the virtual leader, and the platoon's only clock. It
 /// publishes a step when the receivers' progress gives it credit, at most `rate` steps per second, and begins
-/// a batch again when it stalls.
+/// a batch again when it stalls. It may outlive runs of the same pace.
 ///
-/// Subscribes: progress (stochastic_platoon/Progress). Publishes: vehicle_0/position
+/// In an endless run it obeys orders: see LeaderOrders. A manoeuvre ends with its attempt.
+///
+/// Subscribes: progress (stochastic_platoon/Progress), and what LeaderOrders does. Publishes: vehicle_0/position
 /// (stochastic_platoon/Position).
 class Leader {
 public:
-  /// `superseded` is called with a configuration that has taken the present one's place.
+  /// `superseded` is called with a configuration that has taken the present one's place and is of other batches, another
+  /// pace or other receivers.
   Leader(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
+  /// A status of what it has published and of its credit.
+  Diagnostics::Fill status() const;
+
 private:
+  void begin(const Configuration& configuration);
+  std::string obey(const LeaderOrders::Order& order);
   void receive(const ros::MessageEvent<const stochastic_platoon::Progress>& event);
   void watch();
   void publish_allowed();
   bool publish_one();
 
-  RunMembership membership_;
+  /// What it is within one run.
+  struct Part {
+    Credit credit;
+    LeaderVehicle vehicle;
+    ros::Duration period;
+    bool waits_for_observers;
+    std::map<std::string, SolePublisher> reporters;  ///< by the receiver they speak for
+    std::set<std::string> holding = {};              ///< receivers that say that they hold the platoon up
+    ros::Time stamp = {};                            ///< of the latest step published; zero before the first
+    std::optional<double> begin = {};                ///< [s] no step before
+  };
+
+  ros::NodeHandle platoon_;
+  RunOptions run_;
   BatchSchedule schedule_;
-  ros::Duration period_;
-  std::int64_t window_;
   bool paced_;
-  Credit credit_;
-  std::set<std::string> holding_;                   ///< receivers that say that they hold the platoon up
-  std::map<std::string, SolePublisher> reporters_;  ///< by the receiver they speak for
-  LeaderVehicle vehicle_;
-  ros::Time stamp_;  ///< of the latest step published; zero before the first
+  RunMembership::Join superseded_;
+  std::atomic<bool> over_{false};  ///< superseded
+  RunMembership membership_;
+  std::optional<Part> part_;
   MessagePool messages_;
-  std::optional<double> begin_;  ///< [s] no step before
+  Activity activity_;
+  Shown<std::int64_t> window_, unacknowledged_;  ///< steps
   ros::Publisher position_;
   ros::Subscriber progress_;
   ros::SteadyTimer stall_timer_;
   ros::SteadyTimer pace_timer_;
+  LeaderOrders orders_;
 };
 
 }  // namespace platoon

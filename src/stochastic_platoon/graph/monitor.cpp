@@ -40,6 +40,13 @@ std::optional<Checkpoint> checkpoint_of(const Configuration& configuration) {
   return found;
 }
 
+std::vector<TrackingError> errors_of(const Configuration& configuration) {
+  std::vector<TrackingError> errors;
+  for (std::size_t i = 1; i <= configuration.run.followers; ++i)
+    errors.push_back(tracking_error(configuration.model, i));
+  return errors;
+}
+
 }  // namespace
 
 Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
@@ -49,6 +56,7 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
       membership_(platoon, "monitor", run_identity(configuration), std::move(superseded)),
       prediction_(predict(configuration)),
       statistics_(configuration, checkpoint_of(configuration)),
+      activity_(configuration.run.followers + 1),
       reports_(platoon, "monitor", configuration),
       display_(
           configuration.run.realizations, "realizations",
@@ -56,7 +64,10 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
           "vehicle-steps"),
       checkpointed_(statistics_.tally().positions_received),
       error_statistics_(platoon.advertise<ErrorStatistics>(kErrorStatisticsTopic, 1000, true)),
-      configuration_text_(platoon.advertise<std_msgs::String>(kConfigurationTopic, 1, true)) {
+      configuration_text_(platoon.advertise<std_msgs::String>(kConfigurationTopic, 1, true)),
+      snapshots_(platoon, kSnapshotTopic, configuration.run.followers + 1, errors_of(configuration)),
+      change_(platoon, configuration, [this](const Configuration& next) { membership_.join(next); }) {
+  snapshots_.set_paced(configuration.run.rate > 0.0);
   wall_seconds_before_ = statistics_.tally().wall_seconds;
   reports_.saw(statistics_.tally().platoon_time);
   std_msgs::String text;
@@ -86,6 +97,7 @@ void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_ve
 void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
   const bool of_this_run = membership_.admits(message->run);
+  if (!of_this_run && membership_.is_over()) return;
   if (of_this_run && !vehicles_[vehicle].admits(event.getConnectionHeaderPtr(), message->run)) return;
   const Heading heading = heading_of(*message);
   RunStatistics::Receipt receipt{Verdict::foreign_run, {}};
@@ -99,6 +111,8 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
     if (receipt.verdict != Verdict::in_turn)
       return drops_[vehicle].count(receipt.verdict, heading.id, heading.size);
   }
+  activity_[vehicle].count(heading.id);
+  if (snapshots_.wanted()) snapshots_.take(vehicle, *message);
   const RunStatistics::Computed computed = statistics_.compute(receipt.work);
   const Locked lock(lock_);
   const double present = now();
@@ -118,7 +132,9 @@ void Monitor::receive_note(const Progress::ConstPtr& message) {
 
 void Monitor::tick() {
   const double present = now();
-  bool began, complete;
+  change_.begin_if_asked();
+  if (membership_.is_over()) return;
+  bool began, complete, departs;
   std::uint64_t committed;
   std::string recorder;
   {
@@ -128,10 +144,12 @@ void Monitor::tick() {
     complete = statistics_.arrivals().complete();
     committed = statistics_.arrivals().committed();
     recorder = notes_["recorder"];
+    departs = statistics_.leader_departs();
   }
   if (finished_) return;
   if (complete) return finish();
   check_for_stall(present);
+  show_manoeuvre(departs);
   if (!began) return show_start(present);
   display_.set_note(recorder);
   if (endless()) {
@@ -230,10 +248,31 @@ void Monitor::check_for_stall(double present) {
     const double pace = run.rate > 0.0 ? 1.0 / run.rate + (began_ ? 0.0 : kObserverTime) : 0.0;
     const double start = began_ ? 0.0 : kStartTime * static_cast<double>(run.followers);
     change = stall_.look(present, 0.75 * run.stall_timeout + pace + start);
+    if (change != StallWatch::Change::none) stalled_ = change == StallWatch::Change::stalled;
     if (change == StallWatch::Change::stalled) who = culprit();
   }
   if (change == StallWatch::Change::stalled) ROS_WARN_STREAM("the platoon stands still: " << who);
   if (change == StallWatch::Change::moving) ROS_WARN("the platoon moves again");
+}
+
+Diagnostics::Fill Monitor::status() {
+  VitalSigns::Sources sources;
+  for (std::size_t i = 0; i < activity_.size(); ++i) sources.emplace_back(&activity_[i], &drops_[i]);
+  return [this, signs = VitalSigns(std::move(sources))](
+             diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
+    signs.add_to(status);
+    std::string who;
+    std::uint64_t committed;
+    {
+      const Locked lock(lock_);
+      if (stalled_) who = culprit();
+      committed = statistics_.arrivals().committed();
+    }
+    if (!who.empty())
+      status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, "the platoon stands still: " + who);
+    status.add("culprit", who);
+    status.add("realizations", endless() ? 1 : committed);
+  };
 }
 
 std::string Monitor::culprit() const {
@@ -272,6 +311,17 @@ void Monitor::show_start(double present) {
   const auto share = static_cast<double>(messages) / static_cast<double>(messages_of_first_step(
                                                          run.followers, run.longest_lead(), run.steps));
   display_.prepare(formatted("first step: %.0f %%", 100.0 * std::min(share, 1.0)), present);
+}
+
+void Monitor::show_manoeuvre(bool departs) {
+  if (departs == departs_) return;
+  departs_ = departs;
+  if (departs) {
+    ROS_INFO("the leader manoeuvres: averages leave out what it causes");
+  } else {
+    ROS_INFO_STREAM("the leader drives by the model file again: averages go on in "
+                    << configuration_.run.burn_in << " steps");
+  }
 }
 
 // Empty when every vehicle is there.

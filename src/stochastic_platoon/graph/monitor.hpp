@@ -13,9 +13,12 @@
 
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/stall_watch.hpp"
+#include "stochastic_platoon/graph/diagnostics.hpp"
 #include "stochastic_platoon/graph/drop_counter.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
+#include "stochastic_platoon/graph/run_change.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
+#include "stochastic_platoon/graph/snapshots.hpp"
 #include "stochastic_platoon/graph/sole_publisher.hpp"
 #include "stochastic_platoon/graph/spin_lock.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
@@ -37,7 +40,8 @@ namespace platoon {
 ///
 /// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), i = 0 .. N; progress
 /// (stochastic_platoon/Progress, of others). Publishes: progress, error_statistics
-/// (stochastic_platoon/ErrorStatistics), configuration (std_msgs/String, latched: model and run as JSON).
+/// (stochastic_platoon/ErrorStatistics), configuration (std_msgs/String, latched: model and run as JSON), snapshot
+/// (stochastic_platoon/Snapshot). Service: change_run (see RunChange).
 class Monitor {
 public:
   /// Gives the node whose queue receives the positions of a vehicle: several threads may serve these queues.
@@ -47,6 +51,9 @@ public:
   /// taken the present one's place.
   Monitor(ros::NodeHandle platoon, const Configuration& configuration, const NodeOfVehicle& node_of_vehicle,
           RunMembership::Join superseded);
+
+  /// A status of what has arrived, and of who holds the platoon up: "culprit", empty while nothing does.
+  Diagnostics::Fill status();
 
   /// Writes down what there is of an unfinished run. Call it when the callbacks have ended.
   void stop();
@@ -61,6 +68,7 @@ private:
   std::vector<std::size_t> missing_vehicles() const;
   std::string name_of_missing() const;
   void show_start(double present);
+  void show_manoeuvre(bool departs);
   void finish();
   void save_checkpoint_if_due(double present);
   bool write(double present, const std::function<void()>& work);
@@ -78,8 +86,10 @@ private:
   RunStatistics statistics_;
   std::vector<SolePublisher> vehicles_;  ///< each for the one thread that receives from the vehicle
   std::vector<DropCounter> drops_;
+  std::vector<Activity> activity_;
   ProgressReports reports_;
   StallWatch stall_;
+  bool stalled_ = false;
   std::optional<double> began_;               ///< [s] first complete step of this launch
   std::map<std::string, std::string> notes_;  ///< what other components say of themselves
 
@@ -89,11 +99,14 @@ private:
   std::optional<double> last_checkpoint_;  ///< [s]
   std::optional<double> last_statistics_;  ///< [s]
   bool finished_ = false;
+  bool departs_ = false;  ///< the leader, as last said
 
   ros::Publisher error_statistics_;
   ros::Publisher configuration_text_;  ///< latched: whoever records the platoon records what it was
   std::vector<ros::Subscriber> positions_;
   ros::Subscriber others_;
+  Snapshots snapshots_;
+  RunChange change_;
   ros::SteadyTimer timer_;
 };
 

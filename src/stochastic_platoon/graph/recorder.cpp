@@ -52,6 +52,7 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration,
       name_space_(parent_of(platoon.resolveName(kConfigurationTopic))),
       reported_(configuration.run.schedule(), streams_of(configuration.run),
                 configuration.run.first_realization, 0),
+      activity_(streams_of(configuration.run)),
       reports_(platoon, "recorder", configuration) {
   ignore_file_size_signal();
   begin();
@@ -82,6 +83,12 @@ void Recorder::begin() {
   });
 }
 
+VitalSigns::Sources Recorder::sources() const {
+  VitalSigns::Sources all;
+  for (std::size_t s = 0; s < activity_.size(); ++s) all.emplace_back(&activity_[s], &drops_[s]);
+  return all;
+}
+
 void Recorder::stop() {
   if (recording_) write([this] { recording_->stop(); });
 }
@@ -97,6 +104,7 @@ void Recorder::receive(std::size_t stream, const PositionEvent& event) {
   write([&] {
     const Verdict verdict = recording_->receive(stream, message);
     if (verdict != Verdict::in_turn) return drops_[stream].count(verdict, id, size);
+    activity_[stream].count(id);
     if (!began_) began_ = now();
     if (pause_.is_on() && recording_->bytes() > tried_at_ + kBytesOfSuccess) {
       ROS_WARN_STREAM(configuration_.run.record << ": is recorded again");

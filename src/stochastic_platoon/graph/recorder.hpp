@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "stochastic_platoon/bags/run_recording.hpp"
+#include "stochastic_platoon/graph/diagnostics.hpp"
 #include "stochastic_platoon/graph/drop_counter.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
@@ -30,6 +31,9 @@ public:
   /// Throws ConfigurationError as RunRecording does. `superseded` is called with a configuration that has
   /// taken the present one's place.
   Recorder(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
+
+  /// What it has recorded and dropped, of each topic of positions.
+  VitalSigns::Sources sources() const;
 
   /// Closes an unfinished file. Call it when the callbacks have ended.
   void stop();
@@ -54,6 +58,7 @@ private:
   std::string refusal_;         ///< by the disk, of the latest try
   std::vector<SolePublisher> publishers_;
   std::vector<DropCounter> drops_;
+  std::vector<Activity> activity_;
   std::optional<double> began_;  ///< [s] first message
   ProgressReports reports_;
   std::vector<ros::Subscriber> positions_;

@@ -50,16 +50,25 @@ std::optional<Configuration> wait_for_configuration(const ros::NodeHandle& plato
 }
 
 RunMembership::RunMembership(const ros::NodeHandle& platoon, std::string name, std::uint64_t run, Join join)
-    : platoon_(platoon), name_(std::move(name)), join_(std::move(join)), run_(run) {}
+    : platoon_(platoon),
+      name_(std::move(name)),
+      join_(std::move(join)),
+      lives_for_one_(run != 0),
+      run_(run) {}
 
 void RunMembership::join(const Configuration& configuration) {
   join_(configuration);
-  run_ = run_identity(configuration);
+  if (lives_for_one_) {
+    over_ = true;
+  } else {
+    run_ = run_identity(configuration);
+  }
 }
 
 bool RunMembership::looks_and_admits(std::uint64_t run) {
   const std::lock_guard<std::mutex> lock(looking_);
   if (run == run_) return true;
+  if (over_) return false;
   const double present = now();
   const double period = run == last_unknown_ ? kLookPeriod : kShortestLookPeriod;
   if (last_look_ && present - *last_look_ < period) return false;

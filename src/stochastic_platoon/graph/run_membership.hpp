@@ -29,7 +29,8 @@ public:
   /// std::exception when the component cannot take part: then the message is refused and the reason is told.
   using Join = std::function<void(const Configuration&)>;
 
-  /// `name` is what the component is called in messages, "vehicle_3". `run`: 0 = none yet.
+  /// `name` is what the component is called in messages, "vehicle_3". `run`: the one that the component lives for, and
+  /// no message of a later one counts; 0: it takes part in one after another, and in none yet.
   RunMembership(const ros::NodeHandle& platoon, std::string name, std::uint64_t run, Join join);
 
   /// Whether a message of this run counts. Looks at the parameter server for a run that it does not know, at
@@ -46,6 +47,9 @@ public:
 
   std::uint64_t run() const { return run_.load(std::memory_order_relaxed); }
 
+  /// Whether another run has taken the place of the one that the component lives for.
+  bool is_over() const { return over_.load(std::memory_order_relaxed); }
+
 private:
   bool looks_and_admits(std::uint64_t run);
   void refuse(std::uint64_t run, const std::string& reason);
@@ -54,7 +58,9 @@ private:
   ros::NodeHandle platoon_;
   std::string name_;
   Join join_;
+  const bool lives_for_one_;
   std::atomic<std::uint64_t> run_;
+  std::atomic<bool> over_{false};
   std::mutex looking_;
   std::uint64_t last_unknown_ = 0;
   std::optional<double> last_look_;  ///< [s]

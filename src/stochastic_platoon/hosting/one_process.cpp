@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/hosting/work_queue.hpp"
 #include "stochastic_platoon/messages/message_pool.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
@@ -49,6 +50,20 @@ private:
   std::future<void> done_;
 };
 
+namespace {
+
+template <typename Component>
+VitalSigns::Sources all_sources(const std::vector<std::unique_ptr<Component>>& components) {
+  VitalSigns::Sources all;
+  for (const auto& component : components) {
+    const VitalSigns::Sources own = component->sources();
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
+}
+
+}  // namespace
+
 OneProcess::OneProcess(const ros::NodeHandle& platoon, const Configuration& configuration,
                        std::size_t threads, const RunMembership::Join& superseded)
     : segments_(configuration.run.followers, threads) {
@@ -58,13 +73,20 @@ OneProcess::OneProcess(const ros::NodeHandle& platoon, const Configuration& conf
       last, configuration, [this](std::size_t vehicle) { return worker_of(vehicle).node(); }, superseded);
   if (!configuration.run.record.empty())
     recorder_ = std::make_unique<Recorder>(last, configuration, superseded);
+  const auto told = std::make_shared<Snapshots>(last, kPredecessorSnapshotTopic, configuration.run.followers);
   for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
     const Worker& worker = worker_of(i);
     channels_.push_back(
-        std::make_unique<Channel>(worker.node(), configuration, i, i, worker.messages(), superseded));
+        std::make_unique<Channel>(worker.node(), configuration, i, i, worker.messages(), told, superseded));
     followers_.push_back(std::make_unique<Follower>(worker.at_once(), configuration, i, worker.messages()));
   }
   leader_ = std::make_unique<Leader>(workers_.front()->node(), configuration, superseded);
+  diagnostics_ = std::make_unique<Diagnostics>(last);
+  diagnostics_->add("leader", leader_->status());
+  diagnostics_->add("followers", vital_signs(all_sources(followers_)));
+  diagnostics_->add("channel", vital_signs(all_sources(channels_)));
+  diagnostics_->add("monitor", monitor_->status());
+  if (recorder_) diagnostics_->add("recorder", vital_signs(recorder_->sources()));
 }
 
 OneProcess::~OneProcess() = default;

@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/graph/channel.hpp"
+#include "stochastic_platoon/graph/diagnostics.hpp"
 #include "stochastic_platoon/graph/follower.hpp"
 #include "stochastic_platoon/graph/leader.hpp"
 #include "stochastic_platoon/graph/monitor.hpp"
@@ -44,6 +45,7 @@ private:
   std::vector<std::unique_ptr<Channel>> channels_;
   std::vector<std::unique_ptr<Follower>> followers_;
   std::unique_ptr<Leader> leader_;
+  std::unique_ptr<Diagnostics> diagnostics_;
 };
 
 }  // namespace platoon

@@ -12,6 +12,9 @@ std::string predecessor_position_topic(std::size_t follower);  ///< "vehicle_3/p
 constexpr char kProgressTopic[] = "progress";
 constexpr char kErrorStatisticsTopic[] = "error_statistics";
 constexpr char kConfigurationTopic[] = "configuration";
+constexpr char kSnapshotTopic[] = "snapshot";
+constexpr char kPredecessorSnapshotTopic[] = "predecessor_snapshot";
+constexpr char kChangeRunService[] = "change_run";
 
 /// A topic of a platoon as bags name it: "/platoon/vehicle_3/position".
 struct PlatoonTopic {

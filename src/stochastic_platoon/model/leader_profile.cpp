@@ -29,6 +29,13 @@ LeaderProfile::LeaderProfile(const std::vector<SpeedChange>& changes, double sam
   }
 }
 
+double LeaderProfile::speed(std::int64_t step) const {
+  double present = 0.0;
+  for (std::size_t i = 0; i < changes_.size() && changes_[i].from_step <= step; ++i)
+    present = changes_[i].value;
+  return present;
+}
+
 double LeaderProfile::position(std::int64_t step) const {
   std::size_t passed = 0;
   while (passed < changes_.size() && changes_[passed].from_step < step) ++passed;

@@ -23,6 +23,9 @@ public:
   /// r_0(k) [m].
   double position(std::int64_t step) const;
 
+  /// Its speed from step k to k + 1 [m/s].
+  double speed(std::int64_t step) const;
+
   const std::vector<SpeedChange>& changes() const { return changes_; }
 
 private:

@@ -180,12 +180,16 @@ void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count,
 LeaderVehicle::LeaderVehicle(const PlatoonModel& model)
     : loop_(model.loop.realization),
       profile_(model.leader),
+      sample_period_(model.sample_period),
+      manoeuvre_(model.sample_period),
       recorded_(model.recorded_leader),
       buffer_(1),
       input_(1) {}
 
 double LeaderVehicle::start() {
   step_ = -1;
+  departure_ = 0.0;
+  manoeuvre_.end();
   if (!recorded_.empty()) return recorded_.front();
   buffer_.assign(1, profile_.position(step_));
   loop_.start_at_equilibrium(buffer_);
@@ -196,7 +200,10 @@ double LeaderVehicle::start() {
 double LeaderVehicle::step() {
   if (!recorded_.empty()) return recorded_.at(static_cast<std::size_t>(++step_ + 1));
   input_.front() = profile_.position(step_);
+  if (departure_ != 0.0) input_.front() += departure_;
   loop_.step(input_, 0.0, buffer_);
+  const double speed = profile_.speed(step_);
+  departure_ += sample_period_ * (manoeuvre_.next_speed(speed) - speed);
   ++step_;
   return buffer_.front();
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "stochastic_platoon/model/manoeuvre.hpp"
 #include "stochastic_platoon/model/platoon_model.hpp"
 #include "stochastic_platoon/model/white_noise.hpp"
 
@@ -103,9 +104,15 @@ public:
   /// y_0 of the next step [m]. Throws std::out_of_range beyond the end of a recording.
   double step();
 
+  /// How the virtual leader drives in place of its profile, until the next start().
+  Manoeuvre& manoeuvre() { return manoeuvre_; }
+
 private:
   ClosedLoopBatch loop_;
   LeaderProfile profile_;
+  double sample_period_;  ///< T_s [s]
+  Manoeuvre manoeuvre_;
+  double departure_ = 0.0;        ///< of r_0 from its profile, by manoeuvres [m]
   std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... [m]; empty: the loop's own
   std::int64_t step_ = -1;
   std::vector<double> buffer_, input_;

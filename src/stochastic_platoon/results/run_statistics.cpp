@@ -1,6 +1,7 @@
 #include "stochastic_platoon/results/run_statistics.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace platoon {
 
@@ -40,14 +41,28 @@ RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t f
                 start.attempts) {
   for (std::size_t i = 1; i <= configuration.run.followers; ++i)
     error_.push_back(tracking_error(configuration.model, i));
+  if (configuration.run.averaging() == Averaging::over_realizations) return;
+  leader_.emplace(ModelLeader{LeaderVehicle(configuration.model), 0.0});
+  averages_->saw_leader(kNothingYet, true);
 }
 
 RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const Heading& heading,
                                               const Positions& positions) {
   ErrorAssembly::Receipt receipt = assembly_.receive(vehicle, heading, positions);
   if (receipt.restarted) averages_->restart();
+  if (leader_ && vehicle == 0 && receipt.verdict == Verdict::in_turn)
+    compare_leader(heading.id.step, positions->front());
   if (receipt.verdict == Verdict::in_turn) tally_.attempts = std::max(tally_.attempts, heading.id.attempt);
   return {receipt.verdict, {vehicle, heading, std::move(receipt.due)}};
+}
+
+// By its movement in a step: a manoeuvre that is over leaves it elsewhere.
+void RunStatistics::compare_leader(std::int64_t step, double position) {
+  constexpr double kSame = 1e-6;  // [m] a step: above any rounding, and far below any noise
+  const double ahead = position - (step == kInitialStep ? leader_->vehicle.start() : leader_->vehicle.step());
+  leader_departs_ = step != kInitialStep && !(std::abs(ahead - leader_->ahead) <= kSame);
+  leader_->ahead = ahead;
+  averages_->saw_leader(step, !leader_departs_);
 }
 
 // The errors are formed tile by tile, so that each is reduced while it is in the first level cache.

@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/delivery/error_assembly.hpp"
 #include "stochastic_platoon/model/tracking_error.hpp"
+#include "stochastic_platoon/model/vehicle.hpp"
 #include "stochastic_platoon/results/checkpoint.hpp"
 #include "stochastic_platoon/results/run_result.hpp"
 #include "stochastic_platoon/statistics/error_averages.hpp"
@@ -61,6 +62,9 @@ public:
   const Arrivals& arrivals() const { return assembly_.arrivals(); }
   const ErrorAverages& averages() const { return *averages_; }
 
+  /// Of an endless run: whether the leader's latest step is not by the model, as it manoeuvres.
+  bool leader_departs() const { return leader_departs_; }
+
   /// The latest platoon time seen [ns].
   void saw(std::uint64_t platoon_time);
 
@@ -77,6 +81,7 @@ private:
   RunStatistics(const Configuration& configuration, std::uint64_t first_realization, const Tally& start,
                 const EarlierAverages& earlier);
   ReducedErrors reduced(const DueErrors& due) const;
+  void compare_leader(std::int64_t step, double position);
 
   Configuration configuration_;
   std::vector<TrackingError> error_;  ///< of every follower
@@ -84,6 +89,14 @@ private:
   Tally tally_;
   std::unique_ptr<ErrorAverages> averages_;
   ErrorAssembly assembly_;
+
+  /// Vehicle 0 as the model has it, beside the one that drives: of an endless run, where it may be told otherwise.
+  struct ModelLeader {
+    LeaderVehicle vehicle;
+    double ahead;  ///< of it the one that drives [m]
+  };
+  std::optional<ModelLeader> leader_;
+  bool leader_departs_ = false;
 };
 
 }  // namespace platoon

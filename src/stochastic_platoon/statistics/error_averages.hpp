@@ -45,6 +45,10 @@ public:
   /// it counts as far as it came.
   virtual void restart() = 0;
 
+  /// Step k of the leader has arrived, and whether it drives there by the model. Averages over time leave out what a
+  /// manoeuvre of the leader causes, as they would be of no platoon that a theory speaks of.
+  virtual void saw_leader(std::int64_t, bool) {}
+
   /// Realizations behind the figures.
   virtual std::uint64_t realizations() const = 0;
 

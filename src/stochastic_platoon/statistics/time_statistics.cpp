@@ -4,22 +4,54 @@
 
 namespace platoon {
 
+namespace {
+constexpr std::int64_t kBeforeAll = -2;
+}
+
 TimeStatistics::TimeStatistics(std::size_t followers, std::int64_t burn_in, std::vector<Moments> earlier)
-    : burn_in_(burn_in), earlier_(std::move(earlier)), followers_(followers) {
+    : burn_in_(burn_in), counts_from_(burn_in), earlier_(std::move(earlier)), followers_(followers) {
   earlier_.resize(followers);
 }
 
 void TimeStatistics::restart() {
   earlier_ = moments();
   followers_.assign(followers_.size(), Follower{});
+  if (leader_step_ != kNever) leader_step_ = kBeforeAll;
+  departed_ = kNever;
+  counts_from_ = burn_in_;
+}
+
+void TimeStatistics::saw_leader(std::int64_t step, bool by_model) {
+  leader_step_ = step;
+  if (!by_model) {
+    if (departed_ == kNever || step >= counts_from_) {
+      departed_ = step;
+      counted_from_ = counts_from_;
+    }
+    counts_from_ = std::max(counts_from_, step + 1 + burn_in_);
+  }
+  for (std::size_t i = 1; i <= followers_.size(); ++i) count_due(i);
+}
+
+bool TimeStatistics::counts(std::size_t follower, std::int64_t step) const {
+  if (departed_ == kNever) return step >= counts_from_;
+  const bool unreached = step < departed_ + static_cast<std::int64_t>(follower) - 1;
+  return step >= (unreached ? counted_from_ : counts_from_);
 }
 
 void TimeStatistics::add(const ReducedErrors& errors) {
-  Follower& follower = followers_.at(errors.follower - 1);
-  follower.early.emplace(errors.step, errors.nodes.front().mean);  // of one realization: the error itself
+  // Of one realization: the error itself.
+  followers_.at(errors.follower - 1).early.emplace(errors.step, errors.nodes.front().mean);
+  count_due(errors.follower);
+}
+
+void TimeStatistics::count_due(std::size_t index) {
+  Follower& follower = followers_[index - 1];
+  const std::int64_t hops = static_cast<std::int64_t>(index) - 1;
   for (auto next = follower.early.begin(); next != follower.early.end() && next->first == follower.next_step;
        next = follower.early.erase(next), ++follower.next_step) {
-    if (next->first >= burn_in_) follower.moments.add(next->second);
+    if (leader_step_ != kNever && next->first > leader_step_ + hops) return;
+    if (counts(index, next->first)) follower.moments.add(next->second);
   }
 }
 

@@ -245,6 +245,30 @@ TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
   EXPECT_EQ(statistics.tally().positions_received, 3u * 51u);
 }
 
+// A leader that is somewhere else, but moves as the model's does, departs only where it jumps.
+TEST(RunStatistics, OfAnEndlessRunLeaveOutAManoeuvreOfTheLeader) {
+  Configuration configuration = endless_run();
+  RunStatistics undisturbed(configuration, std::nullopt), statistics(configuration, std::nullopt);
+  auto all = positions_of(configuration, 0, 1, 160);
+  constexpr std::int64_t kJump = 60;
+  for (std::int64_t k = kInitialStep; k < 160; ++k) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Positions& sent = all[i][static_cast<std::size_t>(k + 1)];
+      ASSERT_EQ(take(undisturbed, i, {1, 0, k}, sent), Verdict::in_turn);
+      const double moved = k >= kJump ? 2.5 : 0.0;
+      const auto elsewhere = std::make_shared<const std::vector<double>>(1, sent->front() + moved);
+      ASSERT_EQ(take(statistics, i, {1, 0, k}, elsewhere), Verdict::in_turn);
+      if (i == 0) {
+        EXPECT_EQ(statistics.leader_departs(), k == kJump) << k;
+      }
+    }
+  }
+  EXPECT_FALSE(undisturbed.leader_departs());
+  EXPECT_EQ(undisturbed.averages().moments()[0].count, 130u);
+  EXPECT_EQ(statistics.averages().moments()[0].count, 130u - 31u);  // steps 60 .. 90
+  EXPECT_EQ(statistics.averages().moments()[1].count, 130u - 30u);
+}
+
 TEST(RunStatistics, OfAnEndlessRunGoOnWithANewAttemptAfterItsOwnBurnIn) {
   Configuration configuration = endless_run();
   RunStatistics statistics(configuration, std::nullopt);

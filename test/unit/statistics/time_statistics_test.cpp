@@ -106,5 +106,40 @@ TEST(TimeStatistics, GoOnFromEarlierOnes) {
   EXPECT_DOUBLE_EQ(statistics.moments()[0].mean, 6.0);
 }
 
+// Follower i is reached by the leader's step a at its own step a + i - 1.
+TEST(TimeStatistics, LeaveOutWhatAManoeuvreCausesAndABurnInBehindIt) {
+  constexpr std::int64_t kBurnIn = 5, kFrom = 20, kTo = 29;
+  for (const std::size_t follower : {1, 2, 4}) {
+    TimeStatistics statistics(4, kBurnIn);
+    statistics.saw_leader(-2, true);
+    const auto hops = static_cast<std::int64_t>(follower) - 1;
+    Moments expected;
+    for (std::int64_t k = 0; k < 60; ++k) {
+      add(statistics, follower, k, static_cast<double>(k * k % 31));
+      statistics.saw_leader(k - hops, k - hops < kFrom || k - hops > kTo);
+      const bool counts = k >= kBurnIn && (k < kFrom + hops || k > kTo + kBurnIn);
+      if (counts) expected.add(static_cast<double>(k * k % 31));
+      ASSERT_EQ(statistics.moments()[follower - 1].count, expected.count) << k;
+    }
+    EXPECT_EQ(statistics.moments()[follower - 1].mean, expected.mean);
+    EXPECT_EQ(statistics.moments()[follower - 1].squared_deviations, expected.squared_deviations);
+  }
+}
+
+TEST(TimeStatistics, WaitForTheLeadersStepThatAnErrorDependsOn) {
+  TimeStatistics statistics(3, 0);
+  statistics.saw_leader(-2, true);
+  for (std::int64_t k = 0; k < 8; ++k) add(statistics, 3, k, 1.0);
+  EXPECT_EQ(statistics.moments()[2].count, 1u);  // step 0 hangs on the leader's step -2
+  statistics.saw_leader(3, true);
+  EXPECT_EQ(statistics.moments()[2].count, 6u);
+  statistics.saw_leader(4, false);
+  EXPECT_EQ(statistics.moments()[2].count, 6u);
+  statistics.restart();
+  for (std::int64_t k = 0; k < 3; ++k) add(statistics, 3, k, 1.0);
+  statistics.saw_leader(2, true);
+  EXPECT_EQ(statistics.moments()[2].count, 9u);
+}
+
 }  // namespace
 }  // namespace platoon

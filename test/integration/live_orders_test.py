@@ -1,0 +1,296 @@
+#!/usr/bin/python3
+"""An endless platoon from outside: snapshots, manoeuvres, another headway within a run, who holds it up; in both hostings."""
+
+import csv
+import json
+import math
+import os
+import shutil
+import signal
+import tempfile
+import unittest
+
+import live_platoon
+from terminal import LaunchTest, start_master
+
+FOLLOWERS = 20
+HEADWAY = 3.2
+NOISE_VARIANCE = 0.6
+
+
+class Topic:
+    """What comes on a topic while it is listened to."""
+
+    def __init__(self, name, kind):
+        import rospy
+        self.messages = []
+        self.subscriber = rospy.Subscriber(name, kind, self.messages.append, queue_size=100000)
+
+    def of_step(self):
+        return {message.step: message for message in list(self.messages)}
+
+    def newest(self, condition=lambda message: True, what="a message"):
+        def found():
+            fitting = [message for message in list(self.messages)[-5:] if condition(message)]
+            return fitting[-1] if fitting else None
+        return live_platoon.wait_for(found, what, 60)
+
+    def close(self):
+        self.subscriber.unregister()
+
+
+def setUpModule():
+    """One master for all: rospy keeps to the one that it began with."""
+    import rospy
+    folder = tempfile.mkdtemp()
+    unittest.addModuleCleanup(shutil.rmtree, folder, ignore_errors=True)
+    os.environ["ROS_HOSTNAME"] = "localhost"
+    core, os.environ["ROS_MASTER_URI"] = start_master(folder)
+    unittest.addModuleCleanup(core.wait)
+    unittest.addModuleCleanup(core.terminate)
+    rospy.init_node("watcher", disable_signals=True)
+    unittest.addModuleCleanup(rospy.signal_shutdown, "done")
+
+
+class Orders(LaunchTest):
+    @property
+    def master(self):
+        return os.environ["ROS_MASTER_URI"]
+
+    def listen(self, name, kind):
+        topic = Topic("/platoon/" + name if not name.startswith("/") else name, kind)
+        self.addCleanup(topic.close)
+        return topic
+
+    def endless(self, hosting, **settings):
+        arguments = dict(followers=FOLLOWERS, steps=0, rate=40, burn_in=100, hosting=hosting, stall_timeout=1.0)
+        arguments.update(settings)
+        self.terminal = self.launch(master=self.master, **arguments)
+        self.terminal.wait_for_text("process[platoon/")
+        return self.terminal
+
+    def trigger(self, service):
+        import rospy
+        from std_srvs.srv import Trigger
+        rospy.wait_for_service("/platoon/leader/" + service, 60)
+        return rospy.ServiceProxy("/platoon/leader/" + service, Trigger)()
+
+    def change(self, headway=math.nan, noise_variance=math.nan, loss=math.nan):
+        import rospy
+        from stochastic_platoon.srv import ChangeRun
+        rospy.wait_for_service("/platoon/change_run", 60)
+        return rospy.ServiceProxy("/platoon/change_run", ChangeRun)(headway, noise_variance, loss)
+
+    def in_both(self, check):
+        for hosting in ("processes", "one_process"):
+            with self.subTest(hosting=hosting):
+                self.output = os.path.join(self.folder, hosting)
+                try:
+                    check(hosting)
+                finally:
+                    self.terminal.end()
+
+
+class Watched(Orders):
+    def test_snapshots_are_what_the_topics_of_all_vehicles_carry(self):
+        self.in_both(self.check_snapshots)
+
+    def check_snapshots(self, hosting):
+        from stochastic_platoon.msg import Position, Snapshot
+        snapshots = self.listen("snapshot", Snapshot)
+        told = self.listen("predecessor_snapshot", Snapshot)
+        vehicle, link = self.listen("vehicle_7/position", Position), self.listen("vehicle_8/predecessor_position", Position)
+        terminal = self.endless(hosting, rate=15)
+        topics = (snapshots, told, vehicle, link)
+        live_platoon.wait_for(lambda: all(len(topic.messages) >= 70 for topic in topics), "seventy of each", 60)
+        terminal.end()
+        own, theirs, sent, received = (topic.of_step() for topic in topics)
+        run = vehicle.messages[0].run
+        both = sorted(set(own) & set(sent))
+        self.assertGreater(len(both), 50)
+        for step in both:
+            message = own[step]
+            self.assertEqual((message.run, message.realization), (run, 0))
+            self.assertEqual((len(message.position), len(message.tracking_error)), (FOLLOWERS + 1, FOLLOWERS))
+            self.assertEqual(message.position[7], sent[step].position[0])
+            self.assertEqual(message.header.stamp, sent[step].header.stamp)
+        for step in set(theirs) & set(received):
+            self.assertEqual(theirs[step].position[7], received[step].position[0])
+            self.assertEqual((len(theirs[step].position), len(theirs[step].tracking_error)), (FOLLOWERS, 0))
+        for step in [step for step in own if step - 1 in own]:
+            now, before = own[step], own[step - 1].position
+            for i in range(1, FOLLOWERS + 1):
+                error = now.position[i - 1] - now.position[i] - HEADWAY * (now.position[i] - before[i])
+                self.assertAlmostEqual(now.tracking_error[i - 1], error, 9)
+        noise = [theirs[step].position[i] - own[step].position[i] for step in set(own) & set(theirs) for i in range(FOLLOWERS)]
+        variance = sum(value ** 2 for value in noise) / len(noise)
+        self.assertLess(abs(variance / NOISE_VARIANCE - 1.0), 4.0 * (2.0 / len(noise)) ** 0.5)
+
+
+class Manoeuvres(Orders):
+    def test_the_leader_obeys_and_goes_back_to_its_profile(self):
+        self.in_both(self.check_manoeuvres)
+
+    def check_manoeuvres(self, hosting):
+        import rospy
+        from std_msgs.msg import Float64
+        from stochastic_platoon.msg import Snapshot
+        snapshots = self.listen("snapshot", Snapshot)
+        speed = rospy.Publisher("/platoon/leader/speed", Float64, queue_size=10)
+        terminal = self.endless(hosting)
+
+        def speed_is(wanted):
+            """Waits until the leader drives at a speed [m/s], from one snapshot to the next."""
+            def seen():
+                last = list(snapshots.messages)[-2:]
+                if len(last) < 2 or last[1].step <= last[0].step:
+                    return False
+                meters = last[1].position[0] - last[0].position[0]
+                return abs(meters / (0.1 * (last[1].step - last[0].step)) - wanted) < 1e-3
+            live_platoon.wait_for(seen, "a speed of {} m/s".format(wanted), 60)
+
+        speed_is(20.0)
+        live_platoon.wait_for(lambda: speed.get_num_connections() > 0, "the leader to listen")
+        for bad in (math.nan, math.inf, -1e6):
+            speed.publish(bad)
+        terminal.wait_for_text("leader/speed: leader speed: ", 60)
+        terminal.wait_for_text("must be a finite number of magnitude 1000 at most [m/s]", 60)
+        speed_is(20.0)
+        speed.publish(25.0)
+        speed_is(25.0)
+        terminal.wait_for_text("averages leave out what it causes", 60)
+        self.assertTrue(self.trigger("brake").success)
+        speed_is(0.0)
+        self.assertTrue(self.trigger("accelerate").success)
+        speed_is(10.0)
+        self.assertTrue(self.trigger("sinusoid").success)
+        live_platoon.wait_for(lambda: list(snapshots.messages)[-1].position[0] - list(snapshots.messages)[-2].position[0] < 1.6,
+                              "the leader to swing", 60)
+        self.assertTrue(self.trigger("cruise").success)
+        speed_is(20.0)
+        terminal.wait_for_text("the leader drives by the model file again: averages go on in 100 steps", 60)
+        # A try that begins again begins by the model file.
+        self.assertTrue(self.trigger("brake").success)
+        live_platoon.kill("/platoon/platoon" if hosting == "one_process" else "/platoon/vehicle_3", self.master)
+        speed_is(20.0)
+
+    def test_a_run_over_realizations_refuses_in_words_and_keeps_its_bits(self):
+        import rospy
+        from std_msgs.msg import Float64
+        settings = dict(followers=3, steps=20, realizations=1500, headway=3.2, seed=4)
+        speed = rospy.Publisher("/platoon/leader/speed", Float64, queue_size=10)
+        terminal = self.launch(master=self.master, batch=50, rate=100, **settings)
+        for service in ("brake", "accelerate", "sinusoid", "cruise"):
+            answer = self.trigger(service)
+            self.assertFalse(answer.success)
+            self.assertIn("in a run of many realizations the leader drives by the model file", answer.message)
+        live_platoon.wait_for(lambda: speed.get_num_connections() > 0, "the leader to listen")
+        speed.publish(3.0)
+        terminal.wait_for_text("leader/speed: refused: in a run of many realizations", 60)
+        answer = self.change(headway=2.4)
+        self.assertFalse(answer.success)
+        self.assertIn("steps: 20: must be 0 (an endless run", answer.message)
+        terminal.wait()
+        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
+
+class Changes(Orders):
+    def test_a_shorter_headway_in_mid_run_lets_the_tail_swing(self):
+        self.in_both(self.check_change)
+
+    def check_change(self, hosting):
+        import rospy
+        from stochastic_platoon.msg import ErrorStatistics, Snapshot
+        snapshots, statistics = self.listen("snapshot", Snapshot), self.listen("error_statistics", ErrorStatistics)
+        terminal = self.endless(hosting, rate=0, seed=3)
+        enough = 20000
+
+        def averaged(headway_is, run):
+            live_platoon.wait_for(lambda: list(statistics.messages)[-1:] and statistics.messages[-1].step > enough,
+                                  "averages over many steps", 100)
+            configuration = json.loads(rospy.get_param("/platoon/configuration"))
+            self.assertEqual(configuration["model"]["time_headway"], headway_is)
+            return statistics.messages[-1], snapshots.newest(lambda message: message.run != run).run
+
+        stable, first_run = averaged(3.2, None)
+        for bad, words in ((dict(headway=0.0), "time_headway: 0: must be a finite number > 0"),
+                           (dict(headway=math.inf), "time_headway: inf: must be a finite number > 0"),
+                           (dict(noise_variance=-1.0), "noise_variance: -1: must be a finite number >= 0"),
+                           (dict(loss=1.0), "channel/loss/probability: 1: must be a number from 0 to below 1")):
+            answer = self.change(**bad)
+            self.assertFalse(answer.success)
+            self.assertIn(words, answer.message)
+        answer = self.change(headway=2.4)
+        self.assertTrue(answer.success, answer.message)
+        self.assertIn("run 2 begins, headway 2.4: its statistics start anew", answer.message)
+        live_platoon.wait_for(lambda: snapshots.messages[-1].run != first_run, "the new run", 60)
+        del statistics.messages[:]
+        live_platoon.wait_for(lambda: statistics.messages, "its statistics")
+        self.assertLess(statistics.messages[0].step, stable.step, "the statistics do not start anew")
+        unstable, _ = averaged(2.4, first_run)
+        terminal.interrupt()
+        for message in (stable, unstable):
+            for i in (0, FOLLOWERS - 1):
+                # The tail's errors are narrow-banded where |T| is largest: 200 steps an independent value is ample.
+                tolerance = 5.0 * (2.0 / (message.step / 200.0)) ** 0.5
+                self.assertLess(abs(message.variance[i] / message.theoretical_variance[i] - 1.0), tolerance, i)
+        self.assertGreater(unstable.variance[-1], 3.0 * stable.variance[-1])
+        # Each run in a folder of its own.
+        for folder, headway in ((self.output, 3.2), (self.output + "-run2", 2.4)):
+            with open(os.path.join(folder, "summary.json")) as file:
+                summary = json.load(file)
+            self.assertTrue(summary["time_average"])
+            self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)
+            with open(os.path.join(folder, "statistics.csv")) as file:
+                self.assertEqual(len(list(csv.DictReader(file))), FOLLOWERS)
+
+
+class Diagnosed(Orders):
+    def statuses(self, topic):
+        """The latest of each name, as (level, dictionary)."""
+        found = {}
+        for message in list(topic.messages):
+            for status in message.status:
+                found[status.name.split(": ")[-1]] = (ord(status.level) if isinstance(status.level, bytes) else status.level,
+                                                      {value.key: value.value for value in status.values})
+        return found
+
+    def test_every_component_reports_and_the_monitor_names_who_stands(self):
+        self.in_both(self.check_diagnostics)
+
+    def check_diagnostics(self, hosting):
+        from diagnostic_msgs.msg import DiagnosticArray
+        topic = self.listen("/diagnostics", DiagnosticArray)
+        terminal = self.endless(hosting, record=os.path.join(self.folder, hosting + ".bag"))
+        one = hosting == "one_process"
+        names = {"leader", "followers" if one else "follower", "channel", "monitor", "recorder"}
+
+        def all_report():
+            found = self.statuses(topic)
+            return set(found) == names and all(int(values.get("step", -2)) > 10 for _, values in found.values())
+        live_platoon.wait_for(all_report, "all components to report", 60)
+        found = self.statuses(topic)
+        for name, (level, values) in found.items():
+            self.assertEqual(level, 0, name)
+            for key in ("steps per second", "attempts", "dropped: out of turn", "dropped: of another run"):
+                self.assertIn(key, values, name)
+        self.assertRegex(found["leader"][1]["credit"], r"^\d+ of \d+ steps$")
+        self.assertEqual(found["monitor"][1]["culprit"], "")
+        if one:
+            self.assertLessEqual(max(len(message.status) for message in topic.messages), 5)
+            return
+        process = live_platoon.process_of("/platoon/vehicle_3", self.master)
+        os.kill(process, signal.SIGSTOP)
+        try:
+            live_platoon.wait_for(lambda: "vehicle_3 has sent nothing" in self.statuses(topic)["monitor"][1]["culprit"],
+                                  "the culprit", 60)
+            self.assertEqual(self.statuses(topic)["monitor"][0], 2)
+            terminal.wait_for_text("stands still: vehicle_3 has sent nothing", 20)
+        finally:
+            os.kill(process, signal.SIGCONT)
+        live_platoon.wait_for(lambda: self.statuses(topic)["monitor"][1]["culprit"] == "", "the platoon to move", 60)
+
+
+if __name__ == "__main__":
+    unittest.main()
