@@ -6,12 +6,11 @@ platoon_packages=(
   ros-core rosbash ros-message-generation ros-message-runtime libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev libvisualization-msgs-dev ros-std-msgs
   libdiagnostic-updater-dev libdiagnostic-msgs-dev libtf2-msgs-dev
   libboost-program-options-dev libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev
-  python3-matplotlib python3-numpy
+  python3-diagnostic-msgs python3-matplotlib python3-numpy python3-rospy python3-std-msgs python3-std-srvs
 )
 platoon_test_packages=(
-  python3-diagnostic-msgs
-  catkin-lint catkin-tools clang-format-14 iproute2
-  libgtest-dev librandom123-dev librostest-dev python3-mpmath python3-rostest librosbag-dev python3-rosbag
+  catkin-lint catkin-tools chromium chromium-driver clang-format-14 fonts-dejavu-core iproute2
+  libgtest-dev librandom123-dev librostest-dev python3-mpmath python3-rostest python3-selenium librosbag-dev python3-rosbag
 )
 
 # Installs what is missing of the packages given.

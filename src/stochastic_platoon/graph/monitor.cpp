@@ -3,6 +3,7 @@
 #include <ros/console.h>
 #include <std_msgs/String.h>
 #include <stochastic_platoon/ErrorStatistics.h>
+#include <stochastic_platoon/Overview.h>
 
 #include <algorithm>
 #include <boost/function.hpp>
@@ -12,6 +13,7 @@
 
 #include "stochastic_platoon/delivery/lead.hpp"
 #include "stochastic_platoon/delivery/stall_diagnosis.hpp"
+#include "stochastic_platoon/graph/overview.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/position.hpp"
@@ -21,6 +23,7 @@
 namespace platoon {
 
 using stochastic_platoon::ErrorStatistics;
+using stochastic_platoon::Overview;
 using stochastic_platoon::Position;
 using stochastic_platoon::Progress;
 
@@ -64,6 +67,7 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
           "vehicle-steps"),
       checkpointed_(statistics_.tally().positions_received),
       error_statistics_(platoon.advertise<ErrorStatistics>(kErrorStatisticsTopic, 1000, true)),
+      overview_(platoon.advertise<Overview>(kOverviewTopic, 1, true)),
       configuration_text_(platoon.advertise<std_msgs::String>(kConfigurationTopic, 1, true)),
       snapshots_(platoon, kSnapshotTopic, configuration.run.followers + 1, errors_of(configuration)),
       change_(platoon, configuration, [this](const Configuration& next) { membership_.join(next); }) {
@@ -209,6 +213,7 @@ void Monitor::finish() {
   if (!written) return;
   display_.finish();
   for (std::int64_t k = 0; k < configuration_.run.steps; ++k) publish_statistics(k, result);
+  publish_overview(result);
   std::printf("%sResults: %s/statistics.csv and summary.json\n",
               report(configuration_, prediction_, result).c_str(), configuration_.run.output.c_str());
   std::fflush(stdout);
@@ -345,6 +350,7 @@ void Monitor::publish_statistics_if_due(double present) {
   }
   last_statistics_ = present;
   publish_statistics(result.last_step, result);
+  if (overview_.getNumSubscribers() > 0) publish_overview(result);
 }
 
 void Monitor::publish_statistics(std::int64_t step, const RunResult& result) {
@@ -360,6 +366,12 @@ void Monitor::publish_statistics(std::int64_t step, const RunResult& result) {
     message.theoretical_variance.push_back(of.theoretical_variance);
   }
   error_statistics_.publish(message);
+}
+
+void Monitor::publish_overview(const RunResult& result) {
+  Overview message = overview_of(configuration_.run, prediction_, result);
+  message.run = membership_.run();
+  overview_.publish(message);
 }
 
 }  // namespace platoon

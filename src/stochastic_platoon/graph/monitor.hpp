@@ -40,8 +40,8 @@ namespace platoon {
 ///
 /// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), i = 0 .. N; progress
 /// (stochastic_platoon/Progress, of others). Publishes: progress, error_statistics
-/// (stochastic_platoon/ErrorStatistics), configuration (std_msgs/String, latched: model and run as JSON), snapshot
-/// (stochastic_platoon/Snapshot). Service: change_run (see RunChange).
+/// (stochastic_platoon/ErrorStatistics), overview (stochastic_platoon/Overview, latched), configuration (std_msgs/String,
+/// latched: model and run as JSON), snapshot (stochastic_platoon/Snapshot). Service: change_run (see RunChange).
 class Monitor {
 public:
   /// Gives the node whose queue receives the positions of a vehicle: several threads may serve these queues.
@@ -74,6 +74,7 @@ private:
   bool write(double present, const std::function<void()>& work);
   void publish_statistics_if_due(double present);
   void publish_statistics(std::int64_t step, const RunResult& result);
+  void publish_overview(const RunResult& result);
   bool endless() const { return configuration_.run.averaging() == Averaging::over_time; }
 
   Configuration configuration_;
@@ -102,6 +103,7 @@ private:
   bool departs_ = false;  ///< the leader, as last said
 
   ros::Publisher error_statistics_;
+  ros::Publisher overview_;            ///< latched: of a complete run, whoever comes late sees it
   ros::Publisher configuration_text_;  ///< latched: whoever records the platoon records what it was
   std::vector<ros::Subscriber> positions_;
   ros::Subscriber others_;

@@ -11,6 +11,7 @@ std::string position_topic(std::size_t vehicle);               ///< "vehicle_3/p
 std::string predecessor_position_topic(std::size_t follower);  ///< "vehicle_3/predecessor_position"
 constexpr char kProgressTopic[] = "progress";
 constexpr char kErrorStatisticsTopic[] = "error_statistics";
+constexpr char kOverviewTopic[] = "overview";
 constexpr char kConfigurationTopic[] = "configuration";
 constexpr char kSnapshotTopic[] = "snapshot";
 constexpr char kPredecessorSnapshotTopic[] = "predecessor_snapshot";

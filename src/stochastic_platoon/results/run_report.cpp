@@ -1,7 +1,5 @@
 #include "stochastic_platoon/results/run_report.hpp"
 
-#include <cmath>
-
 #include "stochastic_platoon/io/text.hpp"
 
 namespace platoon {
@@ -35,11 +33,7 @@ std::string row(const ResultCell& of, Averaging averaging, Theory theory) {
   if (averaging == Averaging::over_time)
     return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
   return text +
-         formatted("%16.2g %14.6g %9.2f\n",
-                   std::isnan(of.measured.fourth_deviations)
-                       ? standard_error_of_variance(of.theoretical_variance, of.measured.count)
-                       : standard_error_of_variance(of.measured),
-                   of.theoretical_variance,
+         formatted("%16.2g %14.6g %9.2f\n", standard_error_of_variance(of), of.theoretical_variance,
                    scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding).variance);
 }
 

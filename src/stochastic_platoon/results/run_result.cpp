@@ -95,6 +95,12 @@ std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const
   return cells;
 }
 
+double standard_error_of_variance(const ResultCell& of) {
+  return std::isnan(of.measured.fourth_deviations)
+             ? standard_error_of_variance(of.theoretical_variance, of.measured.count)
+             : standard_error_of_variance(of.measured);
+}
+
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result) {
   if (run.averaging() == Averaging::over_time || result.realizations < 2) return std::nullopt;

@@ -43,6 +43,10 @@ struct ResultCell {
 std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
                                  const RunResult& result);
 
+/// Standard error of the cell's variance over realizations [m^2]: of normal errors sqrt(2 / (n - 1)) times the
+/// theoretical variance, else (where the fourth moment was kept) as it was measured.
+double standard_error_of_variance(const ResultCell& of);
+
 /// How far measurement and theory are apart. None where it cannot be said: fewer than two realizations
 /// (a thousand, where errors are not normal), no theory, or averages over time, whose errors are correlated.
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,

@@ -1,0 +1,57 @@
+"""What a page may ask of the platoon: manoeuvres of the leader, and another headway, noise or loss."""
+
+import math
+
+import rospy
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+from stochastic_platoon.srv import ChangeRun
+
+MANOEUVRES = ("brake", "accelerate", "sinusoid")
+CHANGES = ("headway", "noise_variance", "loss")
+PATIENCE = 1.0  # [s] for a service to be there
+
+
+def number_of(content, key):
+    """A finite number, NaN where there is none. Raises ValueError."""
+    value = content.get(key)
+    if value is None:
+        return math.nan
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise ValueError("{}: {}: must be a finite number".format(key, value))
+    return float(value)
+
+
+class Commands:
+    def __init__(self):
+        self.speed = rospy.Publisher("leader/speed", Float64, queue_size=1)
+
+    def obey(self, content):
+        """(success, message) of {"command": "brake"}, {"command": "speed", "speed": 20.0} or {"command": "change", "headway": 2.4}."""
+        command = content.get("command")
+        try:
+            if command in MANOEUVRES:
+                return self.call("leader/" + command, Trigger)
+            if command == "speed":
+                return self.set_speed(number_of(content, "speed"))
+            if command == "change":
+                return self.call("set_channel_and_headway", ChangeRun, *[number_of(content, key) for key in CHANGES])
+            return False, "command: {}: must be one of {}, speed, change".format(str(command)[:40], ", ".join(MANOEUVRES))
+        except ValueError as error:
+            return False, str(error)
+
+    def set_speed(self, speed):
+        if math.isnan(speed):
+            return False, "speed: missing: must be a finite number"
+        if self.speed.get_num_connections() == 0:
+            return False, "nobody listens to {}: the leader is not there, or takes no speed".format(self.speed.resolved_name)
+        self.speed.publish(speed)
+        return True, "speed {:g} m/s".format(speed)
+
+    def call(self, name, kind, *values):
+        try:
+            rospy.wait_for_service(name, PATIENCE)
+            answer = rospy.ServiceProxy(name, kind)(*values)
+            return answer.success, answer.message
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            return False, "{}: {}".format(rospy.resolve_name(name), error)

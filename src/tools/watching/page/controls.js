@@ -1,0 +1,63 @@
+// What the page asks of the platoon. The server refuses what comes from elsewhere, and says why something cannot be done.
+
+const CHANGES = ["headway", "noise_variance", "loss"];
+const input = name => document.getElementById(name);
+
+export class Controls {
+  constructor() {
+    this.answer = document.getElementById("answer");
+    this.set = {};
+    for (const button of document.querySelectorAll("[data-command]")) button.addEventListener("click", () => this.send(button.dataset.command));
+    for (const name of CHANGES) input(name).addEventListener("input", () => this.showChange(name));
+    document.getElementById("controls").addEventListener("submit", event => event.preventDefault());
+  }
+
+  showChange(name) {
+    document.querySelector(`output[for=${name}]`).textContent = input(name).value;
+  }
+
+  // The sliders stand where the run is.
+  take(configuration) {
+    const endless = Boolean(configuration?.endless);
+    document.getElementById("controls").hidden = !endless;
+    document.getElementById("controls-note").textContent = endless ? "" :
+      "in an endless run (live.launch): this one averages over realizations, which have to be alike";
+    for (const name of CHANGES) {
+      this.set[name] = configuration?.[name] ?? 0;
+      const slider = input(name);
+      if (this.set[name] > Number(slider.max)) slider.max = 2 * this.set[name];
+      slider.value = this.set[name];
+      this.showChange(name);
+    }
+  }
+
+  content(command) {
+    if (command === "speed") return { command, speed: input("speed").value === "" ? null : Number(input("speed").value) };
+    if (command !== "change") return { command };
+    // Only what has been moved: a slider stands at the nearest of its own values.
+    const changed = CHANGES.filter(name => Number(input(name).value) !== Number(this.nearest(name)));
+    return { command, ...Object.fromEntries(changed.map(name => [name, Number(input(name).value)])) };
+  }
+
+  nearest(name) {
+    const slider = input(name).cloneNode();
+    slider.value = this.set[name];
+    return slider.value;
+  }
+
+  async send(command) {
+    this.show(null, "…");
+    try {
+      const response = await fetch("command", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(this.content(command)) });
+      const { success, message } = await response.json();
+      this.show(success, message);
+    } catch (error) {
+      this.show(false, "the dashboard does not answer: " + error.message);
+    }
+  }
+
+  show(success, message) {
+    this.answer.dataset.success = success;
+    this.answer.textContent = message;
+  }
+}

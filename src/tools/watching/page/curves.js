@@ -1,0 +1,65 @@
+// Mean and variance over k, measured broad and coloured, theory thin on top of it: the paper's figure, filling up.
+import { css, followerColour } from "./colours.js";
+import { canvasOf, niceTicks, short, spread, verticalScale } from "./scale.js";
+
+const WIDE_RANGE = 1000, LEFT = 52, RIGHT = 8;
+
+function line(context, xs, values, y) {
+  let down = false;
+  context.beginPath();
+  values.forEach((v, at) => {
+    if (v === null) return void (down = false);
+    if (down) context.lineTo(xs[at], y(v)); else context.moveTo(xs[at], y(v));
+    down = true;
+  });
+  context.stroke();
+}
+
+// One chart; `last` has the axis of k below it.
+export function drawCurves(canvas, of, name, n, chosen, last) {
+  const { context, width, height } = canvasOf(canvas);
+  const measured = of[name], theory = of["theoretical_" + name], top = 16, foot = height - (last ? 38 : 10), right = width - RIGHT;
+  const peaks = rows => rows.map(row => row.reduce((most, v) => v === null ? most : Math.max(most, Math.abs(v)), 0));
+  const logarithmic = name === "variance" && spread([...peaks(measured), ...peaks(theory)]) > WIDE_RANGE;
+  const first = logarithmic ? [...measured, ...theory].flat().filter(v => v !== null && v > 0) : [...measured, ...theory].flat();
+  const scale = verticalScale(first, logarithmic, name === "mean");
+  const y = v => foot - Math.min(Math.max(scale.place(v), 0), 1) * (foot - top);
+  const from = of.step[0] ?? 0, to = Math.max(of.step[of.step.length - 1] ?? 1, from + 1);
+  const place = k => LEFT + (k - from) / (to - from) * (right - LEFT), xs = of.step.map(place);
+
+  context.font = "12px system-ui, 'DejaVu Sans', sans-serif";
+  context.lineWidth = 1;
+  context.fillStyle = css("--soft");
+  context.textAlign = "right";
+  for (const t of scale.ticks) {
+    context.strokeStyle = css("--grid");
+    context.beginPath();
+    context.moveTo(LEFT, y(t));
+    context.lineTo(right, y(t));
+    context.stroke();
+    context.fillText(short(t), LEFT - 7, y(t) + 4);
+  }
+  context.textAlign = "left";
+  context.fillText(name === "mean" ? "mean, m" : `variance, m²${logarithmic ? ", logarithmic" : ""}`, LEFT + 4, 11);
+  context.strokeStyle = css("--soft");
+  context.strokeRect(LEFT, foot, right - LEFT, 0);
+  if (last) {
+    context.textAlign = "center";
+    for (const k of niceTicks(from, to, 5)) if (Number.isInteger(k)) context.fillText(k, place(k), foot + 16);
+    context.fillText("step k", (LEFT + right) / 2, foot + 32);
+  }
+  context.lineJoin = "round";
+  of.followers.forEach((i, row) => {
+    context.strokeStyle = followerColour(i, n);
+    context.globalAlpha = chosen && chosen !== i ? 0.25 : 0.8;
+    context.lineWidth = chosen === i ? 3.4 : 2.2;
+    line(context, xs, measured[row], y);
+  });
+  context.strokeStyle = css("--ink");
+  of.followers.forEach((i, row) => {
+    context.globalAlpha = chosen && chosen !== i ? 0.1 : 0.85;
+    context.lineWidth = 0.7;
+    line(context, xs, theory[row], y);
+  });
+  context.globalAlpha = 1;
+}

@@ -1,0 +1,133 @@
+// The road from above, in lanes that run from left to right: every vehicle where it is, and below it a mark where its follower was
+// told it is. The view moves with the leader; long strings go on in the lane below.
+import { css, followerColour, inkOn } from "./colours.js";
+import { canvasOf } from "./scale.js";
+
+const LEAST_GAP = 5.0;  // [m]
+const LENGTH = 4.2;     // [m] of a vehicle as drawn, and its width at most; the model's have none
+const WIDTH = 1.6;
+
+// The median: a tail that swings without bound does not set the scale for the others.
+function usualGap(position) {
+  const gaps = position.slice(1).map((p, i) => position[i] - p).sort((a, b) => a - b);
+  return gaps[Math.floor(gaps.length / 2)];
+}
+
+export class Road {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.still = matchMedia("(prefers-reduced-motion: reduce)");
+    this.reset();
+  }
+
+  reset() {
+    this.before = this.present = null;
+    this.gap = null;
+    this.interval = 100;
+  }
+
+  take(snapshot, now) {
+    if (!snapshot) return this.reset();
+    const same = this.present && snapshot.realization === this.present.realization;
+    if (same && snapshot.step === this.present.step) return;
+    this.follows = same && snapshot.step > this.present.step && snapshot.step - this.present.step <= 3;
+    if (this.follows) this.interval += 0.2 * (Math.min(now - this.since, 1000) - this.interval);
+    this.before = this.present;
+    this.present = snapshot;
+    this.since = now;
+  }
+
+  // Positions between the two latest snapshots: one interval late, and smooth.
+  positions(now) {
+    const to = this.present.position;
+    if (!this.follows || this.still.matches) return to;
+    const share = Math.min((now - this.since) / this.interval, 1), from = this.before.position;
+    return to.map((p, i) => from[i] + share * (p - from[i]));
+  }
+
+  lanes(n, width) {
+    const across = Math.max(Math.min(n + 1, Math.floor(width / (n > 200 ? 20 : n > 40 ? 26 : 42))), 5);
+    const count = Math.ceil((n + 1) / across);
+    return { across, count, lane: n < 9 ? 84 : count > 8 ? 26 : count > 3 ? 36 : 60 };
+  }
+
+  layOut(n) {
+    const { count, lane } = this.lanes(n, this.canvas.clientWidth);
+    this.canvas.style.height = `${count * lane + 2}px`;
+  }
+
+  draw(now, n, chosen) {
+    if (!this.present) return canvasOf(this.canvas);
+    const { context, width } = canvasOf(this.canvas), { across, count, lane } = this.lanes(n, width);
+    const position = this.positions(now);
+    const wanted = Math.max(usualGap(position), LEAST_GAP);
+    this.gap = this.gap === null ? wanted : this.gap + 0.02 * (wanted - this.gap);
+    const metre = Math.min(width / (across + 1.2) / this.gap, lane * 0.34 / WIDTH);
+    const long = Math.max(Math.min(LENGTH, 0.75 * this.gap) * metre, 4), broad = Math.min(lane * 0.34, 0.6 * long);
+    for (let row = 0; row < count; ++row) this.drawLane(context, row, lane, width, metre, position, across, n);
+    for (let i = 0; i <= n; ++i) {
+      const row = Math.floor(i / across), x = this.x[row] + (position[i] - position[0]) * metre, middle = row * lane + lane * 0.36;
+      if (x < -long || x > width + long) continue;
+      this.drawVehicle(context, x, middle, long, broad, i, n, chosen === i);
+    }
+    this.drawTold(context, position, lane, across, metre, n);
+  }
+
+  drawLane(context, row, lane, width, metre, position, across, n) {
+    const first = row * across, last = Math.min(first + across - 1, n), top = row * lane + 1;
+    // Each lane shows its own vehicles in the middle, wherever they are against the leader.
+    let sum = 0;
+    for (let i = first; i <= last; ++i) sum += position[i] - position[0] + (i - first) * this.gap;
+    this.x ??= [];
+    this.x[row] = width - 0.6 * this.gap * metre - sum / (last - first + 1) * metre;
+    context.fillStyle = css("--road");
+    context.fillRect(0, top, width, lane - 5);
+    context.fillStyle = css("--marking");
+    const period = 12 * metre, start = ((this.x[row] - position[0] * metre) % period + period) % period - period;
+    for (let x = start; x < width && period > 6; x += period) context.fillRect(x, top + (lane - 5) - 2, period * 0.5, 2);
+  }
+
+  drawVehicle(context, x, middle, long, broad, i, n, chosen) {
+    context.fillStyle = i === 0 ? css("--soft") : followerColour(i, n);
+    context.beginPath();
+    context.roundRect(x - long, middle - broad / 2, long, broad, Math.min(broad / 3, 5));
+    context.fill();
+    if (long > 12) {
+      context.fillStyle = css("--glass");
+      context.fillRect(x - long * 0.36, middle - broad * 0.34, long * 0.13, broad * 0.68);
+    }
+    if (chosen) {
+      context.strokeStyle = css("--ink");
+      context.lineWidth = 2.5;
+      context.stroke();
+    }
+    if (broad > 15 && long > 20) {
+      context.fillStyle = i === 0 ? css("--card") : inkOn(i, n);
+      context.font = "600 11px system-ui, 'DejaVu Sans', sans-serif";
+      context.textAlign = "center";
+      context.fillText(i === 0 ? "L" : i, x - long * 0.68, middle + 4);
+    }
+  }
+
+  // A triangle in the follower's colour below the vehicle ahead of it, and a line to where that is.
+  drawTold(context, position, lane, across, metre, n) {
+    const told = this.present.told;
+    const size = Math.max(lane * 0.11, 3);
+    for (let i = 1; i <= told.length && i <= n; ++i) {
+      const ahead = i - 1, row = Math.floor(ahead / across), y = row * lane + lane * 0.62;
+      // What was told is of a step: beside the position of that step it moves on with the vehicle.
+      const truth = this.x[row] + (position[ahead] - position[0]) * metre, x = truth + (told[ahead] - this.present.position[ahead]) * metre;
+      context.strokeStyle = context.fillStyle = followerColour(i, n);
+      context.lineWidth = 1.5;
+      context.beginPath();
+      context.moveTo(truth, y);
+      context.lineTo(x, y);
+      context.stroke();
+      context.beginPath();
+      context.moveTo(x, y - size);
+      context.lineTo(x - size * 0.8, y + size * 0.7);
+      context.lineTo(x + size * 0.8, y + size * 0.7);
+      context.fill();
+    }
+  }
+}

@@ -1,0 +1,76 @@
+// The headline, the facts below it, and the numbers as words and as a table.
+import { short, spaced } from "./scale.js";
+
+const at = id => document.getElementById(id);
+const write = (element, text) => { if (element.textContent !== text) element.textContent = text; };
+
+export function showHeadline({ configuration, statistics, health }, live) {
+  const stable = statistics?.string_stable ?? null;
+  if (configuration) {
+    const verdict = !statistics ? "Starting" : stable === null ? "No theory" : stable ? "✓ String stable" : "✗ Not string stable";
+    write(at("verdict"), verdict);
+    write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : "The first figures come when every vehicle is there" + (configuration.endless ? `, after ${configuration.burn_in} steps of burn-in.` : "."));
+    document.title = `${verdict.replace(/^. /, "")}, h = ${configuration.headway}`;
+  }
+  at("verdict").dataset.stable = stable;
+  const complete = statistics?.complete;
+  write(at("connection"), complete ? "complete: these are the final figures" : live ? "live" : "connection lost, trying again: the last figures are shown");
+  at("connection").dataset.live = complete || live;
+  const culprit = complete ? null : health?.culprit;
+  at("culprit").hidden = !culprit;
+  write(at("culprit"), culprit ? "The platoon stands still: " + culprit : "");
+  write(at("string-note"), !statistics ? "" : statistics.time_average ? `averages over time up to step ${statistics.step}` : `at step ${statistics.step}, ${spaced(statistics.realizations)} realizations`);
+  write(at("curves-note"), !statistics ? "" : statistics.time_average ? "averages up to k" : "over realizations");
+  at("errors-key").hidden = Boolean(statistics?.time_average);
+  at("limit-key").hidden = statistics?.limit_variance == null;
+  write(at("last-follower"), configuration ? String(configuration.followers) : "N");
+}
+
+const duration = seconds => seconds < 90 ? `${Math.ceil(seconds)} s` : seconds < 5400 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`;
+
+export function facts(list, { configuration, statistics }) {
+  if (!configuration) return list.replaceChildren();
+  const of = statistics ?? {}, shown = [["headway h", short(configuration.headway, 4)], ["noise variance", `${short(configuration.noise_variance)} m²`],
+    ["link", configuration.link], ["followers N", configuration.followers]];
+  if (configuration.endless) shown.push(["step k", of.step ?? "–"]);
+  else shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
+  if (!configuration.endless) shown.push(["largest |z|", of.max_abs_z == null ? "–" : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
+  if (of.vehicle_steps_per_second != null) shown.push(["vehicle-steps/s", short(of.vehicle_steps_per_second)]);
+  if (of.seconds_left != null) shown.push(["time left", duration(of.seconds_left)]);
+  if (of.complete) shown.push(["took", duration(of.wall_seconds)]);
+  while (list.children.length > shown.length) list.lastChild.remove();
+  while (list.children.length < shown.length) {
+    const pair = list.appendChild(document.createElement("div"));
+    pair.append(document.createElement("dt"), document.createElement("dd"));
+  }
+  shown.forEach(([name, value], place) => {
+    write(list.children[place].children[0], name);
+    write(list.children[place].children[1], String(value));
+  });
+}
+
+export function readout({ statistics: of }, i, snapshot) {
+  if (!of) return "";
+  if (!i) return "";
+  const row = i - 1, error = snapshot?.tracking_error[row], z = of.score[row];
+  return `Follower ${i}: variance ${short(of.variance[row], 5)} m²` + (of.standard_error[row] == null ? "" : ` ± ${short(of.standard_error[row], 2)}`) +
+    `, theory ${short(of.theoretical_variance[row], 5)}` + (z == null ? "" : `, z ${z.toFixed(2)}`) + `, mean ${short(of.mean[row])} m` +
+    (error == null ? "" : `, error now ${error > 0 ? "+" : ""}${error.toFixed(2)} m`);
+}
+
+export function showTable(body, of) {
+  if (!of) return body.replaceChildren();
+  while (body.rows.length > of.variance.length) body.deleteRow(-1);
+  while (body.rows.length < of.variance.length) {
+    const row = body.insertRow();
+    for (let c = 0; c < 6; ++c) row.insertCell();
+  }
+  of.variance.forEach((variance, row) => {
+    const cells = [row + 1, of.mean[row], variance, of.standard_error[row], of.theoretical_variance[row], of.score[row]];
+    cells.forEach((value, c) => {
+      const cell = body.rows[row].cells[c];
+      cell.dataset.value = value;
+      write(cell, c === 0 ? String(value) : c === 5 ? value?.toFixed(2) ?? "–" : short(value, 6));
+    });
+  });
+}

@@ -1,0 +1,209 @@
+"""The page and what it is told: HTTP by the standard library, news by server-sent events."""
+
+import collections
+import http.server
+import ipaddress
+import json
+import os
+import socket
+import threading
+import urllib.parse
+
+MOST_PAGES = 32         # open at once
+HEARTBEAT = 2.0         # [s] between signs of life on a silent stream
+LONGEST_COMMAND = 4096  # bytes
+KINDS_OF_FILE = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
+
+
+def encoded(content):
+    return json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
+
+
+class Stream:
+    """What one page has not been sent yet: of each kind of news the latest only, so a slow page holds no memory."""
+
+    def __init__(self):
+        self.waiting = collections.OrderedDict()
+        self.condition = threading.Condition()
+
+    def put(self, kind, data):
+        with self.condition:
+            self.waiting.pop(kind, None)
+            self.waiting[kind] = data
+            self.condition.notify()
+
+    def take(self, timeout):
+        """All that is new; an empty list after the timeout [s]."""
+        with self.condition:
+            if not self.waiting:
+                self.condition.wait(timeout)
+            items = list(self.waiting.items())
+            self.waiting.clear()
+            return items
+
+
+class Streams:
+    """The pages that are open. Nothing is encoded while there is none, and once for all of them where there are."""
+
+    def __init__(self, give):
+        self.give, self.lock, self.streams = give, threading.Lock(), []
+
+    def open(self, kinds):
+        """A new page's stream with everything that is known; None where there are too many."""
+        stream = Stream()
+        with self.lock:
+            if len(self.streams) >= MOST_PAGES:
+                return None
+            self.streams.append(stream)
+        for kind in kinds:
+            stream.put(kind, encoded(self.give(kind)))
+        return stream
+
+    def close(self, stream):
+        with self.lock:
+            self.streams.remove(stream)
+
+    def send(self, kind):
+        with self.lock:
+            streams = list(self.streams)
+        if streams:
+            data = encoded(self.give(kind))
+            for stream in streams:
+                stream.put(kind, data)
+
+
+def host_of(authority):
+    """The host in "host:port", in lower case; empty where it is none."""
+    try:
+        return (urllib.parse.urlsplit("//" + authority).hostname or "").lower()
+    except ValueError:
+        return ""
+
+
+def names_this_machine(host, served_host):
+    """Whether a request that calls the server so cannot come from a page that a foreign name was rebound for: an attacker's page has
+    its own name in Host, whatever address that leads to. An address is no name."""
+    try:
+        ipaddress.ip_address(host)
+        return True
+    except ValueError:
+        return host in ("localhost", served_host.lower(), socket.gethostname().lower(), socket.getfqdn().lower())
+
+
+class Handler(http.server.BaseHTTPRequestHandler):
+    server_version = "platoon"
+    sys_version = ""
+    timeout = 30.0  # [s] for a page that does not read, or sends a request and does not end it
+
+    def log_message(self, *_):
+        pass  # requests are no news for the terminal
+
+    def answer(self, status, content, kind="application/json"):
+        self.send_response(status)
+        self.send_header("Content-Type", kind + "; charset=utf-8")
+        self.send_header("Content-Length", str(len(content)))
+        self.send_common_headers()
+        self.end_headers()
+        if self.command != "HEAD":
+            self.wfile.write(content)
+
+    def send_common_headers(self):
+        self.send_header("Cache-Control", "no-store")
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.send_header("X-Frame-Options", "DENY")
+        self.send_header("Content-Security-Policy", "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'")
+
+    def refuse(self, status, why):
+        self.answer(status, encoded({"success": False, "message": why}))
+
+    def of_this_machine(self):
+        """Answers, and is false, where the request calls the server by a name that is not its own."""
+        if names_this_machine(host_of(self.headers.get("Host", "")), self.server.host):
+            return True
+        self.refuse(421, "this page is not served under that name: use localhost or the machine's address")
+        return False
+
+    def do_GET(self):
+        if not self.of_this_machine():
+            return
+        path = urllib.parse.urlsplit(self.path).path
+        if path == "/events":
+            self.stream()
+        elif path == "/state.json":
+            self.answer(200, encoded(self.server.state.document()))
+        else:
+            content = self.server.files.get("/index.html" if path == "/" else path)
+            if content is None:
+                return self.refuse(404, "there is /, /state.json and /events")
+            self.answer(200, content, KINDS_OF_FILE[os.path.splitext(path)[1] or ".html"])
+
+    do_HEAD = do_GET
+
+    def do_POST(self):
+        if not self.of_this_machine():
+            return
+        # A browser says where a page that sends a command is from; only our own page has the address that it is sent to.
+        origin = self.headers.get("Origin")
+        if origin is not None and urllib.parse.urlsplit(origin).netloc.lower() != self.headers.get("Host", "").lower():
+            return self.refuse(403, "commands are taken from this server's own page only, not from " + origin[:100])
+        if self.headers.get("Content-Type", "").split(";")[0] != "application/json":
+            return self.refuse(415, "a command is application/json")
+        if self.path != "/command":
+            return self.refuse(404, "commands go to /command")
+        try:
+            length = int(self.headers.get("Content-Length", ""))
+            if not 0 <= length <= LONGEST_COMMAND:
+                raise ValueError
+            content = json.loads(self.rfile.read(length))
+            if not isinstance(content, dict):
+                raise ValueError
+        except ValueError:
+            return self.refuse(400, "a command is a JSON object of at most {} bytes".format(LONGEST_COMMAND))
+        success, message = self.server.obey(content)
+        self.answer(200 if success else 409, encoded({"success": success, "message": message}))
+
+    def stream(self):
+        stream = self.server.streams.open(self.server.state.KINDS + ("strip",))
+        if stream is None:
+            return self.refuse(503, "{} pages are open already: close one".format(MOST_PAGES))
+        try:
+            self.send_response(200)
+            self.send_header("Content-Type", "text/event-stream")
+            self.send_common_headers()
+            self.end_headers()
+            self.wfile.write(b"retry: 1000\n\n")
+            while not self.server.closing.is_set():
+                items = stream.take(HEARTBEAT)
+                lines = b"".join(b"event: " + kind.encode() + b"\ndata: " + data + b"\n\n" for kind, data in items)
+                self.wfile.write(lines or b": alive\n\n")
+        except OSError:
+            pass  # the page is gone
+        finally:
+            self.server.streams.close(stream)
+
+
+class PageServer(http.server.ThreadingHTTPServer):
+    """Serves a folder's files, the state and its news; obey(command) takes a command and returns (success, message)."""
+
+    daemon_threads = True
+
+    def __init__(self, host, port, state, obey, folder):
+        self.host, self.state, self.obey = host, state, obey
+        self.streams = Streams(state.give)
+        self.closing = threading.Event()
+        self.files = {}
+        for name in os.listdir(folder):
+            if os.path.splitext(name)[1] in KINDS_OF_FILE:
+                with open(os.path.join(folder, name), "rb") as file:
+                    self.files["/" + name] = file.read()
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
+        self.address_family = family
+        super().__init__(address[:2], Handler)
+
+    def handle_error(self, request, client_address):
+        pass  # a page that went away in the middle of a request
+
+    @property
+    def url(self):
+        host = "[{}]".format(self.host) if ":" in self.host else self.host
+        return "http://{}:{}".format(host, self.server_port)

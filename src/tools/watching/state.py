@@ -1,0 +1,246 @@
+"""What is known of a running platoon, from its condensed topics: bounded, whatever the length of the run.
+
+No ROS here: a state is fed with messages, or with objects of their fields, and gives what JSON can hold.
+"""
+
+import collections
+import json
+import math
+import threading
+
+STRIP = 240          # snapshots in the space-time strip
+COLUMNS = 120        # steps in the curves over k
+MOST_CURVES = 40     # as the figures of `plot`: of longer strings only some followers are drawn
+CURVES_OF_MANY = 16
+TOLD = 8             # snapshots of what followers were told that wait for that of the positions
+RATE_WINDOW = 5.0    # [s]
+
+
+def finite(value):
+    """The number, None where it is none that JSON knows."""
+    return value if math.isfinite(value) else None
+
+
+def numbers(values):
+    return [value if math.isfinite(value) else None for value in values]
+
+
+def rounded(values):
+    """For curves and colours: six digits are more than a screen shows."""
+    return [float("{:.6g}".format(value)) if math.isfinite(value) else None for value in values]
+
+
+def drawn_followers(followers):
+    """Numbers of the followers whose curves are drawn: all, or some evenly spread with both ends among them."""
+    if followers <= MOST_CURVES:
+        return list(range(1, followers + 1))
+    return [1 + round(j * (followers - 1) / (CURVES_OF_MANY - 1)) for j in range(CURVES_OF_MANY)]
+
+
+class ThinnedHistory:
+    """At most `most` columns over a step that grows without bound, evenly spread: when full, every second one goes."""
+
+    def __init__(self, most):
+        self.most, self.stride, self.columns = most, 1, []
+
+    def add(self, step, column):
+        if self.columns and step < self.columns[-1][0] + self.stride:
+            return
+        self.columns.append((step, column))
+        if len(self.columns) > self.most:
+            del self.columns[1::2]
+            self.stride *= 2
+
+
+class Rate:
+    """Of a count that grows, over the latest seconds."""
+
+    def __init__(self):
+        self.seen = collections.deque(maxlen=200)
+
+    def saw(self, count, now):
+        if self.seen and count < self.seen[-1][1]:
+            self.seen.clear()
+        if self.seen and now - self.seen[-1][0] < RATE_WINDOW / 100:
+            return
+        self.seen.append((now, count))
+        while len(self.seen) > 2 and now - self.seen[0][0] > RATE_WINDOW:
+            self.seen.popleft()
+
+    def per_second(self):
+        if len(self.seen) < 2 or self.seen[-1][0] <= self.seen[0][0]:
+            return None
+        return (self.seen[-1][1] - self.seen[0][1]) / (self.seen[-1][0] - self.seen[0][0])
+
+
+def link_of(model):
+    """The default vehicle's link in words."""
+    channel = model.get("channel", {})
+    words = ["additive noise" if not channel.get("noise_filter") else "coloured noise"]
+    if channel.get("quantisation_step"):
+        words.append("quantised to {:g} m".format(channel["quantisation_step"]))
+    if channel.get("delay"):
+        words.append("delay {}".format(channel["delay"]))
+    loss = channel.get("loss")
+    if loss:
+        burst = ", bursts of {:g}".format(loss["mean_burst"]) if loss.get("mean_burst") else ""
+        words.append("loss {:g}{}".format(loss["probability"], burst))
+    if model.get("vehicle_types"):
+        words.append("mixed string")
+    return ", ".join(words)
+
+
+def described(text):
+    """What the page says of a configuration (its JSON text)."""
+    document = json.loads(text)
+    model, run = document["model"], document["run"]
+    loss = model.get("channel", {}).get("loss")
+    return {"followers": run["followers"], "steps": run["steps"], "realizations_wanted": run["realizations"],
+            "rate_wanted": run["rate"], "seed": run["seed"], "hosting": run["hosting"], "endless": run["steps"] == 0,
+            "burn_in": run["burn_in"], "headway": model["time_headway"], "noise_variance": model["noise_variance"],
+            "loss": loss["probability"] if loss else None, "link": link_of(model),
+            "standstill_distance": model["standstill_distance"], "sample_period": model["sample_period"],
+            "output": run["output"]}
+
+
+class PlatoonState:
+    """Takes messages from any thread. changed(kind) is called behind each that tells something new, without the lock."""
+
+    KINDS = ("configuration", "statistics", "curves", "snapshot", "health")
+
+    def __init__(self, changed=lambda kind: None):
+        self.lock = threading.RLock()
+        self.changed = changed
+        self.text = None
+        self.culprit = None
+        self.components = {}
+        self.begin(None)
+
+    def begin(self, configuration):
+        """Another run: nothing of the one before it is shown."""
+        self.configuration = configuration
+        self.overview = None
+        self.rate = Rate()
+        self.history = ThinnedHistory(COLUMNS)
+        self.strip = collections.deque(maxlen=STRIP)
+        self.told = collections.OrderedDict()
+        self.snapshot = None
+
+    def take_configuration(self, message):
+        with self.lock:
+            if message.data == self.text:
+                return
+            self.begin(described(message.data))
+            self.text = message.data
+        for kind in self.KINDS:
+            self.changed(kind)
+
+    def take_overview(self, message, now):
+        with self.lock:
+            if self.configuration is None:
+                return
+            self.overview = message
+            endless = message.time_average
+            self.rate.saw(message.step[-1] if endless else message.realizations, now)
+            if endless:
+                self.history.add(message.step[-1], (self.of_drawn(message.mean), self.of_drawn(message.variance)))
+        self.changed("statistics")
+        self.changed("curves")
+
+    def take_told(self, message):
+        with self.lock:
+            self.told[(message.run, message.realization, message.step)] = message.position
+            while len(self.told) > TOLD:
+                self.told.popitem(last=False)
+
+    def take_snapshot(self, message):
+        with self.lock:
+            told = self.told.get((message.run, message.realization, message.step), ())
+            errors = rounded(message.tracking_error)
+            self.snapshot = {"realization": message.realization, "step": message.step,
+                             "position": numbers(message.position), "told": numbers(told), "tracking_error": errors}
+            if message.step >= 0:
+                self.strip.append((message.realization, message.step, errors))
+        self.changed("snapshot")
+
+    def take_diagnostics(self, message):
+        """Of a diagnostic_msgs/DiagnosticArray the platoon's own parts; whoever else is on the topic is not ours."""
+        with self.lock:
+            for status in message.status:
+                values = {entry.key: entry.value for entry in status.values}
+                if status.name.endswith("platoon: monitor"):
+                    self.culprit = values.get("culprit") or None
+        self.changed("health")
+
+    def of_drawn(self, values):
+        """One column's values of the followers that are drawn."""
+        return [values[i - 1] for i in drawn_followers(len(values))]
+
+    # What pages are sent.
+
+    def give(self, kind):
+        """The content of an event; None where there is nothing to say."""
+        with self.lock:
+            return getattr(self, "give_" + kind)()
+
+    def give_configuration(self):
+        return self.configuration
+
+    def give_snapshot(self):
+        return self.snapshot
+
+    def give_health(self):
+        return {"culprit": self.culprit}
+
+    def give_strip(self):
+        return [{"realization": r, "step": k, "tracking_error": errors} for r, k, errors in self.strip]
+
+    def last_column(self, values):
+        return numbers(values[len(self.overview.step) - 1::len(self.overview.step)])
+
+    def give_statistics(self):
+        of = self.overview
+        if of is None:
+            return None
+        scores = [score for score in (of.max_abs_z_mean, of.max_abs_z_variance) if not math.isnan(score)]
+        per_second, followers = self.rate.per_second(), len(of.stationary_variance)
+        wanted = self.configuration["realizations_wanted"]
+        left = None
+        if not of.time_average and not of.complete and per_second:
+            left = (wanted - of.realizations) / per_second
+        work = followers * (1 if of.time_average else self.configuration["steps"])
+        return {"step": of.step[-1], "realizations": of.realizations, "time_average": of.time_average,
+                "complete": of.complete, "theory": of.theory, "reason": of.reason,
+                "string_stable": of.string_stable if of.theory == "exact" else None,
+                "limit_variance": finite(of.limit_variance), "mean": self.last_column(of.mean),
+                "variance": self.last_column(of.variance), "theoretical_mean": self.last_column(of.theoretical_mean),
+                "theoretical_variance": self.last_column(of.theoretical_variance),
+                "standard_error": numbers(of.standard_error), "score": numbers(of.variance_score),
+                "max_abs_z": finite(max(scores)) if scores else None, "plausible_z": finite(of.plausible_z),
+                "vehicle_steps_per_second": None if per_second is None or of.complete else per_second * work,
+                "seconds_left": left, "wall_seconds": of.wall_seconds}
+
+    def give_curves(self):
+        """Mean and variance over k of the followers drawn: lists of (followers drawn) lists of (steps)."""
+        of = self.overview
+        if of is None:
+            return None
+        followers = drawn_followers(len(of.stationary_variance))
+        if of.time_average:
+            columns = [column for _, column in self.history.columns]
+            theory = {name: [[value] * len(columns) for value in rounded(self.of_drawn(values))] for name, values in
+                      (("theoretical_mean", of.theoretical_mean), ("theoretical_variance", of.theoretical_variance))}
+            return dict(theory, followers=followers, step=[step for step, _ in self.history.columns],
+                        mean=[rounded(row) for row in zip(*(mean for mean, _ in columns))],
+                        variance=[rounded(row) for row in zip(*(variance for _, variance in columns))])
+        width = len(of.step)
+        return dict({name: [rounded(getattr(of, name)[(i - 1) * width:i * width]) for i in followers]
+                     for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")},
+                    followers=followers, step=list(of.step))
+
+    def document(self):
+        """/state.json."""
+        with self.lock:
+            nothing = {"followers": None, "step": None, "realizations": None, "mean": [], "variance": [],
+                       "theoretical_variance": [], "string_stable": None, "limit_variance": None, "max_abs_z": None}
+            return {**nothing, **(self.give_configuration() or {}), **(self.give_statistics() or {}), **self.give_health()}

@@ -1,0 +1,52 @@
+"""A running platoon as a table on a terminal: follower, mean, variance, standard error, theory, z."""
+
+HEADING = "follower       mean [m]   variance [m^2]   standard error   theory [m^2]         z"
+AROUND = 8  # lines that are no followers
+
+
+def cell(value, width, form):
+    return "{:>{}}".format("-" if value is None else format(value, form), width)
+
+
+def shown(followers, lines):
+    """Numbers of the followers that so many lines have room for, 0 for a line of dots: the two ends of a long string."""
+    if followers <= lines:
+        return list(range(1, followers + 1))
+    half = max((lines - 1) // 2, 1)
+    return list(range(1, half + 1)) + [0] + list(range(followers - half + 1, followers + 1))
+
+
+def heading(state):
+    if state["followers"] is None:
+        return ["Waiting for a platoon's monitor"]
+    first = "h = {:g}, P_d = {:g} m^2, {}, N = {}".format(state["headway"], state["noise_variance"], state["link"], state["followers"])
+    if state["step"] is None:
+        return [first, "no statistics yet"]
+    if state["time_average"]:
+        second = "averages over time up to step {}".format(state["step"])
+    else:
+        second = "step {}, {} of {} realizations".format(state["step"], state["realizations"], state["realizations_wanted"])
+        if state["max_abs_z"] is not None:
+            second += ", largest |z| {:.2f} (plausible to {:.2f})".format(state["max_abs_z"], state["plausible_z"])
+    if state["vehicle_steps_per_second"] is not None:
+        second += ", {:.3g} vehicle-steps/s".format(state["vehicle_steps_per_second"])
+    if state["seconds_left"] is not None:
+        second += ", {:.0f} s left".format(state["seconds_left"])
+    limit = "" if state["limit_variance"] is None else "; limit {:.6g} m^2".format(state["limit_variance"])
+    return [first, "Theory: {}{}".format(state["reason"], limit), second + (", complete" if state["complete"] else "")]
+
+
+def table(state, lines):
+    """The lines of the table for a terminal of so many lines."""
+    text = heading(state)
+    if state["culprit"]:
+        text.append("THE PLATOON STANDS STILL: " + state["culprit"])
+    if not state["variance"]:
+        return text
+    text += ["", HEADING]
+    for i in shown(len(state["variance"]), max(lines - AROUND, 3)):
+        row = i - 1
+        text.append("     ..." if i == 0 else "{:8d} {} {} {} {} {}".format(
+            i, cell(state["mean"][row], 14, ".6g"), cell(state["variance"][row], 16, ".6g"), cell(state["standard_error"][row], 16, ".2g"),
+            cell(state["theoretical_variance"][row], 14, ".6g"), cell(state["score"][row], 9, ".2f")))
+    return text

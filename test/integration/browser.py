@@ -1,0 +1,54 @@
+"""A page in headless Chromium, through its driver."""
+
+import base64
+import shutil
+
+from selenium import webdriver
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+
+ARGUMENTS = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
+             "--force-device-scale-factor=1", "--disable-background-networking", "--disable-component-update", "--no-first-run",
+             "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE localhost, EXCLUDE 127.0.0.1")
+
+
+class Browser:
+    def __init__(self, width=1280, height=1200):
+        options = Options()
+        options.binary_location = shutil.which("chromium")
+        for argument in ARGUMENTS + ("--window-size={},{}".format(width, height),):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+        self.driver.set_page_load_timeout(30)
+        self.driver.set_script_timeout(30)
+
+    def open(self, url):
+        self.driver.get(url)
+
+    def run(self, script, *arguments):
+        """What the script returns, in the page."""
+        return self.driver.execute_script(script, *arguments)
+
+    def text(self, selector):
+        return self.run("return document.querySelector(arguments[0]).textContent", selector)
+
+    def device(self, command, **parameters):
+        return self.driver.execute_cdp_cmd(command, parameters)
+
+    def show_as(self, width, height, dark=False, scale=1):
+        self.device("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=width < 600)
+        self.device("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
+
+    def complaints(self):
+        """What the page has said to the console since it was asked last."""
+        return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
+
+    def picture(self, path):
+        """The whole page as a PNG."""
+        content = self.device("Page.captureScreenshot", captureBeyondViewport=True)["data"]
+        with open(path, "wb") as file:
+            file.write(base64.b64decode(content))
+
+    def close(self):
+        self.driver.quit()
