@@ -1,15 +1,15 @@
 // The platoon's Monte Carlo in one process, without ROS: the same vehicles, channels and statistics as the
-// nodes', and the same bits. Writes the same statistics.csv and summary.json.
+// nodes', and the same bits. Writes the same statistics.csv and summary.json, or a shard for merge.
 
-#include <algorithm>
 #include <chrono>
 #include <iostream>
-#include <thread>
 
+#include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/io/progress_display.hpp"
 #include "stochastic_platoon/results/checkpoint.hpp"
 #include "stochastic_platoon/results/run_report.hpp"
-#include "stochastic_platoon/simulation/platoon_string.hpp"
+#include "stochastic_platoon/scaling/shard_run.hpp"
+#include "stochastic_platoon/simulation/ensemble_run.hpp"
 #include "tools/settings.hpp"
 
 namespace {
@@ -18,11 +18,14 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+platoon::ProgressDisplay display_of(const platoon::RunOptions& options, std::uint64_t realizations) {
+  return {realizations, "realizations",
+          static_cast<double>(options.followers) * static_cast<double>(options.steps), "vehicle-steps"};
+}
+
 platoon::RunResult run(const platoon::Configuration& configuration, unsigned threads) {
   const platoon::RunOptions& options = configuration.run;
-  platoon::ProgressDisplay display(
-      options.realizations, "realizations",
-      static_cast<double>(options.followers) * static_cast<double>(options.steps), "vehicle-steps");
+  platoon::ProgressDisplay display = display_of(options, options.realizations);
   const double began = now();
   const platoon::MomentTable table = platoon::monte_carlo(
       configuration.model,
@@ -39,31 +42,60 @@ platoon::RunResult run(const platoon::Configuration& configuration, unsigned thr
   return result;
 }
 
-// One per core where nothing is asked for.
-unsigned threads_of(const std::string& text) {
-  if (text.empty()) return std::max(std::thread::hardware_concurrency(), 1u);
-  YAML::Node node;
-  node["threads"] = text;
-  std::vector<std::string> problems;
-  const std::int64_t threads = platoon::Section(node, "", problems).integer("threads", 1, 1024);
-  if (!problems.empty()) throw platoon::ConfigurationError(problems);
-  return static_cast<unsigned>(threads);
+void run_whole(const platoon::Configuration& configuration, unsigned threads) {
+  const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
+  if (platoon::starting_point(configuration))
+    throw std::logic_error("a fresh folder cannot hold a checkpoint");
+  const platoon::Prediction prediction = platoon::predict(configuration);
+  const platoon::RunResult result = run(configuration, threads);
+  platoon::write_results(configuration, prediction, result);
+  std::cout << platoon::report(configuration, prediction, result) << "Results: " << configuration.run.output
+            << "/statistics.csv and summary.json\n";
+}
+
+void run_shard(platoon::Configuration configuration, const std::string& text, const std::string& seconds,
+               unsigned threads) {
+  const platoon::Shard shard = platoon::parse_shard(text, configuration.run.realizations);
+  // A shard that is begun again is the same one: it takes over what it has left, its lock included.
+  configuration.run.launch_id = platoon::name_of(shard);
+  const platoon::ShardRun part{configuration, shard};
+  const platoon::RealizationRange range = part.range();
+  platoon::ProgressDisplay display = display_of(configuration.run, range.size());
+  platoon::ShardSettings settings;
+  settings.threads = threads;
+  if (!seconds.empty()) settings.checkpoint_seconds = platoon::seconds_of("checkpoint-seconds", seconds);
+  settings.progress = [&display](std::uint64_t done) { display.update(done, now()); };
+  settings.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
+  const std::uint64_t computed = platoon::compute_shard(part, settings);
+  display.finish();
+  std::cout << platoon::name_of(shard) << ": complete: realizations " << range.first << " to "
+            << range.end - 1 << " of " << configuration.run.realizations << ", " << computed
+            << " of them computed now: " << configuration.run.output << "\n";
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::map<std::string, std::string> settings = platoon::parse_command_line(
-      argc, argv, "Monte Carlo of the platoon in one process",
-      {"model", "headway", "noise_variance", "loss", "delay", "followers", "steps", "realizations", "batch",
-       "seed", "output"},
-      {{"threads", "worker threads (one per core); the result does not depend on it"}});
-  const std::string threads_text = settings.count("threads") > 0 ? settings["threads"] : "";
-  settings.erase("threads");
+  const std::map<std::string, std::string> extra = {
+      {"threads", "worker threads (one per core); the result does not depend on it"},
+      {"shard",
+       "I/N: only part I = 0 .. N - 1 of the realizations, for merge; goes on from what it has left"},
+      {"checkpoint_seconds", "seconds between checkpoints of a shard (10)"}};
+  std::map<std::string, std::string> settings =
+      platoon::parse_command_line(argc, argv, "Monte Carlo of the platoon in one process",
+                                  {"model", "headway", "noise_variance", "loss", "delay", "followers",
+                                   "steps", "realizations", "batch", "seed", "output"},
+                                  extra);
+  std::map<std::string, std::string> own;
+  for (const auto& entry : extra) {
+    if (settings.count(entry.first) > 0) own[entry.first] = settings[entry.first];
+    settings.erase(entry.first);
+  }
+  platoon::ignore_file_size_signal();
   try {
-    const unsigned threads = threads_of(threads_text);
+    const unsigned threads = platoon::threads_of(own["threads"]);
     settings.emplace("model", platoon::paper_model_file());
-    settings.emplace("batch", "512");  // what a vehicle needs of so many fits the second level cache
+    settings.emplace("batch", platoon::kMonteCarloBatch);
     platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));
     configuration.run.hosting = platoon::Hosting::monte_carlo;
@@ -71,14 +103,13 @@ int main(int argc, char** argv) {
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
     if (configuration.run.output.empty())
       throw platoon::ConfigurationError({"output: (empty): must be a folder"});
-    const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-    if (platoon::starting_point(configuration))
-      throw std::logic_error("a fresh folder cannot hold a checkpoint");
-    const platoon::Prediction prediction = platoon::predict(configuration);
-    const platoon::RunResult result = run(configuration, threads);
-    platoon::write_results(configuration, prediction, result);
-    std::cout << platoon::report(configuration, prediction, result) << "Results: " << configuration.run.output
-              << "/statistics.csv and summary.json\n";
+    if (own.count("shard") > 0) {
+      run_shard(configuration, own["shard"], own["checkpoint_seconds"], threads);
+    } else if (own.count("checkpoint_seconds") > 0) {
+      throw platoon::ConfigurationError({"checkpoint-seconds: given: must go with --shard"});
+    } else {
+      run_whole(configuration, threads);
+    }
     return 0;
   } catch (const std::exception& error) {
     std::cerr << argv[0] << ": " << error.what() << "\n";

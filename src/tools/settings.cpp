@@ -6,7 +6,10 @@
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
+#include <thread>
 
+#include "stochastic_platoon/configuration/configuration_error.hpp"
+#include "stochastic_platoon/configuration/section.hpp"
 #include "stochastic_platoon/configuration/settings.hpp"
 #include "stochastic_platoon/configuration/version.hpp"
 
@@ -35,7 +38,8 @@ std::string option_name(std::string setting) {
 
 std::map<std::string, std::string> parse_command_line(int argc, char** argv, const std::string& purpose,
                                                       const std::set<std::string>& accepted,
-                                                      const std::map<std::string, std::string>& extra) {
+                                                      const std::map<std::string, std::string>& extra,
+                                                      std::vector<std::string>* words) {
   std::map<std::string, std::string> help = extra;
   for (const std::string& name : accepted) help[name] = help_of(name);
   options::options_description description(purpose);
@@ -49,13 +53,15 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
     options::variables_map values;
     // No abbreviations: a mistyped option must not be taken for another.
     const int style = options::command_line_style::unix_style & ~options::command_line_style::allow_guessing;
-    const options::positional_options_description no_positionals;
-    options::store(options::command_line_parser(argc, argv)
-                       .options(description)
-                       .positional(no_positionals)
-                       .style(style)
-                       .run(),
-                   values);
+    options::options_description known = description;
+    options::positional_options_description positionals;
+    if (words != nullptr) {
+      known.add_options()("word", options::value(words));
+      positionals.add("word", -1);
+    }
+    options::store(
+        options::command_line_parser(argc, argv).options(known).positional(positionals).style(style).run(),
+        values);
     if (values.count("help") > 0) {
       std::cout << description;
       std::exit(0);
@@ -64,6 +70,7 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
       std::cout << "stochastic_platoon " << kVersion << "\n";
       std::exit(0);
     }
+    options::notify(values);
     for (const auto& entry : help) {
       if (values.count(option_name(entry.first)) > 0)
         given[entry.first] = values[option_name(entry.first)].as<std::string>();
@@ -73,6 +80,25 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
     std::exit(2);
   }
   return given;
+}
+
+unsigned threads_of(const std::string& text) {
+  if (text.empty()) return std::max(std::thread::hardware_concurrency(), 1u);
+  YAML::Node node;
+  node["threads"] = text;
+  std::vector<std::string> problems;
+  const std::int64_t threads = Section(node, "", problems).integer("threads", 1, 1024);
+  if (!problems.empty()) throw ConfigurationError(problems);
+  return static_cast<unsigned>(threads);
+}
+
+double seconds_of(const std::string& option, const std::string& text) {
+  YAML::Node node;
+  node[option] = text;
+  std::vector<std::string> problems;
+  const double seconds = Section(node, "", problems).number(option, kPositive);
+  if (!problems.empty()) throw ConfigurationError(problems);
+  return seconds;
 }
 
 std::string paper_model_file() {

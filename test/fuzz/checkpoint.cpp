@@ -34,7 +34,7 @@ void read(const std::string& bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);
   read(bytes);
-  read(platoon::formatted("stochastic_platoon checkpoint 2\n%016llx\n",
+  read(platoon::formatted("stochastic_platoon checkpoint 3\n%016llx\n",
                           static_cast<unsigned long long>(platoon::digest(bytes))) +
        bytes);
   return 0;

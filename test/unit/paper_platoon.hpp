@@ -13,4 +13,13 @@ inline PlatoonModel paper_platoon(double headway = 3.2) {
           LeaderProfile({{0, 20.0}}, 0.1),        {},      false};
 }
 
+/// Everything that can be there is: standstill distance, random initial positions, changes of speed.
+inline PlatoonModel eventful_platoon(double headway) {
+  PlatoonModel model = paper_platoon(headway);
+  model.standstill_distance = 7.0;
+  model.initial_position = {0.8, 0.3};
+  model.leader = LeaderProfile({{0, 20.0}, {10, 5.0}, {20, 12.0}}, 0.1);
+  return model;
+}
+
 }  // namespace platoon

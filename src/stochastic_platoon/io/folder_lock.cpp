@@ -34,6 +34,11 @@ FolderLock::FolderLock(const std::string& folder, const std::string& holder)
   if (descriptor_ < 0)
     throw std::runtime_error(file_ + ": cannot be opened: " + std::generic_category().message(errno));
   const bool free = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+  if (!free && errno != EWOULDBLOCK) {
+    const int reason = errno;
+    ::close(descriptor_);
+    throw std::runtime_error(file_ + ": cannot be locked: " + std::generic_category().message(reason));
+  }
   const std::string named = name_in(descriptor_);
   if (!free || (!named.empty() && named != holder && is_fresh(descriptor_))) {
     ::close(descriptor_);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -62,7 +63,9 @@ Checkpoint from_json(const nlohmann::json& document) {
           {tally.at("positions_received").get<std::uint64_t>(), tally.at("attempts").get<std::uint32_t>(),
            tally.at("wall_seconds").get<double>(), tally.at("platoon_time").get<std::uint64_t>()},
           std::move(table),
-          std::move(averages)};
+          std::move(averages),
+          {},
+          document.value("shard", nlohmann::json())};
 }
 
 // The lines before the content.
@@ -79,18 +82,25 @@ bool has_no_gap(const MomentTable& table) {
   return true;
 }
 
-std::string differences(const nlohmann::json& there, const nlohmann::json& here) {
+}  // namespace
+
+std::string identity_differences(const nlohmann::json& there, const nlohmann::json& here) {
+  // A key that only one of them has is a difference, too: the paper's channel has no key.
+  std::set<std::string> keys;
+  for (const nlohmann::json* identity : {&there, &here}) {
+    for (const auto& entry : identity->items()) keys.insert(entry.key());
+  }
   std::string text;
-  for (const auto& entry : here.items()) {
-    const nlohmann::json other = there.value(entry.key(), nlohmann::json());
-    if (other == entry.value()) continue;
-    text += (text.empty() ? "" : ", ") + entry.key() + " is " + shortened(other.dump()) + " there and " +
-            shortened(entry.value().dump()) + " here";
+  for (const std::string& key : keys) {
+    const nlohmann::json other = there.value(key, nlohmann::json()), own = here.value(key, nlohmann::json());
+    if (other == own) continue;
+    text += (text.empty() ? "" : ", ") + key + " is " + shortened(other.dump()) + " there and " +
+            shortened(own.dump()) + " here";
   }
   return text;
 }
 
-void require_free(const std::string& output) {
+void require_no_results(const std::string& output) {
   for (const char* name : {"/statistics.csv", "/summary.json"}) {
     if (!std::filesystem::exists(output + name)) continue;
     throw ConfigurationError({"output: " + output +
@@ -98,8 +108,6 @@ void require_free(const std::string& output) {
                               "on from: must be another folder"});
   }
 }
-
-}  // namespace
 
 std::string extent_of(const Checkpoint& checkpoint) {
   if (checkpoint.time_averages.empty()) return std::to_string(checkpoint.table.count()) + " realizations";
@@ -115,16 +123,17 @@ std::string previous_checkpoint_file(const std::string& output) {
 }
 
 void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
-  const nlohmann::json document = {{"identity", checkpoint.identity},
-                                   {"launch_id", checkpoint.launch_id},
-                                   {"tally",
-                                    {{"positions_received", checkpoint.tally.positions_received},
-                                     {"attempts", checkpoint.tally.attempts},
-                                     {"wall_seconds", checkpoint.tally.wall_seconds},
-                                     {"platoon_time", checkpoint.tally.platoon_time}}},
-                                   {"cells", checkpoint.table.cells()},
-                                   {"blocks", to_json(checkpoint.table)},
-                                   {"time_averages", to_json(checkpoint.time_averages)}};
+  nlohmann::json document = {{"identity", checkpoint.identity},
+                             {"launch_id", checkpoint.launch_id},
+                             {"tally",
+                              {{"positions_received", checkpoint.tally.positions_received},
+                               {"attempts", checkpoint.tally.attempts},
+                               {"wall_seconds", checkpoint.tally.wall_seconds},
+                               {"platoon_time", checkpoint.tally.platoon_time}}},
+                             {"cells", checkpoint.table.cells()},
+                             {"blocks", to_json(checkpoint.table)},
+                             {"time_averages", to_json(checkpoint.time_averages)}};
+  if (!checkpoint.shard.is_null()) document["shard"] = checkpoint.shard;
   const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(document);
   const std::string content(bytes.begin(), bytes.end());
   const std::string file = checkpoint_file(output);
@@ -150,7 +159,7 @@ Checkpoint read_file(const std::string& file) {
       throw std::runtime_error("its digest is not that of its content");
     return from_json(nlohmann::json::from_cbor(content));
   } catch (const std::exception& error) {
-    throw std::runtime_error(file + ": is not a checkpoint that can be read: " + error.what());
+    throw DamagedCheckpoint(file + ": is not a checkpoint that can be read: " + error.what());
   }
 }
 
@@ -188,15 +197,17 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
     throw ConfigurationError({std::string("output: ") + error.what()});
   }
   if (!found) {
-    require_free(run.output);
+    require_no_results(run.output);
     return std::nullopt;
   }
+  if (!found->shard.is_null())
+    throw ConfigurationError({"output: " + run.output + ": holds a shard of a run: must be another folder"});
   const bool same_launch = found->launch_id == run.launch_id && !run.launch_id.empty();
   if (!same_launch && !run.resume) {
     throw ConfigurationError({"output: " + run.output + ": holds a run of " + extent_of(*found) +
                               ": must be another folder (or resume:=true to go on with that run)"});
   }
-  const std::string differing = differences(found->identity, statistics_identity(configuration));
+  const std::string differing = identity_differences(found->identity, statistics_identity(configuration));
   if (!differing.empty()) {
     throw ConfigurationError(
         {"output: " + run.output + ": holds a run of another configuration: " + differing});

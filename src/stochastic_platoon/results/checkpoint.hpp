@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct Checkpoint {
   MomentTable table;                        ///< of averages over time: of no cells
   std::vector<Moments> time_averages = {};  ///< of these, one per follower
   std::string damage = {};                  ///< of one that was read: why it is not the latest; empty: it is
+  nlohmann::json shard = {};  ///< of a part of a run: of which (see ShardRun); null: of a whole one
 };
 
 /// "1000 realizations", or over how many steps it averages.
@@ -35,9 +37,15 @@ std::string previous_checkpoint_file(const std::string& output);
 /// keep their bits. Written atomically; the checkpoint before it is kept. Throws std::runtime_error.
 void write_checkpoint(const std::string& output, const Checkpoint& checkpoint);
 
+/// A file that is no checkpoint, or not as it was written.
+class DamagedCheckpoint : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
 /// The folder's checkpoint; none when there is no file. A damaged one, whose digest is not its content's, is
 /// never used: then it is the one before it, with a word in `damage`. Throws std::runtime_error when neither can
-/// be read.
+/// be read, DamagedCheckpoint when that is as both are damaged.
 std::optional<Checkpoint> read_checkpoint(const std::string& output);
 
 /// The checkpoint this run starts from: none in a fresh folder; the folder's own when it comes from the same
@@ -45,6 +53,12 @@ std::optional<Checkpoint> read_checkpoint(const std::string& output);
 /// written, when it holds results and neither is the case (nothing is written over), and when its checkpoint
 /// is of another configuration, which is named, or does not hold realizations 0, 1, ... without a gap.
 std::optional<Checkpoint> starting_point(const Configuration& configuration);
+
+/// What differs between two identities: "seed is 1 there and 2 here"; empty: nothing.
+std::string identity_differences(const nlohmann::json& there, const nlohmann::json& here);
+
+/// Throws ConfigurationError when the folder holds results, which are never written over.
+void require_no_results(const std::string& output);
 
 /// Makes the run's output folder if need be, and takes it for this launch until the lock ends. Throws
 /// ConfigurationError when it cannot be written, or is another's, which is named.

@@ -1,11 +1,6 @@
 #include "stochastic_platoon/simulation/platoon_string.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <future>
-
-#include "stochastic_platoon/statistics/ensemble_statistics.hpp"
 
 namespace platoon {
 
@@ -44,63 +39,6 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
       latest_[i].assign(own_[here].begin(), own_[here].end());
     }
   }
-}
-
-namespace {
-
-class BatchQueue {
-public:
-  explicit BatchQueue(const Ensemble& ensemble) : ensemble_(ensemble) {}
-  bool take(std::uint64_t* first, std::size_t* count) {
-    *first = next_.fetch_add(ensemble_.batch);
-    if (*first >= ensemble_.realizations) return false;
-    *count = static_cast<std::size_t>(std::min(ensemble_.batch, ensemble_.realizations - *first));
-    return true;
-  }
-  void finish(std::size_t count) { done_ += count; }
-  std::uint64_t done() const { return done_; }
-
-private:
-  Ensemble ensemble_;
-  std::atomic<std::uint64_t> next_{0};
-  std::atomic<std::uint64_t> done_{0};
-};
-
-MomentTable work(const PlatoonModel& model, const Ensemble& ensemble, BatchQueue& queue) {
-  PlatoonString string(model, ensemble.seed, ensemble.followers);
-  EnsembleStatistics statistics(ensemble.followers, ensemble.steps,
-                                has_normal_errors(model) ? KeptMoments::two : KeptMoments::four);
-  std::uint64_t first;
-  std::size_t count;
-  while (queue.take(&first, &count)) {
-    BatchMoments& batch = statistics.open(first, count);
-    string.run(first, count, ensemble.steps,
-               [&](std::size_t follower, std::int64_t step, const auto& errors) {
-                 batch.set(cell(follower, step, ensemble.steps), errors.data());
-               });
-    statistics.commit(first);
-    queue.finish(count);
-  }
-  return statistics.committed();
-}
-
-}  // namespace
-
-MomentTable monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
-                        const std::function<void(std::uint64_t)>& progress) {
-  BatchQueue queue(ensemble);
-  std::vector<std::future<MomentTable>> workers;
-  for (unsigned t = 0; t < std::max(threads, 1u); ++t) {
-    workers.push_back(std::async(std::launch::async, [&] { return work(model, ensemble, queue); }));
-  }
-  MomentTable table(ensemble.followers * static_cast<std::size_t>(ensemble.steps));
-  for (auto& worker : workers) {
-    while (worker.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready)
-      progress(queue.done());
-    table.merge(worker.get());
-  }
-  progress(queue.done());
-  return table;
 }
 
 }  // namespace platoon

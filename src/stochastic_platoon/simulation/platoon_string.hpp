@@ -8,18 +8,8 @@
 #include "stochastic_platoon/model/link.hpp"
 #include "stochastic_platoon/model/tracking_error.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
-#include "stochastic_platoon/statistics/moment_table.hpp"
 
 namespace platoon {
-
-/// What a Monte Carlo of the platoon needs beside the model.
-struct Ensemble {
-  std::uint64_t seed;
-  std::size_t followers;       ///< N >= 1
-  std::int64_t steps;          ///< K >= 1: errors at k = 0 .. K - 1
-  std::uint64_t realizations;  ///< R >= 1
-  std::uint64_t batch;         ///< realizations computed side by side, >= 1
-};
 
 /// The whole string in one thread: the same vehicles, links and errors that run as nodes, called one after
 /// the other.
@@ -50,10 +40,5 @@ private:
   AlignedValues received_;
   std::vector<double> errors_;
 };
-
-/// Moments of every zeta_i(k) over the realizations, on this many threads. `progress` is called with the
-/// realizations done, from the calling thread.
-MomentTable monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
-                        const std::function<void(std::uint64_t)>& progress);
 
 }  // namespace platoon

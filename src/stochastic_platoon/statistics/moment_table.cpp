@@ -1,5 +1,6 @@
 #include "stochastic_platoon/statistics/moment_table.hpp"
 
+#include <algorithm>
 #include <iterator>
 #include <stdexcept>
 #include <string>
@@ -76,6 +77,19 @@ void MomentTable::add(BatchMoments batch) {
 
 void MomentTable::merge(const MomentTable& other) {
   for (const auto& entry : other.blocks_) add(entry.second);
+}
+
+std::vector<RealizationRange> MomentTable::missing(const RealizationRange& range) const {
+  std::vector<RealizationRange> gaps;
+  std::uint64_t next = range.first;
+  for (const auto& entry : blocks_) {
+    const DyadicRange& there = entry.second.range;
+    if (there.first >= range.end) break;
+    if (there.first > next) gaps.push_back({next, there.first});
+    next = std::max(next, there.end());
+  }
+  if (next < range.end) gaps.push_back({next, range.end});
+  return gaps;
 }
 
 std::vector<Moments> MomentTable::totals() const {

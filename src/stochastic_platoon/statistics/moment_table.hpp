@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/statistics/batch_moments.hpp"
 #include "stochastic_platoon/statistics/moments.hpp"
+#include "stochastic_platoon/statistics/shard.hpp"
 
 namespace platoon {
 
@@ -27,6 +28,9 @@ public:
   void add(MomentBlock block);
   void add(BatchMoments batch);
   void merge(const MomentTable& other);
+
+  /// The realizations of a range that are not there, in ascending order.
+  std::vector<RealizationRange> missing(const RealizationRange& range) const;
 
   /// Moments of each cell over all realizations taken in: the blocks in ascending order, merged from the
   /// left.

@@ -5,7 +5,7 @@
 
 #include "../paper_platoon.hpp"
 #include "lossy_graph.hpp"
-#include "stochastic_platoon/simulation/platoon_string.hpp"
+#include "stochastic_platoon/simulation/ensemble_run.hpp"
 
 namespace platoon {
 namespace {

@@ -354,5 +354,24 @@ TEST(StartingPoint, RefusesResultsWithoutACheckpointAndLeavesThem) {
   }
 }
 
+TEST(StartingPoint, NamesWhatOnlyOneOfTheTwoConfigurationsHas) {
+  const TemporaryFolder folder;
+  Configuration configuration = paper_run(folder.path());
+  configuration.model.link.delay = 1;
+  write_checkpoint(folder.path(), checkpoint_of(configuration, 13));
+  EXPECT_NE(refusal(paper_run(folder.path())).find("channel is {\"delay\":1} there and null here"),
+            std::string::npos);
+}
+
+TEST(StartingPoint, RefusesAShard) {
+  const TemporaryFolder folder;
+  const Configuration configuration = paper_run(folder.path());
+  Checkpoint checkpoint = checkpoint_of(configuration, 13);
+  checkpoint.shard = {{"index", 0}};
+  write_checkpoint(folder.path(), checkpoint);
+  EXPECT_EQ(refusal(configuration),
+            "output: " + folder.path() + ": holds a shard of a run: must be another folder");
+}
+
 }  // namespace
 }  // namespace platoon

@@ -8,7 +8,7 @@
 
 #include "../paper_run.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
-#include "stochastic_platoon/simulation/platoon_string.hpp"
+#include "stochastic_platoon/simulation/ensemble_run.hpp"
 
 namespace platoon {
 namespace {

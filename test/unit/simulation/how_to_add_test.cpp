@@ -13,6 +13,7 @@
 #include "stochastic_platoon/configuration/model_file.hpp"
 #include "stochastic_platoon/model/link.hpp"
 #include "stochastic_platoon/model/tracking_error.hpp"
+#include "stochastic_platoon/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/simulation/platoon_string.hpp"
 
 namespace platoon {

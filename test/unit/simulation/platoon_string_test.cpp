@@ -2,26 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
 
 #include "../paper_platoon.hpp"
-#include "stochastic_platoon/statistics/agreement.hpp"
-#include "stochastic_platoon/theory/error_moments.hpp"
+#include "stochastic_platoon/model/white_noise.hpp"
 
 namespace platoon {
 namespace {
-
-// Everything that can be there is: standstill distance, random initial positions, changes of speed.
-PlatoonModel eventful_platoon(double headway) {
-  PlatoonModel model = paper_platoon(headway);
-  model.standstill_distance = 7.0;
-  model.initial_position = {0.8, 0.3};
-  model.leader = LeaderProfile({{0, 20.0}, {10, 5.0}, {20, 12.0}}, 0.1);
-  return model;
-}
 
 using Errors = std::map<std::pair<std::size_t, std::int64_t>, std::vector<double>>;
 
@@ -32,8 +21,6 @@ Errors errors_of(PlatoonString& string, std::uint64_t first, std::size_t count, 
   });
   return all;
 }
-
-const auto kNoProgress = [](std::uint64_t) {};
 
 TEST(PlatoonString, ErrorsAreThoseOfTheEquationsWrittenOut) {
   constexpr std::uint64_t kRealization = 12345;
@@ -91,69 +78,6 @@ TEST(PlatoonString, GivesTheSameBitsInEveryBatch) {
       }
     }
   }
-}
-
-TEST(MonteCarlo, GivesTheSameBitsForEveryNumberOfThreadsAndBatchSize) {
-  const PlatoonModel model = eventful_platoon(3.2);
-  const auto totals = [&](unsigned threads, std::uint64_t batch) {
-    const MomentTable table = monte_carlo(model, {3, 3, 20, 1501, batch}, threads, kNoProgress);
-    EXPECT_EQ(table.count(), 1501u);
-    return table.totals();
-  };
-  const std::vector<Moments> expected = totals(1, 8192);
-  ASSERT_EQ(expected.size(), 60u);
-  for (const unsigned threads : {1u, 2u, 3u}) {
-    for (const std::uint64_t batch : {1, 7, 8192}) {
-      const std::vector<Moments> found = totals(threads, batch);
-      for (std::size_t c = 0; c < found.size(); ++c) {
-        ASSERT_EQ(found[c].mean, expected[c].mean)
-            << threads << " threads, batches of " << batch << ", cell " << c;
-        ASSERT_EQ(found[c].squared_deviations, expected[c].squared_deviations);
-      }
-    }
-  }
-}
-
-TEST(MonteCarlo, OfOtherSeedsIsAnotherSample) {
-  const PlatoonModel model = paper_platoon();
-  EXPECT_NE(monte_carlo(model, {1, 1, 4, 10, 10}, 1, kNoProgress).totals().back().mean,
-            monte_carlo(model, {2, 1, 4, 10, 10}, 1, kNoProgress).totals().back().mean);
-}
-
-// Means and variances of all (i, k) against theory, in units of the estimators' standard errors; the largest
-// of so many scores exceeds the bound once in a thousand samples, and this sample is fixed.
-TEST(MonteCarlo, AgreesWithTheory) {
-  for (const double headway : {3.2, 2.4}) {
-    const PlatoonModel model = eventful_platoon(headway);
-    const MomentTable table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
-    const ErrorMoments theory = error_moments(model, 5, 40);
-    const Agreement found = agreement(table.totals(), theory.mean, theory.variance);
-    const double bound = largest_plausible_score(2 * theory.mean.size());
-    EXPECT_LT(found.max_abs_z_mean, bound) << headway;
-    EXPECT_LT(found.max_abs_z_variance, bound) << headway;
-    EXPECT_GT(found.max_abs_z_mean, 1.0) << "too good to be true";
-  }
-}
-
-TEST(MonteCarlo, NoticesATheoryThatIsAFewPercentOff) {
-  PlatoonModel model = eventful_platoon(3.2);
-  const MomentTable table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
-  model.noise_variance *= 1.08;
-  const ErrorMoments theory = error_moments(model, 5, 40);
-  EXPECT_GT(agreement(table.totals(), theory.mean, theory.variance).max_abs_z_variance,
-            largest_plausible_score(2 * theory.mean.size()));
-}
-
-TEST(MonteCarlo, TellsItsProgressUpToTheEnd) {
-  std::vector<std::uint64_t> told;
-  monte_carlo(paper_platoon(), {1, 2, 5, 100, 7}, 3, [&told](std::uint64_t done) { told.push_back(done); });
-  ASSERT_FALSE(told.empty());
-  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
-  EXPECT_EQ(told.back(), 100u);
-}
-
-TEST(MonteCarlo, TakesNoThreadsForOne) {
-  EXPECT_EQ(monte_carlo(paper_platoon(), {1, 1, 2, 10, 3}, 0, kNoProgress).count(), 10u);
 }
 
 }  // namespace

@@ -275,5 +275,26 @@ TEST(MomentTable, RefusesToMixWhatKeepsTwoAndFourMoments) {
   EXPECT_THROW(table.add(batch(4, 4)), std::invalid_argument);
 }
 
+std::string shown(const std::vector<RealizationRange>& ranges) {
+  std::string text;
+  for (const RealizationRange& range : ranges)
+    text += std::to_string(range.first) + "-" + std::to_string(range.end) + " ";
+  return text;
+}
+
+TEST(MomentTable, SaysWhatIsMissingOfARange) {
+  MomentTable table(kCells);
+  EXPECT_EQ(shown(table.missing({3, 9})), "3-9 ");
+  EXPECT_EQ(shown(table.missing({3, 3})), "");
+  table.add(batch(4, 3));
+  table.add(batch(10, 6));
+  EXPECT_EQ(shown(table.missing({0, 20})), "0-4 7-10 16-20 ");
+  EXPECT_EQ(shown(table.missing({5, 12})), "7-10 ");
+  EXPECT_EQ(shown(table.missing({4, 7})), "");
+  EXPECT_EQ(shown(table.missing({12, 16})), "");
+  EXPECT_EQ(shown(table.missing({7, 9})), "7-9 ");
+  EXPECT_EQ(shown(table.missing({16, 18})), "16-18 ");
+}
+
 }  // namespace
 }  // namespace platoon

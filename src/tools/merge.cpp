@@ -1,0 +1,39 @@
+// Joins the shards that monte_carlo --shard has computed to the results of one run, to the bit.
+
+#include <filesystem>
+#include <iostream>
+
+#include "stochastic_platoon/io/atomic_file.hpp"
+#include "stochastic_platoon/results/checkpoint.hpp"
+#include "stochastic_platoon/results/run_report.hpp"
+#include "stochastic_platoon/scaling/merge.hpp"
+#include "tools/settings.hpp"
+
+int main(int argc, char** argv) {
+  std::vector<std::string> folders;
+  const std::map<std::string, std::string> options = platoon::parse_command_line(
+      argc, argv, "merge DIR... --output DIR: the shards of a run, joined to the results of one", {},
+      {{"output", "folder for the results"}}, &folders);
+  platoon::ignore_file_size_signal();
+  try {
+    if (folders.empty() || options.count("output") == 0)
+      throw platoon::ConfigurationError(
+          {"merge DIR... --output DIR: must be given the folders of the shards, "
+           "and one for the results"});
+    platoon::MergedRun merged = platoon::merge(folders);
+    platoon::Configuration& configuration = merged.configuration;
+    configuration.run.output = options.at("output");
+    configuration.run.resume = false;
+    configuration.run.launch_id.clear();
+    const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
+    platoon::starting_point(configuration);  // refuses a folder that holds results
+    const platoon::Prediction prediction = platoon::predict(configuration);
+    platoon::write_results(configuration, prediction, merged.result);
+    std::cout << platoon::report(configuration, prediction, merged.result)
+              << "Results: " << configuration.run.output << "/statistics.csv and summary.json\n";
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << argv[0] << ": " << error.what() << "\n";
+    return 1;
+  }
+}
