@@ -6,7 +6,8 @@ platoon_packages=(
   ros-core rosbash ros-message-generation ros-message-runtime libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev libvisualization-msgs-dev ros-std-msgs
   libdiagnostic-updater-dev libdiagnostic-msgs-dev libtf2-msgs-dev
   libboost-program-options-dev libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev
-  python3-diagnostic-msgs python3-matplotlib python3-numpy python3-rospy python3-std-msgs python3-std-srvs
+  python3-diagnostic-msgs python3-diagnostic-updater python3-geometry-msgs python3-matplotlib python3-nav-msgs python3-numpy
+  python3-rospy python3-std-msgs python3-std-srvs
 )
 platoon_test_packages=(
   catkin-lint catkin-tools chromium chromium-driver clang-format-14 fonts-dejavu-core iproute2

@@ -1,5 +1,6 @@
 // Puts one live follower behind what it was recorded with. Parameters: ~bags, ~vehicle. Ends with status 0
-// when all that the follower publishes equals the recording to the bit, else with 1.
+// when all that the follower publishes equals the recording to the bit, else with 1. With ~own the vehicle is
+// somebody's own: its messages must be those of the recording, its positions may be others.
 
 #include "stochastic_platoon/graph/vehicle_replay.hpp"
 
@@ -17,9 +18,9 @@ void run(const ros::NodeHandle& platoon) {
   const std::optional<platoon::Configuration> configuration = platoon::wait_for_configuration(platoon);
   if (!configuration) return;
   const ros::NodeHandle own("~");
-  const platoon::VehicleReplay replay(platoon, *configuration,
-                                      platoon::bag_files(own.param<std::string>("bags", "")),
-                                      static_cast<std::size_t>(own.param("vehicle", 0)));
+  const platoon::VehicleReplay replay(
+      platoon, *configuration, platoon::bag_files(own.param<std::string>("bags", "")),
+      static_cast<std::size_t>(own.param("vehicle", 0)), own.param("own", false));
   while (ros::ok() && !replay.done()) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
   if (!replay.done()) return;
   std::printf("%s\n", replay.verdict().c_str());

@@ -123,6 +123,8 @@ FILES = [
     ("{a: " * 100000, "must be YAML: "),
 ]
 
+OWN = "must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"
+
 # A launch argument.
 ARGUMENTS = [
     ("followers", "0", "run/followers: 0: must be a whole number from 1 to 1000000"),
@@ -154,8 +156,14 @@ ARGUMENTS = [
     ("record_split_mb", "-1", "run/record_split_mb: -1: must be a whole number from 0 to 1073741824"),
     ("record_compression", "bz2", "run/record_compression: bz2: must be none or lz4"),
     ("window", "1048577", "run/window: 1048577: must be a whole number from 0 to 1048576"),
-    ("stall_timeout", "0", "run/stall_timeout: 0: " + POSITIVE),
-    ("stall_timeout", "1e-9", "run/stall_timeout: 1e-09: must be at least 0.001"),
+    ("stall_timeout", "-1", "run/stall_timeout: -1: " + NOT_NEGATIVE),
+    ("stall_timeout", "1e-9", "run/stall_timeout: 1e-09: must be 0 or at least 0.001"),
+    ("own", "0", "run/own: 0: " + OWN),
+    ("own", "21", "run/own: 21: " + OWN),
+    ("own", "3,7,3", "run/own: 3,7,3: " + OWN),
+    ("own", "vehicle_3", "run/own: vehicle_3: " + OWN),
+    ("own", "3, 7", "run/own: 3, 7: " + OWN),
+    ("own", "03", "run/own: 03: " + OWN),
     ("stall_timeout", "1e300", "run/stall_timeout: 1e300: must be at most 1e+06 in magnitude"),
     ("burn_in", "-1", "run/burn_in: -1: " + COUNT.format(0)),
     ("headway", "-1", "model/time_headway: -1: " + POSITIVE),

@@ -50,7 +50,7 @@ class Installed(unittest.TestCase):
         return run(". install/setup.bash; " + command, self.folder, **environment)
 
     def test_every_tool_runs(self):
-        for tool in ("analyze", "bag_statistics", "configure", "monte_carlo", "plot"):
+        for tool in ("analyze", "bag_statistics", "check_vehicle", "configure", "monte_carlo", "plot"):
             self.assertIn("--version", self.installed("rosrun stochastic_platoon {} --help".format(tool)))
             self.assertRegex(self.installed("rosrun stochastic_platoon {} --version".format(tool)),
                              r"^stochastic_platoon [0-9.]+\n$")
@@ -70,11 +70,27 @@ class Installed(unittest.TestCase):
         self.assertTrue(live_platoon.completed_summary(run_folder), printed)
         self.assertEqual(live_platoon.statistics(run_folder), live_platoon.reference(self.folder, **SETTINGS))
 
+    def test_another_package_builds_its_vehicle_against_it_and_the_vehicle_keeps_the_contract(self):
+        self.installed("cp -r install/share/stochastic_platoon/launch/examples/saturated_follower follower && "
+                       "cmake -S follower -B follower/build -DPYTHON_EXECUTABLE=/usr/bin/python3 && make -C follower/build")
+        self.check_in_ros("follower/build/devel/lib/saturated_follower/saturated_follower _index:=2")
+
+    def test_the_example_in_rospy_keeps_the_contract(self):
+        self.check_in_ros("rosrun stochastic_platoon rospy_follower.py 2")
+
+    def check_in_ros(self, vehicle):
+        """On a master of its own, all of whose processes end with the shell."""
+        port = live_platoon.free_port()
+        said = self.installed("trap 'kill $(jobs -p); wait' EXIT; roscore -p {} > /dev/null & {} & "
+                              "rosrun stochastic_platoon check_vehicle 2".format(port, vehicle),
+                              ROS_MASTER_URI="http://localhost:{}".format(port))
+        self.assertIn("vehicle_2 keeps the vehicle contract", said)
+
     def test_nothing_is_installed_that_needs_the_sources(self):
         share = os.path.join(self.folder, "install", "share", "stochastic_platoon")
         self.assertEqual(sorted(os.listdir(share + "/launch")),
                          sorted(name for name in os.listdir(SOURCE + "/launch")
-                                if name == "include" or name.endswith(".launch")))
+                                if name in ("examples", "include") or name.endswith(".launch")))
 
 
 if __name__ == "__main__":

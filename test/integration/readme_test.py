@@ -14,7 +14,7 @@ import unittest
 import live_platoon
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-COMMANDS = ("./launch/demo", "./test/run", ".", "rosrun", "roslaunch", "cmp")
+COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "cmp")
 NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it"}
 
 # What the test adds to a line that begins so; the first that fits.
@@ -25,7 +25,13 @@ SHORTER = (
     ("roslaunch stochastic_platoon replay.launch bag:=/tmp/run.bag drive:=leader", "realizations:=200"),
     ("rosrun stochastic_platoon monte_carlo", "--realizations 200 --steps 20"),
 )
-STAY_UP = ("roslaunch stochastic_platoon live.launch", "roslaunch stochastic_platoon followers.launch")
+# What stays up in a terminal of its own, what shows that it is up, and in which of the next lines it is needed.
+STANDING = (
+    ("roslaunch stochastic_platoon followers.launch", "process[platoon/vehicle_20", "last:="),
+    ("roscore", "started core service [/rosout]", " 3|own:="),
+    ("rosrun stochastic_platoon rospy_follower.py", "", " 3|own:="),
+)
+STAY_UP = "roslaunch stochastic_platoon live.launch"
 
 
 FILES = ("README.md", "config/README.md", "launch/README.md")
@@ -57,6 +63,8 @@ class Readme(unittest.TestCase):
 
     def start(self, line):
         extra = next((extra for begin, extra in SHORTER if line.startswith(begin)), "")
+        if line == "roscore":
+            extra = "-p " + self.environment["ROS_MASTER_URI"].rsplit(":", 1)[1]
         typed = (line + " " + extra).replace("/tmp/", self.folder + "/")
         self.log = tempfile.NamedTemporaryFile("w+", dir=self.folder, suffix=".log", delete=False)
         self.addCleanup(self.log.close)
@@ -91,26 +99,26 @@ class Readme(unittest.TestCase):
     def test_every_command_line_works_as_typed(self):
         lines = command_lines()
         self.assertGreater(len(lines), 15)
-        standing = None
+        standing = []
         for line in lines:
             self.assertIn(line.split()[0], COMMANDS, "a line that is no command: " + line)
             if line in NOT_RUN:
                 continue
             with self.subTest(line=line):
-                if standing and "last:=" not in line:
-                    self.interrupt(standing)
-                    standing = None
+                while standing and not re.search(standing[-1][1], line):
+                    self.interrupt(standing.pop()[0])
                 process = self.start(line)
-                if line.startswith(STAY_UP[0]):
+                stands = next((entry for entry in STANDING if line.startswith(entry[0])), None)
+                if line.startswith(STAY_UP):
                     self.end_live(line, process)
-                elif line.startswith(STAY_UP[1]):
-                    standing = process
-                    live_platoon.wait_for(lambda: "process[platoon/vehicle_20" in self.said() or process.poll() is not None, line)
+                elif stands:
+                    standing.append((process, stands[2]))
+                    live_platoon.wait_for(lambda: stands[1] in self.said() or process.poll() is not None, line)
                     self.assertIsNone(process.poll(), self.said())
                 else:
                     self.check(line, process)
-        if standing:
-            self.interrupt(standing)
+        while standing:
+            self.interrupt(standing.pop()[0])
 
     def interrupt(self, process):
         if process.poll() is None:

@@ -1,6 +1,9 @@
 #include "stochastic_platoon/analysis/prediction.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <limits>
+#include <string>
 
 #include "stochastic_platoon/theory/error_moments.hpp"
 #include "stochastic_platoon/theory/linked_string.hpp"
@@ -22,25 +25,46 @@ Theory theory_of(const PlatoonModel& model) {
 
 namespace {
 
-Prediction no_prediction(const Configuration& configuration) {
+Prediction no_prediction(const Configuration& configuration, const std::string& reason) {
   const RunOptions& run = configuration.run;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::size_t cells =
       run.followers * static_cast<std::size_t>(run.averaging() == Averaging::over_time ? 1 : run.steps);
-  StringStability unknown{nan, nan, nan, false, false, false, {}, "none, as losses come in bursts"};
+  StringStability unknown{nan, nan, nan, false, false, false, {}, "none, as " + reason};
   return {unknown,
           std::vector<double>(run.followers, nan),
           std::vector<double>(cells, nan),
           std::vector<double>(cells, nan),
           {},
-          Theory::none};
+          Theory::none,
+          0};
+}
+
+// Leaves nothing of the followers from the first own vehicle on.
+void void_behind(const RunOptions& run, Prediction& prediction) {
+  const std::size_t steps = run.averaging() == Averaging::over_time ? 1 : static_cast<std::size_t>(run.steps);
+  const auto clear = [](std::vector<double>& values, std::size_t kept) {
+    std::fill(values.begin() + static_cast<std::ptrdiff_t>(kept), values.end(),
+              std::numeric_limits<double>::quiet_NaN());
+  };
+  clear(prediction.stationary_variance, prediction.followers_with_theory);
+  clear(prediction.mean, prediction.followers_with_theory * steps);
+  clear(prediction.variance, prediction.followers_with_theory * steps);
+  prediction.stability.limit_variance.reset();
+  const std::size_t last = prediction.followers_with_theory;
+  prediction.stability.reason +=
+      "; this speaks of " + std::string(last > 1 ? "followers 1 to " + std::to_string(last) : "follower 1") +
+      ", before vehicle_" + std::to_string(last + 1) + ", which is your own";
 }
 
 }  // namespace
 
 Prediction predict(const Configuration& configuration) {
-  if (theory_of(configuration.model) == Theory::none) return no_prediction(configuration);
   const RunOptions& run = configuration.run;
+  if (theory_of(configuration.model) == Theory::none)
+    return no_prediction(configuration, "losses come in bursts");
+  if (run.followers_before_own() == 0)
+    return no_prediction(configuration, "vehicle_1, which the others follow, is your own");
   Prediction prediction{string_stability(configuration.model),
                         stationary_variances(configuration.model, run.followers),
                         {},
@@ -55,6 +79,8 @@ Prediction predict(const Configuration& configuration) {
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);
   }
+  prediction.followers_with_theory = run.followers_before_own();
+  if (!run.own.empty()) void_behind(run, prediction);
   return prediction;
 }
 

@@ -22,14 +22,16 @@ Theory theory_of(const PlatoonModel& model);
 /// What the theory predicts for a configuration: a cell for each cell of the measurement, that is one per
 /// follower and step (see cell()), or the stationary values, one per follower, where averages are over time.
 ///
-/// Without a theory every value is NaN.
+/// Without a theory every value is NaN. Of a string with vehicles that somebody else provides the followers
+/// before the first of them have a theory; what the stability says is of these, continued for ever.
 struct Prediction {
   StringStability stability;
   std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN where there is none
   std::vector<double> mean;                 ///< [m], one per cell
   std::vector<double> variance;             ///< [m^2], one per cell
   std::vector<double> rounding = {};        ///< [m], one per cell: see rounding_bounds(); empty over time
-  Theory theory = Theory::exact;
+  Theory theory = Theory::exact;            ///< none where no follower has one
+  std::size_t followers_with_theory = 0;
 };
 
 Prediction predict(const Configuration& configuration);

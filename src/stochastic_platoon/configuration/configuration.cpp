@@ -161,6 +161,7 @@ nlohmann::json statistics_identity(const Configuration& configuration) {
   identity["followers"] = configuration.run.followers;
   identity["steps"] = configuration.run.steps;
   if (configuration.run.averaging() == Averaging::over_time) identity["burn_in"] = configuration.run.burn_in;
+  if (!configuration.run.own.empty()) identity["own"] = configuration.run.own;
   return identity;
 }
 

@@ -1,7 +1,10 @@
 #include "stochastic_platoon/configuration/run_options.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <limits>
+#include <set>
+#include <sstream>
 
 #include "stochastic_platoon/io/text.hpp"
 
@@ -18,10 +21,29 @@ constexpr std::int64_t kMaxCells = 20000000;
 // Timers of ROS count nanoseconds in 64 bits, and seconds in 32.
 const Allowed kRate{"a finite number >= 0", std::numeric_limits<double>::quiet_NaN(), 0.0, 1e6};
 constexpr double kSlowestRate = 1e-6;
-const Allowed kStallTimeout{"a finite number > 0", 0.0, std::numeric_limits<double>::quiet_NaN(), 1e6};
+const Allowed kStallTimeout{"a finite number >= 0", std::numeric_limits<double>::quiet_NaN(), 0.0, 1e6};
 constexpr double kShortestStall = 1e-3;
 
 constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
+
+// The launch files compare the words of the list: there is one way to write it.
+std::vector<std::size_t> read_own(Section& section, std::size_t followers) {
+  const std::string text = section.text("own");
+  std::set<std::size_t> own;
+  std::istringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
+    std::size_t vehicle = 0;
+    const auto read = std::from_chars(word.data(), word.data() + word.size(), vehicle);
+    const bool is_one = read.ec == std::errc() && std::to_string(vehicle) == word && vehicle >= 1 &&
+                        vehicle <= followers && own.insert(vehicle).second;
+    if (is_one && (text.empty() || text.back() != ',')) continue;
+    section.reject("own", printable(shortened(text)),
+                   "numbers of followers from 1 to " + std::to_string(followers) +
+                       ", each once, separated by commas, as in 3,7");
+    return {};
+  }
+  return {own.begin(), own.end()};
+}
 
 Hosting parsed_hosting(const std::string& text) {
   return text == to_string(Hosting::one_process) ? Hosting::one_process : Hosting::processes;
@@ -80,10 +102,11 @@ RunOptions read_run_options(Section section) {
       section.has("run_number") ? static_cast<std::uint64_t>(section.integer("run_number", 1, kMaxCount)) : 1;
   options.window = section.integer("window", 0, 1 << 20);
   options.stall_timeout = section.number("stall_timeout", kStallTimeout);
-  if (options.stall_timeout < kShortestStall)
+  if (options.stall_timeout > 0.0 && options.stall_timeout < kShortestStall)
     section.reject("stall_timeout", formatted("%g", options.stall_timeout),
-                   formatted("at least %g", kShortestStall));
+                   formatted("0 or at least %g", kShortestStall));
   options.burn_in = section.integer("burn_in", 0, kMaxCount);
+  if (section.has("own")) options.own = read_own(section, options.followers);
   section.reject_unknown_keys();
   const auto followers = static_cast<std::int64_t>(options.followers);
   if (options.steps > kMaxCells / followers) {
@@ -110,11 +133,15 @@ std::vector<std::string> RunOptions::receivers() const {
   return names;
 }
 
+bool RunOptions::is_own(std::size_t follower) const {
+  return std::binary_search(own.begin(), own.end(), follower);
+}
+
 // In one process a message is used up at once, and the further a vehicle is ahead the longer its state stays
-// in the cache.
+// in the cache. Not where one of them is somebody's own, and waited for.
 std::size_t RunOptions::longest_lead() const {
   constexpr std::size_t kOfProcesses = 128;
-  return hosting == Hosting::processes ? kOfProcesses : followers;
+  return hosting == Hosting::processes || !own.empty() ? kOfProcesses : followers;
 }
 
 nlohmann::json to_json(const RunOptions& options) {
@@ -136,6 +163,10 @@ nlohmann::json to_json(const RunOptions& options) {
                              {"stall_timeout", options.stall_timeout},
                              {"burn_in", options.burn_in}};
   if (options.number > 1) document["run_number"] = options.number;
+  // Absent of others, so that their text stays what it was.
+  std::string own;
+  for (const std::size_t vehicle : options.own) own += (own.empty() ? "" : ",") + std::to_string(vehicle);
+  if (!own.empty()) document["own"] = own;
   return document;
 }
 

@@ -34,10 +34,17 @@ struct RunOptions {
   std::string record_compression;   ///< "none" or "lz4"
   std::string launch_id;  ///< names one launch: a checkpoint of the same launch is always gone on from
   std::int64_t window;    ///< steps that may be unacknowledged, >= 1
-  double stall_timeout;   ///< [s]
+  double stall_timeout;   ///< [s]; 0 = wait for ever
   std::uint64_t
       number;  ///< which run of its launch it is: 1, and one more with every change of an endless run
-  std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
+  std::int64_t burn_in;               ///< steps left out of the time averages of an endless run
+  std::vector<std::size_t> own = {};  ///< vehicles that somebody else provides, ascending
+
+  /// Whether follower i is somebody's own.
+  bool is_own(std::size_t follower) const;
+
+  /// The followers before the first that is somebody's own: those of which there is a theory.
+  std::size_t followers_before_own() const { return own.empty() ? followers : own.front() - 1; }
 
   /// Who has to acknowledge every step.
   std::vector<std::string> receivers() const;

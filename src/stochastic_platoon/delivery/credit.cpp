@@ -8,6 +8,7 @@ namespace platoon {
 
 namespace {
 constexpr double kGrowth = 1.5;
+constexpr double kLongestStart = 3.0;  // [s] between attempts to start, where there is no stall_timeout
 
 }  // namespace
 
@@ -59,13 +60,22 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
   if (more && !may_publish()) last_activity_ = now;
   sender.messages = messages;
   sender.in_attempt = of_this_attempt;
-  if (lost && !complete()) begin_attempt(now);
+  if (lost && !complete() && may_begin()) begin_attempt(now);
   if (acknowledged() > before) {
+    flowed_ = true;
     last_activity_ = now;
     first_step_patience_ = limits_.first_step_timeout;
     if (through_a_batch || now - attempt_began_ > patience_) patience_ = limits_.stall_timeout;
   }
   return true;
+}
+
+// Without a stall_timeout not once steps have flowed: in the platoon of a leader that comes up, too.
+bool Credit::may_begin() const {
+  if (limits_.stall_timeout > 0.0) return true;
+  if (attempt_ > 0) return !flowed_;
+  return std::all_of(receivers_.begin(), receivers_.end(),
+                     [](const auto& entry) { return entry.second.latest->step <= kInitialStep; });
 }
 
 bool Credit::may_publish() const {
@@ -89,6 +99,7 @@ void Credit::begin_attempt(double now) {
 
 std::optional<MessageId> Credit::next(double now) {
   if (!all_reported() || complete()) return std::nullopt;
+  if (attempt_ == 0 && !may_begin()) return std::nullopt;
   if (attempt_ == 0) begin_attempt(now);
   if (!may_publish()) return std::nullopt;
   const MessageId id = upcoming_;
@@ -104,18 +115,20 @@ std::optional<MessageId> Credit::next(double now) {
 }
 
 void Credit::give_up(std::uint32_t attempt, double now) {
-  if (attempt == attempt_ && attempt_ > 0 && acknowledged() > 0 && !complete()) begin_attempt(now);
+  if (attempt == attempt_ && attempt_ > 0 && acknowledged() > 0 && !complete() && may_begin())
+    begin_attempt(now);
 }
 
 bool Credit::retry_if_stalled(double now) {
   if (attempt_ == 0 || complete() || published_ == acknowledged()) return false;
   const bool unanswered = acknowledged() == 0;
+  if (!may_begin()) return false;
   double& patience = unanswered ? first_step_patience_ : patience_;
   if (now - last_activity_ < patience) return false;
   patience *= kGrowth;
   // Nodes that are still coming up should not be kept waiting.
-  if (unanswered)
-    patience = std::min(patience, std::max(limits_.first_step_timeout, kGrowth * limits_.stall_timeout));
+  const double longest = limits_.stall_timeout > 0.0 ? kGrowth * limits_.stall_timeout : kLongestStart;
+  if (unanswered) patience = std::min(patience, std::max(limits_.first_step_timeout, longest));
   begin_attempt(now);
   return true;
 }

@@ -12,7 +12,7 @@ namespace platoon {
 
 struct CreditLimits {
   std::int64_t window;        ///< steps that may be unacknowledged, >= 1
-  double stall_timeout;       ///< [s] > 0 without progress before a new attempt
+  double stall_timeout;       ///< [s] without progress before a new attempt; 0: never once steps have flowed
   double first_step_timeout;  ///< [s] > 0 the same while nothing of an attempt has been acknowledged
 };
 
@@ -24,6 +24,8 @@ struct CreditLimits {
 /// timeout passes without progress, or as soon as a receiver shows that it has lost what it had. The timeout
 /// grows by a factor of 1.5 with each consecutive stall, so that a machine too slow for it still gets through;
 /// it is the first one again when a batch is through, or when steps have flowed for as long as the timeout.
+/// With a stall_timeout of 0 nothing that has flowed is begun again, whatever was lost: a vehicle of the real
+/// world cannot go back.
 class Credit {
 public:
   Credit(const BatchSchedule& schedule, const CreditLimits& limits,
@@ -62,6 +64,7 @@ private:
   std::int64_t acknowledged() const;
   bool all_reported() const;
   bool may_publish() const;
+  bool may_begin() const;
   void begin_attempt(double now);
 
   BatchSchedule schedule_;
@@ -71,6 +74,7 @@ private:
   std::uint64_t start_ = 0;     ///< first realization of the attempt
   MessageId upcoming_{};        ///< the message to publish next
   std::int64_t published_ = 0;  ///< steps published in this attempt
+  bool flowed_ = false;         ///< a step has been acknowledged by all
   double attempt_began_ = 0.0;  ///< [s]
   double last_activity_ = 0.0;  ///< [s]
   double first_step_patience_;  ///< [s] grows while attempts find no answer

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/delivery/stall_diagnosis.hpp"
 
+#include <algorithm>
 #include <tuple>
 
 #include "stochastic_platoon/delivery/lead.hpp"
@@ -30,13 +31,13 @@ std::string silence(const std::string& name, const std::optional<MessageId>& lat
 }  // namespace
 
 StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& latest,
-                              const BatchSchedule& schedule, std::size_t longest_lead) {
+                              const BatchSchedule& schedule, std::size_t longest_lead,
+                              const std::vector<std::size_t>& own) {
   std::vector<std::size_t> stuck;
   const std::size_t followers = latest.size() - 1;
   for (std::size_t i = 1; i <= followers; ++i) {
-    if (latest[i - 1] &&
-        is_behind(latest[i], reachable(*latest[i - 1], leads(i, followers, longest_lead), schedule)))
-      stuck.push_back(i);
+    const bool ahead = leads(i, followers, longest_lead) && !std::binary_search(own.begin(), own.end(), i);
+    if (latest[i - 1] && is_behind(latest[i], reachable(*latest[i - 1], ahead, schedule))) stuck.push_back(i);
   }
   if (stuck.empty()) return {0, silence("vehicle_0 (leader)", latest.front())};
   const std::string first = silence("vehicle_" + std::to_string(stuck.front()), latest[stuck.front()]);

@@ -13,15 +13,18 @@ std::uint64_t DropCounter::faults() const {
 
 void DropCounter::count(Verdict verdict, const MessageId& id, std::size_t size) {
   ++counts_[static_cast<std::size_t>(verdict)];
+  if (!own_.empty() && broken_clause(verdict)) breach_ = verdict;
   if (verdict == Verdict::stale || verdict == Verdict::missed_start || verdict == Verdict::in_turn) return;
   const double present = now();
   if (last_said_ && present - *last_said_ < 1.0) return;
   last_said_ = present;
-  ROS_WARN_STREAM(topic_ << ": dropped a message that is " << to_string(verdict) << ": attempt " << id.attempt
-                         << ", realizations from " << id.first_realization << ", step " << id.step << ", "
-                         << size << " positions (so far " << of(Verdict::out_of_turn) << " out of turn, "
-                         << of(Verdict::wrong_size) << " of wrong size, " << of(Verdict::not_finite)
-                         << " not finite, " << of(Verdict::foreign_run) << " of another run)");
+  ROS_WARN_STREAM(
+      topic_ << ": dropped a message that is " << to_string(verdict) << ": attempt " << id.attempt
+             << ", realizations from " << id.first_realization << ", step " << id.step << ", " << size
+             << " positions (so far " << of(Verdict::out_of_turn) << " out of turn, "
+             << of(Verdict::wrong_size) << " of wrong size, " << of(Verdict::not_finite) << " not finite, "
+             << of(Verdict::foreign_run) << " of another run)"
+             << (breach_ ? ". " + own_ + " is yours: it breaks " + named(*broken_clause(*breach_)) : ""));
 }
 
 }  // namespace platoon

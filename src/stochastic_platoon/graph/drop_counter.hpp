@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stochastic_platoon/delivery/message_order.hpp"
+#include "stochastic_platoon/delivery/vehicle_contract.hpp"
 #include "stochastic_platoon/graph/activity.hpp"
 
 namespace platoon {
@@ -15,7 +16,9 @@ namespace platoon {
 /// What is expected after a restart or while links come up is counted in silence.
 class DropCounter {
 public:
-  explicit DropCounter(std::string topic) : topic_(std::move(topic)) {}
+  /// `own`: what is dropped breaks the vehicle contract of somebody's own vehicle, whose name this is; empty: none.
+  explicit DropCounter(std::string topic, std::string own = {})
+      : topic_(std::move(topic)), own_(std::move(own)) {}
 
   void count(Verdict verdict, const MessageId& id, std::size_t size);
 
@@ -24,8 +27,13 @@ public:
   /// Those that are not to be expected.
   std::uint64_t faults() const;
 
+  /// How the latest message that was dropped broke the contract of somebody's own vehicle; none if none did.
+  std::optional<Verdict> latest_breach() const { return breach_; }
+
 private:
   std::string topic_;
+  std::string own_;
+  std::optional<Verdict> breach_;
   std::array<Shown<std::uint64_t>, kVerdicts> counts_{};
   std::optional<double> last_said_;  ///< [s]
 };

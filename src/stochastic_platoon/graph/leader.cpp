@@ -26,7 +26,7 @@ double first_step_timeout(const RunOptions& run) {
   constexpr double kPerPosition = 5e-7;  // [s]
   const auto followers = static_cast<double>(run.followers);
   const double sought = kForAll + followers * (kPerVehicle + kPerPosition * static_cast<double>(run.batch));
-  return std::min(sought, run.stall_timeout);
+  return run.stall_timeout > 0.0 ? std::min(sought, run.stall_timeout) : sought;
 }
 
 constexpr double kWatchPeriod = 0.02;  // [s]

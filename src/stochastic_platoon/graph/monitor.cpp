@@ -33,8 +33,14 @@ using Locked = std::lock_guard<SpinLock>;
 
 constexpr double kCheckpointPeriod = 1.0;  // [s]
 constexpr double kStartTime = 0.05;        // [s] a vehicle, from launch to its first message
+constexpr double kStallWithoutTimeout =
+    2.0;  // [s] until the monitor says so, where the leader waits for ever
 constexpr double kStatisticsPeriod =
     1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
+
+std::string name_of(std::size_t vehicle) {
+  return "vehicle_" + std::to_string(vehicle);
+}
 
 std::optional<Checkpoint> checkpoint_of(const Configuration& configuration) {
   std::optional<Checkpoint> found = starting_point(configuration);
@@ -85,8 +91,10 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
 void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle) {
   const std::size_t followers = configuration_.run.followers;
   for (std::size_t i = 0; i <= followers; ++i) {
-    vehicles_.emplace_back(platoon.resolveName(position_topic(i)));
-    drops_.emplace_back(platoon.resolveName(position_topic(i)));
+    const bool own = configuration_.run.is_own(i);
+    const std::string topic = platoon.resolveName(position_topic(i));
+    vehicles_.emplace_back(topic, own ? "; it is yours: " + named(Clause::one_publisher) : "");
+    drops_.emplace_back(topic, own ? name_of(i) : "");
   }
   for (std::size_t i = 0; i <= followers; ++i) {
     const boost::function<void(const PositionEvent&)> callback = [this, i](const PositionEvent& event) {
@@ -252,7 +260,8 @@ void Monitor::check_for_stall(double present) {
     const Locked lock(lock_);
     const double pace = run.rate > 0.0 ? 1.0 / run.rate + (began_ ? 0.0 : kObserverTime) : 0.0;
     const double start = began_ ? 0.0 : kStartTime * static_cast<double>(run.followers);
-    change = stall_.look(present, 0.75 * run.stall_timeout + pace + start);
+    const double patience = run.stall_timeout > 0.0 ? run.stall_timeout : kStallWithoutTimeout;
+    change = stall_.look(present, 0.75 * patience + pace + start);
     if (change != StallWatch::Change::none) stalled_ = change == StallWatch::Change::stalled;
     if (change == StallWatch::Change::stalled) who = culprit();
   }
@@ -286,11 +295,22 @@ std::string Monitor::culprit() const {
   }
   const std::string missing = name_of_missing();
   if (!missing.empty()) return missing;
-  const StallDiagnosis diagnosis = diagnose_stall(
-      statistics_.arrivals().latest(), configuration_.run.schedule(), configuration_.run.longest_lead());
-  const auto note = notes_.find("vehicle_" + std::to_string(diagnosis.vehicle.value_or(0)));
+  const StallDiagnosis diagnosis =
+      diagnose_stall(statistics_.arrivals().latest(), configuration_.run.schedule(),
+                     configuration_.run.longest_lead(), configuration_.run.own);
+  const auto note = notes_.find(name_of(diagnosis.vehicle.value_or(0)));
   const bool explained = diagnosis.vehicle && note != notes_.end();
-  return diagnosis.text + (explained ? "; it says: " + note->second : "");
+  return diagnosis.text + (explained ? "; it says: " + note->second : "") +
+         breach_of(diagnosis.vehicle.value_or(0));
+}
+
+// What somebody's own vehicle that holds the platoon up has broken.
+std::string Monitor::breach_of(std::size_t vehicle) const {
+  if (!configuration_.run.is_own(vehicle)) return "";
+  const std::optional<Verdict> breach = drops_[vehicle].latest_breach();
+  const std::string what =
+      breach ? std::string("what it sent last was dropped, as ") + to_string(*breach) + "; " : "";
+  return "; it is yours: " + what + named(breach ? *broken_clause(*breach) : Clause::answer);
 }
 
 std::vector<std::size_t> Monitor::missing_vehicles() const {
@@ -303,9 +323,16 @@ std::vector<std::size_t> Monitor::missing_vehicles() const {
 
 void Monitor::show_start(double present) {
   const RunOptions& run = configuration_.run;
-  const std::size_t missing = missing_vehicles().size();
-  if (missing > 0) {
-    return display_.prepare(formatted("waiting for %zu of %zu vehicles", missing, run.followers + 1),
+  const std::vector<std::size_t> missing = missing_vehicles();
+  const auto is_own = [&run](std::size_t vehicle) { return run.is_own(vehicle); };
+  if (!missing.empty() && std::all_of(missing.begin(), missing.end(), is_own)) {
+    const std::string others =
+        missing.size() > 1 ? formatted(" (and %zu more of yours)", missing.size() - 1) : std::string();
+    return display_.prepare("waiting for " + name_of(missing[0]) + ": start it, it is yours" + others,
+                            present);
+  }
+  if (!missing.empty()) {
+    return display_.prepare(formatted("waiting for %zu of %zu vehicles", missing.size(), run.followers + 1),
                             present);
   }
   std::uint64_t messages;
@@ -333,7 +360,10 @@ void Monitor::show_manoeuvre(bool departs) {
 std::string Monitor::name_of_missing() const {
   const std::vector<std::size_t> missing = missing_vehicles();
   if (missing.empty()) return "";
-  const std::string name = "vehicle_" + std::to_string(missing.front());
+  const std::string name = name_of(missing.front());
+  if (missing.size() == 1 && configuration_.run.is_own(missing[0]))
+    return name + " is not there: start it, it is yours (nobody publishes " +
+           positions_[missing[0]].getTopic() + ")";
   if (missing.size() == 1)
     return name + " is not there: nobody publishes " + positions_[missing[0]].getTopic();
   return std::to_string(missing.size()) + " of " + std::to_string(positions_.size()) +

@@ -65,6 +65,7 @@ private:
   void tick();
   void check_for_stall(double present);
   std::string culprit() const;
+  std::string breach_of(std::size_t vehicle) const;
   std::vector<std::size_t> missing_vehicles() const;
   std::string name_of_missing() const;
   void show_start(double present);

@@ -21,7 +21,7 @@ bool SolePublisher::looks_and_admits(const Header& connection, std::uint64_t run
   if (last_said_ && present - *last_said_ < 1.0) return false;
   last_said_ = present;
   ROS_WARN_STREAM(what_ << " has two publishers: " << name_ << ", which counts in this run, and " << name
-                        << ", whose messages are dropped");
+                        << ", whose messages are dropped" << remark_);
   return false;
 }
 

@@ -19,8 +19,9 @@ class SolePublisher {
 public:
   using Header = boost::shared_ptr<ros::M_string>;
 
-  /// `what` the publishers share: a topic, resolved.
-  explicit SolePublisher(std::string what) : what_(std::move(what)) {}
+  /// `what` the publishers share: a topic, resolved. `remark`: what there is to add where another is named.
+  explicit SolePublisher(std::string what, std::string remark = {})
+      : what_(std::move(what)), remark_(std::move(remark)) {}
 
   /// Whether a message of this run that came over a connection of this header counts. Says whose do not, at most
   /// once a second.
@@ -31,7 +32,7 @@ public:
 private:
   bool looks_and_admits(const Header& connection, std::uint64_t run);
 
-  std::string what_;
+  std::string what_, remark_;
   std::uint64_t run_ = 0;
   std::string name_;                 ///< of the node that counts
   Header connection_;                ///< its latest one; held, so that no other gets its address

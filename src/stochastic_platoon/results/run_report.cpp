@@ -27,9 +27,9 @@ std::string heading(const RunOptions& run, const RunResult& result) {
                    static_cast<unsigned long long>(result.realizations));
 }
 
-std::string row(const ResultCell& of, Averaging averaging, Theory theory) {
+std::string row(const ResultCell& of, Averaging averaging, bool has_theory) {
   std::string text = formatted("%8zu %16.6g ", of.follower, of.measured.variance());
-  if (theory == Theory::none) return text + formatted("%16s %14s %9s\n", "-", "-", "-");
+  if (!has_theory) return text + formatted("%16s %14s %9s\n", "-", "-", "-");
   if (averaging == Averaging::over_time)
     return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
   return text +
@@ -41,7 +41,7 @@ std::string table(const RunOptions& run, const Prediction& prediction, const Run
   std::string text = "follower   variance [m^2]   standard error   theory [m^2]         z\n";
   for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result)) {
     if (is_shown(of.follower, run.followers)) {
-      text += row(of, run.averaging(), prediction.theory);
+      text += row(of, run.averaging(), of.follower <= prediction.followers_with_theory);
     } else if (is_shown(of.follower - 1, run.followers)) {
       text += "     ...\n";
     }
@@ -74,7 +74,7 @@ std::string report(const Configuration& configuration, const Prediction& predict
                                configuration.model.headway, configuration.model.noise_variance);
   text += heading(run, result) + table(run, prediction, result);
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
-  if (found) text += comparison(*found, result.moments.size(), is_papers(configuration.model));
+  if (found) text += comparison(*found, cells_with_theory(run, prediction), is_papers(configuration.model));
   text += "Theory: " + stability.reason + ".\n";
   if (stability.limit_variance) {
     text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);

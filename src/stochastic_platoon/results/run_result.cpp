@@ -1,6 +1,9 @@
 #include "stochastic_platoon/results/run_result.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <type_traits>
 
 #include "stochastic_platoon/configuration/version.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
@@ -107,7 +110,19 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
   if (prediction.theory == Theory::none) return std::nullopt;
   const bool normal = result.moments.empty() || std::isnan(result.moments.front().fourth_deviations);
   if (!normal && result.realizations < kEnoughForAnyDistribution) return std::nullopt;
-  return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding);
+  const std::size_t judged = cells_with_theory(run, prediction);
+  if (judged == result.moments.size())
+    return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding);
+  const auto of = [judged](const auto& values) {
+    return std::decay_t<decltype(values)>(
+        values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(judged, values.size())));
+  };
+  return agreement(of(result.moments), of(prediction.mean), of(prediction.variance), of(prediction.rounding));
+}
+
+std::size_t cells_with_theory(const RunOptions& run, const Prediction& prediction) {
+  return prediction.followers_with_theory *
+         (run.averaging() == Averaging::over_time ? 1 : static_cast<std::size_t>(run.steps));
 }
 
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations) {
@@ -122,7 +137,7 @@ std::string statistics_csv(const Configuration& configuration, const Prediction&
     text += formatted("%zu,%lld,%llu,%.17g,%.17g,", of.follower, static_cast<long long>(of.step),
                       static_cast<unsigned long long>(of.measured.count),
                       of.measured.count > 0 ? of.measured.mean : std::nan(""), of.measured.variance());
-    text += prediction.theory == Theory::none
+    text += of.follower > prediction.followers_with_theory
                 ? ",\n"
                 : formatted("%.17g,%.17g\n", of.theoretical_mean, of.theoretical_variance);
   };

@@ -52,6 +52,9 @@ double standard_error_of_variance(const ResultCell& of);
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result);
 
+/// How many cells have a theory: those of the followers before the first that is somebody's own.
+std::size_t cells_with_theory(const RunOptions& run, const Prediction& prediction);
+
 /// Positions that the committed realizations must have brought: (N + 1)(K + 1) each.
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations);
 

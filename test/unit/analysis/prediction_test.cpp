@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "../paper_run.hpp"
 #include "stochastic_platoon/theory/error_moments.hpp"
 
@@ -33,6 +35,41 @@ TEST(Prediction, TakesTheRecordedLeaderOfTheModel) {
   const Prediction behind_recording = predict(configuration);
   EXPECT_NE(behind_recording.mean, behind_profile.mean);
   EXPECT_EQ(behind_recording.variance, behind_profile.variance);
+}
+
+TEST(Prediction, IsVoidFromTheFirstOwnVehicleOn) {
+  Configuration configuration = paper_run("");
+  const Prediction whole = predict(configuration);
+  configuration.run.own = {2};
+  for (const std::int64_t steps : {std::int64_t{3}, std::int64_t{0}}) {
+    configuration.run.steps = steps;
+    const Prediction prediction = predict(configuration);
+    EXPECT_EQ(prediction.theory, Theory::exact);
+    EXPECT_EQ(prediction.followers_with_theory, 1u);
+    const std::size_t per_follower = steps == 0 ? 1 : 3;
+    for (std::size_t c = 0; c < per_follower; ++c) {
+      EXPECT_TRUE(std::isfinite(prediction.variance[c]));
+      if (steps > 0) EXPECT_EQ(prediction.variance[c], whole.variance[c]);
+      EXPECT_TRUE(std::isnan(prediction.mean[per_follower + c]));
+      EXPECT_TRUE(std::isnan(prediction.variance[per_follower + c]));
+    }
+    EXPECT_EQ(prediction.stationary_variance[0], whole.stationary_variance[0]);
+    EXPECT_TRUE(std::isnan(prediction.stationary_variance[1]));
+    EXPECT_FALSE(prediction.stability.limit_variance) << "the string does not go on so";
+    EXPECT_NE(
+        prediction.stability.reason.find("; this speaks of follower 1, before vehicle_2, which is your own"),
+        std::string::npos);
+  }
+}
+
+TEST(Prediction, OfAStringBehindAnOwnVehicleIsNone) {
+  Configuration configuration = paper_run("");
+  configuration.run.own = {1};
+  const Prediction prediction = predict(configuration);
+  EXPECT_EQ(prediction.theory, Theory::none);
+  EXPECT_EQ(prediction.followers_with_theory, 0u);
+  EXPECT_TRUE(std::isnan(prediction.variance[0]));
+  EXPECT_EQ(prediction.stability.reason, "none, as vehicle_1, which the others follow, is your own");
 }
 
 }  // namespace

@@ -116,8 +116,10 @@ TEST(RunOptions, NameTheSettingThatIsNotAllowed) {
   EXPECT_EQ(problems_with("resume", "maybe"), Problems{"run/resume: maybe: must be true or false"});
   EXPECT_EQ(problems_with("window", "-1"),
             Problems{"run/window: -1: must be a whole number from 0 to 1048576"});
-  EXPECT_EQ(problems_with("stall_timeout", "0"),
-            Problems{"run/stall_timeout: 0: must be a finite number > 0"});
+  EXPECT_EQ(problems_with("stall_timeout", "-1"),
+            Problems{"run/stall_timeout: -1: must be a finite number >= 0"});
+  EXPECT_EQ(problems_with("stall_timeout", "0.0001"),
+            Problems{"run/stall_timeout: 0.0001: must be 0 or at least 0.001"});
   EXPECT_EQ(problems_with("burn_in", "-1"),
             Problems{"run/burn_in: -1: must be a whole number from 0 to " + count});
   const Problems unknown = problems_with("folowers", "20");
@@ -125,10 +127,40 @@ TEST(RunOptions, NameTheSettingThatIsNotAllowed) {
   EXPECT_EQ(unknown[0].find("run/folowers: unknown key: allowed are batch, "), 0u);
 }
 
+TEST(RunOptions, KnowWhoseTheVehiclesAre) {
+  const RunOptions options = read({{"own", "7,3"}, {"followers", "8"}});
+  EXPECT_EQ(options.own, (std::vector<std::size_t>{3, 7}));
+  EXPECT_TRUE(options.is_own(3) && options.is_own(7));
+  EXPECT_FALSE(options.is_own(4) || options.is_own(0));
+  EXPECT_EQ(options.followers_before_own(), 2u);
+  EXPECT_EQ(to_json(options).at("own"), "3,7");
+  EXPECT_EQ(read({}).followers_before_own(), 20u);
+  EXPECT_FALSE(to_json(read({})).contains("own")) << "the identity of other runs stays what it was";
+}
+
+TEST(RunOptions, NameWhatIsNoListOfOwnVehicles) {
+  for (const char* own :
+       {"0", "21", "3,3", "three", "3,", ",3", "3, 4", "03", "-1", "3.0", "3;4", "99999999999999999999999"}) {
+    EXPECT_EQ(
+        problems_with("own", own),
+        Problems{std::string("run/own: ") + own +
+                 ": must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"});
+  }
+}
+
+TEST(RunOptions, BoundTheLeadWhereAVehicleIsSomebodysOwn) {
+  EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}}).longest_lead(), 500u);
+  EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}, {"own", "3"}}).longest_lead(), 128u);
+}
+
+TEST(RunOptions, WaitForEverWithoutAStallTimeout) {
+  EXPECT_EQ(read({{"stall_timeout", "0"}}).stall_timeout, 0.0);
+}
+
 TEST(RunOptions, NameEverySettingThatIsMissing) {
   Problems problems;
   read(YAML::Load("{}"), &problems);
-  EXPECT_EQ(problems.size(), settings().size());
+  EXPECT_EQ(problems.size(), settings().size() - 1);  // own, which recordings of a whole string do not have
   for (const std::string& problem : problems)
     EXPECT_NE(problem.find(": missing: must be "), std::string::npos);
 }

@@ -389,5 +389,30 @@ TEST(Credit, OfOneStepPerBatchIsCountedRight) {
   EXPECT_FALSE(credit.complete());
 }
 
+// A vehicle of the real world cannot go back.
+TEST(Credit, WithoutAStallTimeoutBeginsNothingAgainOnceStepsFlow) {
+  Credit credit(kSchedule, {5, 0.0, 0.5}, {kMonitor});
+  credit.acknowledge(kMonitor, {0, 0, kNothingYet}, 0.0);
+  expect_published(published(credit), {{1, 0, -1}});
+  EXPECT_TRUE(credit.retry_if_stalled(1.0)) << "links are still coming up";
+  expect_published(published(credit, 1.0), {{2, 0, -1}});
+  credit.acknowledge(kMonitor, {2, 0, -1}, 1.0);
+  published(credit, 1.0);
+  EXPECT_FALSE(credit.retry_if_stalled(1e6));
+  credit.give_up(2, 1e6);
+  credit.acknowledge(kMonitor, {0, 0, kNothingYet}, 1e6);  // it was killed
+  EXPECT_EQ(credit.attempt(), 2u);
+  EXPECT_TRUE(published(credit, 1e6).empty());
+}
+
+TEST(Credit, OfALeaderThatComesUpWithoutAStallTimeoutLeavesAPlatoonThatHasMovedAlone) {
+  Credit moved(kSchedule, {5, 0.0, 0.5}, {kMonitor});
+  moved.acknowledge(kMonitor, {1, 0, 1}, 0.0);
+  EXPECT_TRUE(published(moved).empty());
+  Credit at_rest(kSchedule, {5, 0.0, 0.5}, {kMonitor});
+  at_rest.acknowledge(kMonitor, {1, 8, kNothingYet}, 0.0);
+  expect_published(published(at_rest), {{2, 8, -1}});
+}
+
 }  // namespace
 }  // namespace platoon

@@ -46,6 +46,13 @@ TEST(StallDiagnosis, KnowsWhoDoesNotLead) {
   EXPECT_EQ(diagnose_stall(latest, kSchedule, 4).vehicle, 7u);
 }
 
+// An own vehicle that is aligned has done all that it can with its predecessor's step.
+TEST(StallDiagnosis, DoesNotAskAnOwnVehicleToLead) {
+  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 5), at(8, 6)}, kSchedule, kAllLead, {1}).vehicle, 0u);
+  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 5), at(8, 6)}, kSchedule, kAllLead).vehicle, 1u);
+  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 4), at(8, 5)}, kSchedule, kAllLead, {1}).vehicle, 1u);
+}
+
 TEST(StallDiagnosis, IsTheOnlyFollowerOrTheChannel) {
   EXPECT_EQ(culprit({at(8, 5), at(8, 4)}, kSchedule),
             "vehicle_1 has sent nothing since step 4 (realizations from 8): it or the channel is down");

@@ -10,6 +10,8 @@
 #include "../temporary_folder.hpp"
 #include "result_with.hpp"
 #include "stochastic_platoon/io/checksum.hpp"
+#include "stochastic_platoon/io/text.hpp"
+#include "stochastic_platoon/results/run_report.hpp"
 #include "stochastic_platoon/statistics/ensemble_statistics.hpp"
 
 namespace platoon {
@@ -249,6 +251,31 @@ TEST(WriteResults, NamesTheFileItCannotWrite) {
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find(folder / "none/statistics.csv"), std::string::npos);
   }
+}
+
+TEST(WriteResults, LeavesTheTheoryEmptyFromTheFirstOwnVehicleOn) {
+  const TemporaryFolder folder;
+  Configuration configuration = paper_run(folder.path());
+  const Prediction whole = predict(configuration);
+  RunResult result = result_with(configuration, whole);
+  configuration.run.own = {2};
+  for (std::int64_t k = 0; k < 3; ++k)
+    result.moments[cell(2, k, 3)].mean += 1000.0;  // an own vehicle may do so
+  const Prediction prediction = predict(configuration);
+  const Written files = written(configuration, prediction, result);
+  for (std::size_t c = 0; c < 6; ++c) {
+    const std::string first = c < 3 ? formatted("%.17g", prediction.mean[c]) : "";
+    const auto& row = files.rows[1 + c];
+    ASSERT_EQ(row.size(), c < 3 ? 7u : 6u);  // the last of empty fields is not split off
+    EXPECT_EQ(row[5], first);
+  }
+  const auto judged = measured_agreement(configuration.run, prediction, result);
+  ASSERT_TRUE(judged);
+  EXPECT_LT(judged->max_abs_z_mean, 1.0) << "of follower 1 alone";
+  EXPECT_EQ(files.summary["theory"]["stationary_variance"][1], nullptr);
+  EXPECT_EQ(files.summary["theory"]["limit_variance"], nullptr);
+  EXPECT_EQ(files.summary["theory"]["string_stable"], true);
+  EXPECT_NE(report(configuration, prediction, result).find("over all 3 (i, k)"), std::string::npos);
 }
 
 }  // namespace

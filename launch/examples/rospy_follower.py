@@ -1,0 +1,52 @@
+#!/usr/bin/python3
+"""A follower of one's own, here the paper's: rosrun stochastic_platoon rospy_follower.py 3 is vehicle 3 of a launch with own:=3."""
+
+import json
+import sys
+
+import numpy as np
+import rospy
+from rospy.numpy_msg import numpy_msg
+from stochastic_platoon.msg import Position
+
+
+def batch(message):
+    return message.attempt, message.first_realization
+
+
+class Follower:
+    def __init__(self, index):
+        topic = "/platoon/vehicle_{}/".format(index)
+        self.index, self.latest = index, None  # the latest message that was answered
+        self.out = rospy.Publisher(topic + "position", numpy_msg(Position), queue_size=0, tcp_nodelay=True)
+        rospy.Subscriber(topic + "predecessor_position", numpy_msg(Position), self.receive, queue_size=None, tcp_nodelay=True)
+
+    def receive(self, message):
+        latest = self.latest
+        if message.step == -1:  # a batch begins: everything starts anew
+            if latest and message.run == latest.run and batch(message) <= batch(latest):
+                return
+            self.start(len(message.position))
+        elif not latest or (message.run, batch(message), message.step) != (latest.run, batch(latest), latest.step + 1):
+            return
+        self.latest = message
+        received, message.position = message.position, self.y  # the answer: the same message with the own position at this step
+        self.out.publish(message)
+        self.move(received)
+
+    def start(self, size):
+        model = json.loads(rospy.get_param("/platoon/configuration"))["model"]
+        self.h, self.delta = model["time_headway"], model["standstill_distance"]
+        self.y = self.y_before = np.full(size, -self.index * self.delta)  # y(k), y(k - 1): it stands still
+        self.u = np.zeros(size)
+
+    def move(self, received):
+        zeta = received - self.y - self.delta - self.h * (self.y - self.y_before)  # eq. (error1)
+        y_next = 2.0 * self.y - self.y_before + self.u                             # G(z) = 1 / (z - 1)^2, from u(k - 1)
+        self.u = -0.89 * self.u + 1.35 / (1.0 + self.h) * zeta                     # K(z) = 1.35 z / (z + 0.89) / (1 + h)
+        self.y, self.y_before = y_next, self.y
+
+
+rospy.init_node("vehicle_" + sys.argv[1], disable_rosout=True)
+follower = Follower(int(sys.argv[1]))
+rospy.spin()

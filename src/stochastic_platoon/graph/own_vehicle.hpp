@@ -1,0 +1,46 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <ros/subscriber.h>
+#include <stochastic_platoon/Position.h>
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace platoon {
+
+/// A vehicle of one's own that keeps the vehicle contract (msg/README.md), around any dynamics. It needs nothing
+/// of this package but its messages, and is what other packages link.
+///
+/// On its predecessor's step k, as received, it publishes its own step k, and then moves on to k + 1.
+///
+/// Subscribes: vehicle_<i>/predecessor_position. Publishes: vehicle_<i>/position. Both
+/// stochastic_platoon/Position.
+class OwnVehicle {
+public:
+  /// Step -1 of a batch: forgets everything, and writes the initial positions y(-1) [m]; the vector has the batch's
+  /// size, one position per realization.
+  using Start = std::function<void(std::vector<double>& position)>;
+
+  /// From the predecessor's positions at step k, as received, to the own y(k + 1) [m]; both have the batch's size.
+  using Move = std::function<void(const std::vector<double>& received, std::vector<double>& position)>;
+
+  /// Vehicle `index` of the platoon in this namespace (mostly /platoon). Throws std::invalid_argument unless
+  /// index >= 1.
+  OwnVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move);
+
+private:
+  bool is_in_turn(const stochastic_platoon::Position& message) const;
+  void receive(const stochastic_platoon::Position::ConstPtr& message);
+
+  Start start_;
+  Move move_;
+  stochastic_platoon::Position::ConstPtr latest_;  ///< that was answered
+  std::vector<double> own_;                        ///< y at the step after it [m]
+  ros::Publisher position_;
+  ros::Subscriber predecessor_position_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,93 @@
+#!/usr/bin/python3
+"""Followers of one's own, each of which breaks one clause of the vehicle contract: broken_follower.py INDEX:FAULT...
+
+Without its fault a follower is where its predecessor was heard a step before.
+"""
+
+import sys
+
+import numpy as np
+import rospy
+from rospy.numpy_msg import numpy_msg
+from stochastic_platoon.msg import Position
+
+STEP = 5  # at which those go wrong that do so once
+
+
+class Follower:
+    def __init__(self, index, fault):
+        topic = "/platoon/vehicle_{}/".format(index)
+        self.fault, self.latest, self.y = fault, None, np.zeros(1)
+        self.faults = ["answer", "twice", "size", "finite", "wrong_run"]  # of `each`
+        self.batches, self.silent = 0, False                              # of the attempt
+        self.out = rospy.Publisher(topic + "position", numpy_msg(Position), queue_size=0, tcp_nodelay=True)
+        rospy.Subscriber(topic + "predecessor_position", numpy_msg(Position), self.receive, tcp_nodelay=True,
+                         queue_size=1 if fault == "queues" else None)
+
+    def is_in_turn(self, message):
+        if self.latest is None or message.step == -1:
+            return message.step == -1 and not self.is_old(message)
+        same = (message.run, message.attempt, message.first_realization) == \
+            (self.latest.run, self.latest.attempt, self.latest.first_realization)
+        if self.fault == "attempt":  # takes a message of any
+            same = (message.run, message.first_realization) == (self.latest.run, self.latest.first_realization)
+        if self.fault == "foreign":  # of any run
+            same = message.attempt == self.latest.attempt
+        due = (self.latest.step, self.latest.step + 1) if self.fault == "turn" else (self.latest.step + 1,)
+        return same and message.step in due
+
+    def is_old(self, message):
+        if self.latest is None or message.run != self.latest.run:
+            return False
+        return (message.attempt, message.first_realization) <= (self.latest.attempt, self.latest.first_realization)
+
+    def receive(self, message):
+        if not self.is_in_turn(message):
+            return
+        if message.step == -1 and (self.fault != "start_anew" or self.y.size != message.position.size):
+            self.y = np.zeros(message.position.size)
+        if message.step == -1:
+            if self.latest is None or message.attempt != self.latest.attempt:
+                self.batches, self.silent = 0, False
+            self.batches += 1
+        first_run = self.latest.run if self.latest else message.run
+        self.latest = Position(run=message.run, attempt=message.attempt, first_realization=message.first_realization, step=message.step)
+        if self.fault == "run":
+            self.latest.run = first_run  # keeps to its first one
+        if not self.silent:
+            self.answer(message)
+        self.y = message.position
+
+    def answer(self, message):
+        answer = numpy_msg(Position)(header=message.header, run=self.latest.run, attempt=message.attempt, step=message.step,
+                                     first_realization=message.first_realization, position=self.y)
+        fault = self.present_fault(message) if message.step == STEP else None
+        if self.fault == "stamp":
+            answer.header.stamp = rospy.Time.now()
+        if self.fault == "causal":
+            answer.position = message.position
+        if self.fault == "queues":
+            rospy.sleep(0.001)
+        if fault == "answer":
+            return
+        if fault == "size":
+            answer.position = self.y[1:]
+        if fault == "finite":
+            answer.position = self.y * np.nan
+        if fault == "wrong_run":
+            answer.run ^= 1
+        if fault == "twice":
+            self.out.publish(answer)
+        self.out.publish(answer)
+
+    def present_fault(self, message):
+        """Its own; or of `each` in turn the next one in the second batch of every attempt, whose rest is silence."""
+        if self.fault != "each" or self.batches < 2 or not self.faults:
+            return None if self.fault == "each" else self.fault
+        self.silent = True
+        return self.faults.pop(0)
+
+
+rospy.init_node("broken_followers", anonymous=True, disable_rosout=True)
+followers = [Follower(*word.split(":")) for word in sys.argv[1:] if ":=" not in word]
+rospy.spin()

@@ -1,0 +1,40 @@
+#!/usr/bin/python3
+"""A car with its own clock and dynamics: it drives a second behind the point it is referred to, and says where it is. It knows no platoon."""
+
+import time
+
+import rospy
+from geometry_msgs.msg import PointStamped
+from nav_msgs.msg import Odometry
+
+PERIOD = 0.01       # [s] of its own clock
+GAP = 1.0           # [s] behind the reference
+GAIN = 4.0          # [1/s^2]: critically damped
+STRONGEST = 4.0     # [m/s^2]
+START = 123.0       # [m]
+
+reference = None
+
+
+def refer(point):
+    global reference
+    assert point.header.frame_id == "odom"
+    reference = point.point.x
+
+
+rospy.init_node("car")
+publisher = rospy.Publisher("odom", Odometry, queue_size=1)
+rospy.Subscriber("reference", PointStamped, refer, queue_size=1)
+x, v, before = START, 0.0, time.monotonic()
+while not rospy.is_shutdown():
+    time.sleep(PERIOD)
+    present = time.monotonic()
+    passed, before = present - before, present
+    if reference is not None:
+        a = min(max(GAIN * (reference - x - GAP * v), -STRONGEST), STRONGEST)
+        x, v = x + passed * (v + 0.5 * passed * a), v + passed * a
+    odometry = Odometry()
+    odometry.header.stamp = rospy.Time.now()
+    odometry.header.frame_id, odometry.child_frame_id = "odom", "base_link"
+    odometry.pose.pose.position.x, odometry.twist.twist.linear.x = x, v
+    publisher.publish(odometry)

@@ -1,0 +1,289 @@
+#!/usr/bin/python3
+"""Vehicles of one's own in the string: the examples, the conformance test of anybody's vehicle, and what breaks its contract."""
+
+import csv
+import json
+import math
+import os
+import re
+import subprocess
+import unittest
+
+import live_platoon
+from terminal import LaunchTest
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+CLAUSES = ("one_publisher", "answer", "size", "finite", "stamp", "turn", "attempt", "start_anew", "causal", "queues", "run")
+
+
+def rows(output):
+    """Of statistics.csv by (vehicle, step): mean, variance, theoretical mean and variance; None where empty."""
+    with open(os.path.join(output, "statistics.csv")) as file:
+        return {(int(row["vehicle"]), int(row["step"])):
+                [float(row[name]) if row[name] else None
+                 for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")] for row in csv.DictReader(file)}
+
+
+class OwnTest(LaunchTest):
+    def setUp(self):
+        super().setUp()
+        self.master = self.roscore()
+        self.environment = dict(os.environ, ROS_MASTER_URI=self.master, ROS_HOSTNAME="localhost", ROS_HOME=self.folder)
+
+    def start(self, *command):
+        """A node that is somebody's own."""
+        process = subprocess.Popen(command, env=self.environment)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
+        return process
+
+    def start_example(self, index):
+        return self.start(live_platoon.shared("launch", "examples", "rospy_follower.py"), str(index))
+
+    def check_vehicle(self, index, *options):
+        return subprocess.run([live_platoon.executable("check_vehicle"), str(index)] + list(options), env=self.environment,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, timeout=100)
+
+    def assert_keeps_the_contract(self, index, *options):
+        done = self.check_vehicle(index, *options)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(re.findall(r"^ ?(\d+) holds ", done.stdout, re.M), [str(n + 1) for n in range(len(CLAUSES))])
+        self.assertIn("vehicle_{} keeps the vehicle contract".format(index), done.stdout)
+
+    def assert_broken(self, clause, index, *options):
+        number = CLAUSES.index(clause) + 1
+        done = self.check_vehicle(index, "--patience", "1", *options)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertEqual(re.findall(r"^ ?(\d+) BROKEN ", done.stdout, re.M), [str(number)], done.stdout)
+        self.assertIn("breaks clause {} of the vehicle contract: ".format(number), done.stdout)
+        return done.stdout
+
+    def run_to_the_end(self, **arguments):
+        terminal = self.launch(master=self.master, **arguments)
+        terminal.wait()
+        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
+        return terminal
+
+
+class Example(OwnTest):
+    SETTINGS = dict(followers=4, steps=50, realizations=2500, batch=1000)
+
+    def assert_equal_within_rounding(self):
+        folder = os.path.join(self.output, "reference")
+        live_platoon.reference(self.output, **{name: value for name, value in self.SETTINGS.items() if name != "batch"})
+        measured, expected = rows(self.output), rows(folder)
+        self.assertEqual(measured.keys(), expected.keys())
+        for cell, (mean, variance, *_) in expected.items():
+            # Positions reach 100 m, whose last bit is 1.4e-14 m; errors are of some 0.1 m.
+            self.assertLess(abs(measured[cell][0] - mean), 1e-11, cell)
+            self.assertLess(abs(measured[cell][1] - variance), 1e-11, cell)
+
+    def test_the_rospy_follower_is_the_built_in_vehicle_within_rounding(self):
+        bag = os.path.join(self.folder, "run.bag")
+        terminal = self.launch(master=self.master, own=2, record=bag, **self.SETTINGS)
+        terminal.wait_for_text("waiting for vehicle_2: start it, it is yours")
+        self.start_example(2)
+        terminal.wait()
+        summary = live_platoon.completed_summary(self.output)
+        self.assertTrue(summary, terminal.text())
+        self.assert_equal_within_rounding()
+        self.check_that_theory_speaks_of_vehicle_1_alone(summary, terminal.text())
+        self.check_what_reads_the_results(bag)
+        self.check_replay(bag)
+
+    def check_that_theory_speaks_of_vehicle_1_alone(self, summary, said):
+        for (vehicle, _), (_, _, mean, variance) in rows(self.output).items():
+            self.assertEqual((mean is None, variance is None), (vehicle > 1, vehicle > 1))
+        self.assertEqual([value is None for value in summary["theory"]["stationary_variance"]], [False, True, True, True])
+        self.assertIs(summary["theory"]["string_stable"], True)
+        self.assertIsNone(summary["theory"]["limit_variance"])
+        self.assertLess(summary["agreement"]["max_abs_z_variance"], 5.0)
+        self.assertIn("over all 50 (i, k)", said)
+        self.assertIn("this speaks of follower 1, before vehicle_2, which is your own", said)
+
+    def check_what_reads_the_results(self, bag):
+        with open(os.path.join(self.output, "statistics.csv")) as file:
+            measured = file.read()
+        csv_of_bag = subprocess.run([live_platoon.executable("bag_statistics"), bag, "--csv"], stdout=subprocess.PIPE,
+                                    universal_newlines=True, check=True).stdout
+        self.assertEqual(csv_of_bag, measured)
+        figure = os.path.join(self.folder, "errors")
+        plot = os.path.join(live_platoon.shared("src", "tools"), "plot")
+        subprocess.run([plot, "errors", self.output, "--output", figure], check=True, stdout=subprocess.DEVNULL)
+        self.assertGreater(os.path.getsize(figure + ".png"), 10000)
+
+    def check_replay(self, bag):
+        again = os.path.join(self.folder, "again")
+        self.launch("replay.launch", master=self.master, bag=bag, output=again).wait()
+        self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
+        # The same node, behind what it received: no other vehicle is there.
+        terminal = self.launch("replay.launch", master=self.master, bag=bag, drive="vehicle_2", own=2, output="")
+        terminal.wait()
+        self.assertIn("vehicle_2: 153 messages equal the recorded ones to the bit", terminal.text())
+        # What was recorded of another vehicle is the built-in one's.
+        self.start_example(3)
+        terminal = self.launch("replay.launch", master=self.master, bag=bag, drive="vehicle_3", own=3, output="")
+        terminal.wait()
+        apart = re.search(r"vehicle_3: 153 messages as in the recording, positions at most (\S+) m apart", terminal.text())
+        self.assertTrue(apart, terminal.text())
+        self.assertLess(float(apart.group(1)), 1e-11)
+
+    def test_it_may_stay_up_from_run_to_run_in_either_hosting(self):
+        self.start_example(3)
+        for hosting in ("processes", "one_process"):
+            self.output = os.path.join(self.folder, hosting)
+            self.run_to_the_end(own=3, hosting=hosting, output=self.output, **self.SETTINGS)
+        self.assert_equal_within_rounding()
+
+    def test_it_keeps_the_contract(self):
+        self.start_example(3)
+        self.assert_keeps_the_contract(3)
+        self.assert_keeps_the_contract(3, "--headway", "2.4")
+
+    def test_the_built_in_vehicle_keeps_it(self):
+        self.start(live_platoon.executable("follower"), "_index:=2", "__ns:=/platoon", "__name:=vehicle_2")
+        self.assert_keeps_the_contract(2)
+
+
+class Contract(OwnTest):
+    def test_the_page_has_the_words_of_the_programs(self):
+        with open(live_platoon.shared("msg", "README.md")) as file:
+            page = re.findall(r"^\| (\d+) \| (.*?) \|", file.read(), re.M)
+        self.start_example(3)
+        said = re.findall(r"^ ?(\d+) holds +(.*)$", self.check_vehicle(3).stdout, re.M)
+        self.assertEqual(len(said), len(CLAUSES))
+        self.assertEqual(page, said)
+
+    def test_each_broken_vehicle_fails_at_its_clause(self):
+        faults = [clause for clause in CLAUSES if clause != "one_publisher"] + ["foreign", "twice"]
+        self.start(os.path.join(HERE, "broken_follower.py"), *["{}:{}".format(i + 1, fault) for i, fault in enumerate(faults)])
+        for i, fault in enumerate(faults):
+            with self.subTest(fault=fault):
+                said = self.assert_broken({"foreign": "run", "twice": "turn"}.get(fault, fault), i + 1)
+                self.assertIn({"size": "999 positions, of 1000", "finite": "a NaN or an infinity", "answer": "no answer within 1 s",
+                               "twice": "step 6 of the realizations from 0, attempt 1 was due, and came: step 5"}.get(fault, "step "), said)
+        second = self.start_example(len(faults))
+        live_platoon.wait_for(lambda: live_platoon.process_of("/vehicle_{}".format(len(faults)), self.master), "a second publisher")
+        self.assertIn("2 publish /platoon/vehicle_{}/position".format(len(faults)), self.assert_broken("one_publisher", len(faults)))
+        second.terminate()
+
+    def test_a_vehicle_that_is_not_there_or_no_number_is_named(self):
+        self.assertIn("vehicle_4 is not there: it must publish /platoon/vehicle_4/position and subscribe to "
+                      "/platoon/vehicle_4/predecessor_position", self.check_vehicle(4, "--wait", "0.1").stdout)
+        self.assertIn("waiting for vehicle_4: start it, it is yours", self.check_vehicle(4, "--wait", "0.1").stdout)
+        for word in ("0", "three", "3.0"):
+            done = self.check_vehicle(word)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("vehicle: {}: must be the number of a follower, 1 or more".format(word), done.stdout)
+
+    def test_the_monitor_names_it_with_the_clause_and_the_run_goes_on(self):
+        self.start(os.path.join(HERE, "broken_follower.py"), "2:each")
+        terminal = self.run_to_the_end(followers=3, own=2, steps=20, realizations=700, batch=100, stall_timeout=0.5)
+        said = terminal.text()
+        stands = r"the platoon stands still: vehicle_2 has sent nothing since step {} \(realizations from {}\); it is yours: {}clause {} of the"
+        self.assertRegex(said, stands.format(4, 100, "", 2))
+        for step, first, what, number in ((5, 200, "out of turn", 6), (4, 300, "wrong batch size", 3), (4, 400, "not finite", 4),
+                                          (4, 500, "of another run", 11)):
+            self.assertRegex(said, stands.format(step, first, "what it sent last was dropped, as {}; ".format(what), number))
+        self.assertRegex(said, r"/platoon/vehicle_2/position: dropped a message that is out of turn: .*vehicle_2 is yours: it breaks clause 6 of")
+        summary = live_platoon.completed_summary(self.output)
+        self.assertEqual(summary["positions_lost"], 0)
+        self.assertEqual(summary["attempts"], 6)
+
+    def test_the_monitor_names_a_second_publisher(self):
+        self.start_example(2)
+        self.start(os.path.join(HERE, "broken_follower.py"), "2:none")
+        terminal = self.run_to_the_end(followers=2, own=2, steps=20, realizations=500, batch=10)
+        self.assertRegex(terminal.text(), r"/platoon/vehicle_2/position has two publishers: .*; it is yours: clause 1 of the vehicle contract: ")
+
+
+class Car(OwnTest):
+    """In 12 s of wall time; PLATOON_MINUTE=1 in the environment: in the minute that a car takes."""
+
+    STEPS = 600
+    SPEED = 5.0  # [m/s]
+
+    def test_a_car_that_has_never_heard_of_positions_drives_as_vehicle_2_of_4(self):
+        period = 0.1 if "PLATOON_MINUTE" in os.environ else 0.02
+        model = self.model_with(sample_period=period, noise_variance=0.0001,
+                                leader="{{speed: [{{from_step: 0, value: {}}}]}}".format(self.SPEED))
+        diagnostics = os.path.join(self.folder, "diagnostics")
+        terminal = self.launch(master=self.master, followers=4, own=2, realizations=1, steps=self.STEPS, model=model,
+                               rate=round(1.0 / period), stall_timeout=0)
+        terminal.wait_for_text("waiting for vehicle_2: start it, it is yours")
+        self.start(os.path.join(HERE, "car.py"), "__ns:=/car")
+        self.start(os.path.join(live_platoon.shared("src", "nodes"), "odometry_vehicle"), "_index:=2", "~odometry:=/car/odom",
+                   "~reference:=/car/reference")
+        with open(diagnostics, "w") as file:
+            listener = subprocess.Popen(["/usr/bin/python3", "-c", LISTENER], env=self.environment, stdout=file)
+        self.addCleanup(listener.wait)
+        self.addCleanup(listener.terminate)
+        terminal.wait()
+        summary = live_platoon.completed_summary(self.output)
+        self.assertTrue(summary, terminal.text())
+        self.assertEqual(summary["positions_lost"], 0)
+        measured = rows(self.output)
+        self.assertEqual({vehicle for vehicle, step in measured if measured[vehicle, step][2] is None}, {2, 3, 4})
+        # It keeps a second behind where its predecessor is, the model's headway is 3.2 periods; what it is late by is less than that.
+        self.assertAlmostEqual(measured[2, self.STEPS - 1][0], self.SPEED * (1.0 - 3.2 * period), delta=self.SPEED * 0.5)
+        self.assertAlmostEqual(measured[1, self.STEPS - 1][0], 0.0, delta=0.2)
+        with open(diagnostics) as file:
+            said = [json.loads(line) for line in file]
+        self.assertTrue(said, "nothing on /diagnostics")
+        self.assertGreater(int(said[-1]["steps"]), self.STEPS // 2)
+        self.assertGreater(float(said[-1]["largest latency [s]"]), 0.0)
+        self.assertLess(int(said[-1]["missed ticks"]), self.STEPS // 4)
+
+    def test_a_batch_of_many_is_refused_in_words(self):
+        self.start(os.path.join(HERE, "car.py"), "__ns:=/car")
+        log = os.path.join(self.folder, "said")
+        with open(log, "w") as file:
+            adapter = subprocess.Popen([os.path.join(live_platoon.shared("src", "nodes"), "odometry_vehicle"), "_index:=2",
+                                        "~odometry:=/car/odom"], env=self.environment, stderr=file)
+        self.addCleanup(adapter.wait)
+        self.addCleanup(adapter.terminate)
+        self.launch(master=self.master, followers=2, own=2, realizations=30, batch=10, stall_timeout=0)
+        live_platoon.wait_for(lambda: "a message of 10 positions: must be one, as there is one car" in open(log).read(), "its words", 30)
+
+
+LISTENER = """
+import json, rospy
+from diagnostic_msgs.msg import DiagnosticArray
+def heard(message):
+    for status in message.status:
+        print(json.dumps({pair.key: pair.value for pair in status.values}), flush=True)
+rospy.init_node("listener")
+rospy.Subscriber("/diagnostics", DiagnosticArray, heard)
+rospy.spin()
+"""
+
+
+class OtherPackage(OwnTest):
+    def test_a_package_of_its_own_builds_against_the_devel_space_and_saturates(self):
+        build = os.path.join(self.folder, "build")
+        subprocess.run(["cmake", "-S", live_platoon.shared("launch", "examples", "saturated_follower"), "-B", build,
+                        "-DPYTHON_EXECUTABLE=/usr/bin/python3"], env=self.environment, check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(["make", "-C", build], env=self.environment, check=True, stdout=subprocess.DEVNULL)
+        program = os.path.join(build, "devel", "lib", "saturated_follower", "saturated_follower")
+        means, variances = [], []
+        for limit in ("1e9", "0.02"):
+            node = self.start(program, "_index:=2", "_limit:=" + limit)
+            if not variances:
+                self.assert_keeps_the_contract(2)
+            self.output = os.path.join(self.folder, limit)
+            self.run_to_the_end(followers=3, own=2, steps=40, realizations=1000, output=self.output)
+            means.append(rows(self.output)[2, 39][0])
+            variances.append([rows(self.output)[vehicle, 39][1] for vehicle in (1, 2, 3)])
+            node.terminate()
+            node.wait()
+        live_platoon.reference(self.folder, followers=3, steps=40, realizations=1000)
+        built_in = [rows(os.path.join(self.folder, "reference"))[vehicle, 39][1] for vehicle in (1, 2, 3)]
+        for own, other in zip(variances[0], built_in):  # an actuator that never saturates
+            self.assertAlmostEqual(own, other, 9)
+        self.assertEqual(variances[1][0], built_in[0])
+        self.assertLess(abs(means[0]), 0.5)   # some standard errors of 0.04 m
+        self.assertGreater(means[1], 10.0)    # it cannot keep up with a leader that drives off
+
+
+if __name__ == "__main__":
+    unittest.main()
