@@ -280,12 +280,17 @@ class Live(LaunchTest):
                        stdout=subprocess.DEVNULL, timeout=live_platoon.DEADLINE)
         with rosbag.Bag(bag) as recorded:
             last = [message for _, message, _ in recorded.read_messages()][-1].markers
-        self.assertEqual(len(last), 8)  # a box and a label for each of four vehicles
-        boxes = [marker for marker in last if not marker.text]
-        self.assertEqual(boxes[0].pose.position.x, 0.0)
-        places = [box.pose.position.x for box in boxes]
-        self.assertEqual(places, sorted(places, reverse=True))
-        self.assertEqual(last[1].text, "leader")
+        shown = {marker.ns: marker for marker in last}
+        bodies = [point.x for point in shown["bodies"].points]
+        self.assertEqual((len(bodies), bodies[0]), (4, 0.0))
+        self.assertEqual(bodies, sorted(bodies, reverse=True))
+        self.assertEqual(len(shown["wheels"].points), 16)
+        labels = [marker.text for marker in last if marker.ns == "labels"]
+        self.assertEqual((len(labels), labels[0]), (4, "leader"))
+        bands = [marker.points for marker in last if marker.ns == "two_sigma"]
+        self.assertEqual(len(bands), 3)
+        # Four standard deviations: stationary_variance of the paper's first follower at h = 3.2.
+        self.assertAlmostEqual(bands[0][1].x - bands[0][0].x, 4.0 * 1.361445058056042 ** 0.5, 6)
 
 
 class Culprit(LaunchTest):

@@ -10,11 +10,13 @@ import subprocess
 import tempfile
 import time
 import unittest
+import xmlrpc.client
 
 import live_platoon
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "cmp")
+COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "rosservice", "rostopic", "cmp")
+ORDERS = ("rosservice", "rostopic")  # to the platoon of the line before
 NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it"}
 
 # What the test adds to a line that begins so; the first that fits.
@@ -84,10 +86,20 @@ class Readme(unittest.TestCase):
         self.assertEqual(status, 0, "{}\n{}".format(line, text))
         for bad in ("Traceback", "[ERROR]", "FATAL", "RLException", "DISAGREE", "not found"):
             self.assertNotIn(bad, text, line)
+        if line.startswith("rosservice"):
+            self.assertIn("success: True", text, line)
         if line.startswith("roslaunch") and "drive:=vehicle" not in line:
             self.assertIn("Results: ", text, line)
         if "drive:=vehicle" in line:
             self.assertIn("equal the recorded ones to the bit", text)
+
+    def takes_orders(self):
+        try:
+            with xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"]) as master:
+                return all(master.lookupService("/readme_test", "/platoon/" + service)[0] == 1
+                           for service in ("leader/cruise", "change_run"))
+        except OSError:
+            return False
 
     def end_live(self, line, process):
         """Ctrl-C for what stays up, once it has shown that it is up."""
@@ -100,7 +112,7 @@ class Readme(unittest.TestCase):
         lines = command_lines()
         self.assertGreater(len(lines), 15)
         standing = []
-        for line in lines:
+        for line, following in zip(lines, lines[1:] + [""]):
             self.assertIn(line.split()[0], COMMANDS, "a line that is no command: " + line)
             if line in NOT_RUN:
                 continue
@@ -109,7 +121,10 @@ class Readme(unittest.TestCase):
                     self.interrupt(standing.pop()[0])
                 process = self.start(line)
                 stands = next((entry for entry in STANDING if line.startswith(entry[0])), None)
-                if line.startswith(STAY_UP):
+                if line.startswith(STAY_UP) and following.startswith(ORDERS):
+                    standing.append((process, "^({})".format("|".join(ORDERS))))
+                    live_platoon.wait_for(self.takes_orders, line)
+                elif line.startswith(STAY_UP):
                     self.end_live(line, process)
                 elif stands:
                     standing.append((process, stands[2]))

@@ -78,24 +78,39 @@ private:
   visualization_msgs::MarkerArray array_;
 };
 
+// Lines are drawn in their own colours, solids as the camera's light falls on them.
+Marker& add_lines(Scene& scene, const std::string& name, double width, const ColorRGBA& painted) {
+  Marker& lines = scene.add(name, Marker::LINE_LIST, width, 0.0, 0.0);
+  lines.color = painted;
+  return lines;
+}
+
+void add_line(Marker& lines, double from, double to, double y, double z) {
+  lines.points.push_back(point(from, y, z));
+  lines.points.push_back(point(to, y, z));
+}
+
 void add_road(Scene& scene, double from, double to, double travelled) {
+  const double middle = 0.5 * (from + to);
+  Marker& ground = scene.add("ground", Marker::CUBE, to - from, 40.0 * kLane, 0.02);
+  ground.pose.position = point(middle, 0.0, -0.08);
+  ground.color = rgba(0.66, 0.76, 0.56);
   Marker& road = scene.add("road", Marker::CUBE, to - from, 2.2 * kLane, 0.02);
-  road.pose.position = point(0.5 * (from + to), 0.5 * kLane, -0.02);
-  road.color = rgba(0.30, 0.31, 0.33);
-  Marker& edges = scene.add("edges", Marker::CUBE_LIST, to - from, 0.15, 0.02);
-  edges.color = rgba(0.95, 0.95, 0.95);
-  for (const double y : {-0.5 * kLane, 1.5 * kLane}) edges.points.push_back(point(0.5 * (from + to), y, 0.0));
+  road.pose.position = point(middle, 0.5 * kLane, -0.03);
+  road.color = rgba(0.42, 0.43, 0.46);
+  const ColorRGBA white = rgba(0.95, 0.95, 0.95);
+  Marker& edges = add_lines(scene, "edges", 0.18, white);
+  for (const double y : {-0.5 * kLane, 1.5 * kLane}) add_line(edges, from, to, y, 0.0);
   // Of the marks at whole periods of the way travelled those that are in sight.
   const auto each = [&](double period, const auto& place) {
     for (double mark = std::ceil((from + travelled) / period) * period; mark - travelled <= to;
          mark += period)
       place(mark - travelled);
   };
-  Marker& dashes = scene.add("dashes", Marker::CUBE_LIST, kDash, 0.15, 0.02);
-  dashes.color = rgba(0.95, 0.95, 0.95);
-  each(kDashPeriod, [&](double x) { dashes.points.push_back(point(x, 0.5 * kLane, 0.0)); });
-  Marker& posts = scene.add("posts", Marker::CUBE_LIST, 0.25, 0.25, 1.0);
-  posts.color = rgba(0.55, 0.57, 0.60);
+  Marker& dashes = add_lines(scene, "dashes", 0.18, white);
+  each(kDashPeriod, [&](double x) { add_line(dashes, x - 0.5 * kDash, x + 0.5 * kDash, 0.5 * kLane, 0.0); });
+  Marker& posts = scene.add("posts", Marker::CUBE_LIST, 0.2, 0.2, 1.0);
+  posts.color = white;
   each(kPostPeriod, [&](double x) {
     for (const double y : {-0.85 * kLane, 1.85 * kLane}) posts.points.push_back(point(x, y, 0.5));
   });
@@ -107,19 +122,19 @@ void add_places(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   for (std::size_t i = 1; i < vehicles.size(); ++i) {
     const SceneVehicle& vehicle = vehicles[i];
     if (!std::isfinite(vehicle.place) || !std::isfinite(vehicle.deviation)) continue;
-    Marker& band = scene.add("two_sigma", Marker::CUBE, 4.0 * vehicle.deviation + 0.02, 0.5, 0.02);
+    Marker& band =
+        add_lines(scene, "two_sigma", 0.3, mixed(colour_of(i, vehicles.size()), rgba(1, 1, 1), 0.3F));
     band.id = ++id;
-    band.pose.position = point(vehicle.place, -0.72 * kWidth - (i % 2 == 0 ? 0.0 : 0.6), 0.03);
-    band.color = mixed(colour_of(i, vehicles.size()), rgba(1, 1, 1), 0.35F);
-    band.color.a = 0.9F;
+    // In two rows, as neighbours' overlap; no shorter than a vehicle's mark.
+    const double y = -0.5 * kLane - (i % 2 == 0 ? 0.55 : 1.05), half = std::max(2.0 * vehicle.deviation, 0.1);
+    add_line(band, vehicle.place - half, vehicle.place + half, y, 0.05);
+    add_line(band, vehicle.x - 0.08, vehicle.x + 0.08, y, 0.3);
   }
-  Marker& gaps = scene.add("closing", Marker::CUBE_LIST, 1.0, kWidth, 0.06);
-  gaps.color = rgba(0.9, 0.05, 0.05);
+  Marker& gaps = add_lines(scene, "closing", kWidth, rgba(0.95, 0.05, 0.05));
   for (std::size_t i = 1; i < vehicles.size(); ++i) {
     if (!vehicles[i].closing) continue;
     const double nose = vehicles[i].x + 0.5 * kLength, tail = vehicles[i - 1].x - 0.5 * kLength;
-    for (double x = std::min(nose, tail) + 0.5; x <= std::max(nose, tail) + 0.25; x += 0.5)
-      gaps.points.push_back(point(x, 0.0, 0.06));
+    add_line(gaps, std::min(nose, tail - 0.2), std::max(nose, tail), 0.0, 0.1);
   }
   if (gaps.points.empty()) gaps.action = Marker::DELETE;
 }
@@ -163,10 +178,10 @@ void add_labels(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   for (const SceneVehicle& vehicle : vehicles) {
     ++id;
     if (vehicle.label.empty()) continue;
-    Marker& label = scene.add("labels", Marker::TEXT_VIEW_FACING, 0.0, 0.0, 1.15);
+    Marker& label = scene.add("labels", Marker::TEXT_VIEW_FACING, 0.0, 0.0, 1.25);
     label.id = id;
-    label.pose.position = point(vehicle.x, 0.0, 2.7);
-    label.color = rgba(0.08, 0.08, 0.10);
+    label.pose.position = point(vehicle.x, 0.45 * kLane, 2.3);
+    label.color = rgba(1.0, 1.0, 1.0);
     label.text = vehicle.label;
   }
 }

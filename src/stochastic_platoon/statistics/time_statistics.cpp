@@ -35,8 +35,9 @@ void TimeStatistics::saw_leader(std::int64_t step, bool by_model) {
 
 bool TimeStatistics::counts(std::size_t follower, std::int64_t step) const {
   if (departed_ == kNever) return step >= counts_from_;
-  const bool unreached = step < departed_ + static_cast<std::int64_t>(follower) - 1;
-  return step >= (unreached ? counted_from_ : counts_from_);
+  const std::int64_t hops = static_cast<std::int64_t>(follower) - 1;
+  if (step >= departed_ + hops) return step >= counts_from_ + hops;
+  return step >= counted_from_ + (counted_from_ > burn_in_ ? hops : 0);
 }
 
 void TimeStatistics::add(const ReducedErrors& errors) {

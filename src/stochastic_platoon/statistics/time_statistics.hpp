@@ -16,7 +16,7 @@ namespace platoon {
 /// counts from its own burn_in on.
 ///
 /// A manoeuvre of the leader, which departs from the model in steps a .. b, leaves out the errors that it reaches,
-/// zeta_i(k) for k >= a + i - 1, up to a burn-in behind it, k <= b + burn_in. What counts is decided when the leader's
+/// zeta_i(k) for k >= a + i - 1, up to a burn-in behind it, k <= b + i - 1 + burn_in. What counts is decided when the leader's
 /// step k - i + 1 is known, the latest that zeta_i(k) depends on.
 ///
 /// The errors of a follower count in the order of their steps, whatever order they come in, so that the sums

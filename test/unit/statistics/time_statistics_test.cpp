@@ -117,7 +117,7 @@ TEST(TimeStatistics, LeaveOutWhatAManoeuvreCausesAndABurnInBehindIt) {
     for (std::int64_t k = 0; k < 60; ++k) {
       add(statistics, follower, k, static_cast<double>(k * k % 31));
       statistics.saw_leader(k - hops, k - hops < kFrom || k - hops > kTo);
-      const bool counts = k >= kBurnIn && (k < kFrom + hops || k > kTo + kBurnIn);
+      const bool counts = k >= kBurnIn && (k < kFrom + hops || k > kTo + hops + kBurnIn);
       if (counts) expected.add(static_cast<double>(k * k % 31));
       ASSERT_EQ(statistics.moments()[follower - 1].count, expected.count) << k;
     }

@@ -1,0 +1,71 @@
+#!/usr/bin/python3
+"""live.launch with RViz on a screen of its own, drawn in software: the picture shows the vehicles in their colours, in their order."""
+
+import os
+import struct
+import subprocess
+import unittest
+
+import live_platoon
+import numpy
+from matplotlib.colors import rgb_to_hsv
+from terminal import LaunchTest
+
+# Hues of followers 1 to 5 (graph/road_scene.cpp: dark blue over green and yellow to dark red), in degrees.
+HUES = (240, 176, 90, 48, 0)
+ENOUGH = 60  # pixels of a hue: the vehicles far away are some hundred
+
+
+def picture(frame_buffer):
+    """The screen as rows x columns x RGB from 0 to 1: what Xvfb keeps in a file, in the format of xwd."""
+    with open(frame_buffer, "rb") as file:
+        content = file.read()
+    header = struct.unpack(">25I", content[:100])
+    size, width, height, bytes_per_line, colours = header[0], header[4], header[5], header[12], header[19]
+    pixels = numpy.frombuffer(content, numpy.uint8, bytes_per_line * height, size + 12 * colours)
+    return pixels.reshape(height, bytes_per_line)[:, :4 * width].reshape(height, width, 4)[:, :, 2::-1] / 255.0
+
+
+def places(image):
+    """Where the picture has each follower's hue, as (row, column) on average; None where it has too little of it."""
+    hsv = rgb_to_hsv(image)
+    found = []
+    for hue in HUES:
+        away = numpy.abs((360.0 * hsv[:, :, 0] - hue + 180.0) % 360.0 - 180.0)
+        rows, columns = numpy.nonzero((away < 8.0) & (hsv[:, :, 1] > 0.85) & (hsv[:, :, 2] > 0.2))
+        found.append((rows.mean(), columns.mean()) if len(rows) > ENOUGH else None)
+    return found
+
+
+class Picture(LaunchTest):
+    def screen(self):
+        """A screen without a monitor; its name."""
+        reading, writing = os.pipe()
+        server = subprocess.Popen(["Xvfb", "-displayfd", str(writing), "-screen", "0", "1400x700x24", "-nolisten", "tcp",
+                                   "-fbdir", self.folder], pass_fds=(writing,), stderr=subprocess.DEVNULL)
+        os.close(writing)
+        self.addCleanup(server.wait)
+        self.addCleanup(server.terminate)
+        with os.fdopen(reading) as number:
+            return ":" + number.readline().strip()
+
+    def test_vehicles_stand_on_the_road_in_their_colours_and_their_order(self):
+        os.environ.update(DISPLAY=self.screen(), LIBGL_ALWAYS_SOFTWARE="1", XDG_RUNTIME_DIR=self.folder)
+        frame_buffer = os.path.join(self.folder, "Xvfb_screen0")
+        self.assertEqual(places(picture(frame_buffer)), [None] * len(HUES), "of an empty screen")
+        terminal = self.launch("live.launch", followers=5, rate=20)
+
+        def all_there():
+            self.assertIsNone(terminal.process.poll(), terminal.text())
+            found = places(picture(frame_buffer))
+            return found if None not in found else None
+        found = live_platoon.wait_for(all_there, "all colours", 90)
+        rows, columns = [place[0] for place in found], [place[1] for place in found]
+        # From behind: the last one is nearest, below and to the left of all.
+        self.assertEqual(rows, sorted(rows), found)
+        self.assertEqual(columns, sorted(columns, reverse=True), found)
+        self.assertGreater(columns[0] - columns[-1], 100)
+
+
+if __name__ == "__main__":
+    unittest.main()
