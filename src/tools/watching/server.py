@@ -80,14 +80,14 @@ def host_of(authority):
         return ""
 
 
-def names_this_machine(host, served_host):
+def names_this_machine(host, own_names):
     """Whether a request that calls the server so cannot come from a page that a foreign name was rebound for: an attacker's page has
     its own name in Host, whatever address that leads to. An address is no name."""
     try:
         ipaddress.ip_address(host)
         return True
     except ValueError:
-        return host in ("localhost", served_host.lower(), socket.gethostname().lower(), socket.getfqdn().lower())
+        return host in own_names
 
 
 class Handler(http.server.BaseHTTPRequestHandler):
@@ -118,7 +118,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     def of_this_machine(self):
         """Answers, and is false, where the request calls the server by a name that is not its own."""
-        if names_this_machine(host_of(self.headers.get("Host", "")), self.server.host):
+        if names_this_machine(host_of(self.headers.get("Host", "")), self.server.names):
             return True
         self.refuse(421, "this page is not served under that name: use localhost or the machine's address")
         return False
@@ -157,7 +157,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             content = json.loads(self.rfile.read(length))
             if not isinstance(content, dict):
                 raise ValueError
-        except ValueError:
+        except (ValueError, RecursionError):
             return self.refuse(400, "a command is a JSON object of at most {} bytes".format(LONGEST_COMMAND))
         success, message = self.server.obey(content)
         self.answer(200 if success else 409, encoded({"success": success, "message": message}))
@@ -189,6 +189,7 @@ class PageServer(http.server.ThreadingHTTPServer):
 
     def __init__(self, host, port, state, obey, folder):
         self.host, self.state, self.obey = host, state, obey
+        self.names = {"localhost", host.lower(), socket.gethostname().lower()}
         self.streams = Streams(state.give)
         self.closing = threading.Event()
         self.files = {}

@@ -1,0 +1,246 @@
+#!/usr/bin/python3
+"""Tests of what the dashboard and `watch` make of a platoon's messages: bounded, in order, and refused from elsewhere. No ROS."""
+
+import http.client
+import json
+import math
+import os
+import sys
+import threading
+import tracemalloc
+import types
+import unittest
+
+sys.dont_write_bytecode = True
+TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "tools")
+sys.path.insert(0, TOOLS)
+
+from watching import server, state, table  # noqa: E402
+
+NAN = math.nan
+
+
+def message(**fields):
+    return types.SimpleNamespace(**fields)
+
+
+def configuration(followers=3, steps=4, **model):
+    model = dict({"time_headway": 3.2, "noise_variance": 0.6, "standstill_distance": 0.0, "sample_period": 0.1}, **model)
+    run = {"followers": followers, "steps": steps, "realizations": 1000, "rate": 0.0, "seed": 1, "hosting": "processes",
+           "burn_in": 200, "output": "/tmp/run"}
+    return message(data=json.dumps({"model": model, "run": run}))
+
+
+def overview(followers=3, step=(0, 1, 2, 3), **changes):
+    cells = [float(10 * i + j) for i in range(1, followers + 1) for j in range(len(step))]
+    of = dict(run=1, realizations=100, time_average=False, complete=False, wall_seconds=1.5, theory="exact", string_stable=True,
+              reason="string stable: because", limit_variance=2.5, stationary_variance=[2.0] * followers, step=list(step),
+              mean=[0.1 * c for c in cells], variance=cells, theoretical_mean=[0.0] * len(cells), theoretical_variance=[c + 1 for c in cells],
+              standard_error=[0.5] * followers, variance_score=[-1.0] * followers, max_abs_z_mean=1.5, max_abs_z_variance=2.5,
+              plausible_z=4.0)
+    return message(**dict(of, **changes))
+
+
+def endless(followers, step):
+    return overview(followers, (step,), time_average=True, realizations=1, standard_error=[NAN] * followers,
+                    variance_score=[NAN] * followers, max_abs_z_mean=NAN, max_abs_z_variance=NAN, plausible_z=NAN)
+
+
+def snapshot(step, followers=3, realization=0, run=1):
+    return message(run=run, realization=realization, step=step, position=[2.0 * step - 6.4 * i for i in range(followers + 1)],
+                   tracking_error=[0.25 * i for i in range(followers)])
+
+
+class State(unittest.TestCase):
+    def setUp(self):
+        self.state = state.PlatoonState()
+        self.state.take_configuration(configuration())
+
+    def test_shows_each_follower_at_the_last_step(self):
+        self.state.take_overview(overview(), 0.0)
+        document = self.state.document()
+        self.assertEqual(document["variance"], [13.0, 23.0, 33.0])
+        self.assertEqual(document["theoretical_variance"], [14.0, 24.0, 34.0])
+        self.assertEqual((document["step"], document["followers"], document["max_abs_z"]), (3, 3, 2.5))
+        self.assertEqual(self.state.give("curves")["variance"], [[10, 11, 12, 13], [20, 21, 22, 23], [30, 31, 32, 33]])
+
+    def test_what_does_not_exist_is_null(self):
+        self.state.take_overview(endless(3, 7), 0.0)
+        self.state.take_overview(overview(theory="none", limit_variance=NAN, theoretical_variance=[NAN] * 12), 0.0)
+        document = json.loads(json.dumps(self.state.document(), allow_nan=False))
+        self.assertEqual((document["string_stable"], document["limit_variance"], document["theoretical_variance"]), (None, None, [None] * 3))
+
+    def test_another_configuration_begins_anew_and_the_same_one_does_not(self):
+        self.state.take_overview(overview(), 0.0)
+        self.state.take_snapshot(snapshot(3))
+        self.state.take_configuration(configuration())
+        self.assertIsNotNone(self.state.give("statistics"))
+        self.state.take_configuration(configuration(time_headway=2.4))
+        self.assertIsNone(self.state.give("statistics"))
+        self.assertIsNone(self.state.give("snapshot"))
+        self.assertEqual(self.state.give("strip"), [])
+        self.assertEqual(self.state.document()["headway"], 2.4)
+
+    def test_told_positions_go_with_the_same_step_of_the_same_realization_only(self):
+        told = message(run=1, realization=0, step=5, position=[1.0, 2.0, 3.0])
+        for taken, expected in ((snapshot(5), [1.0, 2.0, 3.0]), (snapshot(6), []), (snapshot(5, realization=8), []), (snapshot(5, run=2), [])):
+            self.state.take_told(told)
+            self.state.take_snapshot(taken)
+            self.assertEqual(self.state.give("snapshot")["told"], expected)
+
+    def test_the_culprit_is_the_monitors_and_goes_when_it_is_over(self):
+        def diagnostics(name, culprit):
+            entries = [message(key="culprit", value=culprit)]
+            self.state.take_diagnostics(message(status=[message(name=name, message="", values=entries)]))
+        diagnostics("someone: else", "who knows")
+        self.assertIsNone(self.state.document()["culprit"])
+        diagnostics("platoon: monitor", "vehicle_7 has sent nothing since step 12")
+        self.assertEqual(self.state.document()["culprit"], "vehicle_7 has sent nothing since step 12")
+        diagnostics("platoon: monitor", "")
+        self.assertIsNone(self.state.document()["culprit"])
+
+    def test_rate_and_time_left(self):
+        self.state.take_overview(overview(realizations=100), 10.0)
+        self.state.take_overview(overview(realizations=300), 12.0)
+        statistics = self.state.give("statistics")
+        self.assertEqual(statistics["vehicle_steps_per_second"], 100 * 4 * 3)
+        self.assertEqual(statistics["seconds_left"], 7.0)
+
+    def test_memory_does_not_grow_with_the_length_of_a_run(self):
+        """An hour of 20 followers at 10 steps a second, and as much again."""
+        self.state.take_configuration(configuration(20, 0))
+
+        def hour(first):
+            for step in range(first, first + 36000):
+                self.state.take_told(message(run=1, realization=0, step=step, position=[float(step)] * 20))
+                self.state.take_snapshot(snapshot(step, 20))
+                if step % 10 == 0:
+                    self.state.take_overview(endless(20, step), step / 10)
+
+        hour(0)
+        tracemalloc.start()
+        before = tracemalloc.get_traced_memory()[0]
+        hour(36000)
+        grown = tracemalloc.get_traced_memory()[0] - before
+        tracemalloc.stop()
+        # What replaces the state of before is counted as new: all of it together is bounded by one state.
+        curves, strip = self.state.give("curves"), self.state.give("strip")
+        self.assertLessEqual(len(curves["step"]), state.COLUMNS)
+        self.assertGreater(len(curves["step"]), state.COLUMNS // 2 - 1)
+        self.assertGreater(curves["step"][-1], 70000)
+        self.assertEqual(len(strip), state.STRIP)
+        self.assertLess(grown, 2e6)
+
+    def test_a_long_string_is_drawn_by_some_of_its_followers(self):
+        self.assertEqual(state.drawn_followers(40), list(range(1, 41)))
+        drawn = state.drawn_followers(500)
+        self.assertEqual((len(drawn), drawn[0], drawn[-1]), (16, 1, 500))
+
+
+class Table(unittest.TestCase):
+    def lines(self, followers, lines, **changes):
+        known = state.PlatoonState()
+        known.take_configuration(configuration(followers))
+        known.take_overview(overview(followers, **changes), 0.0)
+        return table.table(known.document(), lines)
+
+    def test_has_a_row_of_mean_variance_error_theory_and_score(self):
+        self.assertEqual(self.lines(3, 50)[-1].split(), ["3", "3.3", "33", "0.5", "34", "-1.00"])
+
+    def test_of_a_long_string_has_both_ends_in_as_many_lines_as_there_are(self):
+        lines = self.lines(500, 24)
+        self.assertLessEqual(len(lines), 24)
+        self.assertIn("...", lines[-8])
+        self.assertEqual(lines[-1].split()[0], "500")
+
+    def test_without_a_platoon_says_so(self):
+        self.assertEqual(table.table(state.PlatoonState().document(), 24), ["Waiting for a platoon's monitor"])
+
+
+class Served(unittest.TestCase):
+    def setUp(self):
+        self.state = state.PlatoonState()
+        self.asked = []
+        self.server = server.PageServer("localhost", 0, self.state, self.obey, os.path.join(TOOLS, "watching", "page"))
+        thread = threading.Thread(target=self.server.serve_forever, kwargs={"poll_interval": 0.02})
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(self.server.server_close)
+        self.addCleanup(self.server.shutdown)
+        self.addCleanup(self.server.closing.set)
+        self.own = "localhost:{}".format(self.server.server_port)
+
+    def obey(self, content):
+        self.asked.append(content)
+        return True, "done"
+
+    def ask(self, method, path, body=None, **headers):
+        connection = http.client.HTTPConnection("localhost", self.server.server_port, timeout=10)
+        self.addCleanup(connection.close)
+        connection.putrequest(method, path, skip_host=True)
+        for name, value in dict({"Host": self.own}, **headers).items():
+            connection.putheader(name.replace("_", "-"), value)
+        if body is not None:
+            connection.putheader("Content-Length", str(len(body)))
+        connection.endheaders(body)
+        answer = connection.getresponse()
+        return answer.status, answer.read()
+
+    def test_serves_its_page_and_every_file_that_the_page_names(self):
+        status, page = self.ask("GET", "/")
+        self.assertEqual(status, 200)
+        self.assertNotRegex(page.decode(), r"(src|href)=\"(https?:)?//")
+        for path in ("/style.css", "/main.js", "/words.js", "/icon.svg"):
+            self.assertEqual(self.ask("GET", path)[0], 200, path)
+        for path in ("/../server.py", "/..%2fserver.py", "/server.py", "//etc/passwd", "/index.htm"):
+            self.assertEqual(self.ask("GET", path)[0], 404, path)
+
+    def test_takes_commands_of_its_own_page_only(self):
+        body, kind = b'{"command": "brake"}', "application/json"
+        own = "http://" + self.own
+        for headers in ({"Origin": own}, {}):
+            self.assertEqual(self.ask("POST", "/command", body, Content_Type=kind, **headers)[0], 200)
+        self.assertEqual(self.asked, [{"command": "brake"}] * 2)
+        for origin in ("http://evil.example", "http://localhost:1", "https://" + self.own + ".evil.example", "null", ""):
+            self.assertEqual(self.ask("POST", "/command", body, Content_Type=kind, Origin=origin)[0], 403, origin)
+        # What a page elsewhere can send without asking first.
+        self.assertEqual(self.ask("POST", "/command", body, Content_Type="text/plain", Origin=own)[0], 415)
+        self.assertEqual(len(self.asked), 2)
+
+    def test_refuses_a_name_that_was_rebound_to_this_machine(self):
+        for host in ("evil.example", "evil.example:80", "localhost.evil.example", "", "[", "127.0.0.1.evil.example"):
+            for method, path, body in (("POST", "/command", b"{}"), ("GET", "/", None), ("GET", "/state.json", None), ("GET", "/events", None)):
+                status, _ = self.ask(method, path, body, Host=host, Origin="http://" + host, Content_Type="application/json")
+                self.assertEqual(status, 421, (host, path))
+        for host in ("127.0.0.1", "localhost:9999", "[::1]:80", "LOCALHOST"):
+            self.assertEqual(self.ask("GET", "/state.json", Host=host)[0], 200, host)
+        self.assertEqual(self.asked, [])
+
+    def test_refuses_what_is_no_command(self):
+        for body in (b"", b"[]", b"nonsense", b'{"command": ' + b" " * 5000 + b"1}", b"\xff\xfe", b"[" * 4000):
+            self.assertEqual(self.ask("POST", "/command", body, Content_Type="application/json")[0], 400, body[:20])
+        self.assertEqual(self.ask("POST", "/", b"{}", Content_Type="application/json")[0], 404)
+        self.assertEqual(self.asked, [])
+
+    def test_one_page_too_many_is_told_so_and_a_place_that_is_left_is_free(self):
+        streams = [self.server.streams.open(()) for _ in range(server.MOST_PAGES)]
+        status, text = self.ask("GET", "/events")
+        self.assertEqual(status, 503)
+        self.assertIn("pages are open already", text.decode())
+        self.server.streams.close(streams[0])
+        self.assertIsNotNone(self.server.streams.open(()))
+
+    def test_a_page_that_does_not_read_holds_the_latest_news_only(self):
+        self.state.take_configuration(configuration())
+        stream = self.server.streams.open(self.state.KINDS)
+        stream.take(0)
+        for step in range(1000):
+            self.state.take_snapshot(snapshot(step))
+            self.server.streams.send("snapshot")
+        items = stream.take(0)
+        self.assertEqual([kind for kind, _ in items], ["snapshot"])
+        self.assertEqual(json.loads(items[0][1])["step"], 999)
+
+
+if __name__ == "__main__":
+    unittest.main()
