@@ -1,13 +1,18 @@
 #!/usr/bin/python3
 """launch/demo as a person runs it: on a terminal, into a file, and when it fails."""
 
+import json
 import os
 import pty
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 import unittest
+import urllib.request
+
+import live_platoon
 
 DEMO = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "launch", "demo")
 
@@ -17,6 +22,36 @@ class Demo(unittest.TestCase):
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         self.results = os.path.join(self.folder, "demo")
+
+    def test_live_on_a_machine_without_a_screen_prints_the_pages_address_and_the_page_moves(self):
+        environment = self.environment(0)
+        for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+            environment.pop(name, None)
+        log = os.path.join(self.folder, "printed")
+        with open(log, "w") as written:
+            process = subprocess.Popen([DEMO, "live", "followers:=3", "rate:=200"], env=environment, stdout=written,
+                                       stderr=subprocess.STDOUT)
+
+        def said(words):
+            with open(log, errors="replace") as file:
+                return re.search(words, file.read())
+
+        def step():
+            try:
+                with urllib.request.urlopen(url + "/state.json", timeout=10) as answer:
+                    return json.load(answer)["step"] or 0
+            except OSError:
+                return 0
+        try:
+            live_platoon.wait_for(lambda: said("Dashboard: http") or process.poll() is not None, "the page's address")
+            if process.poll() is not None:
+                self.fail(said("(?s).*").group(0))
+            url = said("Dashboard: (http://localhost:[0-9]+)").group(1)
+            first = live_platoon.wait_for(step, "the first figures")
+            live_platoon.wait_for(lambda: step() > first, "the next figures")
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.wait()
 
     def environment(self, realizations):
         return dict(os.environ, HOME=self.folder, ROS_HOME=self.folder, REALIZATIONS=str(realizations))

@@ -81,6 +81,26 @@ class State(unittest.TestCase):
         self.assertEqual(self.state.give("strip"), [])
         self.assertEqual(self.state.document()["headway"], 2.4)
 
+    def test_an_overview_may_come_before_its_configuration(self):
+        early = state.PlatoonState()
+        early.take_overview(overview(complete=True), 0.0)
+        self.assertIsNone(early.give("statistics"))
+        early.take_configuration(configuration())
+        self.assertTrue(early.document()["complete"])
+        # And so may that of the next run.
+        early.take_overview(overview(run=2, realizations=7), 0.0)
+        self.assertEqual(early.document()["realizations"], 100)
+        early.take_configuration(configuration(time_headway=2.4))
+        self.assertEqual((early.document()["realizations"], early.document()["headway"]), (7, 2.4))
+
+    def test_a_late_overview_of_the_run_before_does_not_stay(self):
+        self.state.take_overview(overview(run=1), 0.0)
+        self.state.take_configuration(configuration(time_headway=2.4))
+        self.state.take_overview(overview(run=1), 0.0)
+        for realizations in (5, 6):
+            self.state.take_overview(overview(run=2, realizations=realizations), 0.0)
+        self.assertEqual(self.state.document()["realizations"], 6)
+
     def test_told_positions_go_with_the_same_step_of_the_same_realization_only(self):
         told = message(run=1, realization=0, step=5, position=[1.0, 2.0, 3.0])
         for taken, expected in ((snapshot(5), [1.0, 2.0, 3.0]), (snapshot(6), []), (snapshot(5, realization=8), []), (snapshot(5, run=2), [])):
@@ -92,11 +112,11 @@ class State(unittest.TestCase):
         def diagnostics(name, culprit):
             entries = [message(key="culprit", value=culprit)]
             self.state.take_diagnostics(message(status=[message(name=name, message="", values=entries)]))
-        diagnostics("someone: else", "who knows")
+        diagnostics("convoy/monitor: monitor", "who knows")
         self.assertIsNone(self.state.document()["culprit"])
-        diagnostics("platoon: monitor", "vehicle_7 has sent nothing since step 12")
+        diagnostics("platoon/monitor: monitor", "vehicle_7 has sent nothing since step 12")
         self.assertEqual(self.state.document()["culprit"], "vehicle_7 has sent nothing since step 12")
-        diagnostics("platoon: monitor", "")
+        diagnostics("platoon/monitor: monitor", "")
         self.assertIsNone(self.state.document()["culprit"])
 
     def test_rate_and_time_left(self):

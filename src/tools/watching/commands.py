@@ -7,7 +7,7 @@ from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from stochastic_platoon.srv import ChangeRun
 
-MANOEUVRES = ("brake", "accelerate", "sinusoid")
+MANOEUVRES = ("brake", "accelerate", "sinusoid", "cruise")
 CHANGES = ("headway", "noise_variance", "loss")
 PATIENCE = 1.0  # [s] for a service to be there
 
@@ -35,7 +35,7 @@ class Commands:
             if command == "speed":
                 return self.set_speed(number_of(content, "speed"))
             if command == "change":
-                return self.call("set_channel_and_headway", ChangeRun, *[number_of(content, key) for key in CHANGES])
+                return self.call("change_run", ChangeRun, *[number_of(content, key) for key in CHANGES])
             return False, "command: {}: must be one of {}, speed, change".format(str(command)[:40], ", ".join(MANOEUVRES))
         except ValueError as error:
             return False, str(error)

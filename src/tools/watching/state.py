@@ -108,17 +108,18 @@ class PlatoonState:
 
     KINDS = ("configuration", "statistics", "curves", "snapshot", "health")
 
-    def __init__(self, changed=lambda kind: None):
+    def __init__(self, changed=lambda kind: None, namespace="platoon"):
         self.lock = threading.RLock()
-        self.changed = changed
+        self.changed, self.namespace = changed, namespace
         self.text = None
         self.culprit = None
-        self.components = {}
+        self.early = None  # an overview, and when it came, of a run whose configuration is still on its way
         self.begin(None)
 
     def begin(self, configuration):
         """Another run: nothing of the one before it is shown."""
         self.configuration = configuration
+        self.run = None  # of this configuration's overviews
         self.overview = None
         self.rate = Rate()
         self.history = ThinnedHistory(COLUMNS)
@@ -132,20 +133,33 @@ class PlatoonState:
                 return
             self.begin(described(message.data))
             self.text = message.data
+            early, self.early = self.early, None
+            if early:
+                self.add_overview(*early)
         for kind in self.KINDS:
             self.changed(kind)
 
     def take_overview(self, message, now):
         with self.lock:
-            if self.configuration is None:
+            other = self.configuration is None or (self.run is not None and message.run != self.run)
+            # Each topic has a connection of its own: the overview may be there before the configuration. A second one of another
+            # run says that the present one is over.
+            if other and (self.configuration is None or self.early is None or self.early[0].run != message.run):
+                self.early = (message, now)
                 return
-            self.overview = message
-            endless = message.time_average
-            self.rate.saw(message.step[-1] if endless else message.realizations, now)
-            if endless:
-                self.history.add(message.step[-1], (self.of_drawn(message.mean), self.of_drawn(message.variance)))
+            if other:
+                self.begin(self.configuration)
+            self.early = None
+            self.add_overview(message, now)
         self.changed("statistics")
         self.changed("curves")
+
+    def add_overview(self, message, now):
+        self.run, self.overview = message.run, message
+        endless = message.time_average
+        self.rate.saw(message.step[-1] if endless else message.realizations, now)
+        if endless:
+            self.history.add(message.step[-1], (self.of_drawn(message.mean), self.of_drawn(message.variance)))
 
     def take_told(self, message):
         with self.lock:
@@ -164,13 +178,14 @@ class PlatoonState:
         self.changed("snapshot")
 
     def take_diagnostics(self, message):
-        """Of a diagnostic_msgs/DiagnosticArray the platoon's own parts; whoever else is on the topic is not ours."""
-        with self.lock:
-            for status in message.status:
-                values = {entry.key: entry.value for entry in status.values}
-                if status.name.endswith("platoon: monitor"):
-                    self.culprit = values.get("culprit") or None
-        self.changed("health")
+        """Of a diagnostic_msgs/DiagnosticArray what this platoon's monitor says; whoever else is on the topic is not ours."""
+        for status in message.status:
+            values = {entry.key: entry.value for entry in status.values}
+            if not status.name.startswith(self.namespace + "/") or "culprit" not in values:
+                continue
+            with self.lock:
+                self.culprit = values["culprit"] or None
+            self.changed("health")
 
     def of_drawn(self, values):
         """One column's values of the followers that are drawn."""

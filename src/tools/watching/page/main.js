@@ -103,6 +103,7 @@ const KEYS = {
   b: () => document.querySelector("[data-command=brake]").click(),
   a: () => document.querySelector("[data-command=accelerate]").click(),
   s: () => document.querySelector("[data-command=sinusoid]").click(),
+  c: () => document.querySelector("[data-command=cruise]").click(),
   n: () => document.querySelector("[data-command=change]").click(),
 };
 addEventListener("keydown", event => {

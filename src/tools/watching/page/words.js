@@ -14,7 +14,7 @@ export function showHeadline({ configuration, statistics, health }, live) {
   }
   at("verdict").dataset.stable = stable;
   const complete = statistics?.complete;
-  write(at("connection"), complete ? "complete: these are the final figures" : live ? "live" : "connection lost, trying again: the last figures are shown");
+  write(at("connection"), complete ? "complete" : live ? "live" : "connection lost, trying again");
   at("connection").dataset.live = complete || live;
   const culprit = complete ? null : health?.culprit;
   at("culprit").hidden = !culprit;

@@ -1,0 +1,291 @@
+#!/usr/bin/python3
+"""The page in headless Chromium against running platoons: what it shows is what the monitor says, where it should stand, and it
+outlives its node."""
+
+import http.client
+import json
+import os
+import re
+import socket
+import subprocess
+import tempfile
+import unittest
+
+import rospy
+from stochastic_platoon.msg import ErrorStatistics, Overview
+
+import isolated_test
+import live_platoon
+from browser import Browser
+from terminal import LaunchTest, Terminal, start_master
+
+FOLLOWERS = 5
+RUN = dict(followers=FOLLOWERS, steps=30, realizations=2000, headway=2.4, stay=True, dashboard=True)
+
+
+def address(terminal):
+    terminal.wait_for_text("Dashboard: http://")
+    return re.search(r"Dashboard: (http://localhost:(\d+))", terminal.text()).group(1)
+
+
+def ask(url, method="GET", path="/state.json", body=None, **headers):
+    """Status and content of an answer."""
+    connection = http.client.HTTPConnection(url[len("http://"):], timeout=30)
+    connection.request(method, path, body, {name.replace("_", "-"): value for name, value in headers.items()})
+    answer = connection.getresponse()
+    content = answer.read()
+    connection.close()
+    return answer.status, json.loads(content)
+
+
+def state(url):
+    """/state.json; nothing while the dashboard is away."""
+    try:
+        return ask(url)[1]
+    except (OSError, ValueError):
+        return {}
+
+
+def answers(port):
+    with socket.socket() as caller:
+        return caller.connect_ex(("localhost", port)) == 0
+
+
+def numbers(texts):
+    return [float(text) if text not in ("null", "undefined") else None for text in texts]
+
+
+TABLE = """document.getElementById("table-card").open = true;
+return [...document.querySelectorAll("#table tbody tr")].map(row => [...row.cells].map(cell => cell.dataset.value))"""
+BARS = """const svg = document.getElementById("string"), box = svg.getBoundingClientRect();
+return {data: {...svg.dataset}, top: box.top, left: box.left, bars: [...svg.querySelectorAll("rect")].map(bar => {
+  const {top, bottom, left, right} = bar.getBoundingClientRect();
+  return {top, bottom, left, right, value: bar.dataset.value, fill: bar.getAttribute("fill")};
+}), theory: svg.querySelector("path.theory:not(.halo)").getAttribute("d"),
+limit: svg.querySelector("path.limit")?.getAttribute("d") ?? null}"""
+
+
+class Page(LaunchTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = Browser()
+        cls.addClassCleanup(cls.browser.close)
+        cls.first_window = cls.browser.driver.current_window_handle
+
+    def open(self, url):
+        self.browser.open(url)
+        return self.browser
+
+    def wait_for_page(self, condition, what):
+        """Until a JavaScript expression holds in the page."""
+        return live_platoon.wait_for(lambda: self.browser.run("return " + condition), what + " on the page", 60.0)
+
+    def page_has(self, expected):
+        """The table shows these numbers of state.json, to the bit."""
+        self.wait_for_page("document.querySelectorAll('#table tbody tr').length == {} || (document.getElementById('table-card').open = true, false)"
+                           .format(len(expected["variance"])), "the table")
+        columns = [numbers(column) for column in zip(*self.browser.run(TABLE))]
+        for column, key in ((1, "mean"), (2, "variance"), (3, "standard_error"), (4, "theoretical_variance"), (5, "score")):
+            self.assertEqual(columns[column], expected[key], key)
+
+    def bars_stand_where_they_should(self, expected):
+        chart = self.browser.run(BARS)
+        self.assertEqual(chart["data"]["logarithmic"], "false")
+        foot, top, high = (float(chart["data"][key]) for key in ("foot", "top", "high"))
+        reach = max(v + 2 * (e or 0) for v, e in zip(expected["variance"], expected["standard_error"]))
+        self.assertGreaterEqual(high, max([reach] + expected["theoretical_variance"]))
+
+        def height(value):
+            return chart["top"] + foot - value / high * (foot - top)
+        self.assertEqual(len(chart["bars"]), len(expected["variance"]))
+        for bar, value in zip(chart["bars"], expected["variance"]):
+            self.assertEqual(float(bar["value"]), value)
+            self.assertAlmostEqual(bar["top"], height(value), delta=0.6)
+            self.assertAlmostEqual(bar["bottom"], chart["top"] + foot, delta=0.6)
+        middles = [(bar["left"] + bar["right"]) / 2 for bar in chart["bars"]]
+        self.assertEqual(middles, sorted(middles))
+        points = [tuple(map(float, point.split())) for point in re.split("[ML]", chart["theory"])[1:]]
+        for (x, y), middle, value in zip(points, middles, expected["theoretical_variance"]):
+            self.assertAlmostEqual(chart["left"] + x, middle, delta=0.6)
+            self.assertAlmostEqual(chart["top"] + y, height(value), delta=0.6)
+        self.assertEqual(len(points), len(middles))
+        return chart, height
+
+
+class Ensemble(Page):
+    """A complete run that stays up: nothing changes any more."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.shared_folder = tempfile.mkdtemp()
+        cls.core, cls.master = start_master(cls.shared_folder)
+        cls.addClassCleanup(cls.core.wait)
+        cls.addClassCleanup(cls.core.terminate)
+        os.environ["ROS_MASTER_URI"] = cls.master
+        rospy.init_node("dashboard_test", disable_signals=True)
+        cls.statistics, cls.overviews = [], []
+        rospy.Subscriber("/platoon/error_statistics", ErrorStatistics, cls.statistics.append, queue_size=1000)
+        rospy.Subscriber("/platoon/overview", Overview, cls.overviews.append, queue_size=1000)
+        cls.output_folder = os.path.join(cls.shared_folder, "run")
+        cls.terminal = Terminal(cls.shared_folder, "platoon.launch", master=cls.master, output=cls.output_folder, **RUN)
+        cls.addClassCleanup(cls.terminal.end)
+        cls.url = address(cls.terminal)
+        cls.summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(cls.output_folder), "the run to complete")
+        cls.state = live_platoon.wait_for(lambda: state(cls.url).get("complete") and state(cls.url), "the page's final figures")
+
+    def last_statistics(self):
+        return live_platoon.wait_for(lambda: next((m for m in self.statistics[-1:] if m.step == 29 and m.realizations == 2000), None),
+                                     "the statistics of the last step")
+
+    def test_state_json_is_error_statistics_to_the_bit_and_the_summary(self):
+        last = self.last_statistics()
+        for key in ("mean", "variance", "theoretical_variance"):
+            self.assertEqual(self.state[key], list(getattr(last, key)), key)
+        self.assertEqual((self.state["followers"], self.state["step"], self.state["realizations"]), (FOLLOWERS, 29, 2000))
+        self.assertIs(self.state["string_stable"], self.summary["theory"]["string_stable"])
+        self.assertEqual(self.state["limit_variance"], self.summary["theory"]["limit_variance"])
+        self.assertEqual(self.state["max_abs_z"], max(self.summary["agreement"].values()))
+        self.assertIsNone(self.state["culprit"])
+
+    def test_the_page_shows_these_numbers_and_its_bars_stand_where_they_should(self):
+        browser = self.open(self.url)
+        self.page_has(self.state)
+        chart, height = self.bars_stand_where_they_should(self.state)
+        self.assertIsNone(chart["limit"])
+        self.assertIn("Not string stable", browser.text("#verdict"))
+        self.assertIn("exceeds 1", browser.text("#reason"))
+        self.assertIn("{:.2f}".format(self.state["max_abs_z"]), browser.text("#facts"))
+        self.assertEqual(browser.complaints(), [])
+
+    def test_two_pages_and_a_reload_show_the_same(self):
+        browser = self.open(self.url)
+        self.page_has(self.state)
+        browser.driver.refresh()
+        self.page_has(self.state)
+        browser.driver.switch_to.new_window("tab")
+        self.addCleanup(browser.driver.switch_to.window, self.first_window)
+        self.addCleanup(browser.driver.close)
+        browser.open(self.url)
+        self.page_has(self.state)
+        browser.driver.switch_to.window(self.first_window)
+        self.page_has(self.state)
+        browser.driver.switch_to.window(browser.driver.window_handles[-1])
+
+    def test_a_phone_and_a_dark_page_need_no_sideways_scrolling_and_keys_choose_a_follower(self):
+        browser = self.open(self.url)
+        self.addCleanup(browser.device, "Emulation.clearDeviceMetricsOverride")
+        browser.show_as(390, 844, dark=True)
+        browser.driver.refresh()
+        self.page_has(self.state)
+        self.assertEqual(browser.run("return document.documentElement.scrollWidth"), 390)
+        self.assertEqual(browser.run("return document.documentElement.dataset.theme"), "dark")
+        self.bars_stand_where_they_should(self.state)
+        body = browser.driver.switch_to.active_element
+        body.send_keys("\ue014")  # arrow right
+        self.wait_for_page("document.getElementById('readout').textContent.startsWith('Follower 1: variance')", "what is known of follower 1")
+        browser.show_as(1280, 900)
+        self.wait_for_page("document.documentElement.dataset.theme == 'light'", "the light page")
+
+    def test_curves_over_k_are_all_steps_of_the_run(self):
+        last = live_platoon.wait_for(lambda: next((m for m in self.overviews[-1:] if m.complete), None), "the overview of the complete run")
+        self.assertEqual(list(last.step), list(range(30)))
+        with open(os.path.join(self.output_folder, "statistics.csv")) as file:
+            rows = [line.split(",") for line in file.read().splitlines()[1:]]
+        self.assertEqual(list(last.variance), [float(row[4]) for row in rows])
+        self.assertEqual(list(last.theoretical_mean), [float(row[5]) for row in rows])
+
+    def test_the_page_survives_a_restart_of_its_node(self):
+        browser = self.open(self.url)
+        self.page_has(self.state)
+        browser.run("window.same_page = true")
+        live_platoon.kill("/platoon/dashboard", self.master)
+        live_platoon.wait_for(lambda: state(self.url).get("complete"), "the dashboard at its old address")
+        self.wait_for_page("performance.getEntriesByName(location.origin + '/events').length > 0 && document.getElementById('connection').textContent.startsWith('complete')",
+                           "the connection")
+        self.page_has(self.state)
+        self.assertTrue(browser.run("return window.same_page"))
+
+    def test_commands_from_another_origin_or_name_are_refused_and_so_is_a_manoeuvre_of_an_ensemble(self):
+        body, own = json.dumps({"command": "brake"}), dict(Content_Type="application/json", Origin=self.url)
+        self.assertEqual(ask(self.url, "POST", "/command", body, **dict(own, Origin="http://evil.example"))[0], 403)
+        self.assertEqual(ask(self.url, "POST", "/command", body, **dict(own, Host="evil.example", Origin="http://evil.example"))[0], 421)
+        status, answer = ask(self.url, "POST", "/command", body, **own)
+        self.assertEqual((status, answer["success"]), (409, False))
+        self.assertRegex(answer["message"], "leader/brake|realizations")
+        for wrong, words in (({"command": "fly"}, "fly"), ({"command": "speed"}, "speed: missing"), ({"command": "speed", "speed": "x"}, "finite"),
+                             ({"command": "change", "headway": float("inf")}, "finite")):
+            status, answer = ask(self.url, "POST", "/command", json.dumps(wrong), **own)
+            self.assertEqual(status, 409)
+            self.assertIn(words, answer["message"])
+        self.assertEqual(state(self.url)["variance"], self.state["variance"])
+
+    def test_a_page_of_another_origin_cannot_send_a_command(self):
+        """The browser itself, from a page that another server gave."""
+        folder = self.folder
+        with open(os.path.join(folder, "other.html"), "w") as file:
+            file.write("<p>another origin")
+        port = live_platoon.free_port()
+        other = subprocess.Popen(["/usr/bin/python3", "-m", "http.server", str(port), "--bind", "localhost", "--directory", folder],
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(other.wait)
+        self.addCleanup(other.terminate)
+        page = "http://localhost:{}/other.html".format(port)
+        live_platoon.wait_for(lambda: answers(port), "the other server")
+        browser = self.open(page)
+        outcome = browser.driver.execute_async_script("""
+            const done = arguments[1], send = (kind, mode) => fetch(arguments[0] + "/command", {method: "POST", mode, headers: {"Content-Type": kind},
+              body: '{"command": "brake"}'}).then(answer => answer.type, error => "refused");
+            Promise.all([send("application/json", "cors"), send("text/plain", "no-cors"),
+              fetch(arguments[0] + "/state.json").then(() => "read", () => "refused")]).then(done)""", self.url)
+        # Without asking, a page may send text and never sees the answer: the server refuses that (test/unit/watching_test.py).
+        self.assertEqual(outcome, ["refused", "opaque", "refused"])
+        browser.complaints()
+
+    def test_it_listens_on_this_machine_only(self):
+        node = live_platoon.process_of("/platoon/dashboard", self.master)
+        own = int(self.url.rsplit(":", 1)[1])
+        self.assertIn(("this machine", own), isolated_test.listening(node))
+        self.assertEqual([where for where, _ in isolated_test.listening(node) if where != "this machine"], [])
+
+    def test_watch_prints_the_same_table(self):
+        printed = subprocess.run(["rosrun", "stochastic_platoon", "watch"], stdout=subprocess.PIPE, universal_newlines=True, timeout=60,
+                                 check=True).stdout
+        self.assertIn("not string stable", printed)
+        rows = [line.split() for line in printed.splitlines() if re.match(r" +\d+ +[-0-9]", line)]
+        self.assertEqual([row[0] for row in rows], [str(i) for i in range(1, FOLLOWERS + 1)])
+        for row, variance, theory, score in zip(rows, self.state["variance"], self.state["theoretical_variance"], self.state["score"]):
+            self.assertEqual((row[2], row[4], row[5]), ("{:.6g}".format(variance), "{:.6g}".format(theory), "{:.2f}".format(score)))
+
+
+class OtherRuns(Page):
+    def test_a_port_in_use_is_said_and_the_run_goes_on_and_of_a_stable_string_the_limit_is_a_line(self):
+        with socket.socket() as taken:
+            taken.bind(("localhost", 0))
+            taken.listen()
+            port = taken.getsockname()[1]
+            terminal = self.launch(**dict(RUN, headway=3.2, realizations=300, dashboard_port=port))
+            terminal.wait_for_text("the dashboard has no address: localhost:{}: Address already in use".format(port))
+            live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
+        url = address(terminal)  # tried again when the port is free
+        final = live_platoon.wait_for(lambda: state(url).get("complete") and state(url), "the final figures")
+        browser = self.open(url)
+        self.page_has(final)
+        chart, height = self.bars_stand_where_they_should(final)
+        self.assertAlmostEqual(chart["top"] + float(re.match(r"M\S+ (\S+)H", chart["limit"]).group(1)), height(final["limit_variance"]), delta=0.6)
+        self.assertIn("String stable", browser.text("#verdict"))
+
+    def test_of_a_replay(self):
+        terminal = self.launch("replay.launch", bag=live_platoon.shared("test", "data", "small.bag"), stay=True, dashboard=True)
+        url = address(terminal)
+        final = live_platoon.wait_for(lambda: state(url).get("complete") and state(url), "the final figures")
+        self.open(url)
+        self.page_has(final)
+        with open(live_platoon.shared("test", "data", "small_statistics.csv")) as file:
+            rows = [line.split(",") for line in file.read().splitlines()[1:]]
+        expected = [float(row[4]) for row in rows if int(row[1]) == final["step"]]
+        self.assertEqual(final["variance"], expected)
+
+
+if __name__ == "__main__":
+    unittest.main()
