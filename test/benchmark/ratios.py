@@ -10,7 +10,9 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
+import urllib.request
 import xmlrpc.client
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -78,6 +80,30 @@ class Machine:
 
     def speed(self, **arguments):
         return self.launch(**arguments)["vehicle_steps_per_second"]
+
+    def speed_with_dashboard(self, **arguments):
+        """The same with the dashboard up and a page's stream of news read (what a browser draws is its machine's)."""
+        port = live_platoon.free_port()
+        news = [0]
+
+        def read():
+            try:
+                with urllib.request.urlopen("http://localhost:{}/events".format(port)) as stream:
+                    for line in stream:
+                        news[0] += line.startswith(b"event: ")
+            except OSError:
+                pass  # not up yet, or gone with the run
+        reader = threading.Thread(target=read)
+
+        def watch(_):
+            nonlocal reader
+            if not reader.is_alive():
+                reader = threading.Thread(target=read)
+                reader.start()
+        value = self.launch(watch, dashboard="true", dashboard_port=port, **arguments)["vehicle_steps_per_second"]
+        if news[0] < 10:
+            raise SystemExit("the dashboard told nothing: nothing is compared with it")
+        return value
 
     def memory(self, **arguments):
         """Largest sum of the proportional set sizes [bytes] of all processes of a run."""
@@ -219,6 +245,9 @@ def pairs(machine):
     yield "seconds to the first step, N = 100", "104 empty nodes up", first, empty
     large, small = in_turn(lambda: machine.memory(realizations=MILLION), lambda: machine.memory(realizations=10000))
     yield "memory of the graph, 10^6 realizations [byte]", "10^4 realizations", large, small
+    watched, plain = in_turn(lambda: machine.speed_with_dashboard(realizations=8 * REALIZATIONS),
+                             lambda: machine.speed(realizations=8 * REALIZATIONS))
+    yield "with the dashboard open", "the same without", watched, plain
     bag = os.path.join(machine.folder, "run.bag")
 
     def record():

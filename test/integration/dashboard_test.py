@@ -258,6 +258,16 @@ class Ensemble(Page):
             self.assertEqual((row[2], row[4], row[5]), ("{:.6g}".format(variance), "{:.6g}".format(theory), "{:.2f}".format(score)))
 
 
+    def test_plot_follow_draws_what_the_results_draw(self):
+        figure = os.path.join(self.folder, "followed")
+        subprocess.run(["rosrun", "stochastic_platoon", "plot", "errors", "--follow", "--titles", "run", "--output", figure], check=True,
+                       stdout=subprocess.DEVNULL, timeout=60)
+        subprocess.run(["rosrun", "stochastic_platoon", "plot", "errors", self.output_folder, "--titles", "run", "--output", figure + "_again"],
+                       check=True, stdout=subprocess.DEVNULL, timeout=60)
+        with open(figure + ".png", "rb") as one, open(figure + "_again.png", "rb") as other:
+            self.assertEqual(one.read(), other.read())
+
+
 class OtherRuns(Page):
     def test_a_port_in_use_is_said_and_the_run_goes_on_and_of_a_stable_string_the_limit_is_a_line(self):
         with socket.socket() as taken:

@@ -17,7 +17,8 @@ import live_platoon
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "rosservice", "rostopic", "cmp")
 ORDERS = ("rosservice", "rostopic")  # to the platoon of the line before
-NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it"}
+NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it",
+           "./launch/demo live": "demo_test.py runs it"}
 
 # What the test adds to a line that begins so; the first that fits.
 SHORTER = (
