@@ -103,12 +103,9 @@ class State(unittest.TestCase):
             self.state.take_overview(overview(run=2, realizations=realizations), 0.0)
         self.assertEqual(self.state.document()["realizations"], 6)
 
-    def test_told_positions_go_with_the_same_step_of_the_same_realization_only(self):
-        told = message(run=1, realization=0, step=5, position=[1.0, 2.0, 3.0])
-        for taken, expected in ((snapshot(5), [1.0, 2.0, 3.0]), (snapshot(6), []), (snapshot(5, realization=8), []), (snapshot(5, run=2), [])):
-            self.state.take_told(told)
-            self.state.take_snapshot(taken)
-            self.assertEqual(self.state.give("snapshot")["told"], expected)
+    def test_what_followers_were_told_is_of_a_step_as_positions_are(self):
+        self.state.take_told(message(run=1, realization=8, step=5, position=[1.0, NAN]))
+        self.assertEqual(self.state.give("told"), {"realization": 8, "step": 5, "position": [1.0, None]})
 
     def test_the_culprit_is_the_monitors_and_goes_when_it_is_over(self):
         def diagnostics(name, culprit):

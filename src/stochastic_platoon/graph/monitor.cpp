@@ -84,6 +84,7 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
   ignore_file_size_signal();
   text.data = to_json(configuration).dump();
   configuration_text_.publish(text);
+  publish_overview({});  // the verdict need not wait for the first figures
   subscribe(platoon, node_of_vehicle);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
 }

@@ -25,7 +25,12 @@ struct Columns {
 };
 
 Columns columns_of(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
-  if (run.averaging() == Averaging::over_time) return {run, prediction, result, {result.last_step}};
+  if (run.averaging() == Averaging::over_time) {
+    Columns all{run, prediction, result, {result.last_step}};
+    all.result.moments.resize(run.followers);
+    all.result.last_steps.resize(run.followers);
+    return all;
+  }
   const std::size_t most = std::clamp<std::size_t>(kMostCells / run.followers, 2, kMostColumns);
   Columns columns{run, {prediction.stability, prediction.stationary_variance, {}, {}}, {}, {}};
   columns.steps = spread_steps(run.steps, static_cast<std::int64_t>(most));
@@ -35,7 +40,7 @@ Columns columns_of(const RunOptions& run, const Prediction& prediction, const Ru
   for (std::size_t i = 1; i <= run.followers; ++i) {
     for (const std::int64_t k : columns.steps) {
       const std::size_t c = cell(i, k, run.steps);
-      columns.result.moments.push_back(result.moments[c]);
+      columns.result.moments.push_back(result.moments.empty() ? Moments{} : result.moments[c]);
       columns.prediction.mean.push_back(prediction.mean[c]);
       columns.prediction.variance.push_back(prediction.variance[c]);
       if (!prediction.rounding.empty()) columns.prediction.rounding.push_back(prediction.rounding[c]);
@@ -63,7 +68,7 @@ void add_cells(const Columns& columns, Overview& message) {
     for (const ResultCell& of :
          cells_at(static_cast<std::int64_t>(j), columns.run, columns.prediction, columns.result)) {
       const std::size_t at = (of.follower - 1) * width + j;
-      message.mean[at] = of.measured.mean;
+      message.mean[at] = of.measured.count > 0 ? of.measured.mean : kNone;
       message.variance[at] = of.measured.variance();
       message.theoretical_mean[at] = of.theoretical_mean;
       message.theoretical_variance[at] = of.theoretical_variance;

@@ -12,7 +12,6 @@ STRIP = 240          # snapshots in the space-time strip
 COLUMNS = 120        # steps in the curves over k
 MOST_CURVES = 40     # as the figures of `plot`: of longer strings only some followers are drawn
 CURVES_OF_MANY = 16
-TOLD = 8             # snapshots of what followers were told that wait for that of the positions
 RATE_WINDOW = 5.0    # [s]
 
 
@@ -106,7 +105,7 @@ def described(text):
 class PlatoonState:
     """Takes messages from any thread. changed(kind) is called behind each that tells something new, without the lock."""
 
-    KINDS = ("configuration", "statistics", "curves", "snapshot", "health")
+    KINDS = ("configuration", "statistics", "curves", "snapshot", "told", "health")
 
     def __init__(self, changed=lambda kind: None, namespace="platoon"):
         self.lock = threading.RLock()
@@ -124,8 +123,7 @@ class PlatoonState:
         self.rate = Rate()
         self.history = ThinnedHistory(COLUMNS)
         self.strip = collections.deque(maxlen=STRIP)
-        self.told = collections.OrderedDict()
-        self.snapshot = None
+        self.told = self.snapshot = None
 
     def take_configuration(self, message):
         with self.lock:
@@ -158,21 +156,19 @@ class PlatoonState:
         self.run, self.overview = message.run, message
         endless = message.time_average
         self.rate.saw(message.step[-1] if endless else message.realizations, now)
-        if endless:
+        if endless and math.isfinite(message.mean[0]):
             self.history.add(message.step[-1], (self.of_drawn(message.mean), self.of_drawn(message.variance)))
 
     def take_told(self, message):
         with self.lock:
-            self.told[(message.run, message.realization, message.step)] = message.position
-            while len(self.told) > TOLD:
-                self.told.popitem(last=False)
+            self.told = {"realization": message.realization, "step": message.step, "position": numbers(message.position)}
+        self.changed("told")
 
     def take_snapshot(self, message):
         with self.lock:
-            told = self.told.get((message.run, message.realization, message.step), ())
             errors = rounded(message.tracking_error)
             self.snapshot = {"realization": message.realization, "step": message.step,
-                             "position": numbers(message.position), "told": numbers(told), "tracking_error": errors}
+                             "position": numbers(message.position), "tracking_error": errors}
             if message.step >= 0:
                 self.strip.append((message.realization, message.step, errors))
         self.changed("snapshot")
@@ -204,6 +200,9 @@ class PlatoonState:
     def give_snapshot(self):
         return self.snapshot
 
+    def give_told(self):
+        return self.told
+
     def give_health(self):
         return {"culprit": self.culprit}
 
@@ -223,8 +222,9 @@ class PlatoonState:
         left = None
         if not of.time_average and not of.complete and per_second:
             left = (wanted - of.realizations) / per_second
+        measured = any(map(math.isfinite, of.mean[len(of.step) - 1::len(of.step)]))
         work = followers * (1 if of.time_average else self.configuration["steps"])
-        return {"step": of.step[-1], "realizations": of.realizations, "time_average": of.time_average,
+        return {"step": of.step[-1] if measured else None, "realizations": of.realizations, "time_average": of.time_average,
                 "complete": of.complete, "theory": of.theory, "reason": of.reason,
                 "string_stable": of.string_stable if of.theory == "exact" else None,
                 "limit_variance": finite(of.limit_variance), "mean": self.last_column(of.mean),

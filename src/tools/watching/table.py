@@ -20,9 +20,11 @@ def heading(state):
     if state["followers"] is None:
         return ["Waiting for a platoon's monitor"]
     first = "h = {:g}, P_d = {:g} m^2, {}, N = {}".format(state["headway"], state["noise_variance"], state["link"], state["followers"])
+    if "reason" not in state:
+        return [first, "Starting"]
     if state["step"] is None:
-        return [first, "no statistics yet"]
-    if state["time_average"]:
+        second = "nothing is measured yet" + (" ({} steps of burn-in)".format(state["burn_in"]) if state["endless"] else "")
+    elif state["time_average"]:
         second = "averages over time up to step {}".format(state["step"])
     else:
         second = "step {}, {} of {} realizations".format(state["step"], state["realizations"], state["realizations_wanted"])

@@ -80,6 +80,23 @@ TEST(Overview, ThinsALongRunButKeepsTheLargestScoreOfAllItsCellsWhenItIsComplete
   EXPECT_EQ(overview.plausible_z, largest_plausible_score(2 * 300 * 66));
 }
 
+TEST(Overview, OfARunOfWhichNothingIsMeasuredYetIsItsTheory) {
+  for (const std::int64_t steps : {3, 0}) {
+    const Configuration configuration = long_run(2, steps);
+    const Prediction prediction = predict(configuration);
+    const auto overview = overview_of(configuration.run, prediction, {});
+    ASSERT_EQ(overview.mean.size(), prediction.mean.size());
+    for (std::size_t c = 0; c < overview.mean.size(); ++c) {
+      EXPECT_TRUE(std::isnan(overview.mean[c]));
+      EXPECT_TRUE(std::isnan(overview.variance[c]));
+      EXPECT_EQ(overview.theoretical_variance[c], prediction.variance[c]);
+    }
+    EXPECT_TRUE(std::isnan(overview.max_abs_z_mean));
+    EXPECT_TRUE(overview.string_stable);
+    EXPECT_FALSE(overview.complete);
+  }
+}
+
 TEST(Overview, OfAveragesOverTimeHasOneColumnAndNoScores) {
   const Configuration configuration = long_run(2, 0);
   const Prediction prediction = predict(configuration);

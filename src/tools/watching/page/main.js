@@ -35,6 +35,7 @@ const take = {
   curves(news) { known.curves = news; stale.add("curves"); },
   health(news) { known.health = news; stale.add("words"); },
   strip(news) { strip.replace(news); stale.add("strip"); },
+  told(news) { road.hear(news); },
   snapshot(news) {
     road.take(news, performance.now());
     strip.take(news);

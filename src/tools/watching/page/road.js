@@ -22,6 +22,7 @@ export class Road {
 
   reset() {
     this.before = this.present = null;
+    this.told = [];
     this.gap = null;
     this.interval = 100;
   }
@@ -35,6 +36,11 @@ export class Road {
     this.before = this.present;
     this.present = snapshot;
     this.since = now;
+  }
+
+  // What followers were told of a step may come before or behind the positions of that step.
+  hear(told) {
+    if (told) this.told = [...this.told.slice(-7), told];
   }
 
   // Positions between the two latest snapshots: one interval late, and smooth.
@@ -111,7 +117,7 @@ export class Road {
 
   // A triangle in the follower's colour below the vehicle ahead of it, and a line to where that is.
   drawTold(context, position, lane, across, metre, n) {
-    const told = this.present.told;
+    const told = this.told.find(t => t.step === this.present.step && t.realization === this.present.realization)?.position ?? [];
     const size = Math.max(lane * 0.11, 3);
     for (let i = 1; i <= told.length && i <= n; ++i) {
       const ahead = i - 1, row = Math.floor(ahead / across), y = row * lane + lane * 0.62;

@@ -9,7 +9,7 @@ export function showHeadline({ configuration, statistics, health }, live) {
   if (configuration) {
     const verdict = !statistics ? "Starting" : stable === null ? "No theory" : stable ? "✓ String stable" : "✗ Not string stable";
     write(at("verdict"), verdict);
-    write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : "The first figures come when every vehicle is there" + (configuration.endless ? `, after ${configuration.burn_in} steps of burn-in.` : "."));
+    write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : "The first figures come when every vehicle is there.");
     document.title = `${verdict.replace(/^. /, "")}, h = ${configuration.headway}`;
   }
   at("verdict").dataset.stable = stable;
@@ -19,7 +19,8 @@ export function showHeadline({ configuration, statistics, health }, live) {
   const culprit = complete ? null : health?.culprit;
   at("culprit").hidden = !culprit;
   write(at("culprit"), culprit ? "The platoon stands still: " + culprit : "");
-  write(at("string-note"), !statistics ? "" : statistics.time_average ? `averages over time up to step ${statistics.step}` : `at step ${statistics.step}, ${spaced(statistics.realizations)} realizations`);
+  const waiting = configuration?.endless ? `theory; what is measured comes after ${configuration.burn_in} steps of burn-in` : "theory; nothing is measured yet";
+  write(at("string-note"), !statistics ? "" : statistics.step === null ? waiting : statistics.time_average ? `averages over time up to step ${statistics.step}` : `at step ${statistics.step}, ${spaced(statistics.realizations)} realizations`);
   write(at("curves-note"), !statistics ? "" : statistics.time_average ? "averages up to k" : "over realizations");
   at("errors-key").hidden = Boolean(statistics?.time_average);
   at("limit-key").hidden = statistics?.limit_variance == null;
@@ -50,8 +51,8 @@ export function facts(list, { configuration, statistics }) {
 }
 
 export function readout({ statistics: of }, i, snapshot) {
-  if (!of) return "";
-  if (!i) return "";
+  if (of?.step == null) return "";
+  if (!i) return "Point at a bar, or press → or ←, for the numbers of one follower.";
   const row = i - 1, error = snapshot?.tracking_error[row], z = of.score[row];
   return `Follower ${i}: variance ${short(of.variance[row], 5)} m²` + (of.standard_error[row] == null ? "" : ` ± ${short(of.standard_error[row], 2)}`) +
     `, theory ${short(of.theoretical_variance[row], 5)}` + (z == null ? "" : `, z ${z.toFixed(2)}`) + `, mean ${short(of.mean[row])} m` +
