@@ -267,6 +267,61 @@ class Numbers(PlotTest):
         self.assertLess(np.abs(line - stairs).max(), 1.0)
 
 
+SWEEP = ("point,loss,headway,vehicle,step,count,mean,mean_standard_error,variance,variance_standard_error,"
+         "theoretical_mean,theoretical_variance,string_stable,agrees")
+
+
+class Sweeps(PlotTest):
+    def make_sweep(self, *rows, heading=SWEEP):
+        return self.write("\n".join((heading,) + rows) + "\n", "sweep.csv")
+
+    def row(self, point, loss, headway, vehicle=2, step=9, variance=1.5, theory="1.4", stable="1"):
+        return "{},{},{},{},{},100,0.1,0.01,{},0.2,0,{},{},1".format(point, loss, headway, vehicle, step, variance, theory, stable)
+
+    def grid(self):
+        return self.make_sweep(*[self.row(3 * i + j, loss, headway, vehicle, step, variance=100 * i + 10 * j + vehicle + 0.1 * step,
+                                          stable="01"[j > 0])
+                                 for i, loss in enumerate((0, 0.1)) for j, headway in enumerate((2.4, 3.2, 4))
+                                 for vehicle in (1, 2) for step in (8, 9)])
+
+    def test_draws_a_curve_over_what_takes_the_most_values(self):
+        self.assert_draws("sweep", self.grid())
+        tails = plot.sweep.read_tails(self.path("sweep.csv"))
+        self.assertEqual(tails.over, "headway")
+        self.assertEqual([curve.name for curve in tails.curves], ["loss = 0", "loss = 0.1"])
+        self.assertEqual(list(tails.curves[1].at), [2.4, 3.2, 4.0])
+        np.testing.assert_allclose(tails.curves[1].variance, [102.9, 112.9, 122.9])
+        self.assertEqual(list(tails.curves[0].string_stable), [0, 1, 1])
+
+    def test_draws_over_what_is_asked_for(self):
+        self.grid()
+        self.assertEqual(len(plot.sweep.read_tails(self.path("sweep.csv"), "loss").curves), 3)
+        self.assert_draws("sweep", self.path("sweep.csv"), "--over", "loss")
+
+    def test_draws_what_has_no_theory_and_one_point(self):
+        self.assert_draws("sweep", self.make_sweep(self.row(0, 0.1, 3.2, theory="", stable="")))
+
+    def test_paired_axes_are_one_curve(self):
+        self.make_sweep(*[self.row(i, 0.01 * i, 2.4 + 0.1 * i) for i in range(20)])
+        self.assertEqual(len(plot.sweep.read_tails(self.path("sweep.csv")).curves), 1)
+
+    def test_refuses_what_is_no_sweep(self):
+        self.assert_refuses("sweep", self.path("none"), saying=["no such file"])
+        self.assert_refuses("sweep", self.make_sweep(heading=""), saying=["is empty"])
+        self.assert_refuses("sweep", self.make_sweep(heading=SWEEP.replace("agrees", "x")), saying=["column agrees is missing"])
+        self.assert_refuses("sweep", self.make_sweep(heading=SWEEP.replace("loss,headway,", "")), saying=["nothing varies in it"])
+        self.assert_refuses("sweep", self.make_sweep(), saying=["holds no rows"])
+        self.assert_refuses("sweep", self.make_sweep("1,2"), saying=["line 2 has 2 values instead of 14"])
+        self.assert_refuses("sweep", self.make_sweep(self.row(0, 0, 3, variance="much")), saying=["line 2: variance is much: must be a number"])
+        self.assert_refuses("sweep", self.make_sweep(self.row(0, "a", "[1 2]")), saying=["no number varies in it: loss, headway"])
+        self.assert_refuses("sweep", self.make_sweep(self.row(0, 0, 3, variance="nan")), saying=["variance is NaN everywhere"])
+        self.assert_refuses("sweep", self.grid(), "--over", "delay", saying=["--over: delay: must be what varies in", "loss, headway"])
+
+    def test_refuses_more_curves_than_can_be_told_apart(self):
+        rows = [self.row(2 * i + j, i, j) for i in range(8) for j in range(2)]
+        self.assert_refuses("sweep", self.make_sweep(*rows), "--over", "headway", saying=["8 curves over headway: must be at most 7"])
+
+
 class Errors(PlotTest):
     def test_a_run_folder_that_is_missing(self):
         self.assert_refuses("errors", self.path("none"), saying=[self.path("none"), "no such folder"])
