@@ -9,6 +9,7 @@
 
 #include "stochastic_platoon/analysis/analysis.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/configuration/spaced.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
 #include "tools/settings.hpp"
 
@@ -22,18 +23,14 @@ struct Range {
 const Range kAboveZero{std::numeric_limits<double>::min(), 1e300, "0 < FROM"};
 const Range kProbability{0.0, 1.0, "0 <= FROM"};
 
-std::vector<double> spaced(const std::string& option, const std::string& text, const Range& range) {
-  double from = 0.0, to = 0.0;
-  int count = 0;
-  char rest = 0;
-  const int read = std::sscanf(text.c_str(), "%lf:%lf:%d%c", &from, &to, &count, &rest);
-  if (read != 3 || !(from >= range.least) || !(to >= from) || !(to < range.below) || count < 1 ||
-      count > 1000000) {
+std::vector<double> values_of(const std::string& option, const std::string& text, const Range& range) {
+  const std::optional<platoon::Spaced> spaced = platoon::parse_spaced(text);
+  if (!spaced || !(spaced->from >= range.least) || !(spaced->to < range.below) || spaced->count > 1000000) {
     throw platoon::ConfigurationError({option + ": " + text + ": must be FROM:TO:COUNT with " + range.text +
                                        " <= TO" + (range.below == 1.0 ? " < 1" : "") + " and 1 <= COUNT"});
   }
   std::vector<double> values;
-  for (int i = 0; i < count; ++i) values.push_back(count == 1 ? from : from + (to - from) * i / (count - 1));
+  for (std::uint64_t i = 0; i < spaced->count; ++i) values.push_back(spaced->at(i));
   return values;
 }
 
@@ -44,7 +41,7 @@ void write(const std::string& file, const std::string& content) {
 std::vector<platoon::SweepPoint> run_sweep(const platoon::PlatoonModel& model,
                                            const std::map<std::string, std::string>& own) {
   const auto axis = [&own](const char* name, const std::string& option, const Range& range) {
-    return own.count(name) > 0 ? spaced(option, own.at(name), range) : std::vector<double>();
+    return own.count(name) > 0 ? values_of(option, own.at(name), range) : std::vector<double>();
   };
   const platoon::SweepAxes axes{axis("sweep_headway", "--sweep-headway", kAboveZero),
                                 axis("sweep_gain", "--sweep-gain", kAboveZero),

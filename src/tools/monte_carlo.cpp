@@ -4,6 +4,7 @@
 #include <chrono>
 #include <iostream>
 
+#include "stochastic_platoon/configuration/settings.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/io/progress_display.hpp"
 #include "stochastic_platoon/results/checkpoint.hpp"

@@ -26,9 +26,6 @@ unsigned threads_of(const std::string& text);
 /// The value of an option that is a time above 0 [s]. Throws ConfigurationError.
 double seconds_of(const std::string& option, const std::string& text);
 
-/// Realizations that one thread computes side by side: what a vehicle needs of so many fits the second level cache.
-constexpr char kMonteCarloBatch[] = "512";
-
 /// The paper's example as shipped with this program: of the install space if it runs there, else of the
 /// source folder.
 std::string paper_model_file();

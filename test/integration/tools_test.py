@@ -9,7 +9,7 @@ import unittest
 
 import live_platoon
 
-TOOLS = ["analyze", "bag_statistics", "configure", "monte_carlo"]
+TOOLS = ["analyze", "bag_statistics", "configure", "merge", "monte_carlo", "sweep"]
 
 
 def run(*command):

@@ -97,25 +97,35 @@ void require_known(const std::map<std::string, std::string>& given) {
   if (!problems.empty()) throw ConfigurationError(problems);
 }
 
-// Down the path "a/b", whose mappings are made where they are missing. What is no mapping takes no override:
-// read_model() says what is wrong with it.
-void put_at(const std::string& path, const std::string& value, YAML::Node node) {
-  if (!node.IsMap() && !node.IsNull()) return;
+// Down the path "a/b", whose mappings are made where they are missing. False where it leads through what is no
+// mapping and no list of that length.
+bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
   const std::size_t slash = path.find('/');
-  if (slash == std::string::npos) {
-    node[path] = value;
-    return;
-  }
   const std::string key = path.substr(0, slash);
+  const bool leaf = slash == std::string::npos;
+  if (node.IsSequence()) {
+    const bool is_index =
+        !key.empty() && key.size() < 9 && key.find_first_not_of("0123456789") == std::string::npos;
+    if (!is_index || std::stoul(key) >= node.size()) return false;
+    if (!leaf) return put_at(path.substr(slash + 1), value, node[std::stoul(key)]);
+    node[std::stoul(key)] = YAML::Clone(value);
+    return true;
+  }
+  if (!node.IsMap() && !node.IsNull()) return false;
+  if (leaf) {
+    node[key] = YAML::Clone(value);
+    return true;
+  }
   if (!node[key]) node[key] = YAML::Node(YAML::NodeType::Map);
-  put_at(path.substr(slash + 1), value, node[key]);
+  return put_at(path.substr(slash + 1), value, node[key]);
 }
 
 void put(const Setting& setting, const std::string& value, YAML::Node& document) {
   if (setting.model_key == nullptr) {
     document["run"][setting.name] = value;
   } else if (!value.empty() && document["model"].IsMap()) {
-    put_at(setting.model_key, value, document["model"]);
+    // What is no mapping takes no override: read_model() says what is wrong with it.
+    put_at(setting.model_key, YAML::Node(value), document["model"]);
   }
 }
 
@@ -144,6 +154,20 @@ YAML::Node configuration_document(const Configuration& base,
     if (value != given.end()) put(setting, value->second, document);
   }
   return document;
+}
+
+void override_value(YAML::Node& document, const std::string& name, const YAML::Node& value) {
+  for (const Setting& setting : settings()) {
+    if (name != setting.name) continue;
+    if (setting.model_key == nullptr) {
+      document["run"][name] = YAML::Clone(value);
+      return;
+    }
+    if (put_at(setting.model_key, value, document["model"])) return;
+    throw ConfigurationError({name + ": leads through what is no mapping in the model file"});
+  }
+  if (put_at(name, value, document["model"])) return;
+  throw ConfigurationError({name + ": must be a setting, or lead to a key of the model file"});
 }
 
 std::uint64_t run_identity(const Configuration& configuration) {

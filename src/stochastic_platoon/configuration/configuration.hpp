@@ -38,6 +38,11 @@ YAML::Node configuration_document(const std::map<std::string, std::string>& give
 /// is not empty. Throws as above.
 YAML::Node configuration_document(const Configuration& base, const std::map<std::string, std::string>& given);
 
+/// Changes a document: `name` is a setting, or a path into the model file (channel/delay; controller/numerator/0 is
+/// the first of a list). Throws ConfigurationError where the path leads through what is neither a mapping nor a list
+/// of that length; whether there is such a key parse_configuration() says.
+void override_value(YAML::Node& document, const std::string& name, const YAML::Node& value);
+
 /// The run's identity: a 64 bit digest (FNV-1a) of the configuration with its launch and this package's
 /// version. Every message carries it; 0 is no run's.
 std::uint64_t run_identity(const Configuration& configuration);

@@ -287,20 +287,20 @@ bool holds_several_documents(const std::string& file) {
 
 }  // namespace
 
-YAML::Node load_yaml(const std::string& file) {
+YAML::Node load_yaml(const std::string& file, const std::string& what) {
   if (std::filesystem::is_directory(file))
-    throw ConfigurationError({"model: " + file + ": must be a file, not a folder"});
+    throw ConfigurationError({what + ": " + file + ": must be a file, not a folder"});
   try {
     const YAML::Node document = YAML::LoadFile(file);
     if (holds_several_documents(file))
-      throw ConfigurationError({"model: " + file + ": several documents: must be one"});
+      throw ConfigurationError({what + ": " + file + ": several documents: must be one"});
     return document;
   } catch (const YAML::BadFile&) {
-    throw ConfigurationError({"model: " + file + ": must be a file that can be read"});
+    throw ConfigurationError({what + ": " + file + ": must be a file that can be read"});
   } catch (const YAML::Exception& error) {
-    throw ConfigurationError({"model: " + file + ": must be YAML: " + error.what()});
+    throw ConfigurationError({what + ": " + file + ": must be YAML: " + error.what()});
   } catch (const std::ios_base::failure&) {
-    throw ConfigurationError({"model: " + file + ": must be a file that can be read"});
+    throw ConfigurationError({what + ": " + file + ": must be a file that can be read"});
   }
 }
 

@@ -20,8 +20,9 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
 /// The same for a whole document. Throws ConfigurationError with all that is wrong.
 PlatoonModel parse_model(const YAML::Node& document);
 
-/// The YAML document of a file. Throws ConfigurationError when the file is missing or is not YAML.
-YAML::Node load_yaml(const std::string& file);
+/// The YAML document of a file. Throws ConfigurationError when the file is missing or is not YAML, which begins with
+/// `what` the file is.
+YAML::Node load_yaml(const std::string& file, const std::string& what = "model");
 
 /// The model in the words of the model file: what a run's figures depend on.
 nlohmann::json to_json(const PlatoonModel& model);

@@ -45,13 +45,19 @@ std::optional<double> parsed_number(const YAML::Node& node) {
   return (stream >> std::ws).eof() ? std::optional<double>(value) : std::nullopt;
 }
 
+// A whole number, also as 1e9.
 std::optional<std::int64_t> parsed_integer(const YAML::Node& node) {
   if (!node.IsScalar()) return std::nullopt;
   std::istringstream stream(node.Scalar());
   stream.imbue(std::locale::classic());
   std::int64_t value;
-  if (!(stream >> value)) return std::nullopt;
-  return (stream >> std::ws).eof() ? std::optional<std::int64_t>(value) : std::nullopt;
+  if (stream >> value && (stream >> std::ws).eof()) return value;
+  if (node.Scalar().find_first_of("eE") == std::string::npos) return std::nullopt;
+  const std::optional<double> number = parsed_number(node);
+  constexpr double kEveryWholeNumberBelow = 9007199254740992.0;
+  if (!number || std::abs(*number) >= kEveryWholeNumberBelow || *number != std::floor(*number))
+    return std::nullopt;
+  return static_cast<std::int64_t>(*number);
 }
 
 std::optional<Eigen::VectorXd> parsed_numbers(const YAML::Node& node) {

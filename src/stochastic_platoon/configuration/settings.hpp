@@ -18,4 +18,8 @@ struct Setting {
 /// All settings but `model`, the model file's name.
 const std::vector<Setting>& settings();
 
+/// The batch of a Monte Carlo, where none is asked for: what a vehicle needs of so many realizations side by side
+/// fits the second level cache.
+constexpr char kMonteCarloBatch[] = "512";
+
 }  // namespace platoon

@@ -1,8 +1,10 @@
 #include "stochastic_platoon/scaling/merge.hpp"
 
 #include <map>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "stochastic_platoon/results/checkpoint.hpp"
 #include "stochastic_platoon/scaling/shard_run.hpp"
@@ -30,27 +32,14 @@ public:
     }
   }
 
-  // Throws ConfigurationError unless all shards are there.
-  void require_all() {
-    if (first_) {
-      std::vector<std::uint64_t> missing;
-      for (std::uint64_t i = 0; i < first_->shard.of; ++i) {
-        if (places_.count(i) == 0) missing.push_back(i);
-      }
-      if (!missing.empty()) {
-        const std::string indices = array_indices(missing);
-        problems_.insert(problems_.begin(), "shards " + indices + " of " + std::to_string(first_->shard.of) +
-                                                ": missing: must be computed (sbatch --array=" + indices +
-                                                ")");
-      }
+  // Throws IncompleteRun unless all shards are there, and nothing else.
+  void require_all() const {
+    std::vector<std::uint64_t> missing;
+    const std::uint64_t of = first_ ? first_->shard.of : 0;
+    for (std::uint64_t i = 0; i < of; ++i) {
+      if (places_.count(i) == 0) missing.push_back(i);
     }
-    if (problems_.empty()) return;
-    if (problems_.size() > kMostProblems) {
-      const std::size_t more = problems_.size() - kMostProblems;
-      problems_.resize(kMostProblems);
-      problems_.push_back("and " + std::to_string(more) + " more");
-    }
-    throw ConfigurationError(problems_);
+    if (!missing.empty() || !problems_.empty()) throw IncompleteRun(missing, of, problems_);
   }
 
   const ShardRun& first() const { return *first_; }
@@ -105,7 +94,36 @@ private:
   std::vector<std::string> problems_;
 };
 
+std::vector<std::string> with_missing(const std::vector<std::uint64_t>& missing, std::uint64_t of,
+                                      std::vector<std::string> problems) {
+  if (!missing.empty()) {
+    const std::string indices = array_indices(missing);
+    problems.insert(problems.begin(), "shards " + indices + " of " + std::to_string(of) +
+                                          ": missing: must be computed (sbatch --array=" + indices + ")");
+  }
+  if (problems.size() > kMostProblems) {
+    const std::size_t more = problems.size() - kMostProblems;
+    problems.resize(kMostProblems);
+    problems.push_back("and " + std::to_string(more) + " more");
+  }
+  return problems;
+}
+
 }  // namespace
+
+IncompleteRun::IncompleteRun(const std::vector<std::uint64_t>& missing, std::uint64_t of,
+                             std::vector<std::string> others)
+    : ConfigurationError(with_missing(missing, of, others)),
+      missing_(missing),
+      of_(of),
+      others_(std::move(others)) {}
+
+std::vector<std::uint64_t> IncompleteRun::missing(std::uint64_t of) const {
+  if (of_ > 0) return missing_;
+  std::vector<std::uint64_t> all(of);
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
 
 std::string array_indices(const std::vector<std::uint64_t>& ascending) {
   std::string text;

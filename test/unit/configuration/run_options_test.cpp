@@ -103,8 +103,8 @@ TEST(RunOptions, NameTheSettingThatIsNotAllowed) {
             Problems{"run/steps: -1: must be a whole number from 0 to " + count});
   EXPECT_EQ(problems_with("realizations", "0"),
             Problems{"run/realizations: 0: must be a whole number from 1 to " + count});
-  EXPECT_EQ(problems_with("realizations", "1e4"),
-            Problems{"run/realizations: 1e4: must be a whole number from 1 to " + count});
+  EXPECT_EQ(problems_with("realizations", "1e-4"),
+            Problems{"run/realizations: 1e-4: must be a whole number from 1 to " + count});
   EXPECT_EQ(problems_with("batch", "-1"),
             Problems{"run/batch: -1: must be a whole number from 0 to 16777216"});
   EXPECT_EQ(problems_with("rate", "-1"), Problems{"run/rate: -1: must be a finite number >= 0"});

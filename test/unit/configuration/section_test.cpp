@@ -84,8 +84,8 @@ TEST(Section, RejectsNumbersOutOfRange) {
 }
 
 TEST(Section, RejectsWhatIsNoWholeNumberInRange) {
-  for (const char* text :
-       {"0", "11", "-3", "2.0", "2.5", "1e1", "abc", "99999999999999999999", "[1]", "2 3"}) {
+  for (const char* text : {"0", "11", "-3", "2.0", "2.5", "1e2", "1e-1", "1.25e1", "1e400", "1e1x", "abc",
+                           "99999999999999999999", "[1]", "2 3"}) {
     const Problems problems =
         problems_with(std::string("x: ") + text, [](Section& section) { section.integer("x", 1, 10); });
     EXPECT_EQ(problems, Problems{std::string("x: ") + text + ": must be a whole number from 1 to 10"});
@@ -207,6 +207,19 @@ TEST(Section, RejectsAKeyThatStandsTwice) {
   section.number("a", kAnyFinite);
   section.reject_unknown_keys();
   EXPECT_EQ(problems, std::vector<std::string>{"a: given twice: must stand once"});
+}
+
+TEST(Section, ReadsAWholeNumberWithAnExponent) {
+  const auto expect = [](const char* text, std::int64_t value) {
+    problems_with(std::string("x: ") + text, [&](Section& section) {
+      EXPECT_EQ(section.integer("x", 0, std::int64_t{1} << 62), value) << text;
+      EXPECT_EQ(section.problems(), 0u) << text;
+    });
+  };
+  expect("1e9", 1000000000);
+  expect("2.5E3", 2500);
+  expect("0e0", 0);
+  expect("9007199254740993", 9007199254740993);
 }
 
 }  // namespace

@@ -1,0 +1,131 @@
+// A sweep of runs: what varies stands in a file, and one table comes out. On all cores of this machine, or task by
+// task as an array of a cluster's scheduler.
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+
+#include "stochastic_platoon/configuration/section.hpp"
+#include "stochastic_platoon/io/atomic_file.hpp"
+#include "stochastic_platoon/io/progress_display.hpp"
+#include "stochastic_platoon/results/checkpoint.hpp"
+#include "stochastic_platoon/scaling/shard_run.hpp"
+#include "stochastic_platoon/scaling/sweep_file.hpp"
+#include "stochastic_platoon/scaling/sweep_results.hpp"
+#include "stochastic_platoon/scaling/sweep_run.hpp"
+#include "tools/settings.hpp"
+
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void warn(const std::string& text) {
+  std::cerr << text << "\n";
+}
+
+// The folder of the sweep, for this process alone.
+std::unique_ptr<platoon::FolderLock> lock_folder(const std::string& output) {
+  platoon::RunOptions run{};
+  run.output = output;
+  run.launch_id = "sweep";  // one that is begun again goes on with its folder at once
+  std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(run);
+  platoon::require_no_results(output);
+  std::filesystem::create_directories(output + "/points");
+  return lock;
+}
+
+void compute(const platoon::Sweep& sweep, const std::vector<std::uint64_t>& points,
+             platoon::SweepSettings settings) {
+  std::uint64_t realizations = 0;
+  double vehicle_steps = 0.0;
+  for (const std::uint64_t point : points) {
+    const platoon::RunOptions run = sweep.configuration(point).run;
+    realizations += run.realizations;
+    vehicle_steps += static_cast<double>(run.realizations) * static_cast<double>(run.followers) *
+                     static_cast<double>(run.steps);
+  }
+  platoon::ProgressDisplay display(
+      std::max<std::uint64_t>(realizations, 1), "realizations",
+      vehicle_steps / static_cast<double>(std::max<std::uint64_t>(realizations, 1)), "vehicle-steps");
+  settings.progress = [&](std::uint64_t done, const std::string& point) {
+    display.set_note(point);
+    display.update(done, now());
+  };
+  platoon::compute_points(sweep, points, settings);
+  display.finish();
+}
+
+void run_task(const platoon::Sweep& sweep, const std::string& text, const platoon::SweepSettings& settings) {
+  YAML::Node node;
+  node["task"] = text;
+  std::vector<std::string> problems;
+  const auto task = static_cast<std::uint64_t>(
+      platoon::Section(node, "", problems).integer("task", 0, static_cast<std::int64_t>(sweep.tasks()) - 1));
+  if (!problems.empty()) throw platoon::ConfigurationError(problems);
+  const std::uint64_t point = task / sweep.shards;
+  const platoon::Shard shard{task % sweep.shards, sweep.shards};
+  platoon::ShardRun part{sweep.configuration(point), shard};
+  part.configuration.run.output = platoon::shard_folder(settings.output, point, shard.index);
+  part.configuration.run.launch_id = platoon::name_of(shard);
+  platoon::ShardSettings how;
+  how.threads = settings.threads;
+  how.warn = warn;
+  const std::uint64_t computed = platoon::compute_shard(part, how);
+  std::cout << "task " << task << ": point " << point << " (" << sweep.name_of(point) << "), "
+            << platoon::name_of(shard) << ": complete, " << computed << " realizations computed now\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string> files;
+  std::map<std::string, std::string> options = platoon::parse_command_line(
+      argc, argv, "sweep FILE --output DIR: a table over what the file says", {"realizations"},
+      {{"output", "folder for sweep.csv, and for what to go on from"},
+       {"threads", "worker threads (one per core); the result does not depend on it"},
+       {"task",
+        "as an array of jobs: number of the task to compute (point x shards + shard); count: print how many "
+        "there "
+        "are; merge: make the table of what they left"}},
+      &files);
+  platoon::ignore_file_size_signal();
+  try {
+    if (files.size() != 1)
+      throw platoon::ConfigurationError({"sweep FILE --output DIR: must be given one file"});
+    std::map<std::string, std::string> given;
+    if (options.count("realizations") > 0) given["realizations"] = options["realizations"];
+    const platoon::Sweep sweep = platoon::read_sweep(files.front(), given, platoon::paper_model_file());
+    const std::string task = options["task"];
+    if (task == "count") {
+      std::cout << sweep.tasks() << "\n";
+      return 0;
+    }
+    platoon::SweepSettings settings;
+    settings.output = options["output"];
+    settings.threads = platoon::threads_of(options["threads"]);
+    settings.warn = warn;
+    if (settings.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
+    if (!task.empty() && task != "merge") {
+      run_task(sweep, task, settings);
+      return 0;
+    }
+    const std::unique_ptr<platoon::FolderLock> lock = lock_folder(settings.output);
+    const std::vector<std::uint64_t> missing = platoon::missing_points(sweep, settings);
+    std::cout << sweep.points() << " points, " << missing.size() << " of them to "
+              << (task.empty() ? "compute" : "merge") << "\n";
+    if (task.empty()) {
+      compute(sweep, missing, settings);
+    } else {
+      platoon::merge_points(sweep, missing, settings);
+    }
+    platoon::write_sweep(sweep, settings.output);
+    std::cout << "Results: " << settings.output << "/sweep.csv\n";
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << argv[0] << ": " << error.what() << "\n";
+    return 1;
+  }
+}

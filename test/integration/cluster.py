@@ -1,0 +1,156 @@
+"""A Slurm cluster of its own for a test: munged, slurmctld and two slurmd on this machine's loopback, without systemd."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+
+import live_platoon
+
+PROGRAMS = ("munged", "mungekey", "slurmctld", "slurmd", "sbatch", "scontrol", "squeue", "scancel", "sinfo")
+NODES = ("n0", "n1")
+PATH = os.pathsep.join([os.environ.get("PATH", ""), "/usr/sbin", "/sbin"])
+
+CONFIGURATION = """
+ClusterName=platoon
+SlurmctldHost={host}(127.0.0.1)
+SlurmUser=root
+SlurmctldPort={controller_port}
+AuthType=auth/munge
+AuthInfo=socket={folder}/munge.socket,cred_expire=5
+CredType=cred/munge
+CommunicationParameters=NoCtldInAddrAny,NoInAddrAny
+ProctrackType=proctrack/pgid
+TaskPlugin=task/none
+SwitchType=switch/none
+MpiDefault=none
+JobAcctGatherType=jobacct_gather/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+SlurmctldParameters=enable_configless
+SchedulerParameters=batch_sched_delay=0,sched_interval=2,sched_min_interval=100000
+StateSaveLocation={folder}/state
+SlurmdSpoolDir={folder}/spool.%n
+SlurmctldPidFile={folder}/slurmctld.pid
+SlurmdPidFile={folder}/slurmd.%n.pid
+SlurmctldLogFile={folder}/slurmctld.log
+SlurmdLogFile={folder}/slurmd.%n.log
+ReturnToService=2
+SlurmdTimeout=6
+KillWait=2
+"""
+
+
+def why_not():
+    """Why no cluster can run here; empty if it can."""
+    missing = [program for program in PROGRAMS if not shutil.which(program, path=PATH)]
+    if missing:
+        return "needs " + ", ".join(missing) + " (packages slurmctld, slurmd, slurm-client, munge)"
+    return "" if os.geteuid() == 0 else "slurmd runs as root only"
+
+
+def processes_with(word):
+    """Processes whose environment has this word."""
+    found = []
+    for name in os.listdir("/proc"):
+        try:
+            with open("/proc/{}/environ".format(name), "rb") as file:
+                if word.encode() in file.read().split(b"\0"):
+                    found.append(int(name))
+        except (OSError, ValueError):
+            continue
+    return found
+
+
+class Cluster:
+    def __init__(self):
+        self.folder = tempfile.mkdtemp(prefix="platoon_slurm_")
+        self.mark = "PLATOON_CLUSTER=" + self.folder  # in the environment of all that belongs to it
+        os.chmod(self.folder, 0o755)
+        self.file = os.path.join(self.folder, "slurm.conf")
+        self.environment = dict(os.environ, PATH=PATH, SLURM_CONF=self.file)
+        self.daemons = {}
+
+    def write_configuration(self):
+        host = socket.gethostname().split(".")[0]
+        text = CONFIGURATION.format(host=host, folder=self.folder, controller_port=live_platoon.free_port())
+        for node in NODES:
+            text += "NodeName={} NodeHostname={} NodeAddr=127.0.0.1 Port={} CPUs=1\n".format(node, host, live_platoon.free_port())
+        text += "PartitionName=main Nodes=ALL Default=YES\n"
+        with open(self.file, "w") as file:
+            file.write(text)
+
+    def daemon(self, name, *command, **environment):
+        log = open(os.path.join(self.folder, name + ".out"), "w")
+        with log:
+            self.daemons[name] = subprocess.Popen(
+                command, stdout=log, stderr=subprocess.STDOUT,
+                env=dict(self.environment, PLATOON_CLUSTER=self.folder, **environment))
+
+    def start(self):
+        self.write_configuration()
+        os.mkdir(os.path.join(self.folder, "state"))
+        inside = lambda name: os.path.join(self.folder, name)  # noqa: E731
+        subprocess.run(["mungekey", "--create", "--keyfile", inside("munge.key")], check=True, env=self.environment)
+        self.daemon("munged", "munged", "--foreground", "--force", "--key-file", inside("munge.key"), "--socket", inside("munge.socket"),
+                    "--pid-file", inside("munge.pid"), "--log-file", inside("munge.log"), "--seed-file", inside("munge.seed"))
+        live_platoon.wait_for(lambda: os.path.exists(inside("munge.socket")) or self.daemons["munged"].poll() is not None, "munged")
+        self.daemon("slurmctld", "slurmctld", "-D", "-f", self.file)
+        for node in NODES:
+            os.mkdir(inside("spool." + node))
+            self.daemon(node, "slurmd", "-D", "-f", self.file, "-N", node, PLATOON_NODE=self.folder + "/" + node)
+        live_platoon.wait_for(lambda: all(state.startswith("idle") for state in self.states()) and self.states(), "the nodes to be idle", 60.0)
+
+    def run(self, *command, **options):
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+                              env=dict(self.environment, **options.get("environment", {})), timeout=60)
+        return done.stdout
+
+    def states(self):
+        return [line.strip() for line in self.run("sinfo", "--noheader", "--Node", "--format=%T").splitlines()]
+
+    def jobs(self):
+        """(task, state, node) of all that waits or runs."""
+        lines = self.run("squeue", "--noheader", "--array", "--format=%i|%T|%N").splitlines()
+        return [tuple(line.strip().split("|")) for line in lines if line.count("|") == 2]
+
+    def power_off(self, node):
+        """The node's daemon dies, and all that runs on it, at once and without a word."""
+        self.daemons[node].send_signal(signal.SIGKILL)
+        self.daemons[node].wait()
+        victims = set(processes_with("PLATOON_NODE=" + self.folder + "/" + node))
+        victims |= set(processes_with("SLURMD_NODENAME=" + node)) & set(processes_with("SLURM_CONF=" + self.file))
+        for process in victims:
+            try:
+                os.kill(process, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+
+    def end(self):
+        if "slurmctld" in self.daemons and self.daemons["slurmctld"].poll() is None:
+            self.run("scancel", "--user=root")
+        for name in NODES + ("slurmctld", "munged"):
+            daemon = self.daemons.get(name)
+            if daemon and daemon.poll() is None:
+                daemon.terminate()
+                try:
+                    daemon.wait(timeout=20)
+                except subprocess.TimeoutExpired:
+                    daemon.kill()
+                    daemon.wait()
+        for process in set(processes_with(self.mark)) | set(processes_with("SLURM_CONF=" + self.file)):
+            try:
+                os.kill(process, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def logs(self):
+        text = ""
+        for name in sorted(os.listdir(self.folder)):
+            if name.endswith((".log", ".out")):
+                with open(os.path.join(self.folder, name), errors="replace") as file:
+                    text += "== {}\n{}\n".format(name, file.read()[-3000:])
+        return text

@@ -1,0 +1,160 @@
+#!/usr/bin/python3
+"""Shards, their merge and sweeps as programs: killed in the middle, on a full disk, and told what is wrong."""
+
+import glob
+import json
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import unittest
+
+import live_platoon
+
+LONG = ["--realizations", "2e5", "--checkpoint-seconds", "0.2", "--batch", "128"]
+SWEEP = "vary: {headway: 2.4:4:40}\nfollowers: 10\nsteps: 100\nrealizations: 5000\n"
+
+
+class ShardsTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, *names):
+        return os.path.join(self.folder, *names)
+
+    def start(self, tool, *words, before=""):
+        process = subprocess.Popen(["bash", "-c", before + 'exec "$@"', "bash", live_platoon.executable(tool)] + list(words),
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.stderr.close)
+        return process
+
+    def run_tool(self, tool, *words, status=0, before=""):
+        process = self.start(tool, *words, before=before)
+        said, complained = process.communicate(timeout=live_platoon.DEADLINE)
+        self.assertEqual(process.returncode, status, said + complained)
+        return said if status == 0 else complained
+
+    def kill_once(self, process, condition, what):
+        live_platoon.wait_for(lambda: condition() or process.poll() is not None, what)
+        self.assertIsNone(process.poll(), "it was over before it could be killed")
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+
+
+class Shards(ShardsTest):
+    def shard(self, part, *words, **options):
+        return self.run_tool("monte_carlo", "--shard", part, "--output", self.path(part.replace("/", "_of_")), *words, **options)
+
+    def test_a_shard_that_is_killed_again_and_again_goes_on_and_is_merged_to_the_same_bits(self):
+        folder, file = self.path("1_of_3"), self.path("1_of_3", "checkpoint.cbor")
+        before = None
+        for _ in range(2):
+            process = self.start("monte_carlo", "--shard", "1/3", "--output", folder, *LONG)
+            self.kill_once(process, lambda: os.path.exists(file) and os.stat(file).st_mtime_ns != before, "a checkpoint")
+            before = os.stat(file).st_mtime_ns if os.path.exists(file) else None
+        said = self.shard("1/3", *LONG)
+        words = said.splitlines()[-1].replace(",", "").split()
+        computed, first, last = (int(words[words.index(word) + step]) for word, step in (("them", -2), ("to", -1), ("to", 1)))
+        self.assertTrue(0 < computed < last - first + 1, said)
+        for part in ("0/3", "2/3"):
+            self.shard(part, *LONG)
+        self.assertIn(" 0 of them computed now", self.shard("1/3", *LONG))
+        self.run_tool("merge", *[self.path("{}_of_3".format(i)) for i in (2, 0, 1)], "--output", self.path("merged"))
+        self.assertEqual(live_platoon.statistics(self.path("merged")), live_platoon.reference(self.folder, realizations="2e5"))
+        with open(self.path("merged", "summary.json")) as file:
+            summary = json.load(file)
+        self.assertEqual((summary["complete"], summary["realizations"], summary["positions_lost"], summary["hosting"]),
+                         (True, 200000, 0, "monte_carlo"))
+
+    def test_a_part_of_a_billion_realizations_is_taken(self):
+        self.assertIn("realizations 12344992 to 12345999 of 1000000000, 1008 of them computed now",
+                      self.shard("12345/1000000", "--realizations", "1e9"))
+
+    def test_on_a_full_disk_it_fails_and_is_not_complete(self):
+        # A limit on the size of files ends a write as a full disk does.
+        self.assertIn("checkpoint.cbor.part: cannot be written: File too large",
+                      self.shard("0/2", "--realizations", "2000", before="ulimit -f 8; ", status=1))
+        self.assertEqual(glob.glob(self.path("0_of_2", "*.cbor*")), [])
+        self.shard("1/2", "--realizations", "2000")
+        self.assertIn("shards 0 of 2: missing", self.run_tool("merge", self.path("0_of_2"), self.path("1_of_2"),
+                                                              "--output", self.path("merged"), status=1))
+        self.assertFalse(os.path.exists(self.path("merged")))
+        self.assertIn("1024 of them computed now", self.shard("0/2", "--realizations", "2048"))
+
+    def test_a_shard_has_its_folder_for_itself(self):
+        process = self.start("monte_carlo", "--shard", "0/2", "--output", self.path("0_of_2"), *LONG)
+        live_platoon.wait_for(lambda: os.path.exists(self.path("0_of_2", "checkpoint.cbor")), "a checkpoint")
+        self.assertIn("is in use by launch shard 0/2", self.shard("0/2", *LONG, status=1))
+        process.kill()
+        process.wait()
+
+    def test_what_is_wrong_is_said(self):
+        for part in ("3/3", "-1/3", "1", "x/3", "0/10001"):
+            self.assertIn("shard: {}: must be I/N, I from 0 to N - 1, N at most the 10000 realizations".format(part),
+                          self.shard(part, status=1))
+        self.assertIn("checkpoint-seconds: given: must go with --shard",
+                      self.run_tool("monte_carlo", "--output", self.path("x"), "--checkpoint-seconds", "1", status=1))
+        self.assertIn("checkpoint-seconds: 0: must be a finite number > 0", self.shard("0/3", "--checkpoint-seconds", "0", status=1))
+        self.assertIn("must be given the folders of the shards", self.run_tool("merge", "--output", self.path("x"), status=1))
+        self.assertIn("/nowhere: holds no shard", self.run_tool("merge", "/nowhere", "--output", self.path("x"), status=1))
+        self.shard("0/1", "--realizations", "100")
+        self.run_tool("merge", self.path("0_of_1"), "--output", self.path("merged"))
+        self.assertIn("holds the results of another run",
+                      self.run_tool("merge", self.path("0_of_1"), "--output", self.path("merged"), status=1))
+
+
+class Sweeps(ShardsTest):
+    def setUp(self):
+        super().setUp()
+        self.file = self.write(SWEEP)
+
+    def write(self, text):
+        with open(self.path("sweep.yaml"), "w") as file:
+            file.write(text)
+        return self.path("sweep.yaml")
+
+    def test_a_sweep_that_is_killed_goes_on_point_by_point_to_the_same_table(self):
+        points = self.path("killed", "points")
+        process = self.start("sweep", self.file, "--output", self.path("killed"))
+        self.kill_once(process, lambda: len(glob.glob(points + "/*.csv")) > 2, "some points")
+        there = len(glob.glob(points + "/*.csv"))
+        self.assertLess(there, 40)
+        said = self.run_tool("sweep", self.file, "--output", self.path("killed"))
+        self.assertIn("40 points, {} of them to compute\n".format(40 - there), said)
+        self.run_tool("sweep", self.file, "--output", self.path("whole"), "--threads", "1")
+        tables = []
+        for name in ("killed", "whole"):
+            with open(self.path(name, "sweep.csv"), "rb") as table:
+                tables.append(table.read())
+        self.assertEqual(tables[0], tables[1])
+        self.assertEqual(tables[0].count(b"\n"), 401)
+
+    def test_on_a_full_disk_it_fails_and_goes_on_when_there_is_room(self):
+        complaint = self.run_tool("sweep", self.file, "--output", self.path("run"), before="ulimit -f 1; ", status=1)
+        self.assertIn("cannot be written: File too large", complaint)
+        self.assertFalse(os.path.exists(self.path("run", "sweep.csv")))
+        self.assertIn("40 points, 40 of them to compute", self.run_tool("sweep", self.file, "--output", self.path("run")))
+
+    def refused(self, said, *words):
+        self.assertIn(said, self.run_tool("sweep", *words, status=1))
+        self.assertFalse(os.path.exists(self.path("run")), "the folder for the results was made")
+
+    def test_what_is_wrong_is_said_before_anything_is_computed(self):
+        output = ["--output", self.path("run")]
+        self.refused("sweep FILE --output DIR: must be given one file", *output)
+        self.refused("output: (empty): must be a folder", self.file)
+        self.refused("sweep: /nowhere: must be a file that can be read", "/nowhere", *output)
+        self.refused("task: 40: must be a whole number from 0 to 39", self.file, "--task", "40", *output)
+        self.refused("task: all: must be a whole number", self.file, "--task", "all", *output)
+        self.refused("1000000 x 1000000 = 1e+12 points: must be at most 100000",
+                     self.write("vary: {headway: 2:4:1000000, loss: 0:0.5:1000000}\n"), *output)
+        self.refused("(hedway = 3): model/hedway: unknown key: allowed are", self.write("vary: {hedway: [3]}\n"), *output)
+        self.refused("steps_: unknown key: allowed are", self.write("vary: {headway: [3]}\nsteps_: 3\n"), *output)
+        self.refused("must be YAML", self.write("vary: {headway: [3}\n"), *output)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,118 @@
+#!/usr/bin/python3
+"""launch/shards.sbatch on a real Slurm, which the test starts itself: tasks killed in the middle, a node lost, and the same bits."""
+
+import glob
+import os
+import shutil
+import sys
+import tempfile
+import unittest
+
+import cluster
+import live_platoon
+
+SCRIPT = live_platoon.shared("launch", "shards.sbatch")
+SHARDS = 4
+OPTIONS = ["--realizations", "3e5", "--batch", "128", "--checkpoint-seconds", "0.2"]
+SWEEP = "vary: {headway: [2.4, 3.2]}\nfollowers: 3\nsteps: 20\nrealizations: 2000\nshards: 2\n"
+
+
+class OnACluster(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cluster = cluster.Cluster()
+        cls.addClassCleanup(cls.cluster.end)
+        try:
+            cls.cluster.start()
+        except AssertionError as error:
+            raise AssertionError("{}\n{}".format(error, cls.cluster.logs()))
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.output = os.path.join(self.folder, "run")
+
+    def submit(self, *words, **environment):
+        """Numbers of the array's job and of the merge's."""
+        said = self.cluster.run(SCRIPT, *words, environment=environment)
+        self.assertRegex(said, r"^tasks: job \d+, merge: job \d+, ")
+        return said.split()[2].rstrip(","), said.split()[5].rstrip(",")
+
+    def wait_for(self, condition, what):
+        try:
+            return live_platoon.wait_for(condition, what)
+        except AssertionError as error:
+            raise AssertionError("{}\n{}\n{}\n{}".format(error, self.cluster.jobs(), self.said(), self.cluster.logs()))
+
+    def said(self):
+        text = ""
+        for name in sorted(glob.glob(os.path.join(self.output, "logs", "*"))):
+            with open(name) as file:
+                text += "== {}\n{}".format(os.path.basename(name), file.read())
+        return text
+
+    def running(self, array):
+        """The tasks that have left a checkpoint and run, with their nodes."""
+        return {task.split("_")[1]: node for task, state, node in self.cluster.jobs()
+                if task.startswith(array + "_") and state == "RUNNING"
+                and os.path.exists(os.path.join(self.output, "shards", task.split("_")[1], "checkpoint.cbor"))}
+
+    def wait_for_end(self, *jobs):
+        self.wait_for(lambda: not any(task.split("_")[0] in jobs for task, _, _ in self.cluster.jobs()), "the jobs to end")
+
+    def test_1_an_array_whose_tasks_and_node_are_killed_gives_the_bits_of_one_run(self):
+        array, merge = self.submit(self.output, str(SHARDS), *OPTIONS)
+        running = self.wait_for(lambda: len(self.running(array)) == 2 and self.running(array), "two tasks in the middle")
+        on = {node: task for task, node in running.items()}
+        self.assertEqual(sorted(on), ["n0", "n1"])
+        self.assertEqual(self.cluster.run("scontrol", "requeue", "{}_{}".format(array, on["n0"])), "")
+        self.cluster.power_off("n1")
+        self.wait_for_end(array, merge)
+        with open(glob.glob(os.path.join(self.output, "logs", "{}_merge.txt".format(merge)))[0]) as file:
+            self.assertIn("Measurement agrees with Lemma 1", file.read())
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, realizations="3e5"))
+        for node in ("n0", "n1"):
+            self.check_went_on(array, on[node])
+
+    def check_went_on(self, array, task):
+        """Begun twice, it has computed less than all of its shard the second time."""
+        with open(os.path.join(self.output, "logs", "{}_{}.txt".format(array, task))) as file:
+            text = file.read()
+        ends = [line for line in text.splitlines() if "computed now" in line]
+        self.assertEqual(len(ends), 1, text)
+        words = ends[0].replace(",", "").split()
+        computed, size = int(words[words.index("them") - 2]), int(words[words.index("to") + 1]) - int(words[words.index("to") - 1]) + 1
+        self.assertGreater(computed, 0, text)
+        self.assertLess(computed, size, text)
+
+    def test_2_what_is_missing_is_named_and_can_be_submitted_again(self):
+        os.makedirs(os.path.join(self.output, "shards"))
+        options = ["--realizations", "1000", "--followers", "2", "--steps", "5"]
+        jobs = self.submit(self.output, "5", *options, TASKS="0,2")
+        self.wait_for_end(*jobs)
+        self.assertIn("shards 1,3-4 of 5: missing: must be computed (sbatch --array=1,3-4)", self.said())
+        jobs = self.submit(self.output, "5", *options, TASKS="1,3-4")
+        self.wait_for_end(*jobs)
+        self.assertEqual(live_platoon.statistics(self.output),
+                         live_platoon.reference(self.folder, realizations=1000, followers=2, steps=5))
+
+    def test_3_a_sweep_as_an_array_gives_the_table_of_a_sweep_here(self):
+        file = os.path.join(self.folder, "sweep.yaml")
+        with open(file, "w") as text:
+            text.write(SWEEP)
+        self.wait_for_end(*self.submit(self.output, file))
+        here = os.path.join(self.folder, "here")
+        self.cluster.run(live_platoon.executable("sweep"), file, "--output", here)
+        tables = []
+        for folder in (self.output, here):
+            with open(os.path.join(folder, "sweep.csv"), "rb") as table:
+                tables.append(table.read())
+        self.assertEqual(tables[0], tables[1])
+
+
+if __name__ == "__main__":
+    reason = cluster.why_not()
+    if reason:
+        print("skipped: " + reason)
+        sys.exit(77)
+    unittest.main()
