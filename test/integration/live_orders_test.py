@@ -139,15 +139,13 @@ class Manoeuvres(Orders):
         speed = rospy.Publisher("/platoon/leader/speed", Float64, queue_size=10)
         terminal = self.endless(hosting)
 
+        def speeds():
+            """Of the leader [m/s], between the latest snapshots."""
+            last = list(snapshots.messages)[-20:]
+            return [(b.position[0] - a.position[0]) / (0.1 * (b.step - a.step)) for a, b in zip(last, last[1:]) if b.step > a.step]
+
         def speed_is(wanted):
-            """Waits until the leader drives at a speed [m/s], from one snapshot to the next."""
-            def seen():
-                last = list(snapshots.messages)[-2:]
-                if len(last) < 2 or last[1].step <= last[0].step:
-                    return False
-                meters = last[1].position[0] - last[0].position[0]
-                return abs(meters / (0.1 * (last[1].step - last[0].step)) - wanted) < 1e-3
-            live_platoon.wait_for(seen, "a speed of {} m/s".format(wanted), 60)
+            live_platoon.wait_for(lambda: speeds() and abs(speeds()[-1] - wanted) < 1e-3, "a speed of {} m/s".format(wanted), 60)
 
         speed_is(20.0)
         live_platoon.wait_for(lambda: speed.get_num_connections() > 0, "the leader to listen")
@@ -164,8 +162,7 @@ class Manoeuvres(Orders):
         self.assertTrue(self.trigger("accelerate").success)
         speed_is(10.0)
         self.assertTrue(self.trigger("sinusoid").success)
-        live_platoon.wait_for(lambda: list(snapshots.messages)[-1].position[0] - list(snapshots.messages)[-2].position[0] < 1.6,
-                              "the leader to swing", 60)
+        live_platoon.wait_for(lambda: len(speeds()) > 9 and min(speeds()) < 9.0 and max(speeds()) > 11.0, "the leader to swing about 10 m/s", 60)
         self.assertTrue(self.trigger("cruise").success)
         speed_is(20.0)
         terminal.wait_for_text("the leader drives by the model file again: averages go on in 100 steps", 60)
