@@ -1,0 +1,121 @@
+#!/usr/bin/python3
+"""The page in headless Chromium while a platoon runs: it moves, names who holds the platoon up, gives orders, and outlives its node."""
+
+import json
+import os
+import signal
+import tempfile
+import unittest
+
+import rospy
+from stochastic_platoon.msg import ErrorStatistics
+
+import live_platoon
+from dashboard_test import Page, address, ask, state
+from terminal import Terminal, start_master
+
+FOLLOWERS = 5
+RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, burn_in=20, headway=3.2, dashboard=True)
+
+# How many pixels of a canvas have a colour, within what smoothing at edges changes.
+PIXELS = """const canvas = document.getElementById(arguments[0]), [r, g, b] = arguments[1];
+const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+let count = 0;
+for (let at = 0; at < data.length; at += 4) count += Math.abs(data[at] - r) + Math.abs(data[at + 1] - g) + Math.abs(data[at + 2] - b) < 6;
+return count"""
+FIRST, LAST = [0x08, 0x20, 0x5c], [0x5c, 0x04, 0x10]  # dark blue, dark red
+
+
+class Live(Page):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.shared_folder = tempfile.mkdtemp()
+        cls.core, cls.master = start_master(cls.shared_folder)
+        cls.addClassCleanup(cls.core.wait)
+        cls.addClassCleanup(cls.core.terminate)
+        os.environ["ROS_MASTER_URI"] = cls.master
+        rospy.init_node("dashboard_live_test", disable_signals=True)
+        cls.statistics = {}
+        rospy.Subscriber("/platoon/error_statistics", ErrorStatistics, lambda m: cls.statistics.__setitem__(m.step, m), queue_size=1000)
+        cls.terminal = Terminal(cls.shared_folder, "platoon.launch", master=cls.master, output=os.path.join(cls.shared_folder, "run"), **RUN)
+        cls.addClassCleanup(cls.terminal.end)
+        cls.url = address(cls.terminal)
+
+    def setUp(self):
+        super().setUp()
+        self.open(self.url)
+        self.wait_for_page("document.querySelectorAll('#string rect').length == {}".format(FOLLOWERS), "the bars")
+
+    def step(self):
+        return state(self.url).get("step") or 0
+
+    def steps_on(self):
+        """The platoon moves, and the page with it: another step stands among the facts."""
+        facts = self.browser.text("#facts")
+        self.wait_for_page("document.getElementById('facts').textContent != {}".format(json.dumps(facts)), "another step")
+
+    def test_its_numbers_are_error_statistics_of_that_step_to_the_bit(self):
+        def pair():
+            shown = state(self.url)
+            return shown.get("step") in self.statistics and (shown, self.statistics[shown["step"]])
+        shown, said = live_platoon.wait_for(pair, "a step that both tell of")
+        for key in ("mean", "variance", "theoretical_variance"):
+            self.assertEqual(shown[key], list(getattr(said, key)), key)
+        self.assertEqual(shown["score"], [None] * FOLLOWERS)
+
+    def test_the_road_has_vehicles_in_the_papers_colours_and_the_strip_fills(self):
+        self.browser.show_as(1280, 1200)
+        for colour in (FIRST, LAST):
+            live_platoon.wait_for(lambda: self.browser.run(PIXELS, "road", colour) > 100, "a vehicle of that colour")
+        grid = self.browser.run("return getComputedStyle(document.documentElement).getPropertyValue('--grid').trim()")
+        empty = [int(grid[at:at + 2], 16) for at in (1, 3, 5)]
+        before = self.browser.run(PIXELS, "strip", empty)
+        live_platoon.wait_for(lambda: before == 0 or self.browser.run(PIXELS, "strip", empty) < before, "more of the strip")
+        self.assertEqual(self.browser.complaints(), [])
+
+    def test_who_holds_the_platoon_up_is_named_and_no_longer_when_it_moves(self):
+        victim = live_platoon.process_of("/platoon/vehicle_3", self.master)
+        os.kill(victim, signal.SIGSTOP)
+        try:
+            self.wait_for_page("!document.getElementById('culprit').hidden && document.getElementById('culprit').textContent.includes('vehicle_3')",
+                               "the name of the vehicle that is stopped")
+            self.assertIn("vehicle_3", state(self.url)["culprit"])
+        finally:
+            os.kill(victim, signal.SIGCONT)
+        self.wait_for_page("document.getElementById('culprit').hidden", "no culprit")
+        self.steps_on()
+
+    def test_the_page_goes_on_behind_a_restart_of_its_node(self):
+        self.browser.run("window.same_page = true")
+        live_platoon.kill("/platoon/dashboard", self.master)
+        live_platoon.wait_for(lambda: self.step() > 0, "the dashboard at its old address")
+        self.wait_for_page("document.getElementById('connection').textContent == 'live'", "the connection")
+        self.steps_on()
+        self.assertTrue(self.browser.run("return window.same_page"))
+
+    def test_orders_are_given_by_buttons_and_what_cannot_be_is_refused_in_words(self):
+        for command in ("brake", "cruise"):
+            self.browser.run("document.getElementById('answer').textContent = ''; document.querySelector(arguments[0]).click()",
+                             "[data-command={}]".format(command))
+            self.wait_for_page("document.getElementById('answer').textContent.includes('the leader')", "the answer")
+            self.assertEqual(self.browser.run("return document.getElementById('answer').dataset.success"), "true")
+        own = dict(Content_Type="application/json", Origin=self.url)
+        for wrong, words in (({"headway": 0.0}, "headway"), ({"headway": -1}, "headway"), ({"loss": 1.0}, "loss"), ({"noise_variance": -1}, "noise_variance")):
+            status, answer = ask(self.url, "POST", "/command", json.dumps(dict(wrong, command="change")), **own)
+            self.assertEqual((status, answer["success"]), (409, False))
+            self.assertIn(words, answer["message"])
+        self.steps_on()
+
+    def test_with_another_headway_from_the_page_begins_a_new_run_with_its_verdict(self):
+        self.assertIn("String stable", self.browser.text("#verdict"))
+        self.browser.run("""const slider = document.getElementById("headway");
+            slider.value = 2.4; slider.dispatchEvent(new Event("input")); document.querySelector("[data-command=change]").click()""")
+        self.wait_for_page("document.getElementById('verdict').textContent.includes('Not string stable')", "the new verdict")
+        self.assertEqual(state(self.url)["headway"], 2.4)
+        live_platoon.wait_for(lambda: self.step() > 0, "the first figures of the new run")
+        self.steps_on()
+
+
+if __name__ == "__main__":
+    unittest.main()
