@@ -66,6 +66,15 @@ class State(unittest.TestCase):
         self.assertEqual((document["step"], document["followers"], document["max_abs_z"]), (3, 3, 2.5))
         self.assertEqual(self.state.give("curves")["variance"], [[10, 11, 12, 13], [20, 21, 22, 23], [30, 31, 32, 33]])
 
+    def test_before_the_first_figures_every_curve_is_there_and_empty(self):
+        nothing = endless(3, 0)
+        nothing.mean = nothing.variance = [NAN] * 3
+        self.state.take_overview(nothing, 0.0)
+        self.assertIsNone(self.state.document()["step"])
+        curves = self.state.give("curves")
+        for name in ("mean", "variance", "theoretical_mean", "theoretical_variance"):
+            self.assertEqual(curves[name], [[], [], []], name)
+
     def test_what_does_not_exist_is_null(self):
         self.state.take_overview(endless(3, 7), 0.0)
         self.state.take_overview(overview(theory="none", limit_variance=NAN, theoretical_variance=[NAN] * 12), 0.0)

@@ -156,7 +156,7 @@ class PlatoonState:
         self.run, self.overview = message.run, message
         endless = message.time_average
         self.rate.saw(message.step[-1] if endless else message.realizations, now)
-        if endless and math.isfinite(message.mean[0]):
+        if endless and any(map(math.isfinite, message.mean)):
             self.history.add(message.step[-1], (self.of_drawn(message.mean), self.of_drawn(message.variance)))
 
     def take_told(self, message):
@@ -246,8 +246,8 @@ class PlatoonState:
             theory = {name: [[value] * len(columns) for value in rounded(self.of_drawn(values))] for name, values in
                       (("theoretical_mean", of.theoretical_mean), ("theoretical_variance", of.theoretical_variance))}
             return dict(theory, followers=followers, step=[step for step, _ in self.history.columns],
-                        mean=[rounded(row) for row in zip(*(mean for mean, _ in columns))],
-                        variance=[rounded(row) for row in zip(*(variance for _, variance in columns))])
+                        mean=[rounded(mean[row] for mean, _ in columns) for row in range(len(followers))],
+                        variance=[rounded(variance[row] for _, variance in columns) for row in range(len(followers))])
         width = len(of.step)
         return dict({name: [rounded(getattr(of, name)[(i - 1) * width:i * width]) for i in followers]
                      for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")},

@@ -82,12 +82,12 @@ const draw = {
 };
 
 function frame(now) {
+  requestAnimationFrame(frame);  // first: what goes wrong in one frame does not stop the next
   for (const figure of [...stale]) {
     stale.delete(figure);
     draw[figure]();
   }
   if (known.configuration && road.present) road.draw(now, known.configuration.followers, chosen);
-  requestAnimationFrame(frame);
 }
 
 function turnTheme() {
