@@ -23,6 +23,7 @@ export class Road {
   reset() {
     this.before = this.present = null;
     this.told = [];
+    this.shown = [];  // the latest snapshots
     this.gap = null;
     this.interval = 100;
   }
@@ -35,12 +36,24 @@ export class Road {
     if (this.follows) this.interval += 0.2 * (Math.min(now - this.since, 1000) - this.interval);
     this.before = this.present;
     this.present = snapshot;
+    this.shown = [...this.shown.slice(-7), snapshot];
     this.since = now;
   }
 
   // What followers were told of a step may come before or behind the positions of that step.
   hear(told) {
     if (told) this.told = [...this.told.slice(-7), told];
+  }
+
+  // How far what was told lies from the truth, of the latest step of which both are known, a few steps old at most: it moves on
+  // with the vehicle. The two come thinned, each in its own way.
+  offsets() {
+    for (const snapshot of [...this.shown].reverse()) {
+      const told = this.told.find(t => t.step === snapshot.step && t.realization === snapshot.realization);
+      if (told && snapshot.realization === this.present.realization && this.present.step - snapshot.step <= 5)
+        return told.position.map((p, i) => p - snapshot.position[i]);
+    }
+    return [];
   }
 
   // Positions between the two latest snapshots: one interval late, and smooth.
@@ -117,12 +130,11 @@ export class Road {
 
   // A triangle in the follower's colour below the vehicle ahead of it, and a line to where that is.
   drawTold(context, position, lane, across, metre, n) {
-    const told = this.told.find(t => t.step === this.present.step && t.realization === this.present.realization)?.position ?? [];
+    const offsets = this.offsets();
     const size = Math.max(lane * 0.11, 3);
-    for (let i = 1; i <= told.length && i <= n; ++i) {
+    for (let i = 1; i <= offsets.length && i <= n; ++i) {
       const ahead = i - 1, row = Math.floor(ahead / across), y = row * lane + lane * 0.62;
-      // What was told is of a step: beside the position of that step it moves on with the vehicle.
-      const truth = this.x[row] + (position[ahead] - position[0]) * metre, x = truth + (told[ahead] - this.present.position[ahead]) * metre;
+      const truth = this.x[row] + (position[ahead] - position[0]) * metre, x = truth + offsets[ahead] * metre;
       context.strokeStyle = context.fillStyle = followerColour(i, n);
       context.lineWidth = 1.5;
       context.beginPath();

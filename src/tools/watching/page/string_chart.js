@@ -2,7 +2,7 @@
 import { followerColour } from "./colours.js";
 import { followerTicks, short, spread, verticalScale } from "./scale.js";
 
-const WIDE_RANGE = 30, LEFT = 52, RIGHT = 10, TOP = 14, BOTTOM = 38;
+const WIDE_RANGE = 30, LEFT = 52, RIGHT = 10, TOP = 22, BOTTOM = 38;
 
 function element(tag, attributes = {}, text) {
   const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
