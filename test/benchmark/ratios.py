@@ -18,6 +18,7 @@ import xmlrpc.client
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(os.path.dirname(HERE), "integration"))
 import live_platoon  # noqa: E402
+import scaling  # noqa: E402
 
 ROUNDS = 3
 REALIZATIONS = 50000
@@ -226,6 +227,7 @@ def pairs(machine):
     yield "monte_carlo", "Octave program", core, octave
     yield "one_process", "monte_carlo", one, core
     yield "processes", "NumPy program, one core", many, numpy
+    yield from scaling.pairs(machine.folder, in_turn)
     # Three crossings of a socket for every position: to the channel, to the monitor, to the follower.
     flood, = in_turn(lambda: machine.flood(("source", 8192, 20000), ("sink", 20000))["bytes_per_second"])
     yield "processes, bytes per second", "flood of 64 kB messages", 24.0 * many, flood

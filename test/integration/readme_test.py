@@ -15,7 +15,7 @@ import xmlrpc.client
 import live_platoon
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "rosservice", "rostopic", "cmp")
+COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "rosservice", "rostopic", "cmp", "parallel")
 ORDERS = ("rosservice", "rostopic")  # to the platoon of the line before
 NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it",
            "./launch/demo live": "demo_test.py runs it"}
@@ -26,6 +26,7 @@ SHORTER = (
     ("roslaunch stochastic_platoon platoon.launch hosting:=one_process", "realizations:=200 steps:=5"),
     ("roslaunch stochastic_platoon platoon.launch", "realizations:=200 steps:=20"),
     ("roslaunch stochastic_platoon replay.launch bag:=/tmp/run.bag drive:=leader", "realizations:=200"),
+    ("rosrun stochastic_platoon monte_carlo --realizations 1e9 --shard", "--steps 20"),
     ("rosrun stochastic_platoon monte_carlo", "--realizations 200 --steps 20"),
 )
 # What stays up in a terminal of its own, what shows that it is up, and in which of the next lines it is needed.

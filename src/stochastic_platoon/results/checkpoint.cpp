@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -153,7 +152,11 @@ namespace {
 Checkpoint read_file(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw std::runtime_error(file + ": cannot be opened");
-  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  // In pieces: merge reads thousands of files, and the iterators of a stream take a byte at a time.
+  std::string bytes;
+  std::vector<char> piece(1 << 16);
+  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
+    bytes.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
   const std::string any_heading = heading_of("");
   try {
     if (bytes.compare(0, sizeof kFormat - 1, kFormat) != 0)
