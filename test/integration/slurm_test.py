@@ -13,7 +13,8 @@ import live_platoon
 
 SCRIPT = live_platoon.shared("launch", "shards.sbatch")
 SHARDS = 4
-OPTIONS = ["--realizations", "3e5", "--batch", "128", "--checkpoint-seconds", "0.2"]
+REALIZATIONS = "5e5"
+OPTIONS = ["--realizations", REALIZATIONS, "--batch", "128", "--checkpoint-seconds", "0.2"]
 SWEEP = "vary: {headway: [2.4, 3.2]}\nfollowers: 3\nsteps: 20\nrealizations: 2000\nshards: 2\n"
 
 
@@ -51,26 +52,25 @@ class OnACluster(unittest.TestCase):
                 text += "== {}\n{}".format(os.path.basename(name), file.read())
         return text
 
-    def running(self, array):
-        """The tasks that have left a checkpoint and run, with their nodes."""
-        return {task.split("_")[1]: node for task, state, node in self.cluster.jobs()
-                if task.startswith(array + "_") and state == "RUNNING"
-                and os.path.exists(os.path.join(self.output, "shards", task.split("_")[1], "checkpoint.cbor"))}
+    def on_both_nodes(self, array):
+        """The task of each node that runs and has left a checkpoint; None unless both nodes have one."""
+        on = {node: task.split("_")[1] for task, state, node in self.cluster.jobs()
+              if task.startswith(array + "_") and state == "RUNNING"
+              and os.path.exists(os.path.join(self.output, "shards", task.split("_")[1], "checkpoint.cbor"))}
+        return on if sorted(on) == ["n0", "n1"] else None
 
     def wait_for_end(self, *jobs):
         self.wait_for(lambda: not any(task.split("_")[0] in jobs for task, _, _ in self.cluster.jobs()), "the jobs to end")
 
     def test_1_an_array_whose_tasks_and_node_are_killed_gives_the_bits_of_one_run(self):
         array, merge = self.submit(self.output, str(SHARDS), *OPTIONS)
-        running = self.wait_for(lambda: len(self.running(array)) == 2 and self.running(array), "two tasks in the middle")
-        on = {node: task for task, node in running.items()}
-        self.assertEqual(sorted(on), ["n0", "n1"])
+        on = self.wait_for(lambda: self.on_both_nodes(array), "a task in the middle on each node")
         self.assertEqual(self.cluster.run("scontrol", "requeue", "{}_{}".format(array, on["n0"])), "")
         self.cluster.power_off("n1")
         self.wait_for_end(array, merge)
         with open(glob.glob(os.path.join(self.output, "logs", "{}_merge.txt".format(merge)))[0]) as file:
             self.assertIn("Measurement agrees with Lemma 1", file.read())
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, realizations="3e5"))
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, realizations=REALIZATIONS))
         for node in ("n0", "n1"):
             self.check_went_on(array, on[node])
 
