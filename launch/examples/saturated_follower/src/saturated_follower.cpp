@@ -34,7 +34,7 @@ struct Dynamics {
 }  // namespace
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "saturated_follower", ros::init_options::AnonymousName);
+  ros::init(argc, argv, "saturated_follower");  // not anonymous: within a run the topic is this name's
   const ros::NodeHandle own("~");
   const int index = own.param("index", 0);
   if (index < 1) {
