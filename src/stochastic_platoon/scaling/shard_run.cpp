@@ -114,13 +114,23 @@ std::uint64_t compute_shard(const ShardRun& run, const ShardSettings& settings) 
       settings.checkpoint_seconds);
   const std::uint64_t held_before = work.done();
   if (work.is_complete()) return 0;
+  const auto handed_over = [&work] {
+    std::uint64_t count = 0;
+    work.read([&count](const MomentTable& table) { count = table.count(); });
+    return count;
+  };
+  std::uint64_t saved = handed_over();
+  // Returns how many realizations it holds.
   const auto write = [&] {
+    std::uint64_t count = 0;
     work.read([&](const MomentTable& table) {
+      count = table.count();
       const Tally tally{positions_expected(options, table.count()), 1, earlier_seconds + now() - began, 0};
       write_checkpoint(
           options.output,
           {statistics_identity(run.configuration), options.launch_id, tally, table, {}, {}, to_json(run)});
     });
+    return count;
   };
   double written = began;
   RetryPause pause;
@@ -128,8 +138,10 @@ std::uint64_t compute_shard(const ShardRun& run, const ShardSettings& settings) 
     settings.progress(work.done());
     const double present = now();
     if (work.all_begun() || present - written < settings.checkpoint_seconds || !pause.is_due(present)) return;
+    // Nothing may have been handed over since: an empty checkpoint would be taken for progress.
+    if (handed_over() == saved) return;
     try {
-      write();
+      saved = write();
       written = now();
       pause.succeeded();
     } catch (const std::runtime_error& error) {
