@@ -64,6 +64,8 @@ class Follower:
         fault = self.present_fault(message) if message.step == STEP else None
         if self.fault == "stamp":
             answer.header.stamp = rospy.Time.now()
+        if self.fault == "unstamped":
+            answer.header.stamp = rospy.Time()
         if self.fault == "causal":
             answer.position = message.position
         if self.fault == "queues":

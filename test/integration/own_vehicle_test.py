@@ -190,6 +190,12 @@ class Contract(OwnTest):
         self.assertEqual(summary["positions_lost"], 0)
         self.assertEqual(summary["attempts"], 6)
 
+    def test_the_recorder_names_a_vehicle_without_stamps(self):
+        self.start(os.path.join(HERE, "broken_follower.py"), "2:unstamped")
+        terminal = self.launch(master=self.master, followers=2, own=2, realizations=10, record=os.path.join(self.folder, "run.bag"))
+        terminal.wait_for_text("/platoon/vehicle_2/position: dropped a message without a stamp, which a bag cannot hold; clause 5 of the vehicle")
+        terminal.interrupt()
+
     def test_the_monitor_names_a_second_publisher(self):
         self.start_example(2)
         self.start(os.path.join(HERE, "broken_follower.py"), "2:none")

@@ -4,6 +4,7 @@
 
 #include <boost/function.hpp>
 
+#include "stochastic_platoon/delivery/vehicle_contract.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/position.hpp"
@@ -99,6 +100,12 @@ void Recorder::receive(std::size_t stream, const PositionEvent& event) {
   const std::size_t size = message->position.size();
   if (!membership_.admits(message->run)) return drops_[stream].count(Verdict::foreign_run, id, size);
   if (!publishers_[stream].admits(event.getConnectionHeaderPtr(), message->run)) return;
+  if (message->header.stamp.isZero()) {
+    ROS_WARN_STREAM_THROTTLE(1.0, topic_of_stream(stream, configuration_.run, name_space_)
+                                      << ": dropped a message without a stamp, which a bag cannot hold; "
+                                      << named(Clause::stamp));
+    return;
+  }
   reports_.saw(message->header.stamp.toNSec());
   if (!recording_) return;
   write([&] {
