@@ -1,6 +1,7 @@
 #include "stochastic_platoon/graph/run_change.hpp"
 
 #include <ros/console.h>
+#include <stochastic_platoon/Progress.h>
 
 #include <cmath>
 #include <filesystem>
@@ -63,6 +64,7 @@ RunChange::RunChange(ros::NodeHandle platoon, const Configuration& present, Begi
     : platoon_(platoon),
       present_(present),
       begin_(std::move(begin)),
+      notices_(platoon.advertise<stochastic_platoon::Progress>(kProgressTopic, 10)),
       service_(platoon.advertiseService(kChangeRunService, &RunChange::serve, this)) {}
 
 bool RunChange::serve(stochastic_platoon::ChangeRun::Request& request,
@@ -96,6 +98,13 @@ void RunChange::begin_if_asked() {
   if (!asked_ || now() - asked_at_ < kAnswerTime) return;
   const Configuration next = *std::exchange(asked_, std::nullopt);
   platoon_.setParam("configuration", to_json(next).dump());
+  // The leader ends the run that is over at once, and waits for the reports of the next.
+  stochastic_platoon::Progress notice;
+  notice.receiver = kChangeRunService;
+  notice.run = run_identity(next);
+  notice.step = kNothingYet;
+  notice.note = "begins this run";
+  notices_.publish(notice);
   begin_(next);
 }
 

@@ -38,7 +38,8 @@ private:
   Configuration present_;
   Begin begin_;
   std::optional<Configuration> asked_;
-  double asked_at_ = 0.0;  ///< [s]
+  double asked_at_ = 0.0;   ///< [s]
+  ros::Publisher notices_;  ///< on `progress`
   ros::ServiceServer service_;
 };
 
