@@ -93,7 +93,7 @@ void add_line(Marker& lines, double from, double to, double y, double z) {
 void add_road(Scene& scene, double from, double to, double travelled) {
   const double middle = 0.5 * (from + to);
   Marker& ground = scene.add("ground", Marker::CUBE, to - from, 40.0 * kLane, 0.02);
-  ground.pose.position = point(middle, 0.0, -0.08);
+  ground.pose.position = point(middle, 0.0, -0.5);
   ground.color = rgba(0.9, 1.0, 0.8);
   Marker& road = scene.add("road", Marker::CUBE, to - from, 2.2 * kLane, 0.02);
   road.pose.position = point(middle, 0.5 * kLane, -0.03);
