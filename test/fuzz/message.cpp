@@ -57,7 +57,8 @@ public:
         vehicle_.step(message->position, out);
     }
     statistics_.saw(platoon::platoon_time(message->header.stamp.toNSec()).toNSec());
-    diagnose_stall(statistics_.arrivals().latest(), configuration().run.schedule());
+    diagnose_stall(statistics_.arrivals().latest(), configuration().run.schedule(),
+                   configuration().run.longest_lead());
   }
 
   void take(const Progress& message) {

@@ -75,11 +75,11 @@ class Orders(LaunchTest):
         rospy.wait_for_service("/platoon/leader/" + service, 60)
         return rospy.ServiceProxy("/platoon/leader/" + service, Trigger)()
 
-    def change(self, headway=math.nan, noise_variance=math.nan, loss=math.nan):
+    def change(self, headway="", noise_variance="", loss=""):
         import rospy
         from stochastic_platoon.srv import ChangeRun
         rospy.wait_for_service("/platoon/change_run", 60)
-        return rospy.ServiceProxy("/platoon/change_run", ChangeRun)(headway, noise_variance, loss)
+        return rospy.ServiceProxy("/platoon/change_run", ChangeRun)(str(headway), str(noise_variance), str(loss))
 
     def in_both(self, check):
         for hosting in ("processes", "one_process"):
@@ -211,10 +211,11 @@ class Changes(Orders):
             return statistics.messages[-1], snapshots.newest(lambda message: message.run != run).run
 
         stable, first_run = averaged(3.2, None)
-        for bad, words in ((dict(headway=0.0), "time_headway: 0: must be a finite number > 0"),
-                           (dict(headway=math.inf), "time_headway: inf: must be a finite number > 0"),
-                           (dict(noise_variance=-1.0), "noise_variance: -1: must be a finite number >= 0"),
-                           (dict(loss=1.0), "channel/loss/probability: 1: must be a number from 0 to below 1")):
+        for bad, words in ((dict(headway="0"), "time_headway: 0: must be a finite number > 0"),
+                           (dict(headway="inf"), "time_headway: inf: must be a finite number > 0"),
+                           (dict(headway="fast"), "time_headway: fast: must be a finite number > 0"),
+                           (dict(noise_variance="-1"), "noise_variance: -1: must be a finite number >= 0"),
+                           (dict(loss="1"), "channel/loss/probability: 1: must be a number from 0 to below 1")):
             answer = self.change(**bad)
             self.assertFalse(answer.success)
             self.assertIn(words, answer.message)

@@ -36,6 +36,7 @@ Columns columns_of(const RunOptions& run, const Prediction& prediction, const Ru
   columns.steps = spread_steps(run.steps, static_cast<std::int64_t>(most));
   columns.run.steps = static_cast<std::int64_t>(columns.steps.size());
   columns.prediction.theory = prediction.theory;
+  columns.prediction.followers_with_theory = prediction.followers_with_theory;
   columns.result.realizations = result.realizations;
   for (std::size_t i = 1; i <= run.followers; ++i) {
     for (const std::int64_t k : columns.steps) {

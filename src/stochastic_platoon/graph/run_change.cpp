@@ -3,7 +3,6 @@
 #include <ros/console.h>
 #include <stochastic_platoon/Progress.h>
 
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -70,8 +69,8 @@ RunChange::RunChange(ros::NodeHandle platoon, const Configuration& present, Begi
 bool RunChange::serve(stochastic_platoon::ChangeRun::Request& request,
                       stochastic_platoon::ChangeRun::Response& response) {
   std::map<std::string, std::string> given;
-  const auto give = [&given](const char* name, double value) {
-    if (!std::isnan(value)) given[name] = formatted("%.17g", value);
+  const auto give = [&given](const char* name, const std::string& value) {
+    if (!value.empty()) given[name] = value;
   };
   give("headway", request.headway);
   give("noise_variance", request.noise_variance);
@@ -81,8 +80,7 @@ bool RunChange::serve(stochastic_platoon::ChangeRun::Request& request,
     lock_output(next.run)->leave_claim();
     response.success = 1;
     response.message = "run " + std::to_string(next.run.number) + " begins";
-    for (const auto& entry : given)
-      response.message += formatted(", %s %g", entry.first.c_str(), std::stod(entry.second));
+    for (const auto& entry : given) response.message += ", " + entry.first + " " + entry.second;
     response.message += ": its statistics start anew, results go to " + next.run.output;
     asked_ = next;
     asked_at_ = now();

@@ -22,6 +22,11 @@ def number_of(content, key):
     return float(value)
 
 
+def text_of(number):
+    """As a launch argument: empty leaves a value as it is."""
+    return "" if math.isnan(number) else repr(number)
+
+
 class Commands:
     def __init__(self):
         self.speed = rospy.Publisher("leader/speed", Float64, queue_size=1)
@@ -35,7 +40,7 @@ class Commands:
             if command == "speed":
                 return self.set_speed(number_of(content, "speed"))
             if command == "change":
-                return self.call("change_run", ChangeRun, *[number_of(content, key) for key in CHANGES])
+                return self.call("change_run", ChangeRun, *[text_of(number_of(content, key)) for key in CHANGES])
             return False, "command: {}: must be one of {}, speed, change".format(str(command)[:40], ", ".join(MANOEUVRES))
         except ValueError as error:
             return False, str(error)
