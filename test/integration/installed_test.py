@@ -81,7 +81,8 @@ class Installed(unittest.TestCase):
     def check_in_ros(self, vehicle):
         """On a master of its own, all of whose processes end with the shell."""
         port = live_platoon.free_port()
-        said = self.installed("trap 'kill $(jobs -p); wait' EXIT; roscore -p {} > /dev/null & {} & "
+        said = self.installed("trap 'kill $(jobs -p); wait' EXIT; roscore -p {} > /dev/null & "
+                              "until rosnode list > /dev/null 2>&1; do sleep 0.2; done; {} & "
                               "rosrun stochastic_platoon check_vehicle 2".format(port, vehicle),
                               ROS_MASTER_URI="http://localhost:{}".format(port))
         self.assertIn("vehicle_2 keeps the vehicle contract", said)
