@@ -8,14 +8,12 @@ the bits must be those of the optimised build all the same. Without catkin-tools
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
 import live_platoon
 
 SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-NEEDED = ("catkin", "catkin_lint")
 SETTINGS = dict(followers=2, steps=20, realizations=100)
 
 
@@ -95,8 +93,5 @@ class Installed(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    missing = [program for program in NEEDED if not shutil.which(program)]
-    if missing:
-        print("skipped: needs " + ", ".join(missing))
-        sys.exit(77)
+    live_platoon.skip_without("catkin", "catkin_lint")
     unittest.main()

@@ -3,9 +3,11 @@
 import json
 import os
 import random
+import shutil
 import signal
 import socket
 import subprocess
+import sys
 import time
 import xmlrpc.client
 
@@ -13,6 +15,14 @@ import rosgraph
 import rospkg
 
 DEADLINE = 150.0  # [s] for a run to complete on a busy machine
+
+
+def skip_without(*programs):
+    """Ends the test as skipped, with the reason, where these are not installed, as in a workspace on another system."""
+    missing = [program for program in programs if not shutil.which(program)]
+    if missing:
+        print("skipped: needs " + ", ".join(missing))
+        sys.exit(77)
 
 
 def wait_for(condition, what, deadline=DEADLINE):

@@ -68,4 +68,5 @@ class Picture(LaunchTest):
 
 
 if __name__ == "__main__":
+    live_platoon.skip_without("rviz", "Xvfb")
     unittest.main()
