@@ -63,7 +63,9 @@ class Live(Page):
         shown, said = live_platoon.wait_for(pair, "a step that both tell of")
         for key in ("mean", "variance", "theoretical_variance"):
             self.assertEqual(shown[key], list(getattr(said, key)), key)
-        self.assertEqual(shown["score"], [None] * FOLLOWERS)
+        for error, score, variance, theory in zip(shown["standard_error"], shown["score"], shown["variance"], shown["theoretical_variance"]):
+            self.assertTrue(0.0 < error < variance)
+            self.assertEqual(score > 0.0, variance > theory)
 
     def test_the_road_has_vehicles_in_the_papers_colours_and_the_strip_fills(self):
         self.browser.show_as(1280, 1200)
@@ -107,6 +109,19 @@ class Live(Page):
             self.assertEqual((status, answer["success"]), (409, False))
             self.assertIn(words, answer["message"])
         self.steps_on()
+
+    def test_the_stable_headways_are_marked_below_the_slider(self):
+        (low, high), = live_platoon.wait_for(lambda: state(self.url).get("stable_headways"), "the stable headways")
+        self.assertAlmostEqual(low, 2.8, places=9)
+        self.assertGreater(high, 100.0)
+        self.wait_for_page("document.querySelectorAll('#stable-headways i').length == 1", "the mark")
+        left, right, track = self.browser.run('''const box = name => document.querySelector(name).getBoundingClientRect();
+            const mark = box("#stable-headways i"); return [mark.left, mark.right, box("#headway")].map(x => x.left === undefined ? x : [x.left, x.right])''')
+        # The middle of the slider's thumb goes from 8 pixels behind its left end to 8 before its right end.
+        place = (left - track[0] - 8.0) / (track[1] - track[0] - 16.0)
+        self.assertAlmostEqual(place, (2.8 - 0.5) / (6.0 - 0.5), delta=0.02)
+        self.assertAlmostEqual(right, track[1] - 8.0, delta=1.0)
+        self.assertIn("stable from 2.8", self.browser.text("#changes"))
 
     def test_with_another_headway_from_the_page_begins_a_new_run_with_its_verdict(self):
         self.assertIn("String stable", self.browser.text("#verdict"))

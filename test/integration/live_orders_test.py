@@ -228,11 +228,6 @@ class Changes(Orders):
         self.assertLess(statistics.messages[0].step, stable.step, "the statistics do not start anew")
         unstable, _ = averaged(2.4, first_run)
         terminal.interrupt()
-        for message in (stable, unstable):
-            for i in (0, FOLLOWERS - 1):
-                # The tail's errors are narrow-banded where |T| is largest: 200 steps an independent value is ample.
-                tolerance = 5.0 * (2.0 / (message.step / 200.0)) ** 0.5
-                self.assertLess(abs(message.variance[i] / message.theoretical_variance[i] - 1.0), tolerance, i)
         self.assertGreater(unstable.variance[-1], 3.0 * stable.variance[-1])
         # Each run in a folder of its own.
         for folder, headway in ((self.output, 3.2), (self.output + "-run2", 2.4)):
@@ -240,6 +235,9 @@ class Changes(Orders):
                 summary = json.load(file)
             self.assertTrue(summary["time_average"])
             self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)
+            # Of twice FOLLOWERS scores, of averages worth thousands of independent errors.
+            for score in summary["agreement"].values():
+                self.assertLess(score, 5.0)
             with open(os.path.join(folder, "statistics.csv")) as file:
                 self.assertEqual(len(list(csv.DictReader(file))), FOLLOWERS)
 

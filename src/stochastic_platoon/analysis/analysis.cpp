@@ -76,31 +76,6 @@ LoopDesign with_gain(const LoopDesign& design, double gain) {
 
 }  // namespace
 
-namespace {
-
-// Of the default vehicle, whatever the links and the other vehicles are.
-StableHeadways headways_of(const PlatoonModel& model) {
-  if (is_papers(model)) {
-    return stable_headways([&model](double headway) { return close_loop(*model.design, headway); },
-                           headways_about(model.headway));
-  }
-  const auto margin = [&model](double headway) {
-    try {
-      PlatoonModel varied = model;
-      varied.headway = headway;
-      varied.loop = close_loop(*model.design, headway);
-      return linked_string_margin(varied);
-    } catch (const std::invalid_argument&) {
-      return -1.0;
-    }
-  };
-  HeadwayRange range = headways_about(model.headway);
-  range.samples /= 4;  // each needs a quadrature
-  return stable_headways(StabilityMargin(margin), range);
-}
-
-}  // namespace
-
 Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   Analysis analysis{};
   analysis.theory = theory_of(model);
@@ -116,7 +91,7 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
   } else {
     analysis.stationary_mean = stationary_means(model, followers);
   }
-  if (model.design) analysis.headways = headways_of(model);
+  analysis.headways = stable_headways(model);
   analysis.losses = stable_losses(model);
   return analysis;
 }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/theory/effective_sample.hpp"
 #include "stochastic_platoon/theory/string_stability.hpp"
 
 namespace platoon {
@@ -32,6 +33,7 @@ struct Prediction {
   std::vector<double> rounding = {};        ///< [m], one per cell: see rounding_bounds(); empty over time
   Theory theory = Theory::exact;            ///< none where no follower has one
   std::size_t followers_with_theory = 0;
+  std::vector<EffectiveSample> effective_sample = {};  ///< over time: one per follower, what a step is worth
 };
 
 Prediction predict(const Configuration& configuration);

@@ -44,7 +44,7 @@ std::optional<Snapshot> SnapshotAssembly::take(std::size_t stream, const Message
 }
 
 void SnapshotAssembly::begin_if_due(const Place& place, double now) {
-  const bool has_error = place.second >= 0;
+  const bool has_error = place.second >= 0 && place.second % stride_ == 0;
   const bool is_room = 2 * streams_ * (open_.size() + 1) <= kMostPositions || open_.empty();
   constexpr double kEarly =
       0.2;  // of a period: steps that come once in a period do not come to the millisecond

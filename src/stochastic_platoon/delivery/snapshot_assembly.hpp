@@ -26,6 +26,9 @@ public:
   /// Begins one per `period` [s] at most, on average.
   SnapshotAssembly(std::size_t streams, double period);
 
+  /// Begins them at multiples of so many steps only, >= 1.
+  void set_stride(std::int64_t steps) { stride_ = steps; }
+
   /// Takes a position of a stream. The snapshot that is complete with it.
   std::optional<Snapshot> take(std::size_t stream, const MessageId& id, double position, double now);
 
@@ -46,6 +49,7 @@ private:
 
   std::size_t streams_;
   double period_;
+  std::int64_t stride_ = 1;
   double due_ = 0.0;  ///< [s]
   std::uint32_t attempt_ = 0;
   Place furthest_{0, kNothingYet};

@@ -42,7 +42,7 @@ void Channel::begin(const Configuration& configuration) {
     return superseded_(configuration);
   }
   run_ = run;
-  told_->set_paced(run.rate > 0.0);
+  told_->set_rate(run.rate);
   for (Wire& wire : wires_) {
     wire.link.emplace(configuration.model, run.seed, wire.follower);
     wire.order.reset();

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <boost/function.hpp>
+#include <chrono>
 #include <cstdio>
 #include <mutex>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
 #include "stochastic_platoon/results/run_report.hpp"
+#include "stochastic_platoon/theory/critical_headway.hpp"
 
 namespace platoon {
 
@@ -49,6 +51,16 @@ std::optional<Checkpoint> checkpoint_of(const Configuration& configuration) {
   return found;
 }
 
+// [from, to, from, to, ...]; empty where there are none, or none are known.
+std::vector<double> flat_stable_headways(const PlatoonModel& model) {
+  std::vector<double> flat;
+  if (theory_of(model) == Theory::none) return flat;
+  if (const std::optional<StableHeadways> headways = stable_headways(model)) {
+    for (const HeadwayInterval& of : headways->intervals) flat.insert(flat.end(), {of.from, of.to});
+  }
+  return flat;
+}
+
 std::vector<TrackingError> errors_of(const Configuration& configuration) {
   std::vector<TrackingError> errors;
   for (std::size_t i = 1; i <= configuration.run.followers; ++i)
@@ -77,13 +89,15 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
       configuration_text_(platoon.advertise<std_msgs::String>(kConfigurationTopic, 1, true)),
       snapshots_(platoon, kSnapshotTopic, configuration.run.followers + 1, errors_of(configuration)),
       change_(platoon, configuration, [this](const Configuration& next) { membership_.join(next); }) {
-  snapshots_.set_paced(configuration.run.rate > 0.0);
+  snapshots_.set_rate(configuration.run.rate);
   wall_seconds_before_ = statistics_.tally().wall_seconds;
   reports_.saw(statistics_.tally().platoon_time);
   std_msgs::String text;
   ignore_file_size_signal();
   text.data = to_json(configuration).dump();
   configuration_text_.publish(text);
+  if (endless())
+    headways_ = std::async(std::launch::async, flat_stable_headways, configuration.model).share();
   publish_overview({});  // the verdict need not wait for the first figures
   subscribe(platoon, node_of_vehicle);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
@@ -402,6 +416,8 @@ void Monitor::publish_statistics(std::int64_t step, const RunResult& result) {
 void Monitor::publish_overview(const RunResult& result) {
   Overview message = overview_of(configuration_.run, prediction_, result);
   message.run = membership_.run();
+  if (headways_.valid() && headways_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+    message.stable_headways = headways_.get();
   overview_.publish(message);
 }
 

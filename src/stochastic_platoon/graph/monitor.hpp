@@ -5,6 +5,7 @@
 #include <stochastic_platoon/Progress.h>
 
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -100,6 +101,8 @@ private:
   std::uint64_t checkpointed_;             ///< positions in the latest checkpoint
   std::optional<double> last_checkpoint_;  ///< [s]
   std::optional<double> last_statistics_;  ///< [s]
+  std::shared_future<std::vector<double>>
+      headways_;  ///< of an endless run, as another may follow: takes a while
   bool finished_ = false;
   bool departs_ = false;  ///< the leader, as last said
 

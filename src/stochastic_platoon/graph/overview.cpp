@@ -74,12 +74,9 @@ void add_cells(const Columns& columns, Overview& message) {
       message.theoretical_mean[at] = of.theoretical_mean;
       message.theoretical_variance[at] = of.theoretical_variance;
       if (!last) continue;
-      message.standard_error.push_back(
-          columns.run.averaging() == Averaging::over_time ? kNone : standard_error_of_variance(of));
+      message.standard_error.push_back(standard_error_of_variance(of));
       message.variance_score.push_back(
-          columns.run.averaging() == Averaging::over_time
-              ? kNone
-              : scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding).variance);
+          scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share).variance);
     }
   }
 }

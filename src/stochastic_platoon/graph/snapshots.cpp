@@ -1,5 +1,7 @@
 #include "stochastic_platoon/graph/snapshots.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <utility>
 
@@ -18,6 +20,12 @@ Snapshots::Snapshots(ros::NodeHandle platoon, const std::string& topic, std::siz
       assembly_(streams, kPeriod),
       publisher_(platoon.advertise<stochastic_platoon::Snapshot>(topic, 10)) {
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kPeriod), [this](const auto&) { publish(); });
+}
+
+void Snapshots::set_rate(double rate) {
+  paced_ = rate > 0.0;
+  const std::lock_guard<SpinLock> lock(lock_);
+  assembly_.set_stride(std::max<std::int64_t>(1, std::llround(std::ceil(std::min(rate, 1e9) * kPeriod))));
 }
 
 void Snapshots::take(std::size_t stream, const stochastic_platoon::Position& message) {

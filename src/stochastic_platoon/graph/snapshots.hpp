@@ -29,8 +29,9 @@ public:
   /// Whether positions are wanted at present.
   bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
 
-  /// Whether they are wanted though nobody subscribes.
-  void set_paced(bool paced) { paced_ = paced; }
+  /// Of a run at this rate [steps/s], 0 as fast as it can. One that is paced has them though nobody subscribes, and at
+  /// multiples of as many steps as its rate takes: two topics of it are of the same steps.
+  void set_rate(double rate);
 
   /// Takes a message of a stream.
   void take(std::size_t stream, const stochastic_platoon::Position& message);

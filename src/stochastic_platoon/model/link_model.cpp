@@ -1,8 +1,10 @@
 #include "stochastic_platoon/model/link_model.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cmath>
 #include <limits>
+
+#include "stochastic_platoon/model/eigenvalues.hpp"
 
 namespace platoon {
 
@@ -32,12 +34,12 @@ double second_moment_radius(const LossModel& loss) {
   const Eigen::MatrixXd a = kronecker_square(arrived), b = kronecker_square(lost);
   if (loss.is_independent()) {
     const double q = loss.probability;
-    return ((1.0 - q) * a + q * b).eval().eigenvalues().cwiseAbs().maxCoeff();
+    return spectral_radius((1.0 - q) * a + q * b);
   }
   Eigen::MatrixXd both(2 * a.rows(), 2 * a.rows());
   both << (1.0 - loss.after_arrival()) * a, (1.0 - loss.after_loss()) * a, loss.after_arrival() * b,
       loss.after_loss() * b;
-  return both.eigenvalues().cwiseAbs().maxCoeff();
+  return spectral_radius(both);
 }
 
 double loss_feedback(const LossModel& loss) {
@@ -47,7 +49,7 @@ double loss_feedback(const LossModel& loss) {
   Eigen::MatrixXd step = Eigen::MatrixXd::Zero(n, n);
   step.diagonal(-1).setOnes();
   step.row(0) = loss.probability * c.transpose();
-  if (step.eigenvalues().cwiseAbs().maxCoeff() >= 1.0) return std::numeric_limits<double>::infinity();
+  if (spectral_radius(step) >= 1.0) return std::numeric_limits<double>::infinity();
   const Eigen::VectorXd x = (Eigen::MatrixXd::Identity(n * n, n * n) - kronecker_square(step))
                                 .partialPivLu()
                                 .solve(Eigen::VectorXd::Unit(n * n, 0));

@@ -1,9 +1,10 @@
 #include "stochastic_platoon/model/polynomial.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "stochastic_platoon/model/eigenvalues.hpp"
 
 namespace platoon {
 
@@ -49,8 +50,8 @@ std::vector<std::complex<double>> roots(const Polynomial& p) {
   Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(degree, degree);
   companion.row(0) = -q.tail(degree).transpose() / q(0);
   for (Eigen::Index i = 1; i < degree; ++i) companion(i, i - 1) = 1.0;
-  const Eigen::VectorXcd eigenvalues = companion.eigenvalues();
-  return {eigenvalues.data(), eigenvalues.data() + eigenvalues.size()};
+  const Eigen::VectorXcd found = eigenvalues(companion);
+  return {found.data(), found.data() + found.size()};
 }
 
 int multiplicity_at_one(const Polynomial& p, double tolerance) {

@@ -1,5 +1,7 @@
 #include "stochastic_platoon/results/run_report.hpp"
 
+#include <cmath>
+
 #include "stochastic_platoon/io/text.hpp"
 
 namespace platoon {
@@ -14,8 +16,9 @@ bool is_shown(std::size_t follower, std::size_t followers) {
 std::string heading(const RunOptions& run, const RunResult& result) {
   if (run.averaging() == Averaging::over_time) {
     std::string text = formatted(
-        "time averages up to step %lld (variance over time, no standard error: successive errors are "
-        "correlated)\n",
+        "time averages up to step %lld (variance over time; standard errors by the theory's correlation of "
+        "successive "
+        "errors)\n",
         static_cast<long long>(result.last_step));
     if (result.tally.attempts > 1) {
       text += formatted("the run was begun %u times, each time left out up to step %lld and with new noise\n",
@@ -27,21 +30,22 @@ std::string heading(const RunOptions& run, const RunResult& result) {
                    static_cast<unsigned long long>(result.realizations));
 }
 
-std::string row(const ResultCell& of, Averaging averaging, bool has_theory) {
+std::string row(const ResultCell& of, bool has_theory) {
   std::string text = formatted("%8zu %16.6g ", of.follower, of.measured.variance());
   if (!has_theory) return text + formatted("%16s %14s %9s\n", "-", "-", "-");
-  if (averaging == Averaging::over_time)
+  if (std::isnan(of.share.variance))
     return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
   return text +
          formatted("%16.2g %14.6g %9.2f\n", standard_error_of_variance(of), of.theoretical_variance,
-                   scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding).variance);
+                   scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share)
+                       .variance);
 }
 
 std::string table(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   std::string text = "follower   variance [m^2]   standard error   theory [m^2]         z\n";
   for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result)) {
     if (is_shown(of.follower, run.followers)) {
-      text += row(of, run.averaging(), of.follower <= prediction.followers_with_theory);
+      text += row(of, of.follower <= prediction.followers_with_theory);
     } else if (is_shown(of.follower - 1, run.followers)) {
       text += "     ...\n";
     }
@@ -49,11 +53,11 @@ std::string table(const RunOptions& run, const Prediction& prediction, const Run
   return text;
 }
 
-std::string comparison(const Agreement& found, std::size_t cells, bool papers) {
+std::string comparison(const Agreement& found, std::size_t cells, const char* of, bool papers) {
   const double bound = largest_plausible_score(2 * cells);
   const bool agrees = found.max_abs_z_mean <= bound && found.max_abs_z_variance <= bound;
   return formatted(
-      "%s: over all %zu (i, k) the largest |z| is %.2f for the means and %.2f for the variances "
+      "%s: over all %zu %s the largest |z| is %.2f for the means and %.2f for the variances "
       "(chance alone exceeds %.2f once in 1000 runs)\n",
       (std::string(agrees ? "Measurement agrees with " : "MEASUREMENT AND ") +
        (papers   ? agrees ? "Lemma 1" : "LEMMA 1"
@@ -61,7 +65,7 @@ std::string comparison(const Agreement& found, std::size_t cells, bool papers) {
                  : "THE THEORY") +
        (agrees ? "" : " DISAGREE"))
           .c_str(),
-      cells, found.max_abs_z_mean, found.max_abs_z_variance, bound);
+      cells, of, found.max_abs_z_mean, found.max_abs_z_variance, bound);
 }
 
 }  // namespace
@@ -74,7 +78,11 @@ std::string report(const Configuration& configuration, const Prediction& predict
                                configuration.model.headway, configuration.model.noise_variance);
   text += heading(run, result) + table(run, prediction, result);
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
-  if (found) text += comparison(*found, cells_with_theory(run, prediction), is_papers(configuration.model));
+  if (found) {
+    text += comparison(*found, cells_with_theory(run, prediction),
+                       run.averaging() == Averaging::over_time ? "followers" : "(i, k)",
+                       is_papers(configuration.model));
+  }
   text += "Theory: " + stability.reason + ".\n";
   if (stability.limit_variance) {
     text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);

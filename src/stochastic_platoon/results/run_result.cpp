@@ -14,8 +14,15 @@ namespace platoon {
 
 namespace {
 
-// Realizations from which on the means and variances of errors that are not normal are so themselves.
+// Realizations from which on the means and variances of errors that are not normal are so themselves, and independent
+// errors that an average over time must be worth for what holds for many of them.
 constexpr std::uint64_t kEnoughForAnyDistribution = 1000;
+
+IndependentShare share_of(const Prediction& prediction, std::size_t follower) {
+  if (prediction.effective_sample.empty()) return {std::nan(""), std::nan("")};
+  const EffectiveSample& of = prediction.effective_sample[follower - 1];
+  return {of.mean, of.variance};
+}
 
 nlohmann::json theory_json(const Prediction& prediction) {
   if (prediction.theory == Theory::none) {
@@ -40,11 +47,14 @@ nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
 }
 
 // Of every follower's variance at the last step: what statistics.csv cannot tell where errors are not normal.
-nlohmann::json standard_errors_json(const RunOptions& run, const RunResult& result) {
+nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& prediction,
+                                    const RunResult& result) {
   nlohmann::json errors = nlohmann::json::array();
   for (std::size_t i = 1; i <= run.followers; ++i) {
     if (run.averaging() == Averaging::over_time) {
-      errors.push_back(nullptr);
+      const Moments& measured = result.moments[i - 1];
+      errors.push_back(
+          standard_error_of_variance(measured.variance(), measured.count, share_of(prediction, i).variance));
       continue;
     }
     const Moments& measured = result.moments[cell(i, run.steps - 1, run.steps)];
@@ -78,7 +88,7 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"positions_lost", static_cast<std::int64_t>(expected) - static_cast<std::int64_t>(received)},
           {"wall_seconds", seconds},
           {"vehicle_steps_per_second", seconds > 0.0 ? vehicle_steps / seconds : 0.0},
-          {"standard_error_of_variance", standard_errors_json(run, result)},
+          {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
           {"agreement", agreement_json(measured_agreement(run, prediction, result))},
           {"theory", theory_json(prediction)}};
 }
@@ -93,21 +103,43 @@ std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const
     const std::size_t c = over_time ? i - 1 : cell(i, step, run.steps);
     // When a run is stopped, its vehicles are not all at the same step.
     cells.push_back({i, over_time ? result.last_steps[c] : step, result.moments[c], prediction.mean[c],
-                     prediction.variance[c], prediction.rounding.empty() ? 0.0 : prediction.rounding[c]});
+                     prediction.variance[c], prediction.rounding.empty() ? 0.0 : prediction.rounding[c],
+                     over_time ? share_of(prediction, i) : IndependentShare{}});
   }
   return cells;
 }
 
 double standard_error_of_variance(const ResultCell& of) {
   return std::isnan(of.measured.fourth_deviations)
-             ? standard_error_of_variance(of.theoretical_variance, of.measured.count)
+             ? standard_error_of_variance(of.theoretical_variance, of.measured.count, of.share.variance)
              : standard_error_of_variance(of.measured);
 }
 
+namespace {
+
+std::optional<Agreement> agreement_over_time(const RunOptions& run, const Prediction& prediction,
+                                             const RunResult& result) {
+  if (result.moments.empty()) return std::nullopt;
+  Agreement worst;
+  for (const ResultCell& of : cells_at(0, run, prediction, result)) {
+    if (of.follower > prediction.followers_with_theory) break;
+    const double worth = static_cast<double>(of.measured.count) * std::min(of.share.mean, of.share.variance);
+    if (!(worth >= static_cast<double>(kEnoughForAnyDistribution))) return std::nullopt;
+    const Scores found =
+        scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share);
+    worst.max_abs_z_mean = std::max(worst.max_abs_z_mean, std::abs(found.mean));
+    worst.max_abs_z_variance = std::max(worst.max_abs_z_variance, std::abs(found.variance));
+  }
+  return worst;
+}
+
+}  // namespace
+
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result) {
-  if (run.averaging() == Averaging::over_time || result.realizations < 2) return std::nullopt;
   if (prediction.theory == Theory::none) return std::nullopt;
+  if (run.averaging() == Averaging::over_time) return agreement_over_time(run, prediction, result);
+  if (result.realizations < 2) return std::nullopt;
   const bool normal = result.moments.empty() || std::isnan(result.moments.front().fourth_deviations);
   if (!normal && result.realizations < kEnoughForAnyDistribution) return std::nullopt;
   const std::size_t judged = cells_with_theory(run, prediction);

@@ -37,18 +37,20 @@ struct ResultCell {
   double theoretical_mean;      ///< [m]
   double theoretical_variance;  ///< [m^2]
   double rounding = 0.0;        ///< [m], what the run's arithmetic may change an error by
+  IndependentShare share = {};  ///< of an average over time: see EffectiveSample; NaN where it is not known
 };
 
 /// The result's cells of step k, one per follower; of averages over time, whatever k, all there are.
 std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
                                  const RunResult& result);
 
-/// Standard error of the cell's variance over realizations [m^2]: of normal errors sqrt(2 / (n - 1)) times the
-/// theoretical variance, else (where the fourth moment was kept) as it was measured.
+/// Standard error of the cell's variance [m^2]: of normal errors sqrt(2 / (n - 1)) times the theoretical variance
+/// (over time with n - 1 times the share, NaN where that is not known), else (where the fourth moment was kept) as it was measured.
 double standard_error_of_variance(const ResultCell& of);
 
-/// How far measurement and theory are apart. None where it cannot be said: fewer than two realizations
-/// (a thousand, where errors are not normal), no theory, or averages over time, whose errors are correlated.
+/// How far measurement and theory are apart. None where it cannot be said: no theory, fewer than two realizations
+/// (a thousand, where errors are not normal), or averages over time that are worth fewer than a thousand
+/// independent errors, or are not normal.
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result);
 

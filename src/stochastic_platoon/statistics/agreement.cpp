@@ -46,10 +46,11 @@ double beyond(double difference, double rounding) {
   return difference > 0.0 ? difference - rounding : difference + rounding;
 }
 
-double mean_score(const Moments& measured, double mean, double variance, double rounding) {
+double mean_score(const Moments& measured, double mean, double variance, double rounding,
+                  const IndependentShare& share = {}) {
   const double difference = beyond(measured.count > 0 ? measured.mean - mean : kNaN, rounding);
   if (!(variance >= 0.0)) return kNaN;
-  if (variance > 0.0) return difference / standard_error_of_mean(variance, measured.count);
+  if (variance > 0.0) return difference / standard_error_of_mean(variance, measured.count, share.mean);
   return difference == 0.0 ? 0.0 : difference * kInfinity;
 }
 
@@ -74,12 +75,15 @@ double measured_variance_score(const Moments& measured, double variance, double 
   return difference == 0.0 ? 0.0 : difference / standard_error_of_variance(measured);
 }
 
-double variance_score(const Moments& measured, double variance, double rounding) {
+double variance_score(const Moments& measured, double variance, double rounding,
+                      const IndependentShare& share = {}) {
   if (!is_judged(measured.variance(), variance)) return kNaN;
   if (!std::isnan(measured.fourth_deviations)) return measured_variance_score(measured, variance, rounding);
   const double ratio = variance_ratio(measured.variance(), variance, rounding);
   if (std::isnan(ratio)) return 0.0;
-  return std::isinf(ratio) ? kInfinity : chi_squared_score(ratio, static_cast<double>(measured.count - 1));
+  if (std::isinf(ratio)) return kInfinity;
+  if (std::isnan(share.variance)) return kNaN;
+  return chi_squared_score(ratio, static_cast<double>(measured.count - 1) * share.variance);
 }
 
 // Not std::max: a NaN must neither be passed over nor replaced.
@@ -89,10 +93,10 @@ double larger(double worst, double next) {
 
 }  // namespace
 
-Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance,
-              double rounding) {
-  return {mean_score(measured, theoretical_mean, theoretical_variance, rounding),
-          variance_score(measured, theoretical_variance, rounding)};
+Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance, double rounding,
+              const IndependentShare& share) {
+  return {mean_score(measured, theoretical_mean, theoretical_variance, rounding, share),
+          variance_score(measured, theoretical_variance, rounding, share)};
 }
 
 Agreement agreement(const std::vector<Moments>& measured, const std::vector<double>& theoretical_mean,

@@ -14,6 +14,12 @@ struct Scores {
   double variance;
 };
 
+/// What one of several correlated values is worth, in independent ones, for their mean and for their variance.
+struct IndependentShare {
+  double mean = 1.0;
+  double variance = 1.0;
+};
+
 /// Scores of n values with this theoretical mean [m] and variance v [m^2], exact for every n: the tracking
 /// errors are normal, as they are linear in normal noise and initial positions, and v is known, so that
 /// (mean - theory) / sqrt(v / n) is standard normal (Student's distribution is for a v that is estimated) and
@@ -26,8 +32,11 @@ struct Scores {
 /// `rounding` [m] bounds what the arithmetic may add to one error: a mean within it, and a standard deviation
 /// within it, count as equal to the theory. Beyond it a score is infinite where v = 0. NaN where a value is,
 /// and for the variance of fewer than two values.
+///
+/// Of correlated values n counts for n share.mean, and n - 1 degrees of freedom for (n - 1) share.variance, which
+/// holds for large n (equivalent degrees of freedom; R. B. Blackman, J. W. Tukey, The Measurement of Power Spectra, 1958).
 Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance,
-              double rounding = 0.0);
+              double rounding = 0.0, const IndependentShare& share = {});
 
 /// The largest scores in modulus over many cells.
 struct Agreement {

@@ -37,13 +37,13 @@ Moments merge(const Moments& left, const Moments& right) {
               4.0 * shift * (a * right.cubed_deviations - b * left.cubed_deviations)};
 }
 
-double standard_error_of_mean(double variance, std::uint64_t count) {
-  return std::sqrt(variance / static_cast<double>(count));
+double standard_error_of_mean(double variance, std::uint64_t count, double share) {
+  return std::sqrt(variance / (static_cast<double>(count) * share));
 }
 
-double standard_error_of_variance(double variance, std::uint64_t count) {
+double standard_error_of_variance(double variance, std::uint64_t count, double share) {
   if (count < 2) return std::numeric_limits<double>::quiet_NaN();
-  return variance * std::sqrt(2.0 / static_cast<double>(count - 1));
+  return variance * std::sqrt(2.0 / (static_cast<double>(count - 1) * share));
 }
 
 double standard_error_of_variance(const Moments& measured) {

@@ -59,12 +59,12 @@ PLATOON_INLINE void merge_equal_powers(double shift, const Deviations& left, con
 /// nothing.
 Moments merge(const Moments& left, const Moments& right);
 
-/// Standard deviation of the mean of n independent values of this variance [m].
-double standard_error_of_mean(double variance, std::uint64_t count);
+/// Standard deviation of the mean of n values of this variance that are worth n share independent ones [m].
+double standard_error_of_mean(double variance, std::uint64_t count, double share = 1.0);
 
-/// Standard deviation of the unbiased variance of n independent normal values: variance sqrt(2 / (n - 1))
-/// [m^2].
-double standard_error_of_variance(double variance, std::uint64_t count);
+/// Standard deviation of the unbiased variance of n normal values, n - 1 worth (n - 1) share independent ones:
+/// variance sqrt(2 / ((n - 1) share)) [m^2].
+double standard_error_of_variance(double variance, std::uint64_t count, double share = 1.0);
 
 /// Standard deviation of the unbiased variance of values of any distribution [m^2], from their measured fourth
 /// moment m_4: sqrt((m_4 - v^2) / n). NaN where that was not kept.

@@ -2,7 +2,9 @@
 
 #include <complex>
 #include <cstddef>
+#include <map>
 #include <unsupported/Eigen/FFT>
+#include <utility>
 #include <vector>
 
 namespace platoon {
@@ -10,32 +12,53 @@ namespace platoon {
 /// Sums of causal convolutions, sum_j sum_{l <= k} a_j(k - l) b_j(l), k = 0 .. steps - 1, of sequences that are
 /// nowhere negative: by fast Fourier transforms of twice the length where their rounding leaves twelve digits,
 /// direct elsewhere. O(steps log steps) a sequence, O(steps) a product.
+///
+/// A transform has the same absolute rounding at every k. What grows by many decades over k is convolved as
+/// a(k) r^k and b(k) r^k, whose convolution is r^k times that of a and b, for as many r < 1 as it takes.
 class CausalConvolution {
 public:
   using Values = std::vector<double>;
 
-  /// A sequence and what its convolutions need.
-  struct Prepared {
-    Values values;
-    std::vector<std::complex<double>> spectrum;
-    double size = 0.0;  ///< 2-norm
+  /// A sequence, and its transforms by the tilt that they were made with.
+  class Prepared {
+  public:
+    Prepared() = default;
+    explicit Prepared(Values values) : values_(std::move(values)) {}
+
+    const Values& values() const { return values_; }
+    /// Whether there is nothing in it.
+    bool is_zero() const;
+
+  private:
+    friend class CausalConvolution;
+    struct Transform {
+      std::vector<std::complex<double>> spectrum;
+      double size;  ///< 2-norm of what was transformed
+    };
+    Values values_;
+    std::map<int, Transform> transforms_;
   };
 
   explicit CausalConvolution(std::size_t steps);
 
-  Prepared prepare(Values values);
-
   struct Product {
-    const Prepared& a;
-    const Prepared& b;
+    Prepared& a;
+    Prepared& b;
   };
 
   /// Adds the sum of these products to row.
   void add(const std::vector<Product>& products, Values& row);
 
 private:
+  const Values& weights(int tilt);
+  int next_tilt(const Values& row, std::size_t last_open) const;
+  const Prepared::Transform& transform(Prepared& sequence, int tilt);
+  void add_tilted(const std::vector<Product>& products, int tilt, Values& row,
+                  std::vector<std::size_t>& open);
+
   std::size_t steps_, length_ = 1;
   Eigen::FFT<double> fft_;
+  std::map<int, Values> weights_;  ///< r^k of the tilts so far
 };
 
 }  // namespace platoon

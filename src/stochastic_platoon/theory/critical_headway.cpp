@@ -7,6 +7,7 @@
 #include <string>
 
 #include "stochastic_platoon/theory/least_margin.hpp"
+#include "stochastic_platoon/theory/linked_string.hpp"
 #include "stochastic_platoon/theory/loop_spectrum.hpp"
 
 namespace platoon {
@@ -73,6 +74,27 @@ StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange
   if (!result.intervals.empty() && result.intervals.back().to == samples.back())
     result.critical = result.intervals.back().from;
   return result;
+}
+
+std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
+  if (!model.design) return std::nullopt;
+  if (is_papers(model)) {
+    return stable_headways([&model](double headway) { return close_loop(*model.design, headway); },
+                           headways_about(model.headway));
+  }
+  const auto margin = [&model](double headway) {
+    try {
+      PlatoonModel varied = model;
+      varied.headway = headway;
+      varied.loop = close_loop(*model.design, headway);
+      return linked_string_margin(varied);
+    } catch (const std::invalid_argument&) {
+      return -1.0;
+    }
+  };
+  HeadwayRange range = headways_about(model.headway);
+  range.samples /= 4;  // each needs a quadrature
+  return stable_headways(StabilityMargin(margin), range);
 }
 
 }  // namespace platoon

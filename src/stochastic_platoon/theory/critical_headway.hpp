@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stochastic_platoon/model/closed_loop.hpp"
+#include "stochastic_platoon/model/platoon_model.hpp"
 #include "stochastic_platoon/theory/stable_intervals.hpp"
 
 namespace platoon {
@@ -43,6 +44,10 @@ StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range 
 
 /// The same by any margin over headways.
 StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range);
+
+/// Of the default vehicle, whatever the links and the other vehicles are, about the model's own headway. None
+/// where the closed loop itself was given, which has no other. Throws std::invalid_argument for losses in bursts.
+std::optional<StableHeadways> stable_headways(const PlatoonModel& model);
 
 /// Positive just when string_stability finds the platoon string stable, zero at the border, and continuous in
 /// the coefficients of T but for their rounding: the smaller of 1 - rho(A) and the minimum of |D|^2 - |N|^2,

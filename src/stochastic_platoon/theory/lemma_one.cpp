@@ -1,9 +1,10 @@
 #include "stochastic_platoon/theory/lemma_one.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <stdexcept>
 #include <string>
+
+#include "stochastic_platoon/model/eigenvalues.hpp"
 
 namespace platoon {
 
@@ -79,7 +80,7 @@ ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t f
 
 Eigen::MatrixXd stationary_covariance_by_vec(const StringMatrices& string, double noise_variance) {
   const Eigen::Index n = string.c.cols() / string.c.rows();
-  if (!(string.a.topLeftCorner(n, n).eigenvalues().cwiseAbs().maxCoeff() < 1.0)) refuse_unstable();
+  if (!(spectral_radius(string.a.topLeftCorner(n, n)) < 1.0)) refuse_unstable();
   const Eigen::MatrixXd upsilon = noise_covariance(string, noise_variance);
   const Eigen::Index size = upsilon.size();
   const Eigen::MatrixXd map = Eigen::MatrixXd::Identity(size, size) - kronecker(string.a, string.a);

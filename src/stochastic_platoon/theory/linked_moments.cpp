@@ -4,6 +4,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "stochastic_platoon/theory/causal_convolution.hpp"
@@ -179,11 +180,11 @@ private:
   using Kernels = std::vector<CausalConvolution::Prepared>;
 
   // What the losses of the links up to `last` add to follower i's row, by these responses.
-  void add_losses_to(CausalConvolution& convolution, const std::vector<Kernels>& kernels, std::size_t i,
-                     std::size_t last, Values& row) const {
+  void add_losses_to(CausalConvolution& convolution, std::vector<Kernels>& kernels, std::size_t i,
+                     std::size_t last, Values& row) {
     std::vector<CausalConvolution::Product> products;
     for (std::size_t j = 0; j <= last; ++j) {
-      if (sources_[j].size > 0.0) products.push_back({kernels[j % vehicles_.size()][i - j], sources_[j]});
+      if (!sources_[j].is_zero()) products.push_back({kernels[j % vehicles_.size()][i - j], sources_[j]});
     }
     convolution.add(products, row);
   }
@@ -201,21 +202,20 @@ private:
       own[j] = squares(passed.innovation);
       const Responses responses = downstream(j, passed.position);
       for (std::size_t m = 0; m < responses.error.size(); ++m) {
-        of_error[j].push_back(convolution.prepare(responses.error[m]));
-        of_innovation[j].push_back(m == 0 ? CausalConvolution::Prepared()
-                                          : convolution.prepare(responses.innovation[m]));
+        of_error[j].emplace_back(responses.error[m]);
+        of_innovation[j].emplace_back(responses.innovation[m]);
       }
     }
     if (!any) return;
     for (std::size_t i = 0; i < followers_; ++i) {
       if (i > 0) add_losses_to(convolution, of_innovation, i, i - 1, innovation_[i]);
-      add_source(convolution, i, own[i % vehicles_.size()]);
+      add_source(i, own[i % vehicles_.size()]);
       add_losses_to(convolution, of_error, i, i, error_[i]);
     }
   }
 
   // The variance of w_i, which acts on the innovation of its own link: p q E e^2.
-  void add_source(CausalConvolution& convolution, std::size_t i, const Values& own) {
+  void add_source(std::size_t i, const Values& own) {
     Values variance;  // of w(k), from step 0 on
     const double factor = mean_vehicle(i).variance_factor();
     if (factor > 0.0) {
@@ -230,7 +230,7 @@ private:
         variance.push_back(factor * squared[k]);
       }
     }
-    sources_.push_back(variance.empty() ? CausalConvolution::Prepared() : convolution.prepare(variance));
+    sources_.emplace_back(std::move(variance));
   }
 
   PlatoonModel model_;

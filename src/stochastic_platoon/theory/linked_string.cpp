@@ -1,16 +1,17 @@
 #include "stochastic_platoon/theory/linked_string.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <stdexcept>
 
+#include "stochastic_platoon/model/eigenvalues.hpp"
 #include "stochastic_platoon/theory/least_margin.hpp"
 #include "stochastic_platoon/theory/pattern_gain.hpp"
 #include "stochastic_platoon/theory/pattern_spectra.hpp"
-#include "stochastic_platoon/theory/quadrature.hpp"
+#include "stochastic_platoon/theory/refinement.hpp"
 
 namespace platoon {
 
@@ -70,31 +71,6 @@ std::vector<double> variances_by(const PatternSpectra& spectra, const std::vecto
   return variances;
 }
 
-double largest_change(const std::vector<double>& a, const std::vector<double>& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (!std::isfinite(b[i]) || b[i] == 0.0) continue;
-    const double change = std::abs(a[i] - b[i]) / b[i];
-    largest = std::isnan(change) ? kInfinity : std::max(largest, change);
-  }
-  return largest;
-}
-
-/// values(refinement), refined until it no longer changes.
-template <class Values>
-std::vector<double> refined(const Values& values) {
-  std::vector<double> coarse = values(0);
-  double before = kInfinity;
-  for (int refinement = 1; refinement <= 4; ++refinement) {
-    std::vector<double> fine = values(refinement);
-    const double change = largest_change(coarse, fine);
-    if (is_converged(change, before)) return fine;
-    coarse.swap(fine);
-    before = change;
-  }
-  return coarse;
-}
-
 Eigen::MatrixXd loss_gains(const PatternSpectra& spectra, const std::vector<LinkedVehicle>& vehicles) {
   const auto m = static_cast<Eigen::Index>(vehicles.size());
   const Eigen::ArrayXd divisor = spectra.pattern_margin();
@@ -108,10 +84,6 @@ Eigen::MatrixXd loss_gains(const PatternSpectra& spectra, const std::vector<Link
     }
   }
   return gains;
-}
-
-double radius(const Eigen::MatrixXd& gains) {
-  return gains.eigenvalues().cwiseAbs().maxCoeff();
 }
 
 std::vector<double> limits_by(const PatternSpectra& spectra, const std::vector<LinkedVehicle>& vehicles,
@@ -158,7 +130,7 @@ double loss_gain_of(const std::vector<LinkedVehicle>& vehicles, const PatternGai
   if (!any_losses(vehicles)) return 0.0;
   return refined([&](int refinement) {
            return std::vector<double>{
-               radius(loss_gains(PatternSpectra(vehicles, gain, true, refinement), vehicles))};
+               spectral_radius(loss_gains(PatternSpectra(vehicles, gain, true, refinement), vehicles))};
          })
       .front();
 }
@@ -282,8 +254,9 @@ double linked_string_margin(const PlatoonModel& model) {
   const double least = gain.least().value;
   if (!(least > 0.0) || grows_at_zero(vehicles, gain)) return std::min(least, 0.0);
   // Panels resolve the integrand: far from the border their first cut says enough.
-  double loss_gain =
-      any_losses(vehicles) ? radius(loss_gains(PatternSpectra(vehicles, gain, true, 0), vehicles)) : 0.0;
+  double loss_gain = any_losses(vehicles)
+                         ? spectral_radius(loss_gains(PatternSpectra(vehicles, gain, true, 0), vehicles))
+                         : 0.0;
   if (std::abs(loss_gain - 1.0) < 1e-3) loss_gain = loss_gain_of(vehicles, gain);
   return std::min(
       {1.0 - worst.spectral_radius, 1.0 - worst.loss_feedback, least, 1.0 / std::max(loss_gain, 1e-3) - 1.0});

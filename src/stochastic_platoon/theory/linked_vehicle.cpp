@@ -39,9 +39,18 @@ Centre nearest(double frequency) {
 
 // z - c on the circle, without cancellation.
 Complex offset(double frequency, Centre centre) {
-  const long double w = frequency, half = w / 2.0L;
-  const long double s = centre == Centre::kOne ? std::sin(half) : std::cos(half);
-  return {centre == Centre::kOne ? -2.0L * s * s : 2.0L * s * s, std::sin(w)};
+  const long double half = static_cast<long double>(frequency) / 2.0L;
+  const long double sine = std::sin(half), cosine = std::cos(half);
+  return {centre == Centre::kOne ? -2.0L * sine * sine : 2.0L * cosine * cosine, 2.0L * sine * cosine};
+}
+
+// z^n of a z on the circle.
+Complex power(Complex z, std::size_t n) {
+  constexpr std::size_t kFew = 8;
+  if (n > kFew) return std::polar(1.0L, static_cast<long double>(n) * std::arg(z));
+  Complex product = 1.0L;
+  for (std::size_t j = 0; j < n; ++j) product *= z;
+  return product;
 }
 
 }  // namespace
@@ -84,30 +93,31 @@ const CirclePolynomial& LinkedVehicle::gain_denominator(Centre centre) const {
 
 LinkedVehicleValue LinkedVehicle::at(double frequency) const {
   const Centre centre = nearest(frequency);
-  const Half& part = centre == Centre::kOne ? near_ : far_;
-  const Complex s = offset(frequency, centre);
-  const long double w = frequency, t = circle_coordinate(frequency, centre);
-  const long double x = circle_coordinate(frequency, Centre::kOne), h = vehicle_.headway;
-  const Complex transfer = evaluate_at(part.numerator, s) / evaluate_at(part.denominator, s);
-  const Complex registers = evaluate_at(part.registers, s);
-  const auto order = static_cast<long double>(loss_.predictor.size());
-  const Complex f = std::polar(1.0L, order * w) / registers;
+  const bool near = centre == Centre::kOne;
+  const Half& part = near ? near_ : far_;
+  const Complex s = offset(frequency, centre), z = s + (near ? 1.0L : -1.0L);
+  const long double t = std::abs(s.real()), x = near ? t : 2.0L - t, h = vehicle_.headway;
+  const Complex numerator = evaluate_at(part.numerator, s);
+  const Complex denominator = evaluate_at(part.denominator, s), registers = evaluate_at(part.registers, s);
+  const long double of_loop = std::norm(denominator), of_link = std::norm(registers);
+  // F T and T^, by one division.
+  const Complex passed =
+      power(z, loss_.predictor.size()) * numerator * std::conj(denominator * registers) / (of_loop * of_link);
   const long double p = 1.0L - static_cast<long double>(loss_.probability);
-  const auto delay = static_cast<long double>(vehicle_.link.delay);
-  const Complex mean = p * std::polar(1.0L, -delay * w) * f * transfer;
-  const Complex policy = Complex(1.0L + h) - h * std::polar(1.0L, -w);
-  const long double margin = evaluate(part.margin, t) * (centre == Centre::kOne ? t : 1.0L) /
-                             (std::norm(evaluate_at(part.denominator, s)) * std::norm(registers));
-  const std::complex<double> z = std::polar(1.0, frequency);
+  const Complex mean = p * power(std::conj(z), vehicle_.link.delay) * passed;
+  const Complex policy = Complex(1.0L + h) - h * std::conj(z);
+  const long double margin = evaluate(part.margin, t) * (near ? t : 1.0L) / (of_loop * of_link);
+  const double coloured = vehicle_.link.has_white_noise()
+                              ? 1.0
+                              : std::norm(vehicle_.link.noise_filter(static_cast<std::complex<double>>(z)));
   const double quantisation = vehicle_.link.quantisation_step;
-  return {
-      static_cast<double>(std::norm(mean)),
-      static_cast<double>(margin),
-      static_cast<double>(std::norm(f * transfer)),
-      static_cast<double>(std::norm(evaluate_at(part.surprise, s) / registers)),
-      std::norm(vehicle_.link.noise_filter(z)) * vehicle_.noise_variance + quantisation * quantisation / 12.0,
-      static_cast<double>(std::norm(1.0L - policy * mean)),
-      static_cast<double>(1.0L + 2.0L * h * (1.0L + h) * x)};
+  return {static_cast<double>(std::norm(mean)),
+          static_cast<double>(margin),
+          static_cast<double>(std::norm(passed)),
+          static_cast<double>(std::norm(evaluate_at(part.surprise, s)) / of_link),
+          coloured * vehicle_.noise_variance + quantisation * quantisation / 12.0,
+          static_cast<double>(std::norm(1.0L - policy * mean)),
+          static_cast<double>(1.0L + 2.0L * h * (1.0L + h) * x)};
 }
 
 std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {

@@ -1,8 +1,12 @@
 #include "stochastic_platoon/theory/stable_intervals.hpp"
 
 #include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
 
 namespace platoon {
 
@@ -40,14 +44,18 @@ public:
     return middle;
   }
 
-  /// The border between a stable and an unstable place, on its stable side.
+  /// The border between a stable and an unstable place a < b, on its stable side.
   double border(Sample a, Sample b) const {
-    while (std::abs(b.place - a.place) > 1e-13 * b.place) {
-      const Sample middle = at(a.place + (b.place - a.place) / 2.0);
-      if (middle.place == a.place || middle.place == b.place) break;
-      (middle.stable() == a.stable() ? a : b) = middle;
-    }
-    return a.stable() ? a.place : b.place;
+    // Neither zero nor NaN is stable: no root to stop at.
+    const auto signed_margin = [](double margin) {
+      return margin > 0.0 || margin < 0.0 ? margin : -std::numeric_limits<double>::min();
+    };
+    const auto close = [](double from, double to) { return to - from <= 1e-13 * to; };
+    std::uintmax_t evaluations = 200;
+    const std::pair<double, double> bracket = boost::math::tools::toms748_solve(
+        [&](double place) { return signed_margin(margin_(place)); }, a.place, b.place,
+        signed_margin(a.margin), signed_margin(b.margin), close, evaluations);
+    return a.stable() ? bracket.first : bracket.second;
   }
 
 private:

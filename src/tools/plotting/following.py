@@ -18,7 +18,7 @@ def run_of(configuration, overview):
     table = {name: drawable(np.array(getattr(overview, name)).reshape(followers, steps.size))
              for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")}
     return Run(path="/overview", name="h = {:g}".format(configuration["headway"]), steps=steps,
-               standard_error_of_variance=None if overview.time_average else drawable(np.array(overview.standard_error)),
+               standard_error_of_variance=drawable(np.array(overview.standard_error)),
                count=np.full((followers, steps.size), float(overview.realizations)), realizations=overview.realizations,
                seed=configuration["seed"], complete=overview.complete, time_average=overview.time_average,
                spectral_radius=math.nan, string_stable=overview.string_stable, **table)

@@ -13,7 +13,7 @@ import numpy as np
 
 # A run folder. count, mean [m], variance [m^2], theoretical_mean, theoretical_variance have a row per follower and
 # a column per step (one column for time averages); steps holds the numbers of the columns. standard_error_of_variance
-# [m^2] is that of every follower at the last step, None of time averages.
+# [m^2] is that of every follower at the last step, NaN where it is not known.
 Run = namedtuple("Run", "path name steps count mean variance theoretical_mean theoretical_variance "
                         "standard_error_of_variance realizations seed complete time_average spectral_radius string_stable")
 
@@ -83,15 +83,20 @@ def truth(path, document, key):
 
 def numbers(path, document, key):
     """A list of numbers as an array, NaN for null; at least one of them is a number."""
+    array = numbers_if_any(path, document, key)
+    require_some(path, key, array)
+    return array
+
+
+def numbers_if_any(path, document, key):
+    """A list of numbers as an array, NaN for null."""
     values = lookup(path, document, key)
     if not isinstance(values, list) or not values:
         raise InputError("{}: {} must be a list of numbers, not empty".format(path, key))
     try:
-        array = drawable(np.array([np.nan if value is None else value for value in values], dtype=float))
+        return drawable(np.array([np.nan if value is None else value for value in values], dtype=float))
     except (TypeError, ValueError, OverflowError):
         raise InputError("{}: {} must be a list of numbers".format(path, key))
-    require_some(path, key, array)
-    return array
 
 
 def drawable(array):
@@ -164,8 +169,7 @@ def read_run(path):
     return Run(path=path, name=os.path.basename(os.path.abspath(path)), steps=steps,
                realizations=int(np.nan_to_num(number(summary_path, summary, "realizations"))),
                seed=lookup(summary_path, summary, "seed"),
-               standard_error_of_variance=None if time_average else numbers(
-                   summary_path, summary, "standard_error_of_variance"),
+               standard_error_of_variance=numbers_if_any(summary_path, summary, "standard_error_of_variance"),
                complete=truth(summary_path, summary, "complete"),
                time_average=time_average,
                spectral_radius=number(summary_path, summary, "theory.spectral_radius"),

@@ -66,12 +66,14 @@ def draw_measured(axes, shown, name, colour, marker):
     variance = run.variance[at, -1]
     last = style.spaced(int(run.steps[-1]))
     look = {"color": colour, "markersize": 4.5, "markerfacecolor": "white"}
-    if run.time_average:
-        return axes.plot(at + 1, variance, marker, label="{}: time average up to step {}".format(name, last), **look)
     errors = SHOWN_ERRORS * run.standard_error_of_variance[at]
+    known = np.isfinite(errors).any()
+    what = ("time average up to step {}" if run.time_average else "measured at step {}").format(last)
     legend = [axes.errorbar(
-        at + 1, variance, yerr=errors, fmt=marker, capsize=2.5, elinewidth=1.0,
-        label="{}: measured at step {}, $\\pm${} standard errors".format(name, last, SHOWN_ERRORS), **look)]
+        at + 1, variance, yerr=errors if known else None, fmt=marker, capsize=2.5, elinewidth=1.0,
+        label="{}: {}{}".format(name, what, ", $\\pm${} standard errors".format(SHOWN_ERRORS) if known else ""), **look)]
+    if run.time_average:
+        return legend
     theory = run.theoretical_variance[:, -1]
     if not np.allclose(theory, shown.stationary, rtol=SETTLED, atol=0.0, equal_nan=True):
         legend += axes.plot(np.arange(1, theory.size + 1), theory, color=colour, linewidth=1.3, linestyle=":",

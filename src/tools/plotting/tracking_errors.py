@@ -97,7 +97,9 @@ def draw_time_average(axes, run, colours):
             (axes[0], run.mean, run.theoretical_mean, "mean of $\\zeta_i$ over time [m]"),
             (axes[1], run.variance, run.theoretical_variance, "variance of $\\zeta_i$ over time [m$^2$]")):
         axis.plot(i, theory[:, 0], color=style.INK, linewidth=1.0, label="theory, stationary")
-        axis.plot(i[shown], measured[shown, 0], "o", color=style.PALETTE[0], markersize=4.5, label="measured")
+        known = quantity.startswith("variance") and np.isfinite(run.standard_error_of_variance).any()
+        axis.errorbar(i[shown], measured[shown, 0], yerr=2.0 * run.standard_error_of_variance[shown] if known else None, fmt="o",
+                      color=style.PALETTE[0], markersize=4.5, capsize=2.5, elinewidth=1.0, label="measured")
         axis.set_ylabel(quantity)
     if style.spread(run.variance) > style.WIDE_RANGE:
         style.logarithmic(axes[1])

@@ -49,7 +49,9 @@ TEST(Prediction, IsVoidFromTheFirstOwnVehicleOn) {
     const std::size_t per_follower = steps == 0 ? 1 : 3;
     for (std::size_t c = 0; c < per_follower; ++c) {
       EXPECT_TRUE(std::isfinite(prediction.variance[c]));
-      if (steps > 0) EXPECT_EQ(prediction.variance[c], whole.variance[c]);
+      if (steps > 0) {
+        EXPECT_EQ(prediction.variance[c], whole.variance[c]);
+      }
       EXPECT_TRUE(std::isnan(prediction.mean[per_follower + c]));
       EXPECT_TRUE(std::isnan(prediction.variance[per_follower + c]));
     }

@@ -54,6 +54,18 @@ TEST(SnapshotAssembly, ComesOncePerPeriodAtMost) {
   EXPECT_GE(snapshots, 1e-4 * kSteps / kPeriod - 2);
 }
 
+TEST(SnapshotAssembly, OfAStrideIsAtItsMultiples) {
+  SnapshotAssembly assembly(1, kPeriod);
+  assembly.set_stride(3);
+  std::vector<std::int64_t> steps;
+  for (int k = -1; k < 30; ++k) {
+    // 50 steps a second that do not come to the millisecond.
+    if (const auto snapshot = take(assembly, 0, k, 0.02 * k + (k % 2 == 0 ? 0.0 : 0.004)))
+      steps.push_back(snapshot->id.step);
+  }
+  EXPECT_EQ(steps, (std::vector<std::int64_t>{0, 3, 6, 9, 12, 15, 18, 21, 24, 27}));
+}
+
 TEST(SnapshotAssembly, IsOfOneBatchAndHasAStepBefore) {
   SnapshotAssembly assembly(2, kPeriod);
   double now = 0.0;

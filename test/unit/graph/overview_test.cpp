@@ -97,7 +97,7 @@ TEST(Overview, OfARunOfWhichNothingIsMeasuredYetIsItsTheory) {
   }
 }
 
-TEST(Overview, OfAveragesOverTimeHasOneColumnAndNoScores) {
+TEST(Overview, OfAveragesOverTimeHasOneColumn) {
   const Configuration configuration = long_run(2, 0);
   const Prediction prediction = predict(configuration);
   RunResult result = result_with(configuration, prediction, 0.5);
@@ -107,9 +107,39 @@ TEST(Overview, OfAveragesOverTimeHasOneColumnAndNoScores) {
   EXPECT_TRUE(overview.time_average);
   EXPECT_EQ(overview.step, (std::vector<std::int64_t>{431}));
   EXPECT_EQ(overview.variance.size(), 2U);
+  const double share = prediction.effective_sample[1].variance;
+  EXPECT_EQ(overview.standard_error[1],
+            standard_error_of_variance(prediction.variance[1], result.moments[1].count, share));
+  EXPECT_LT(overview.standard_error[0],
+            2.0 * standard_error_of_variance(prediction.variance[0], result.moments[0].count));
+  EXPECT_GT(overview.variance_score[1], 0.0);
+  EXPECT_TRUE(std::isnan(overview.max_abs_z_mean)) << "of 20 steps nobody can say it";
+}
+
+TEST(Overview, OfAveragesOverManyStepsHasTheLargestScore) {
+  const Configuration configuration = long_run(2, 0);
+  const Prediction prediction = predict(configuration);
+  RunResult result = result_with(configuration, prediction);
+  result.last_steps = {9999, 9999};
+  result.moments.assign(2, {10000, 0.0, 9999.0 * prediction.variance[0]});
+  result.moments[1].squared_deviations = 9999.0 * 1.05 * prediction.variance[1];
+  const auto overview = overview_of(configuration.run, prediction, result);
+  EXPECT_EQ(overview.max_abs_z_mean, 0.0);
+  EXPECT_EQ(overview.max_abs_z_variance, overview.variance_score[1]);
+  EXPECT_EQ(overview.plausible_z, largest_plausible_score(4));
+}
+
+TEST(Overview, OfAveragesOverTimeOfAStringThatLosesHasNoStandardErrors) {
+  Configuration configuration = long_run(2, 0);
+  configuration.model.link.loss = LossModel{0.1, {}, {1.0}};
+  const Prediction prediction = predict(configuration);
+  RunResult result = result_with(configuration, prediction);
+  result.last_steps = {9999, 9999};
+  result.moments.assign(2, {10000, 0.0, 9999.0});
+  const auto overview = overview_of(configuration.run, prediction, result);
   EXPECT_TRUE(std::isnan(overview.standard_error[0]));
   EXPECT_TRUE(std::isnan(overview.variance_score[1]));
-  EXPECT_TRUE(std::isnan(overview.max_abs_z_mean));
+  EXPECT_TRUE(std::isnan(overview.max_abs_z_variance));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // What the page asks of the platoon. The server refuses what comes from elsewhere, and says why something cannot be done.
 
+import { short } from "./scale.js";
+
 const CHANGES = ["headway", "noise_variance", "loss"];
 const input = name => document.getElementById(name);
 
@@ -29,6 +31,20 @@ export class Controls {
       slider.value = this.set[name];
       this.showChange(name);
     }
+  }
+
+  // Below the slider, where a string of this vehicle is stable; its lowest headway in numbers.
+  mark(intervals) {
+    const slider = input("headway"), low = Number(slider.min), high = Number(slider.max);
+    const share = h => 100 * Math.min(Math.max((h - low) / (high - low), 0), 1);
+    document.getElementById("stable-headways").replaceChildren(...intervals.filter(([from, to]) => from < high && to > low).flatMap(([from, to]) => {
+      const [stretch, word] = ["i", "b"].map(name => document.createElement(name));
+      Object.assign(stretch.style, { left: `${share(from)}%`, right: `${100 - share(to)}%` });
+      stretch.dataset.from = from;
+      word.textContent = `stable from ${short(from)}`;
+      word.style.left = `${share(from)}%`;
+      return from > low ? [stretch, word] : [stretch];
+    }));
   }
 
   content(command) {

@@ -31,7 +31,7 @@ const take = {
     controls.take(news);
     everything();
   },
-  statistics(news) { known.statistics = news; stale.add("string").add("words"); },
+  statistics(news) { known.statistics = news; controls.mark(news?.stable_headways ?? []); stale.add("string").add("words"); },
   curves(news) { known.curves = news; stale.add("curves"); },
   health(news) { known.health = news; stale.add("words"); },
   strip(news) { strip.replace(news); stale.add("strip"); },

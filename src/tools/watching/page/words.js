@@ -22,7 +22,7 @@ export function showHeadline({ configuration, statistics, health }, live) {
   const waiting = configuration?.endless ? `theory; what is measured comes after ${configuration.burn_in} steps of burn-in` : "theory; nothing is measured yet";
   write(at("string-note"), !statistics ? "" : statistics.step === null ? waiting : statistics.time_average ? `averages over time up to step ${statistics.step}` : `at step ${statistics.step}, ${spaced(statistics.realizations)} realizations`);
   write(at("curves-note"), !statistics ? "" : statistics.time_average ? "averages up to k" : "over realizations");
-  at("errors-key").hidden = Boolean(statistics?.time_average);
+  at("errors-key").hidden = !statistics?.standard_error.some(e => e !== null);
   at("limit-key").hidden = statistics?.limit_variance == null;
   write(at("last-follower"), configuration ? String(configuration.followers) : "N");
 }
@@ -35,7 +35,7 @@ export function facts(list, { configuration, statistics }) {
     ["link", configuration.link], ["followers N", configuration.followers]];
   if (configuration.endless) shown.push(["step k", of.step ?? "–"]);
   else shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
-  if (!configuration.endless) shown.push(["largest |z|", of.max_abs_z == null ? "–" : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
+  if (!configuration.endless || of.max_abs_z != null) shown.push(["largest |z|", of.max_abs_z == null ? "–" : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
   if (of.vehicle_steps_per_second != null) shown.push(["vehicle-steps/s", short(of.vehicle_steps_per_second)]);
   if (of.seconds_left != null) shown.push(["time left", duration(of.seconds_left)]);
   if (of.complete) shown.push(["took", duration(of.wall_seconds)]);
