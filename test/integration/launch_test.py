@@ -247,7 +247,7 @@ class Endless(LaunchTest):
             self.assertGreater(after, before + 200)
 
     def test_time_averages_are_labelled_and_approach_the_stationary_variance(self):
-        terminal = self.launch(followers=2, steps=0, rate=2000, burn_in=50)
+        terminal = self.launch(followers=2, steps=0, burn_in=50)
         terminal.wait_for_text("process[platoon/monitor")
         time.sleep(4.0)  # the run has no end to wait for: this is how long it averages
         terminal.interrupt()
