@@ -13,6 +13,9 @@ namespace platoon {
 
 namespace {
 
+// Of blocks that a thread holds: their siblings may be another thread's, and only what was handed over is joined with these.
+constexpr std::size_t kMostOwnCells = 1u << 21;  // 32 MB
+
 std::size_t cells_of(const Ensemble& ensemble) {
   return ensemble.followers * static_cast<std::size_t>(ensemble.steps);
 }
@@ -76,7 +79,8 @@ bool EnsembleRun::work() {
                });
     own.add(std::move(moments));
     done_ += batch.size();
-    if (now() - handed_over >= hand_over_seconds_) {
+    const bool is_full = own.blocks().size() * own.cells() >= kMostOwnCells;
+    if (is_full || now() - handed_over >= hand_over_seconds_) {
       if (hand_over(own)) return true;
       handed_over = now();
     }

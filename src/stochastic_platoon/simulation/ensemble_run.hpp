@@ -26,7 +26,7 @@ struct Ensemble {
 class EnsembleRun {
 public:
   /// Goes on from `earlier`, which holds some of the realizations. A thread hands over what it has after so many
-  /// seconds: see read().
+  /// seconds, or when it has become much: see read().
   EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range,
               MomentTable earlier, double hand_over_seconds = std::numeric_limits<double>::infinity());
   /// From nothing.
