@@ -7,6 +7,7 @@ import math
 import os
 import shutil
 import signal
+import subprocess
 import tempfile
 import unittest
 
@@ -200,7 +201,8 @@ class Changes(Orders):
         import rospy
         from stochastic_platoon.msg import ErrorStatistics, Snapshot
         snapshots, statistics = self.listen("snapshot", Snapshot), self.listen("error_statistics", ErrorStatistics)
-        terminal = self.endless(hosting, rate=0, seed=3)
+        bag = os.path.join(self.folder, hosting)
+        terminal = self.endless(hosting, rate=0, seed=3, record=bag + ".bag")
         enough = 20000
 
         def averaged(headway_is, run):
@@ -240,6 +242,15 @@ class Changes(Orders):
                 self.assertLess(score, 5.0)
             with open(os.path.join(folder, "statistics.csv")) as file:
                 self.assertEqual(len(list(csv.DictReader(file))), FOLLOWERS)
+        # And each in a bag of its own, as far as it was recorded when it ended.
+        for suffix, headway in (("", 3.2), ("-run2", 2.4)):
+            read = os.path.join(self.folder, hosting + suffix + "-read")
+            subprocess.run([live_platoon.executable("bag_statistics"), bag + suffix + ".bag.active", "--output", read], check=True,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            with open(os.path.join(read, "summary.json")) as file:
+                summary = json.load(file)
+            self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)
+            self.assertLess(summary["agreement"]["max_abs_z_variance"], 5.0)
 
 
 class Diagnosed(Orders):

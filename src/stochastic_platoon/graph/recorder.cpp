@@ -72,6 +72,10 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration,
   }
   error_statistics_ = platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics,
                                         this, no_delay());
+  // The leader of a run that a change begins waits for the recorder's first report: no position would tell of it.
+  progress_ = platoon.subscribe<stochastic_platoon::Progress>(
+      kProgressTopic, kUnboundedQueue,
+      [this](const stochastic_platoon::Progress::ConstPtr& message) { membership_.admits(message->run); });
   links_ = positions_;
   links_.push_back(error_statistics_);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });

@@ -3,6 +3,7 @@
 #include <ros/node_handle.h>
 #include <stochastic_platoon/ErrorStatistics.h>
 #include <stochastic_platoon/Position.h>
+#include <stochastic_platoon/Progress.h>
 
 #include <optional>
 #include <vector>
@@ -25,7 +26,7 @@ namespace platoon {
 /// grows, and goes on with the whole batches of the file as a recorder does that was killed.
 ///
 /// Subscribes: vehicle_<i>/position, vehicle_<i>/predecessor_position (stochastic_platoon/Position),
-/// error_statistics (stochastic_platoon/ErrorStatistics). Publishes: progress (stochastic_platoon/Progress).
+/// error_statistics (stochastic_platoon/ErrorStatistics), progress (of others). Publishes: progress (stochastic_platoon/Progress).
 class Recorder {
 public:
   /// Throws ConfigurationError as RunRecording does. `superseded` is called with a configuration that has
@@ -63,6 +64,7 @@ private:
   ProgressReports reports_;
   std::vector<ros::Subscriber> positions_;
   ros::Subscriber error_statistics_;
+  ros::Subscriber progress_;
   std::vector<ros::Subscriber> links_;  ///< all of these: the run begins when the recorder hears everyone
   ros::SteadyTimer timer_;
 };
