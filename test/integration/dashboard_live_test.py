@@ -23,6 +23,26 @@ const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.h
 let count = 0;
 for (let at = 0; at < data.length; at += 4) count += Math.abs(data[at] - r) + Math.abs(data[at + 1] - g) + Math.abs(data[at + 2] - b) < 6;
 return count"""
+# Keeps the page's stream of news at hand, before the page runs.
+KEEP_STREAM = "window.EventSource = class extends EventSource { constructor(...words) { super(...words); window.stream = this; } }"
+# Tells the page of so many snapshots more as fast as it draws, 150 a frame, each with what else comes at twenty a second.
+TELL = '''const [snapshots, first, followers] = arguments, done = arguments[arguments.length - 1];
+const tell = (kind, news) => window.stream.dispatchEvent(new MessageEvent(kind, {data: JSON.stringify(news)}));
+const values = () => Array.from({length: followers}, () => 2 + Math.random());
+let step = first;
+function frame() {
+  for (let j = 0; j < 150 && step < first + snapshots; ++j, ++step) {
+    tell("snapshot", {realization: 0, step, position: [2 * step, ...values().map((v, i) => 2 * step - 6 * i - v)], tracking_error: values().map(v => v - 2.5)});
+    tell("told", {realization: 0, step, position: values().map((v, i) => 2 * step - 6 * i - v)});
+    if (step % 20) continue;
+    const [v, t] = [values(), values()];
+    tell("statistics", {step, realizations: 1, time_average: true, complete: false, theory: "exact", reason: "string stable: because", string_stable: true,
+      stable_headways: [[2.8, 1000]], limit_variance: 3, mean: v, variance: v, theoretical_mean: t, theoretical_variance: t, standard_error: t,
+      score: v, max_abs_z: 1, plausible_z: 4, vehicle_steps_per_second: 1, seconds_left: null, wall_seconds: 1});
+  }
+  step < first + snapshots ? requestAnimationFrame(frame) : done(true);
+}
+requestAnimationFrame(frame)'''
 FIRST, LAST = [0x08, 0x20, 0x5c], [0x5c, 0x04, 0x10]  # dark blue, dark red
 
 
@@ -109,6 +129,24 @@ class Live(Page):
             self.assertEqual((status, answer["success"]), (409, False))
             self.assertIn(words, answer["message"])
         self.steps_on()
+
+    def test_the_pages_memory_does_not_grow_over_an_hour(self):
+        added = self.browser.device("Page.addScriptToEvaluateOnNewDocument", source=KEEP_STREAM)
+        try:
+            self.open(self.url)
+            self.wait_for_page("window.stream && document.querySelectorAll('#string rect').length == {}".format(FOLLOWERS), "the bars")
+            self.browser.device("Page.removeScriptToEvaluateOnNewDocument", **added)
+            self.browser.driver.set_script_timeout(120)
+
+            def heap_after(snapshots, first):
+                self.browser.driver.execute_async_script(TELL, snapshots, first, FOLLOWERS)
+                self.browser.device("HeapProfiler.collectGarbage")
+                return self.browser.device("Runtime.getHeapUsage")["usedSize"]
+            # The first tenth fills what is bounded; an hour has 72000 snapshots. A hundred bytes a snapshot would be 6 MB.
+            filled = heap_after(7200, 10 ** 6)
+            self.assertLess(heap_after(64800, 10 ** 6 + 7200) - filled, 500000)
+        finally:
+            self.open("about:blank")
 
     def test_the_stable_headways_are_marked_below_the_slider(self):
         (low, high), = live_platoon.wait_for(lambda: state(self.url).get("stable_headways"), "the stable headways")
