@@ -2,6 +2,7 @@
 import { followerColour } from "./colours.js";
 import { followerTicks, short, spread, verticalScale } from "./scale.js";
 
+export const MOST_WHISKERS = 200;
 const WIDE_RANGE = 30, LEFT = 52, RIGHT = 10, TOP = 22, BOTTOM = 38;
 
 function element(tag, attributes = {}, text) {
@@ -67,7 +68,7 @@ export class StringChart {
     const cap = Math.min(this.slot / 5, 5);
     const whiskers = of.variance.map((v, at) => {
       const e = of.standard_error[at];
-      if (v === null || e === null || e === undefined || n > 200) return "";
+      if (v === null || e === null || e === undefined || n > MOST_WHISKERS) return "";
       const high = y(v + 2 * e), low = y(v - 2 * e), at_x = x(at + 1);
       return `M${at_x} ${high}V${low}M${at_x - cap} ${high}h${2 * cap}M${at_x - cap} ${low}h${2 * cap}`;
     }).join("");

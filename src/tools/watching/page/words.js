@@ -1,5 +1,6 @@
 // The headline, the facts below it, and the numbers as words and as a table.
 import { short, spaced } from "./scale.js";
+import { MOST_WHISKERS } from "./string_chart.js";
 
 const at = id => document.getElementById(id);
 const write = (element, text) => { if (element.textContent !== text) element.textContent = text; };
@@ -22,7 +23,7 @@ export function showHeadline({ configuration, statistics, health }, live) {
   const waiting = configuration?.endless ? `theory; what is measured comes after ${configuration.burn_in} steps of burn-in` : "theory; nothing is measured yet";
   write(at("string-note"), !statistics ? "" : statistics.step === null ? waiting : statistics.time_average ? `averages over time up to step ${statistics.step}` : `at step ${statistics.step}, ${spaced(statistics.realizations)} realizations`);
   write(at("curves-note"), !statistics ? "" : statistics.time_average ? "averages up to k" : "over realizations");
-  at("errors-key").hidden = !statistics?.standard_error.some(e => e !== null);
+  at("errors-key").hidden = !statistics?.standard_error.some(e => e !== null) || statistics.variance.length > MOST_WHISKERS;
   at("limit-key").hidden = statistics?.limit_variance == null;
   write(at("last-follower"), configuration ? String(configuration.followers) : "N");
 }
