@@ -117,20 +117,18 @@ double standard_error_of_variance(const ResultCell& of) {
 
 namespace {
 
-std::optional<Agreement> agreement_over_time(const RunOptions& run, const Prediction& prediction,
-                                             const RunResult& result) {
-  if (result.moments.empty()) return std::nullopt;
-  Agreement worst;
-  for (const ResultCell& of : cells_at(0, run, prediction, result)) {
-    if (of.follower > prediction.followers_with_theory) break;
-    const double worth = static_cast<double>(of.measured.count) * std::min(of.share.mean, of.share.variance);
+// Of each follower that has a theory; none where the averages are worth too few independent errors.
+std::optional<std::vector<IndependentShare>> shares_over_time(const Prediction& prediction,
+                                                              const RunResult& result) {
+  std::vector<IndependentShare> shares;
+  for (std::size_t i = 1; i <= std::min(prediction.followers_with_theory, result.moments.size()); ++i) {
+    shares.push_back(share_of(prediction, i));
+    const double worth = static_cast<double>(result.moments[i - 1].count) *
+                         std::min(shares.back().mean, shares.back().variance);
     if (!(worth >= static_cast<double>(kEnoughForAnyDistribution))) return std::nullopt;
-    const Scores found =
-        scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share);
-    worst.max_abs_z_mean = std::max(worst.max_abs_z_mean, std::abs(found.mean));
-    worst.max_abs_z_variance = std::max(worst.max_abs_z_variance, std::abs(found.variance));
   }
-  return worst;
+  if (shares.empty()) return std::nullopt;
+  return shares;
 }
 
 }  // namespace
@@ -138,18 +136,25 @@ std::optional<Agreement> agreement_over_time(const RunOptions& run, const Predic
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result) {
   if (prediction.theory == Theory::none) return std::nullopt;
-  if (run.averaging() == Averaging::over_time) return agreement_over_time(run, prediction, result);
-  if (result.realizations < 2) return std::nullopt;
-  const bool normal = result.moments.empty() || std::isnan(result.moments.front().fourth_deviations);
-  if (!normal && result.realizations < kEnoughForAnyDistribution) return std::nullopt;
+  std::vector<IndependentShare> shares;
+  if (run.averaging() == Averaging::over_time) {
+    const std::optional<std::vector<IndependentShare>> found = shares_over_time(prediction, result);
+    if (!found) return std::nullopt;
+    shares = *found;
+  } else {
+    if (result.realizations < 2) return std::nullopt;
+    const bool normal = result.moments.empty() || std::isnan(result.moments.front().fourth_deviations);
+    if (!normal && result.realizations < kEnoughForAnyDistribution) return std::nullopt;
+  }
   const std::size_t judged = cells_with_theory(run, prediction);
   if (judged == result.moments.size())
-    return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding);
+    return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding, shares);
   const auto of = [judged](const auto& values) {
     return std::decay_t<decltype(values)>(
         values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(judged, values.size())));
   };
-  return agreement(of(result.moments), of(prediction.mean), of(prediction.variance), of(prediction.rounding));
+  return agreement(of(result.moments), of(prediction.mean), of(prediction.variance), of(prediction.rounding),
+                   shares);
 }
 
 std::size_t cells_with_theory(const RunOptions& run, const Prediction& prediction) {

@@ -100,29 +100,33 @@ Scores scores(const Moments& measured, double theoretical_mean, double theoretic
 }
 
 Agreement agreement(const std::vector<Moments>& measured, const std::vector<double>& theoretical_mean,
-                    const std::vector<double>& theoretical_variance, const std::vector<double>& rounding) {
+                    const std::vector<double>& theoretical_variance, const std::vector<double>& rounding,
+                    const std::vector<IndependentShare>& share) {
   if (measured.size() != theoretical_mean.size() || measured.size() != theoretical_variance.size() ||
-      (!rounding.empty() && measured.size() != rounding.size())) {
+      (!rounding.empty() && measured.size() != rounding.size()) ||
+      (!share.empty() && measured.size() != share.size())) {
     throw std::invalid_argument("measurement and theory must have the same number of cells");
   }
   Agreement worst;
-  // The score grows with the ratio: of cells with as many values only those beyond all others can be worse.
-  std::uint64_t count = 0;
+  // The score grows with the ratio: of cells with as many degrees of freedom only those beyond all others can be worse.
+  double freedom = 0.0;
   double lowest = kInfinity, highest = -kInfinity;
   for (std::size_t c = 0; c < measured.size(); ++c) {
     const double allowed = rounding.empty() ? 0.0 : rounding[c];
-    const double mean = mean_score(measured[c], theoretical_mean[c], theoretical_variance[c], allowed);
+    const IndependentShare of = share.empty() ? IndependentShare{} : share[c];
+    const double mean = mean_score(measured[c], theoretical_mean[c], theoretical_variance[c], allowed, of);
     worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(mean));
     if (std::isnan(measured[c].fourth_deviations) &&
         is_judged(measured[c].variance(), theoretical_variance[c])) {
       const double ratio = variance_ratio(measured[c].variance(), theoretical_variance[c], allowed);
-      if (measured[c].count != count) lowest = kInfinity, highest = -kInfinity;
-      count = measured[c].count;
+      const double freedom_here = static_cast<double>(measured[c].count - 1) * of.variance;
+      if (freedom_here != freedom) lowest = kInfinity, highest = -kInfinity;
+      freedom = freedom_here;
       if (ratio >= lowest && ratio <= highest) continue;
       lowest = std::min(lowest, ratio);
       highest = std::max(highest, ratio);
     }
-    const double variance = variance_score(measured[c], theoretical_variance[c], allowed);
+    const double variance = variance_score(measured[c], theoretical_variance[c], allowed, of);
     worst.max_abs_z_variance = larger(worst.max_abs_z_variance, std::abs(variance));
   }
   return worst;

@@ -44,11 +44,11 @@ struct Agreement {
   double max_abs_z_variance = 0.0;
 };
 
-/// `rounding` [m] has one value per cell, or is empty for none. Throws std::invalid_argument when the sizes
+/// `rounding` [m] and `share` have one value per cell, or are empty for none and for independent values. Throws std::invalid_argument when the sizes
 /// differ.
 Agreement agreement(const std::vector<Moments>& measured, const std::vector<double>& theoretical_mean,
-                    const std::vector<double>& theoretical_variance,
-                    const std::vector<double>& rounding = {});
+                    const std::vector<double>& theoretical_variance, const std::vector<double>& rounding = {},
+                    const std::vector<IndependentShare>& share = {});
 
 /// The score that the largest of `comparisons` scores, however they depend on each other, exceeds in modulus
 /// with probability of at most 0.001 (Bonferroni): beyond it measurement and theory disagree.

@@ -24,9 +24,7 @@ std::vector<double> shares_by(const PatternSpectra& spectra, const std::vector<L
   for (std::size_t i = 0; i < followers; ++i) {
     const std::size_t j = i % vehicles.size();
     if (vehicles[j].has_losses()) break;
-    const Eigen::ArrayXd added = spectra.gain[j] * spectra.noise[j];
-    const Eigen::ArrayXd error = spectra.complement[j] * position + spectra.headway[j] * added;
-    position = spectra.gain[j] * position + added;
+    const Eigen::ArrayXd error = spectra.pass(j, spectra.gain[j] * spectra.noise[j], position);
     const double variance = spectra.mean(error);
     // Phi_zeta_i(0): T(1) = H(1) = 1, so that the predecessor's part vanishes.
     shares.push_back(variance == 0.0 ? 1.0 : variance / vehicles[j].at(0.0).noise);

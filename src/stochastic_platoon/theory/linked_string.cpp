@@ -52,9 +52,7 @@ double pass(const PatternSpectra& spectra, const LinkedVehicle& vehicle, std::si
           : vehicle.loss_factor() *
                 (spectra.mean(spectra.innovation[j] * (spectrum + spectra.noise[j])) + ebar * ebar);
   const Eigen::ArrayXd added = spectra.gain[j] * spectra.noise[j] + spectra.loss_gain[j] * sigma;
-  const double variance = spectra.mean(spectra.complement[j] * spectrum + spectra.headway[j] * added);
-  spectrum = spectra.gain[j] * spectrum + added;
-  return variance;
+  return spectra.mean(spectra.pass(j, added, spectrum));
 }
 
 std::vector<double> variances_by(const PatternSpectra& spectra, const std::vector<LinkedVehicle>& vehicles,

@@ -41,6 +41,13 @@ PatternSpectra::PatternSpectra(const std::vector<LinkedVehicle>& vehicles, const
   }
 }
 
+Eigen::ArrayXd PatternSpectra::pass(std::size_t j, const Eigen::ArrayXd& added,
+                                    Eigen::ArrayXd& spectrum) const {
+  Eigen::ArrayXd error = complement[j] * spectrum + headway[j] * added;
+  spectrum = gain[j] * spectrum + added;
+  return error;
+}
+
 Eigen::ArrayXd PatternSpectra::pattern_margin() const {
   Eigen::ArrayXd sum = margin.front(), product = gain.front();
   for (std::size_t j = 1; j < gain.size(); ++j) {

@@ -24,6 +24,10 @@ public:
   /// Over the circle, of values at the nodes.
   double mean(const Eigen::ArrayXd& values) const { return (weight * values).sum(); }
 
+  /// Takes the spectrum of y about its mean from in front of vehicle j to behind it, which adds `added` to it, and gives
+  /// that of zeta: |1 - H T^|^2 Phi + |H|^2 added.
+  Eigen::ArrayXd pass(std::size_t j, const Eigen::ArrayXd& added, Eigen::ArrayXd& spectrum) const;
+
   /// 1 - prod |T^|^2, as a sum without cancellation where no vehicle's gain is above 1.
   Eigen::ArrayXd pattern_margin() const;
 

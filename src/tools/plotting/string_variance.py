@@ -7,7 +7,6 @@ import numpy as np
 from plotting import style
 from plotting.inputs import InputError, number, numbers, require_same_platoon
 
-SHOWN_ERRORS = 2  # standard errors to either side
 SETTLED = 0.01  # relative; a last step further from the stationary variance than this is drawn beside it
 WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logarithmic axis
 
@@ -66,12 +65,11 @@ def draw_measured(axes, shown, name, colour, marker):
     variance = run.variance[at, -1]
     last = style.spaced(int(run.steps[-1]))
     look = {"color": colour, "markersize": 4.5, "markerfacecolor": "white"}
-    errors = SHOWN_ERRORS * run.standard_error_of_variance[at]
-    known = np.isfinite(errors).any()
+    errors = style.bars(run.standard_error_of_variance[at])
     what = ("time average up to step {}" if run.time_average else "measured at step {}").format(last)
     legend = [axes.errorbar(
-        at + 1, variance, yerr=errors if known else None, fmt=marker, capsize=2.5, elinewidth=1.0,
-        label="{}: {}{}".format(name, what, ", $\\pm${} standard errors".format(SHOWN_ERRORS) if known else ""), **look)]
+        at + 1, variance, yerr=errors, fmt=marker, capsize=2.5, elinewidth=1.0,
+        label="{}: {}{}".format(name, what, ", $\\pm${} standard errors".format(style.SHOWN_ERRORS) if errors is not None else ""), **look)]
     if run.time_average:
         return legend
     theory = run.theoretical_variance[:, -1]

@@ -30,7 +30,13 @@ KINDS = ("png", "svg")
 MARKERS = "os^Dv<>"
 LINE = 50  # characters of a column's title
 MANY = 60  # more points than this in a row are drawn without a marker on each
+SHOWN_ERRORS = 2  # standard errors to either side of what was measured
 WIDE_RANGE = 1000.0  # curves that differ by more than this factor need a logarithmic axis
+
+
+def bars(standard_errors):
+    """yerr of these; None where none is known, as matplotlib warns of nothing but NaN."""
+    return SHOWN_ERRORS * standard_errors if np.isfinite(standard_errors).any() else None
 
 
 def apply():

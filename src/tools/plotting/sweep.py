@@ -9,7 +9,6 @@ import numpy as np
 from plotting import style
 from plotting.inputs import InputError, drawable, read_text
 
-SHOWN_ERRORS = 2  # standard errors to either side
 WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logarithmic axis
 MEASURED = ["variance", "variance_standard_error", "theoretical_variance", "string_stable"]
 COLUMNS = ["point", "vehicle", "step", "count", "mean", "mean_standard_error", "variance", "variance_standard_error",
@@ -127,7 +126,7 @@ def draw_curve(axes, curve, colour, marker):
     if np.isfinite(curve.theoretical_variance).any():
         legend += axes.plot(curve.at, curve.theoretical_variance, color=colour, linewidth=1.3, label=prefix + "theory")
     many = curve.at.size > style.MANY
-    label = "{}measured, $\\pm${} standard errors".format(prefix, SHOWN_ERRORS)
+    label = "{}measured, $\\pm${} standard errors".format(prefix, style.SHOWN_ERRORS)
     shown = None
     for stable in (True, False):
         # Without a verdict as where it is stable.
@@ -135,7 +134,7 @@ def draw_curve(axes, curve, colour, marker):
         if not part.any():
             continue
         shown = axes.errorbar(curve.at[part], curve.variance[part],
-                              yerr=SHOWN_ERRORS * curve.variance_standard_error[part], fmt=marker, color=colour,
+                              yerr=style.SHOWN_ERRORS * curve.variance_standard_error[part], fmt=marker, color=colour,
                               markersize=2.5 if many else 4.5, markerfacecolor="white" if stable else colour,
                               markeredgewidth=0.6 if many else 1.0, capsize=0 if many else 2.5,
                               elinewidth=0.7 if many else 1.0, label=label)

@@ -93,12 +93,12 @@ def draw_time_average(axes, run, colours):
     followers = run.mean.shape[0]
     i = np.arange(1, followers + 1)
     shown = style.thinned(followers, style.MANY)
-    for axis, measured, theory, quantity in (
-            (axes[0], run.mean, run.theoretical_mean, "mean of $\\zeta_i$ over time [m]"),
-            (axes[1], run.variance, run.theoretical_variance, "variance of $\\zeta_i$ over time [m$^2$]")):
+    for axis, measured, theory, errors, quantity in (
+            (axes[0], run.mean, run.theoretical_mean, None, "mean of $\\zeta_i$ over time [m]"),
+            (axes[1], run.variance, run.theoretical_variance, style.bars(run.standard_error_of_variance[shown]),
+             "variance of $\\zeta_i$ over time [m$^2$]")):
         axis.plot(i, theory[:, 0], color=style.INK, linewidth=1.0, label="theory, stationary")
-        known = quantity.startswith("variance") and np.isfinite(run.standard_error_of_variance).any()
-        axis.errorbar(i[shown], measured[shown, 0], yerr=2.0 * run.standard_error_of_variance[shown] if known else None, fmt="o",
+        axis.errorbar(i[shown], measured[shown, 0], yerr=errors, fmt="o",
                       color=style.PALETTE[0], markersize=4.5, capsize=2.5, elinewidth=1.0, label="measured")
         axis.set_ylabel(quantity)
     if style.spread(run.variance) > style.WIDE_RANGE:

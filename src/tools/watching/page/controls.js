@@ -22,6 +22,7 @@ export class Controls {
   take(configuration) {
     const endless = Boolean(configuration?.endless);
     document.getElementById("controls").hidden = !endless;
+    this.marked = null;  // the slider may reach further
     document.getElementById("controls-note").textContent = endless ? "" :
       "in an endless run (live.launch): this one averages over realizations, which have to be alike";
     for (const name of CHANGES) {
@@ -35,6 +36,8 @@ export class Controls {
 
   // Below the slider, where a string of this vehicle is stable; its lowest headway in numbers.
   mark(intervals) {
+    if (String(intervals) === this.marked) return;
+    this.marked = String(intervals);
     const slider = input("headway"), low = Number(slider.min), high = Number(slider.max);
     const share = h => 100 * Math.min(Math.max((h - low) / (high - low), 0), 1);
     document.getElementById("stable-headways").replaceChildren(...intervals.filter(([from, to]) => from < high && to > low).flatMap(([from, to]) => {
