@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """The package as a workspace gets it: catkin_lint, catkin build into an install space, and runs of what is installed there.
 
-The workspace is temporary, and its sources are gone before anything runs. It is built without optimisation, to save time;
-the bits must be those of the optimised build all the same. Without catkin-tools and catkin-lint there is nothing to test: status 77.
+The workspace is temporary, and its sources are gone before anything runs. It is built without optimisation and several files at
+once, to save time; the bits must be those of the optimised build all the same. Without catkin-tools and catkin-lint there is nothing to test: status 77.
 """
 
 import os
@@ -39,7 +39,7 @@ class Installed(unittest.TestCase):
         setup = "/opt/ros/{}/setup.bash".format(os.environ.get("ROS_DISTRO", ""))
         underlay = ". {}; ".format(setup) if os.path.exists(setup) else ""
         run(underlay + "catkin config --init --install --cmake-args -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= "
-            "-DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=OFF && catkin build --no-status --summarize",
+            "-DCMAKE_UNITY_BUILD=ON -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=OFF && catkin build --no-status --summarize",
             cls.folder)
         for space in ("src", "build", "devel"):
             shutil.rmtree(os.path.join(cls.folder, space))

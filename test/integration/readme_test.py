@@ -46,7 +46,7 @@ def command_lines():
     text = ""
     for name in FILES:
         with open(os.path.join(PACKAGE, name)) as file:
-            text += re.sub(r"\n## Layout\n.*?\n(How to add|## )", r"\n\1", file.read(), flags=re.S) + "\n"
+            text += re.sub(r"\n## Layout\n.*?\n(To add|## )", r"\n\1", file.read(), flags=re.S) + "\n"
     lines = [line.strip() for line in text.splitlines() if line.startswith("    ")]
     return [re.sub(r"\s+# .*", "", line) for line in lines]
 

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/configuration/configuration_error.hpp"
 
+#include <cstddef>
 #include <utility>
 
 namespace platoon {
@@ -17,5 +18,14 @@ std::string listed(const std::vector<std::string>& problems) {
 
 ConfigurationError::ConfigurationError(std::vector<std::string> problems)
     : std::runtime_error(listed(problems)), problems_(std::move(problems)) {}
+
+std::vector<std::string> abbreviated(std::vector<std::string> problems) {
+  constexpr std::size_t kMost = 20;
+  if (problems.size() <= kMost) return problems;
+  const std::size_t more = problems.size() - kMost;
+  problems.resize(kMost);
+  problems.push_back("and " + std::to_string(more) + " more");
+  return problems;
+}
 
 }  // namespace platoon

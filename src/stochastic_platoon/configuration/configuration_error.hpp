@@ -16,4 +16,7 @@ private:
   std::vector<std::string> problems_;
 };
 
+/// The first twenty of so many problems, and how many there are beyond.
+std::vector<std::string> abbreviated(std::vector<std::string> problems);
+
 }  // namespace platoon

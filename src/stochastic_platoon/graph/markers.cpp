@@ -12,8 +12,6 @@
 
 namespace platoon {
 
-using stochastic_platoon::Snapshot;
-
 namespace {
 
 constexpr std::size_t kMostLabels = 30;
@@ -42,7 +40,7 @@ Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration, Ru
   snapshots_ = platoon.subscribe(kSnapshotTopic, 1, &Markers::receive, this);
 }
 
-void Markers::receive(const Snapshot::ConstPtr& message) {
+void Markers::receive(const stochastic_platoon::Snapshot::ConstPtr& message) {
   if (!membership_.admits(message->run)) return;
   const std::vector<double>& position = message->position;
   if (position.size() != run_.followers + 1 || message->tracking_error.size() != run_.followers) return;
@@ -65,7 +63,7 @@ void Markers::receive(const Snapshot::ConstPtr& message) {
 }
 
 // Frames in place of poses: whatever else RViz is to show can be attached to a vehicle.
-void Markers::publish_frames(const Snapshot& snapshot, const ros::Time& time) {
+void Markers::publish_frames(const stochastic_platoon::Snapshot& snapshot, const ros::Time& time) {
   const double leader = snapshot.position.front();
   const double tail = snapshot.position.back() - leader;
   tail_ = tail_ == 0.0 || std::abs(tail - tail_) > 100.0 ? tail : tail_ + kSmoothing * (tail - tail_);

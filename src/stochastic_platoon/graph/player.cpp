@@ -16,7 +16,7 @@ using stochastic_platoon::Progress;
 
 namespace {
 
-constexpr double kPeriod = 0.005;  // [s] between looks at the clock when nothing else happens
+constexpr double kIdlePeriod = 0.005;  // [s] between looks at the clock when nothing else happens
 
 }  // namespace
 
@@ -51,7 +51,7 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration
       };
   pause_ = own.advertiseService("pause_playback", set_paused);
   progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &Player::receive, this, no_delay());
-  timer_ = platoon.createSteadyTimer(ros::WallDuration(kPeriod), [this](const auto&) { play(); });
+  timer_ = platoon.createSteadyTimer(ros::WallDuration(kIdlePeriod), [this](const auto&) { play(); });
 }
 
 void Player::receive(const Progress::ConstPtr& message) {

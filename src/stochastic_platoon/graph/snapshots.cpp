@@ -11,21 +11,22 @@
 namespace platoon {
 
 namespace {
-constexpr double kPeriod = 0.05;  // [s]
+constexpr double kSnapshotPeriod = 0.05;  // [s]
 }
 
 Snapshots::Snapshots(ros::NodeHandle platoon, const std::string& topic, std::size_t streams,
                      std::vector<TrackingError> errors)
     : errors_(std::move(errors)),
-      assembly_(streams, kPeriod),
+      assembly_(streams, kSnapshotPeriod),
       publisher_(platoon.advertise<stochastic_platoon::Snapshot>(topic, 10)) {
-  timer_ = platoon.createSteadyTimer(ros::WallDuration(kPeriod), [this](const auto&) { publish(); });
+  timer_ = platoon.createSteadyTimer(ros::WallDuration(kSnapshotPeriod), [this](const auto&) { publish(); });
 }
 
 void Snapshots::set_rate(double rate) {
   paced_ = rate > 0.0;
   const std::lock_guard<SpinLock> lock(lock_);
-  assembly_.set_stride(std::max<std::int64_t>(1, std::llround(std::ceil(std::min(rate, 1e9) * kPeriod))));
+  assembly_.set_stride(
+      std::max<std::int64_t>(1, std::llround(std::ceil(std::min(rate, 1e9) * kSnapshotPeriod))));
 }
 
 void Snapshots::take(std::size_t stream, const stochastic_platoon::Position& message) {

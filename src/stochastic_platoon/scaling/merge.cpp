@@ -13,8 +13,6 @@ namespace platoon {
 
 namespace {
 
-constexpr std::size_t kMostProblems = 20;
-
 // Reads the folders one by one and keeps of each where it belongs.
 class Inventory {
 public:
@@ -101,12 +99,7 @@ std::vector<std::string> with_missing(const std::vector<std::uint64_t>& missing,
     problems.insert(problems.begin(), "shards " + indices + " of " + std::to_string(of) +
                                           ": missing: must be computed (sbatch --array=" + indices + ")");
   }
-  if (problems.size() > kMostProblems) {
-    const std::size_t more = problems.size() - kMostProblems;
-    problems.resize(kMostProblems);
-    problems.push_back("and " + std::to_string(more) + " more");
-  }
-  return problems;
+  return abbreviated(problems);
 }
 
 }  // namespace

@@ -17,7 +17,6 @@ const std::vector<std::string> kShared = {"headway", "noise_variance", "loss",  
                                           "steps",   "seed",           "realizations", "batch"};
 const std::vector<std::string> kVarying = {"headway",   "noise_variance", "loss", "delay",
                                            "followers", "steps",          "seed", "realizations"};
-constexpr std::size_t kMostProblems = 20;
 
 bool is_among(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -94,14 +93,14 @@ void check_points(const Sweep& sweep, std::vector<std::string>& problems) {
       }
     }
   }
-  for (std::size_t i = 0; i < std::min(first.size(), kMostProblems); ++i) {
-    const std::uint64_t others = seen[first[i].first] - 1;
-    problems.push_back("point " + std::to_string(first[i].second) + " (" + sweep.name_of(first[i].second) +
-                       ")" + (others > 0 ? " and " + std::to_string(others) + " more" : "") + ": " +
-                       first[i].first);
+  std::vector<std::string> of_points;
+  for (const auto& [problem, point] : first) {
+    const std::uint64_t others = seen[problem] - 1;
+    of_points.push_back("point " + std::to_string(point) + " (" + sweep.name_of(point) + ")" +
+                        (others > 0 ? " and " + std::to_string(others) + " more" : "") + ": " + problem);
   }
-  if (first.size() > kMostProblems)
-    problems.push_back("and " + std::to_string(first.size() - kMostProblems) + " more");
+  of_points = abbreviated(of_points);
+  problems.insert(problems.end(), of_points.begin(), of_points.end());
   if (rows > static_cast<double>(Sweep::kMostRows)) {
     problems.push_back(formatted("keep: %.10g rows: must be at most ", rows) +
                        std::to_string(Sweep::kMostRows) + " (keep fewer followers or steps)");

@@ -153,7 +153,6 @@ void compute_points(const Sweep& sweep, const std::vector<std::uint64_t>& points
 
 void merge_points(const Sweep& sweep, const std::vector<std::uint64_t>& points,
                   const SweepSettings& settings) {
-  constexpr std::size_t kMostProblems = 20;
   std::vector<std::uint64_t> tasks;
   std::vector<std::string> problems;
   for (const std::uint64_t point : points) {
@@ -175,11 +174,9 @@ void merge_points(const Sweep& sweep, const std::vector<std::uint64_t>& points,
     } catch (const IncompleteRun& error) {
       for (const std::uint64_t shard : error.missing(sweep.shards))
         tasks.push_back(point * sweep.shards + shard);
-      for (const std::string& found : error.others()) {
-        if (problems.size() < kMostProblems) problems.push_back(found);
-      }
+      problems.insert(problems.end(), error.others().begin(), error.others().end());
     } catch (const ConfigurationError& error) {
-      if (problems.size() < kMostProblems) problems.push_back(error.problems().front());
+      problems.push_back(error.problems().front());
     }
   }
   if (!tasks.empty()) {
@@ -187,7 +184,7 @@ void merge_points(const Sweep& sweep, const std::vector<std::uint64_t>& points,
     problems.insert(problems.begin(),
                     "tasks " + indices + ": missing: must be computed (sbatch --array=" + indices + ")");
   }
-  if (!problems.empty()) throw ConfigurationError(problems);
+  if (!problems.empty()) throw ConfigurationError(abbreviated(problems));
 }
 
 }  // namespace platoon

@@ -4,17 +4,15 @@
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+
+#include "stochastic_platoon/model/special_values.hpp"
 
 namespace platoon {
 
 namespace {
 
 using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// The z that a standard normal exceeds with this probability, 0 < probability <= 1/2.
 double normal_score(double probability) {

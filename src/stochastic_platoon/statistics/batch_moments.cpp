@@ -30,12 +30,12 @@ PLATOON_INLINE void pair_values(const double* values, std::size_t pairs, double*
 }
 
 // Tiles of 512 values: every intermediate level stays in the first level cache.
-constexpr unsigned kTileLevel = 9;
-constexpr std::size_t kTile = std::size_t{1} << kTileLevel;
+constexpr unsigned kMomentTileLevel = 9;
+constexpr std::size_t kMomentTile = std::size_t{1} << kMomentTileLevel;
 
 // One level of a tile whose four moments are kept.
 struct PowerTile {
-  std::array<double, kTile / 2> mean, squared, cubed, fourth;
+  std::array<double, kMomentTile / 2> mean, squared, cubed, fourth;
 };
 
 PLATOON_INLINE void pair_powers(const double* values, std::size_t pairs, PowerTile& out) {
@@ -65,7 +65,7 @@ namespace detail {
 PLATOON_VECTOR_CLONES
 MomentNode reduce_tile(const double* values, unsigned level) {
   if (level == 0) return {values[0], 0.0};
-  std::array<double, kTile / 2> mean_a, deviations_a, mean_b, deviations_b;
+  std::array<double, kMomentTile / 2> mean_a, deviations_a, mean_b, deviations_b;
   std::size_t pairs = std::size_t{1} << (level - 1);
   pair_values(values, pairs, mean_a.data(), deviations_a.data());
   double half_count = 1.0;
@@ -104,8 +104,8 @@ MomentNode reduce_tile_to_four(const double* values, unsigned level) {
 namespace {
 
 MomentNode reduce(const ValuesInTurn& values, std::size_t offset, unsigned level, KeptMoments kept) {
-  if (level <= kTileLevel) {
-    std::array<double, kTile> buffer;
+  if (level <= kMomentTileLevel) {
+    std::array<double, kMomentTile> buffer;
     const double* const tile = values(offset, std::size_t{1} << level, buffer.data());
     return kept == KeptMoments::four ? detail::reduce_tile_to_four(tile, level)
                                      : detail::reduce_tile(tile, level);

@@ -25,6 +25,21 @@ void add_scaled(CirclePolynomial& sum, const CirclePolynomial& p, long double fa
 
 }  // namespace
 
+Centre nearest(double frequency) {
+  return frequency < 1.5707963267948966 ? Centre::kOne : Centre::kMinusOne;
+}
+
+long double circle_coordinate(double frequency, Centre centre) {
+  const long double half_angle = static_cast<long double>(frequency) / 2.0L;
+  const long double s = centre == Centre::kOne ? std::sin(half_angle) : std::cos(half_angle);
+  return 2.0L * s * s;
+}
+
+double frequency_at(long double t, Centre centre) {
+  const long double root = std::sqrt(std::min(std::max(t / 2.0L, 0.0L), 1.0L));
+  return static_cast<double>(2.0L * (centre == Centre::kOne ? std::asin(root) : std::acos(root)));
+}
+
 CirclePolynomial taylor(const Polynomial& p, Centre centre) {
   CirclePolynomial b(p.data(), p.data() + p.size());
   const long double c = centre == Centre::kOne ? 1.0L : -1.0L;

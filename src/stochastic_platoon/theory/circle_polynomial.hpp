@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "stochastic_platoon/model/polynomial.hpp"
@@ -16,6 +17,18 @@ enum class Centre {
   kOne,       ///< z = 1:  t = 1 - cos w
   kMinusOne,  ///< z = -1: t = 1 + cos w
 };
+
+/// The centre whose half of the circle e^{jw} lies on.
+Centre nearest(double frequency);
+
+/// t = 1 - cos w about z = 1, 1 + cos w about z = -1, without cancellation.
+long double circle_coordinate(double frequency, Centre centre);
+
+/// The w in [0, pi] of a t.
+double frequency_at(long double t, Centre centre);
+
+/// How far a coefficient made of the numbers of a model may be off, relative to it.
+constexpr double kCoefficientRounding = 32.0 * std::numeric_limits<double>::epsilon();
 
 /// Coefficients b_j of p(z) = sum_j b_j (z - c)^j, c = 1 or -1.
 CirclePolynomial taylor(const Polynomial& p, Centre centre);

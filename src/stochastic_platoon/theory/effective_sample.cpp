@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 
+#include "stochastic_platoon/model/special_values.hpp"
 #include "stochastic_platoon/theory/linked_vehicle.hpp"
 #include "stochastic_platoon/theory/pattern_gain.hpp"
 #include "stochastic_platoon/theory/pattern_spectra.hpp"
@@ -13,8 +13,6 @@
 namespace platoon {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// P_i / Phi_zeta_i(0) and P_i^2 / <Phi_zeta_i^2> of followers 1 .. followers, one after the other.
 std::vector<double> shares_by(const PatternSpectra& spectra, const std::vector<LinkedVehicle>& vehicles,

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <stdexcept>
 
 #include "stochastic_platoon/model/eigenvalues.hpp"
+#include "stochastic_platoon/model/special_values.hpp"
 #include "stochastic_platoon/theory/least_margin.hpp"
 #include "stochastic_platoon/theory/pattern_gain.hpp"
 #include "stochastic_platoon/theory/pattern_spectra.hpp"
@@ -16,9 +16,6 @@
 namespace platoon {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 template <class... Values>
 std::string sentence(const char* format, Values... values) {

@@ -33,10 +33,6 @@ CirclePolynomial scaled(CirclePolynomial p, long double factor) {
   return p;
 }
 
-Centre nearest(double frequency) {
-  return frequency < 1.5707963267948966 ? Centre::kOne : Centre::kMinusOne;
-}
-
 // z - c on the circle, without cancellation.
 Complex offset(double frequency, Centre centre) {
   const long double half = static_cast<long double>(frequency) / 2.0L;

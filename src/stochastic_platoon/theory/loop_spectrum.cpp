@@ -10,8 +10,6 @@ namespace platoon {
 
 namespace {
 
-constexpr double kRounding = 32.0 * std::numeric_limits<double>::epsilon();
-
 /// z D - ((1+h) z - h) N by Taylor coefficients about z = 1.
 CirclePolynomial sensitivity_taylor(const CirclePolynomial& n, const CirclePolynomial& d, double headway) {
   const auto at = [](const CirclePolynomial& p, std::size_t i) { return i < p.size() ? p[i] : 0.0L; };
@@ -21,10 +19,6 @@ CirclePolynomial sensitivity_taylor(const CirclePolynomial& n, const CirclePolyn
     s.push_back(at(d, j) + at(d, j - 1) - at(n, j) - (1.0L + h) * at(n, j - 1));
   }
   return s;
-}
-
-Centre nearest(double frequency) {
-  return frequency < 1.5707963267948966 ? Centre::kOne : Centre::kMinusOne;
 }
 
 LoopSpectrumHalf half(const CirclePolynomial& numerator, const CirclePolynomial& denominator,
@@ -54,17 +48,6 @@ long double surer(const CirclePolynomial& p, long double t, long double other, l
 }
 
 }  // namespace
-
-long double circle_coordinate(double frequency, Centre centre) {
-  const long double half_angle = static_cast<long double>(frequency) / 2.0L;
-  const long double s = centre == Centre::kOne ? std::sin(half_angle) : std::cos(half_angle);
-  return 2.0L * s * s;
-}
-
-double frequency_at(long double t, Centre centre) {
-  const long double root = std::sqrt(std::min(std::max(t / 2.0L, 0.0L), 1.0L));
-  return static_cast<double>(2.0L * (centre == Centre::kOne ? std::asin(root) : std::acos(root)));
-}
 
 std::vector<std::complex<double>> singular_frequencies(const DeltaPolynomial& denominator) {
   std::vector<std::complex<double>> frequencies;
@@ -106,7 +89,8 @@ void LoopSpectrum::strip_flat_zeros() {
   const CirclePolynomial& q = near_.sensitivity_factor;
   long double scale = 0.0L;
   for (const long double b : q) scale += std::abs(b);
-  for (std::size_t j = 0; j + 1 < q.size() && std::abs(q[j]) <= kRounding * scale; ++j) ++sensitivity_zeros_;
+  for (std::size_t j = 0; j + 1 < q.size() && std::abs(q[j]) <= kCoefficientRounding * scale; ++j)
+    ++sensitivity_zeros_;
 }
 
 double LoopSpectrum::margin_uncertainty(double frequency) const {
@@ -122,7 +106,7 @@ double LoopSpectrum::margin_uncertainty(double frequency) const {
     }
     return sum * std::abs(evaluate(p, z));
   };
-  return kRounding * (spread(numerator_) + spread(denominator_));
+  return kCoefficientRounding * (spread(numerator_) + spread(denominator_));
 }
 
 double LoopSpectrum::stripped_margin(double frequency) const {

@@ -82,10 +82,4 @@ private:
 /// The complex w = -j ln(1 + s) where a function with this denominator is singular; none for a pole at z = 0.
 std::vector<std::complex<double>> singular_frequencies(const DeltaPolynomial& denominator);
 
-/// t = 1 - cos w about z = 1, 1 + cos w about z = -1, without cancellation.
-long double circle_coordinate(double frequency, Centre centre);
-
-/// The w in [0, pi] of a t.
-double frequency_at(long double t, Centre centre);
-
 }  // namespace platoon

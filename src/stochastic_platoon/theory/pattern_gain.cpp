@@ -1,18 +1,11 @@
 #include "stochastic_platoon/theory/pattern_gain.hpp"
 
 #include <cmath>
-#include <limits>
 
+#include "stochastic_platoon/model/special_values.hpp"
 #include "stochastic_platoon/theory/loop_spectrum.hpp"
 
 namespace platoon {
-
-namespace {
-
-constexpr double kRounding = 32.0 * std::numeric_limits<double>::epsilon();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 PatternGain::PatternGain(const std::vector<LinkedVehicle>& vehicles) {
   for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
@@ -81,7 +74,7 @@ long double PatternGain::doubt(long double t, Centre centre) const {
     for (int j = 0; j < zeros_ && centre == Centre::kOne; ++j) p = without_zero_at_origin(p);
     return magnitude(p, t);
   };
-  return kRounding * (divided(part.numerator) + divided(part.denominator));
+  return kCoefficientRounding * (divided(part.numerator) + divided(part.denominator));
 }
 
 }  // namespace platoon

@@ -15,5 +15,16 @@ TEST(ConfigurationError, OfSeveralProblemsListsThemAll) {
   EXPECT_EQ(error.problems(), (std::vector<std::string>{"a: 1: must be 2", "b: 3: must be 4"}));
 }
 
+TEST(ConfigurationError, OfManyTwentyAreNamedAndTheOthersCounted) {
+  std::vector<std::string> problems(20, "a: 1: must be 2");
+  EXPECT_EQ(abbreviated(problems), problems);
+  problems.insert(problems.begin(), 3, "b: 3: must be 4");
+  const std::vector<std::string> named = abbreviated(problems);
+  ASSERT_EQ(named.size(), 21u);
+  EXPECT_EQ(named[2], "b: 3: must be 4");
+  EXPECT_EQ(named[19], "a: 1: must be 2");
+  EXPECT_EQ(named[20], "and 3 more");
+}
+
 }  // namespace
 }  // namespace platoon

@@ -1,4 +1,4 @@
-// The README's "How to add": a vehicle, a channel and a statistic of one's own, each in a few lines.
+// The README's "To add": a vehicle, a channel and a statistic of one's own, each in a few lines.
 
 #include <gtest/gtest.h>
 
