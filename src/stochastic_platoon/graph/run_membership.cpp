@@ -1,8 +1,10 @@
 #include "stochastic_platoon/graph/run_membership.hpp"
 
+#include <ros/callback_queue.h>
 #include <ros/console.h>
 #include <ros/init.h>
 #include <stochastic_platoon/Progress.h>
+#include <boost/make_shared.hpp>
 
 #include <chrono>
 #include <thread>
@@ -19,6 +21,19 @@ namespace {
 
 constexpr double kLookPeriod = 0.2;           // [s] between looks for the same unknown run
 constexpr double kShortestLookPeriod = 0.05;  // [s] for any
+
+// What a callback queue calls once.
+class Call : public ros::CallbackInterface {
+public:
+  explicit Call(std::function<void()> function) : function_(std::move(function)) {}
+  CallResult call() override {
+    function_();
+    return Success;
+  }
+
+private:
+  std::function<void()> function_;
+};
 
 std::string shown(std::uint64_t run) {
   return formatted("%016llx", static_cast<unsigned long long>(run));
@@ -55,6 +70,10 @@ RunMembership::RunMembership(const ros::NodeHandle& platoon, std::string name, s
       join_(std::move(join)),
       lives_for_one_(run != 0),
       run_(run) {}
+
+RunMembership::~RunMembership() {
+  ros::getGlobalCallbackQueue()->removeByID(reinterpret_cast<std::uint64_t>(this));
+}
 
 void RunMembership::join(const Configuration& configuration) {
   join_(configuration);
@@ -115,8 +134,13 @@ void RunMembership::tell(std::uint64_t run, std::uint32_t attempt, const std::st
   notice.attempt = attempt;
   notice.step = kNothingYet;
   notice.note = note;
-  if (!notices_) notices_ = platoon_.advertise<stochastic_platoon::Progress>(kProgressTopic, 10, true);
-  notices_.publish(notice);
+  // By the node's own thread: the one that receives may hold locks of roscpp that do not go before those of advertise.
+  const auto publish = [this, notice] {
+    if (!notices_) notices_ = platoon_.advertise<stochastic_platoon::Progress>(kProgressTopic, 10, true);
+    notices_.publish(notice);
+  };
+  ros::getGlobalCallbackQueue()->addCallback(boost::make_shared<Call>(publish),
+                                             reinterpret_cast<std::uint64_t>(this));
 }
 
 }  // namespace platoon

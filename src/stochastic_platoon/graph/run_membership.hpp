@@ -32,6 +32,7 @@ public:
   /// `name` is what the component is called in messages, "vehicle_3". `run`: the one that the component lives for, and
   /// no message of a later one counts; 0: it takes part in one after another, and in none yet.
   RunMembership(const ros::NodeHandle& platoon, std::string name, std::uint64_t run, Join join);
+  ~RunMembership();
 
   /// Whether a message of this run counts. Looks at the parameter server for a run that it does not know, at
   /// most five times a second for the same, twenty for any.
