@@ -40,7 +40,7 @@ class Terminal:
             raise AssertionError("{}; it printed:\n{}".format(error, self.text()))
 
     def wait(self, deadline=live_platoon.DEADLINE):
-        return self.process.wait(timeout=deadline)
+        return self.process.wait(timeout=deadline * live_platoon.PATIENCE)
 
     def interrupt(self):
         self.process.send_signal(signal.SIGINT)

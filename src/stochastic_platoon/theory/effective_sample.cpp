@@ -36,13 +36,10 @@ std::vector<double> shares_by(const PatternSpectra& spectra, const std::vector<L
 
 std::vector<EffectiveSample> effective_samples(const PlatoonModel& model, std::size_t followers) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  std::vector<LinkedVehicle> vehicles;
-  double spectral_radius = 0.0;
-  for (const VehicleModel& vehicle : pattern(model)) {
-    vehicles.emplace_back(vehicle);
-    spectral_radius = std::max(spectral_radius, vehicles.back().spectral_radius());
-  }
-  if (spectral_radius >= 1.0) return std::vector<EffectiveSample>(followers, {kNaN, kNaN});
+  const std::vector<LinkedVehicle> vehicles = linked_pattern(model);
+  const auto is_unstable = [](const LinkedVehicle& vehicle) { return vehicle.spectral_radius() >= 1.0; };
+  if (std::any_of(vehicles.begin(), vehicles.end(), is_unstable))
+    return std::vector<EffectiveSample>(followers, {kNaN, kNaN});
   const PatternGain gain(vehicles);
   const std::vector<double> shares = refined([&](int refinement) {
     return shares_by(PatternSpectra(vehicles, gain, false, refinement), vehicles, followers);

@@ -24,12 +24,6 @@ std::string sentence(const char* format, Values... values) {
   return buffer;
 }
 
-std::vector<LinkedVehicle> linked_pattern(const PlatoonModel& model) {
-  std::vector<LinkedVehicle> vehicles;
-  for (const VehicleModel& vehicle : pattern(model)) vehicles.emplace_back(vehicle);
-  return vehicles;
-}
-
 // [m] a step: the leader's speed in the end.
 double metres_per_step(const PlatoonModel& model) {
   if (!model.recorded_leader.empty()) {

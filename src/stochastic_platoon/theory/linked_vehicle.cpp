@@ -142,4 +142,10 @@ double LinkedVehicle::lag() const {
   return static_cast<double>(vehicle_.link.delay) + loss_.probability * mean_innovation();
 }
 
+std::vector<LinkedVehicle> linked_pattern(const PlatoonModel& model) {
+  std::vector<LinkedVehicle> vehicles;
+  for (const VehicleModel& vehicle : pattern(model)) vehicles.emplace_back(vehicle);
+  return vehicles;
+}
+
 }  // namespace platoon

@@ -70,4 +70,7 @@ private:
   Half near_, far_;
 };
 
+/// The vehicles of one pattern of the string, in their order.
+std::vector<LinkedVehicle> linked_pattern(const PlatoonModel& model);
+
 }  // namespace platoon
