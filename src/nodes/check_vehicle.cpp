@@ -79,9 +79,9 @@ void require_no_run(const ros::NodeHandle& platoon) {
   for (int t = 0; t < state[0].size(); ++t) {
     const std::string topic = state[0][t][0];
     if (topic != platoon.resolveName(platoon::kConfigurationTopic)) continue;
-    const std::string node = state[0][t][1][0];
+    std::string who = state[0][t][1][0];
     throw std::runtime_error(
-        node + " publishes " + topic +
+        who.append(" publishes ").append(topic) +
         ": a platoon is there; end it, or use another master or namespace (ROS_NAMESPACE)");
   }
 }

@@ -19,7 +19,7 @@ std::uint32_t read_index() {
 // The present run, if there is one that this vehicle can take part in.
 std::optional<platoon::Configuration> present_run(const ros::NodeHandle& platoon, std::uint32_t index) {
   try {
-    const std::optional<platoon::Configuration> found = platoon::read_configuration(platoon);
+    std::optional<platoon::Configuration> found = platoon::read_configuration(platoon);
     if (!found || index <= found->run.followers) return found;
     ROS_WARN_STREAM("~index: " << index << ": must be a whole number from 1 to " << found->run.followers
                                << ", the number of followers of the present run: waiting for another run");

@@ -138,8 +138,9 @@ private:
     std::string plain(size, '\0'), packed = record.data;
     try {
       streams_.getStream(lz4 ? rosbag::compression::LZ4 : rosbag::compression::BZ2)
-          ->decompress(reinterpret_cast<std::uint8_t*>(&plain[0]), size,
-                       reinterpret_cast<std::uint8_t*>(&packed[0]), static_cast<unsigned int>(packed.size()));
+          ->decompress(reinterpret_cast<std::uint8_t*>(plain.data()), size,
+                       reinterpret_cast<std::uint8_t*>(packed.data()),
+                       static_cast<unsigned int>(packed.size()));
     } catch (const rosbag::BagException& error) {
       throw Cut(std::string("a chunk cannot be unpacked: ") + error.what());
     }
@@ -168,9 +169,9 @@ private:
     dispatch(content_, *reading->second.topic, [&record](auto message) {
       if (!holds_its_arrays<decltype(message)>(record.data)) throw Cut("a message is cut off");
       std::string data = record.data;
-      ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(&data[0]),
+      ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(data.data()),
                                          static_cast<std::uint32_t>(data.size()));
-      const auto found = boost::make_shared<decltype(message)>();
+      auto found = boost::make_shared<decltype(message)>();
       ros::serialization::deserialize(stream, *found);
       return found;
     });

@@ -30,13 +30,13 @@ boost::shared_ptr<Message> instantiated(const rosbag::MessageInstance& instance,
   if (!instance.isType<Message>())
     throw BagError(instance.getTopic() + ": holds a message that cannot be read");
   buffer.resize(instance.size());
-  auto* bytes = reinterpret_cast<std::uint8_t*>(&buffer[0]);
+  auto* bytes = reinterpret_cast<std::uint8_t*>(buffer.data());
   ros::serialization::OStream written(bytes, static_cast<std::uint32_t>(buffer.size()));
   instance.write(written);
   if (!holds_its_arrays<Message>(buffer))
     throw BagError(instance.getTopic() + ": holds a message that is cut off");
   ros::serialization::IStream stream(bytes, static_cast<std::uint32_t>(buffer.size()));
-  const auto message = boost::make_shared<Message>();
+  auto message = boost::make_shared<Message>();
   ros::serialization::deserialize(stream, *message);
   return message;
 }

@@ -46,14 +46,14 @@ void require_feasible_theory(const PlatoonModel& model, const RunOptions& run,
 
 }  // namespace
 
-Configuration parse_configuration(const YAML::Node& node) {
+Configuration parse_configuration(const YAML::Node& document) {
   std::vector<std::string> problems;
-  Section document(node, "", problems);
-  if (problems.empty()) require_version(document, problems);
+  Section root(document, "", problems);
+  if (problems.empty()) require_version(root, problems);
   if (!problems.empty()) throw ConfigurationError(problems);
-  const RunOptions run = read_run_options(document.section("run"));
-  const std::optional<PlatoonModel> model = read_model(document.section("model"), problems);
-  document.reject_unknown_keys();
+  const RunOptions run = read_run_options(root.section("run"));
+  const std::optional<PlatoonModel> model = read_model(root.section("model"), problems);
+  root.reject_unknown_keys();
   if (model && !model->recorded_leader.empty()) {
     const auto needed = static_cast<std::size_t>(run.steps) + 1;
     if (run.averaging() == Averaging::over_time || model->recorded_leader.size() < needed) {

@@ -17,7 +17,7 @@ constexpr std::size_t kLongestPredictor = 10;
 
 TransferFunction read_noise_filter(Section& link) {
   Section section = link.section("noise_filter");
-  const TransferFunction filter = read_fraction(section);
+  TransferFunction filter = read_fraction(section);
   if (filter.relative_degree() < 0)
     link.reject("noise_filter", "more zeros than poles", "proper: no more zeros than poles");
   const double radius = spectral_radius(delta_form(filter.denominator()));

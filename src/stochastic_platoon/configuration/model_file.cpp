@@ -209,8 +209,9 @@ std::vector<std::size_t> read_string(Section& document, const std::vector<TypePa
 
 void check_assumptions(const VehicleParts& parts, const std::string& path, bool allow_unstable,
                        std::vector<std::string>& problems) {
+  const std::string place = path.empty() ? "" : path + ": ";
   for (const std::string& problem : violated_assumptions(parts.loop->closed, parts.headway, allow_unstable))
-    problems.push_back(path.empty() ? problem : path + ": " + problem);
+    problems.push_back(place + problem);
 }
 
 nlohmann::json to_json(const Eigen::MatrixXd& matrix) {
@@ -261,9 +262,9 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
   return model;
 }
 
-PlatoonModel parse_model(const YAML::Node& node) {
+PlatoonModel parse_model(const YAML::Node& document) {
   std::vector<std::string> problems;
-  const std::optional<PlatoonModel> model = read_model(Section(node, "", problems), problems);
+  const std::optional<PlatoonModel> model = read_model(Section(document, "", problems), problems);
   if (!problems.empty()) throw ConfigurationError(problems);
   return *model;
 }

@@ -11,7 +11,7 @@ namespace platoon {
 template <typename Number>
 class Shown {
 public:
-  Shown(Number value = 0) : value_(value) {}
+  explicit Shown(Number value = 0) : value_(value) {}
   Shown(const Shown& other) : value_(other.get()) {}
   Shown& operator=(Number value) {
     value_.store(value, std::memory_order_relaxed);

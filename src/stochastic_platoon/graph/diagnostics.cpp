@@ -52,8 +52,8 @@ void VitalSigns::add_to(DiagnosticStatusWrapper& status) {
   last_faults_ = faults;
 }
 
-Diagnostics::Diagnostics(ros::NodeHandle platoon) : platoon_(platoon) {
-  timer_ = platoon.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { update(); });
+Diagnostics::Diagnostics(const ros::NodeHandle& platoon) : platoon_(platoon) {
+  timer_ = platoon_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { update(); });
 }
 
 void Diagnostics::add(const std::string& name, Fill fill) {

@@ -39,7 +39,7 @@ class Diagnostics {
 public:
   using Fill = std::function<void(diagnostic_updater::DiagnosticStatusWrapper&)>;
 
-  explicit Diagnostics(ros::NodeHandle platoon);
+  explicit Diagnostics(const ros::NodeHandle& platoon);
 
   /// Call it before the first second is over. `fill` is called by the thread that serves the node handle.
   void add(const std::string& name, Fill fill);

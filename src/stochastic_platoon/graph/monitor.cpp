@@ -308,7 +308,7 @@ std::string Monitor::culprit() const {
   for (const auto& note : notes_) {
     if (note.second.rfind(kHoldsUp, 0) == 0) return note.first + " " + note.second;
   }
-  const std::string missing = name_of_missing();
+  std::string missing = name_of_missing();
   if (!missing.empty()) return missing;
   const StallDiagnosis diagnosis =
       diagnose_stall(statistics_.arrivals().latest(), configuration_.run.schedule(),

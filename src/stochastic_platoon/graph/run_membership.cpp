@@ -53,7 +53,7 @@ std::optional<Configuration> read_configuration(const ros::NodeHandle& platoon) 
 
 std::optional<Configuration> wait_for_configuration(const ros::NodeHandle& platoon) {
   while (ros::ok()) {
-    const std::optional<Configuration> found = read_configuration(platoon);
+    std::optional<Configuration> found = read_configuration(platoon);
     if (found) return found;
     ROS_WARN_STREAM_THROTTLE(10.0, "waiting for the parameter "
                                        << platoon.resolveName("configuration")

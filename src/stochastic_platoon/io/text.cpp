@@ -11,7 +11,7 @@ std::string formatted(const char* format, ...) {
   va_copy(again, arguments);
   const int length = std::vsnprintf(nullptr, 0, format, arguments);
   std::string text(static_cast<std::size_t>(length) + 1, '\0');
-  std::vsnprintf(&text[0], text.size(), format, again);
+  std::vsnprintf(text.data(), text.size(), format, again);
   va_end(again);
   va_end(arguments);
   text.pop_back();

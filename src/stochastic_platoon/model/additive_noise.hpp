@@ -25,7 +25,7 @@ public:
 
 private:
   double deviation_;                             ///< [m]
-  double gain_;                                  ///< b_0
+  double gain_ = 0.0;                            ///< b_0
   std::vector<double> numerator_, denominator_;  ///< b_1 .. b_n, a_1 .. a_n
   WhiteNoise draws_;
   std::uint32_t receiver_;

@@ -58,8 +58,8 @@ double place_in_formation(const PlatoonModel& model, std::size_t follower) {
     return distance;
   };
   const std::size_t length = model.string.size();
-  return -(static_cast<double>(follower / length) * distance_up_to(length) +
-           distance_up_to(follower % length));
+  const std::size_t patterns = follower / length;
+  return -(static_cast<double>(patterns) * distance_up_to(length) + distance_up_to(follower % length));
 }
 
 }  // namespace platoon

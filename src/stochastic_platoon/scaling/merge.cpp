@@ -16,18 +16,8 @@ namespace {
 // Reads the folders one by one and keeps of each where it belongs.
 class Inventory {
 public:
-  void add(const std::string& folder) {
-    try {
-      const std::optional<Checkpoint> found = read_checkpoint(folder);
-      if (!found) return refuse(folder, "holds no shard: must be the output of monte_carlo --shard");
-      if (found->shard.is_null())
-        return refuse(folder, "holds a run of " + extent_of(*found) + " and no shard");
-      take(folder, *found);
-    } catch (const ConfigurationError& error) {
-      refuse(folder, error.problems().front());
-    } catch (const std::runtime_error& error) {
-      problems_.emplace_back(error.what());
-    }
+  explicit Inventory(const std::vector<std::string>& folders) {
+    for (const std::string& folder : folders) add(folder);
   }
 
   // Throws IncompleteRun unless all shards are there, and nothing else.
@@ -46,6 +36,20 @@ public:
   const std::map<std::uint64_t, std::string>& places() const { return places_; }
 
 private:
+  void add(const std::string& folder) {
+    try {
+      const std::optional<Checkpoint> found = read_checkpoint(folder);
+      if (!found) return refuse(folder, "holds no shard: must be the output of monte_carlo --shard");
+      if (found->shard.is_null())
+        return refuse(folder, "holds a run of " + extent_of(*found) + " and no shard");
+      take(folder, *found);
+    } catch (const ConfigurationError& error) {
+      refuse(folder, error.problems().front());
+    } catch (const std::runtime_error& error) {
+      problems_.emplace_back(error.what());
+    }
+  }
+
   void refuse(const std::string& folder, const std::string& why) { problems_.push_back(folder + ": " + why); }
 
   void take(const std::string& folder, const Checkpoint& found) {
@@ -129,8 +133,7 @@ std::string array_indices(const std::vector<std::uint64_t>& ascending) {
 }
 
 MergedRun merge(const std::vector<std::string>& folders) {
-  Inventory inventory;
-  for (const std::string& folder : folders) inventory.add(folder);
+  const Inventory inventory(folders);
   inventory.require_all();
   MergedRun merged{inventory.first().configuration, {}};
   const RunOptions& run = merged.configuration.run;

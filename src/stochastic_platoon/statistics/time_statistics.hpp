@@ -48,7 +48,7 @@ private:
     std::int64_t next_step = 0;            ///< the step that counts next
     std::map<std::int64_t, double> early;  ///< zeta_i of later steps [m]
   };
-  void count_due(std::size_t follower);
+  void count_due(std::size_t index);
   bool counts(std::size_t follower, std::int64_t step) const;
 
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();

@@ -33,17 +33,17 @@ constexpr double kCoefficientRounding = 32.0 * std::numeric_limits<double>::epsi
 /// Coefficients b_j of p(z) = sum_j b_j (z - c)^j, c = 1 or -1.
 CirclePolynomial taylor(const Polynomial& p, Centre centre);
 
-/// Taylor coefficients about z = -1 of the polynomial with these about z = 1.
-CirclePolynomial recentred(CirclePolynomial taylor_coefficients);
+/// Taylor coefficients about z = -1 of the polynomial with these, b_j, about z = 1.
+CirclePolynomial recentred(CirclePolynomial b);
 
-/// |P(e^{jw})|^2 as a polynomial in t, from the Taylor coefficients of P about the centre. With u = z - c and
+/// |P(e^{jw})|^2 as a polynomial in t, from the Taylor coefficients b_j of P about the centre. With u = z - c and
 /// s_k = u^k + conj(u)^k = (u + conj u) s_{k-1} - |u|^2 s_{k-2}, both factors being +-2 t, it is
 /// sum_i b_i^2 (2t)^i + sum_{i<j} b_i b_j (2t)^i s_{j-i}(t).
-CirclePolynomial squared_modulus(const CirclePolynomial& taylor_coefficients, Centre centre);
+CirclePolynomial squared_modulus(const CirclePolynomial& b, Centre centre);
 
-/// |P(e^{jw})|^2 at one t from the Taylor coefficients, squared only at the end: good to the rounding of |P|,
+/// |P(e^{jw})|^2 at one t from the Taylor coefficients b_j, squared only at the end: good to the rounding of |P|,
 /// also near a zero of P, where the polynomial in t cancels. By Clenshaw's recurrence for u and conj u.
-long double squared_modulus_at(const CirclePolynomial& taylor_coefficients, Centre centre, long double t);
+long double squared_modulus_at(const CirclePolynomial& b, Centre centre, long double t);
 
 /// p(t) by Horner's rule.
 long double evaluate(const CirclePolynomial& p, long double t);

@@ -8,6 +8,7 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& model) {
   if (!model.link.loss) return std::nullopt;
   constexpr int kSamples = 100;
   std::vector<double> samples;
+  samples.reserve(kSamples);
   for (int i = 0; i < kSamples; ++i) samples.push_back(0.01 * i);
   const auto margin = [&model](double probability) {
     PlatoonModel varied = model;

@@ -16,7 +16,7 @@ public:
   std::vector<double> operator()(const std::vector<double>& input) const;
 
   /// C A^k x(0) for k = 0 .. count-1.
-  std::vector<double> free_response(const Eigen::VectorXd& state, std::size_t count) const;
+  std::vector<double> free_response(const Eigen::VectorXd& initial, std::size_t count) const;
 
 private:
   struct Term {  ///< one nonzero entry of a row

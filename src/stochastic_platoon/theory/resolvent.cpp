@@ -16,7 +16,7 @@ namespace platoon {
 namespace {
 
 Resolvent stable_resolvent(const StateSpace& system) {
-  const Resolvent r = resolvent(system);
+  Resolvent r = resolvent(system);
   for (const std::complex<long double>& s : zeros(r.delta_denominator)) {
     const long double excess = modulus_minus_one(s);
     if (!(excess < 0.0L)) {

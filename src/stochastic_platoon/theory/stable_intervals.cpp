@@ -65,6 +65,7 @@ private:
 // With a sample more wherever the margin, between two of its sign, has one of the other.
 std::vector<Sample> samples_of(const MarginCurve& curve, const std::vector<double>& places) {
   std::vector<Sample> samples;
+  samples.reserve(places.size());
   for (const double place : places) samples.push_back(curve.at(place));
   std::vector<Sample> found;
   for (std::size_t i = 1; i + 1 < samples.size(); ++i) {

@@ -13,11 +13,11 @@ struct StableInterval {
   double to;
 };
 
-/// Where the margin is positive, in ascending order, between the first and the last of the samples, which
-/// ascend. The margin is followed to its extremes where it turns near zero between samples without changing sign,
-/// and every change of sign is bisected, to 1e-13 relative. A stretch is missed only if the margin turns more than
+/// Where the margin is positive, in ascending order, between the first and the last of the places, which ascend: there
+/// it is sampled. It is followed to its extremes where it turns near zero between samples without changing sign,
+/// and every change of sign is found to 1e-13 relative. A stretch is missed only if the margin turns more than
 /// once between two samples.
 std::vector<StableInterval> stable_intervals(const StabilityMargin& margin,
-                                             const std::vector<double>& samples);
+                                             const std::vector<double>& places);
 
 }  // namespace platoon
