@@ -11,7 +11,8 @@ namespace platoon {
 template <typename Number>
 class Shown {
 public:
-  explicit Shown(Number value = 0) : value_(value) {}
+  Shown() = default;
+  explicit Shown(Number value) : value_(value) {}
   Shown(const Shown& other) : value_(other.get()) {}
   Shown& operator=(Number value) {
     value_.store(value, std::memory_order_relaxed);
@@ -22,7 +23,7 @@ public:
   Number get() const { return value_.load(std::memory_order_relaxed); }
 
 private:
-  std::atomic<Number> value_;
+  std::atomic<Number> value_{0};
 };
 
 /// What a component has done last: for diagnostics.
