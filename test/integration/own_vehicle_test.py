@@ -188,9 +188,7 @@ class Contract(OwnTest):
         self.assertRegex(said, r"/platoon/vehicle_2/position: dropped a message that is out of turn: .*vehicle_2 is yours: it breaks clause 6 of")
         summary = live_platoon.completed_summary(self.output)
         self.assertEqual(summary["positions_lost"], 0)
-        self.assertGreaterEqual(summary["attempts"], 6)
-        if "PLATOON_SANITIZED" not in os.environ:
-            self.assertEqual(summary["attempts"], 6)
+        self.assertGreaterEqual(summary["attempts"], 6)  # one for each breach, and as many as it took to come up
 
     def test_the_recorder_names_a_vehicle_without_stamps(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:unstamped")

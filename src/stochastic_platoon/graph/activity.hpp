@@ -23,7 +23,7 @@ public:
   Number get() const { return value_.load(std::memory_order_relaxed); }
 
 private:
-  std::atomic<Number> value_{0};
+  std::atomic<Number> value_{Number{}};
 };
 
 /// What a component has done last: for diagnostics.

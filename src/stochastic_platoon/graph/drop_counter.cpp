@@ -18,13 +18,14 @@ void DropCounter::count(Verdict verdict, const MessageId& id, std::size_t size) 
   const double present = now();
   if (last_said_ && present - *last_said_ < 1.0) return;
   last_said_ = present;
+  const std::optional<Verdict> breach = latest_breach();
   ROS_WARN_STREAM(
       topic_ << ": dropped a message that is " << to_string(verdict) << ": attempt " << id.attempt
              << ", realizations from " << id.first_realization << ", step " << id.step << ", " << size
              << " positions (so far " << of(Verdict::out_of_turn) << " out of turn, "
              << of(Verdict::wrong_size) << " of wrong size, " << of(Verdict::not_finite) << " not finite, "
              << of(Verdict::foreign_run) << " of another run)"
-             << (breach_ ? ". " + own_ + " is yours: it breaks " + named(*broken_clause(*breach_)) : ""));
+             << (breach ? ". " + own_ + " is yours: it breaks " + named(*broken_clause(*breach)) : ""));
 }
 
 }  // namespace platoon

@@ -27,13 +27,18 @@ public:
   /// Those that are not to be expected.
   std::uint64_t faults() const;
 
-  /// How the latest message that was dropped broke the contract of somebody's own vehicle; none if none did.
-  std::optional<Verdict> latest_breach() const { return breach_; }
+  /// A message has counted: what the vehicle has broken before holds nobody up.
+  void forget_breach() { breach_ = Verdict::in_turn; }
+
+  /// How the latest message broke the contract of somebody's own vehicle; none if it did not.
+  std::optional<Verdict> latest_breach() const {
+    return breach_.get() == Verdict::in_turn ? std::nullopt : std::make_optional(breach_.get());
+  }
 
 private:
   std::string topic_;
   std::string own_;
-  std::optional<Verdict> breach_;
+  Shown<Verdict> breach_{Verdict::in_turn};
   std::array<Shown<std::uint64_t>, kVerdicts> counts_{};
   std::optional<double> last_said_;  ///< [s]
 };

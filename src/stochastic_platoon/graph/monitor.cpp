@@ -138,6 +138,7 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
     if (receipt.verdict != Verdict::in_turn)
       return drops_[vehicle].count(receipt.verdict, heading.id, heading.size);
   }
+  drops_[vehicle].forget_breach();
   activity_[vehicle].count(heading.id);
   if (snapshots_.wanted()) snapshots_.take(vehicle, *message);
   const RunStatistics::Computed computed = statistics_.compute(receipt.work);
