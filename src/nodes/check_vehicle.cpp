@@ -138,9 +138,11 @@ void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
     return;
   }
   for (const platoon::Clause clause : platoon::kVehicleContract) {
-    if (held.count(clause) > 0) continue;
-    print(clause, clause == breach->clause ? "BROKEN" : "not reached",
-          clause == breach->clause ? breach->what : "");
+    if (clause == breach->clause) {
+      print(clause, "BROKEN", breach->what);  // even if it held at first: a second publisher may come later
+    } else if (held.count(clause) == 0) {
+      print(clause, "not reached");
+    }
   }
   throw std::runtime_error(name + " breaks " + platoon::named(breach->clause));
 }
