@@ -12,8 +12,10 @@ import unittest
 
 import live_platoon
 
-LONG = ["--realizations", "2e5", "--checkpoint-seconds", "0.2", "--batch", "128"]
-SWEEP = "vary: {headway: 2.4:4:40}\nfollowers: 10\nsteps: 100\nrealizations: 5000\n"
+# Seconds of one thread, with a checkpoint soon: none is over before it can be killed.
+REALIZATIONS = int(1e6 / live_platoon.PATIENCE)
+LONG = ["--realizations", str(REALIZATIONS), "--checkpoint-seconds", "0.1", "--batch", "128"]
+SWEEP = "vary: {headway: 2.4:4:40}\nfollowers: 10\nsteps: 100\nrealizations: 20000\n"
 
 
 class ShardsTest(unittest.TestCase):
@@ -33,7 +35,7 @@ class ShardsTest(unittest.TestCase):
 
     def run_tool(self, tool, *words, status=0, before=""):
         process = self.start(tool, *words, before=before)
-        said, complained = process.communicate(timeout=live_platoon.DEADLINE)
+        said, complained = process.communicate(timeout=live_platoon.DEADLINE * live_platoon.PATIENCE)
         self.assertEqual(process.returncode, status, said + complained)
         return said if status == 0 else complained
 
@@ -52,7 +54,7 @@ class Shards(ShardsTest):
         folder, file = self.path("1_of_3"), self.path("1_of_3", "checkpoint.cbor")
         before = None
         for _ in range(2):
-            process = self.start("monte_carlo", "--shard", "1/3", "--output", folder, *LONG)
+            process = self.start("monte_carlo", "--shard", "1/3", "--output", folder, "--threads", "1", *LONG)
             self.kill_once(process, lambda: os.path.exists(file) and os.stat(file).st_mtime_ns != before, "a checkpoint")
             before = os.stat(file).st_mtime_ns if os.path.exists(file) else None
         said = self.shard("1/3", *LONG)
@@ -63,11 +65,11 @@ class Shards(ShardsTest):
             self.shard(part, *LONG)
         self.assertIn(" 0 of them computed now", self.shard("1/3", *LONG))
         self.run_tool("merge", *[self.path("{}_of_3".format(i)) for i in (2, 0, 1)], "--output", self.path("merged"))
-        self.assertEqual(live_platoon.statistics(self.path("merged")), live_platoon.reference(self.folder, realizations="2e5"))
+        self.assertEqual(live_platoon.statistics(self.path("merged")), live_platoon.reference(self.folder, realizations=str(REALIZATIONS)))
         with open(self.path("merged", "summary.json")) as file:
             summary = json.load(file)
         self.assertEqual((summary["complete"], summary["realizations"], summary["positions_lost"], summary["hosting"]),
-                         (True, 200000, 0, "monte_carlo"))
+                         (True, REALIZATIONS, 0, "monte_carlo"))
 
     def test_a_part_of_a_billion_realizations_is_taken(self):
         self.assertIn("realizations 12344992 to 12345999 of 1000000000, 1008 of them computed now",
@@ -85,7 +87,7 @@ class Shards(ShardsTest):
         self.assertIn("1024 of them computed now", self.shard("0/2", "--realizations", "2048"))
 
     def test_a_shard_has_its_folder_for_itself(self):
-        process = self.start("monte_carlo", "--shard", "0/2", "--output", self.path("0_of_2"), *LONG)
+        process = self.start("monte_carlo", "--shard", "0/2", "--output", self.path("0_of_2"), "--threads", "1", *LONG)
         live_platoon.wait_for(lambda: os.path.exists(self.path("0_of_2", "checkpoint.cbor")), "a checkpoint")
         self.assertIn("is in use by launch shard 0/2", self.shard("0/2", *LONG, status=1))
         process.kill()
@@ -118,7 +120,7 @@ class Sweeps(ShardsTest):
 
     def test_a_sweep_that_is_killed_goes_on_point_by_point_to_the_same_table(self):
         points = self.path("killed", "points")
-        process = self.start("sweep", self.file, "--output", self.path("killed"))
+        process = self.start("sweep", self.file, "--output", self.path("killed"), "--threads", "1")
         self.kill_once(process, lambda: len(glob.glob(points + "/*.csv")) > 2, "some points")
         there = len(glob.glob(points + "/*.csv"))
         self.assertLess(there, 40)
