@@ -3,7 +3,6 @@
 
 #include <ros/init.h>
 #include <ros/master.h>
-#include <ros/this_node.h>
 
 #include <charconv>
 #include <cstdio>
@@ -14,6 +13,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/graph/vehicle_check.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
 #include "tools/settings.hpp"
@@ -73,17 +73,12 @@ platoon::Configuration run_of(const Arguments& arguments, const std::string& nam
 
 // Throws when a platoon is there, whose run would be disturbed.
 void require_no_run(const ros::NodeHandle& platoon) {
-  XmlRpc::XmlRpcValue request, response, state;
-  request[0] = ros::this_node::getName();
-  if (!ros::master::execute("getSystemState", request, response, state, false)) return;
-  for (int t = 0; t < state[0].size(); ++t) {
-    const std::string topic = state[0][t][0];
-    if (topic != platoon.resolveName(platoon::kConfigurationTopic)) continue;
-    std::string who = state[0][t][1][0];
-    throw std::runtime_error(
-        who.append(" publishes ").append(topic) +
-        ": a platoon is there; end it, or use another master or namespace (ROS_NAMESPACE)");
-  }
+  const std::string topic = platoon.resolveName(platoon::kConfigurationTopic);
+  const std::vector<std::string> names = platoon::registered_publishers(topic);
+  if (names.empty()) return;
+  throw std::runtime_error(
+      names.front() + " publishes " + topic +
+      ": a platoon is there; end it, or use another master or namespace (ROS_NAMESPACE)");
 }
 
 // The parameter is what it was, when it is over.

@@ -6,6 +6,8 @@
 #include <stochastic_platoon/Position.h>
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 namespace platoon {
 
@@ -25,6 +27,10 @@ ros::TransportHints no_delay();
 /// A paced run is one that others look at: they get this time [s] to link up before its first step (rosbag
 /// record -a asks the master for new topics once a second).
 constexpr double kObserverTime = 3.0;
+
+/// The names of the nodes that the master has as publishers of a topic, sorted, connected to them or not; none
+/// when it does not answer.
+std::vector<std::string> registered_publishers(const std::string& topic);
 
 /// Publishes a position. roscpp publishes under one lock of the process, which puts a thread that has to wait
 /// for it to sleep: the threads of one process would do so all the time. Here they wait awake.

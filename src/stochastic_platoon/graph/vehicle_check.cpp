@@ -89,9 +89,9 @@ std::optional<VehicleCheck::Breach> VehicleCheck::run(const Holds& holds) {
 }
 
 void VehicleCheck::check_publishers() {
-  if (position_.getNumPublishers() == 1) return;
-  broken(Clause::one_publisher,
-         std::to_string(position_.getNumPublishers()) + " publish " + position_.getTopic());
+  const std::vector<std::string> names = registered_publishers(position_.getTopic());
+  if (names.size() > 1)
+    broken(Clause::one_publisher, names[0] + " and " + names[1] + " publish " + position_.getTopic());
 }
 
 void VehicleCheck::check_batches() {
