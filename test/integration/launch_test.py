@@ -159,7 +159,7 @@ class Surroundings(LaunchTest):
         settings = dict(followers=2, steps=20, realizations=100)
         second = os.path.join(self.folder, "second")
         self.launch(master=master, output=second, **settings).wait()
-        self.assertEqual(live_platoon.completed_summary(second)["attempts"], 1)
+        self.assertLessEqual(live_platoon.completed_summary(second)["attempts"], live_platoon.UNDISTURBED)
         self.assertEqual(live_platoon.statistics(second), live_platoon.reference(self.folder, **settings))
 
     def test_kill_9_of_until_complete_ends_the_launch_and_loses_nothing(self):
@@ -192,7 +192,7 @@ class Surroundings(LaunchTest):
         first.wait()
         master()
         summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
-        self.assertEqual(summary["attempts"], 1)
+        self.assertLessEqual(summary["attempts"], live_platoon.UNDISTURBED)
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
 
 
@@ -213,7 +213,7 @@ class FullDisk(LaunchTest):
         self.assertIn("File too large", text)
         self.assertIn("MB are free there", text)
         self.assertIn(self.output + ": can be written again", text)
-        self.assertEqual(live_platoon.completed_summary(self.output)["attempts"], 1)
+        self.assertLessEqual(live_platoon.completed_summary(self.output)["attempts"], live_platoon.UNDISTURBED)
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
 
 

@@ -203,7 +203,7 @@ class Changes(Orders):
         snapshots, statistics = self.listen("snapshot", Snapshot), self.listen("error_statistics", ErrorStatistics)
         bag = os.path.join(self.folder, hosting)
         terminal = self.endless(hosting, rate=0, seed=3, record=bag + ".bag")
-        enough = 20000 if live_platoon.PATIENCE == 1.0 else 4000
+        enough = 4000 if live_platoon.SANITIZED else 20000
 
         def averaged(headway_is, run):
             live_platoon.wait_for(lambda: list(statistics.messages)[-1:] and statistics.messages[-1].step > enough,

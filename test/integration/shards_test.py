@@ -13,7 +13,7 @@ import unittest
 import live_platoon
 
 # Seconds of one thread, with a checkpoint soon: none is over before it can be killed.
-REALIZATIONS = int(1e6 / live_platoon.PATIENCE)
+REALIZATIONS = 100000 if live_platoon.SANITIZED else 1000000
 LONG = ["--realizations", str(REALIZATIONS), "--checkpoint-seconds", "0.1", "--batch", "128"]
 SWEEP = "vary: {headway: 2.4:4:40}\nfollowers: 10\nsteps: 100\nrealizations: 20000\n"
 

@@ -73,6 +73,7 @@ class BadInput(unittest.TestCase):
         self.assertIn("of follower 1000000", done.stdout)
 
 
+@unittest.skipIf(live_platoon.SANITIZED, "a sanitizer has memory of its own")
 class Memory(unittest.TestCase):
     def test_that_of_a_monte_carlo_does_not_grow_with_the_realizations(self):
         """Blocks of 320 kB, one a realization: those whose siblings another thread has must not pile up."""
