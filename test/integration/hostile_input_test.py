@@ -176,6 +176,7 @@ ARGUMENTS = [
     ("model", "/no/such/file", "model: /no/such/file: must be a file that can be read"),
     ("model", "/proc", "model: /proc: must be a file, not a folder"),
     ("model", "/proc/self/mem", "model: /proc/self/mem: must be a file that can be read"),
+    ("model", "/dev/zero", "model: /dev/zero: must have at most 256 MB"),
     ("model", "", "model: : must be a file that can be read"),
     ("output", "/proc/run", "output: /proc/run: cannot be made: "),
     ("output", "/dev/null", "output: /dev/null: cannot be made: "),

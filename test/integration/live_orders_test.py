@@ -239,7 +239,8 @@ class Changes(Orders):
             self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)
             # Of twice FOLLOWERS scores, of averages worth thousands of independent errors.
             for score in summary["agreement"].values():
-                self.assertLess(score, 5.0)
+                if not live_platoon.SANITIZED:
+                    self.assertLess(score, 5.0)
             with open(os.path.join(folder, "statistics.csv")) as file:
                 self.assertEqual(len(list(csv.DictReader(file))), FOLLOWERS)
         # And each in a bag of its own, as far as it was recorded when it ended.
@@ -250,7 +251,8 @@ class Changes(Orders):
             with open(os.path.join(read, "summary.json")) as file:
                 summary = json.load(file)
             self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)
-            self.assertLess(summary["agreement"]["max_abs_z_variance"], 5.0)
+            if not live_platoon.SANITIZED:
+                self.assertLess(summary["agreement"]["max_abs_z_variance"], 5.0)
 
 
 class Diagnosed(Orders):
