@@ -1,0 +1,67 @@
+// The harnesses answer everything in the corpora, and what is whole there is so still: after a change of a format the fuzzers would
+// be left with seeds that are refused at once.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include "fuzz/fuzz.hpp"
+#include "stochastic_platoon/bags/bag_statistics.hpp"
+#include "stochastic_platoon/configuration/model_file.hpp"
+#include "stochastic_platoon/results/checkpoint.hpp"
+
+extern "C" {
+int fuzz_model_file(const std::uint8_t* data, std::size_t size);
+int fuzz_checkpoint(const std::uint8_t* data, std::size_t size);
+int fuzz_bag(const std::uint8_t* data, std::size_t size);
+int fuzz_message(const std::uint8_t* data, std::size_t size);
+}
+
+namespace platoon {
+namespace {
+
+const std::string kCorpus = PLATOON_SOURCE_DIR "/test/fuzz/corpus/";
+
+std::string bytes_of(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+void answers_all_of(const std::string& name, int (*harness)(const std::uint8_t*, std::size_t)) {
+  std::size_t inputs = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kCorpus + name)) {
+    SCOPED_TRACE(entry.path());
+    const std::string bytes = bytes_of(entry.path());
+    ASSERT_FALSE(bytes.empty());
+    ASSERT_EQ(harness(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()), 0);
+    ++inputs;
+  }
+  EXPECT_GE(inputs, 2U);
+}
+
+TEST(Corpus, IsAnsweredByItsHarness) {
+  answers_all_of("model_file", fuzz_model_file);
+  answers_all_of("checkpoint", fuzz_checkpoint);
+  answers_all_of("bag", fuzz_bag);
+  answers_all_of("message", fuzz_message);
+}
+
+TEST(Corpus, HoldsAModelFileThatIsOne) {
+  EXPECT_NO_THROW(parse_model(load_yaml(kCorpus + "model_file/paper")));
+}
+
+TEST(Corpus, HoldsACheckpointThatIsOne) {
+  fuzz::write(checkpoint_file(fuzz::folder()), bytes_of(kCorpus + "checkpoint/whole"));
+  EXPECT_TRUE(read_checkpoint(fuzz::folder()));
+}
+
+TEST(Corpus, HoldsABagThatIsOne) {
+  for (const char* name : {"plain", "packed"})
+    EXPECT_GT(statistics_of_bags({kCorpus + "bag/" + name}, true, {}).result.realizations, 0U) << name;
+}
+
+}  // namespace
+}  // namespace platoon
