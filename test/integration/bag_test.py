@@ -196,6 +196,21 @@ class Killed(BagTest):
         self.assert_whole(self.bag, 3, 20, 20)
         self.assertEqual(self.csv_of(self.bag), live_platoon.statistics(self.output))
 
+    def test_a_recorder_that_is_killed_once_its_bag_is_complete_says_so_again(self):
+        for hosting, node in (("processes", "channel"), ("one_process", "platoon")):
+            with self.subTest(hosting=hosting):
+                self.output = os.path.join(self.folder, hosting)
+                self.bag = self.output + ".bag"
+                terminal = self.launch(record=self.bag, followers=2, steps=10, realizations=100, hosting=hosting, stay="true")
+                live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output) and os.path.exists(self.bag), "the bag")
+                live_platoon.kill("/platoon/" + node, terminal.master)
+                # What has not heard of the run's end before it.
+                ended = subprocess.run([live_platoon.executable("until_complete")], timeout=20, stdout=subprocess.DEVNULL,
+                                       env=dict(os.environ, ROS_MASTER_URI=terminal.master, ROS_NAMESPACE="platoon"))
+                self.assertEqual(ended.returncode, 0)
+                terminal.end()
+                self.assertEqual(self.csv_of(self.bag), live_platoon.statistics(self.output))
+
     def test_an_unfinished_recording_of_another_run_is_not_touched(self):
         with open(self.bag + ".active", "w") as file:
             file.write("precious")

@@ -138,6 +138,7 @@ void RunRecording::stop() {
 void RunRecording::recover() {
   while (std::filesystem::exists(name_of_part(part_))) {
     if (configuration_.run.record_split_mb == 0) {
+      arrivals_.resume_at(configuration_.run.realizations);
       finished_ = true;
       return;
     }

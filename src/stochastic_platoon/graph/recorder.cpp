@@ -85,6 +85,7 @@ void Recorder::begin() {
   write([this] {
     recording_.emplace(configuration_, name_space_);
     tried_at_ = recording_->bytes();
+    if (recording_->finished()) reports_.set_finished();
   });
 }
 

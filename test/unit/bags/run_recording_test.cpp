@@ -115,6 +115,20 @@ TEST_F(RunRecordingTest, NamesTheFileWhenEverythingIsThere) {
   EXPECT_EQ(places_in(bag_), joined(whole_batch(1, 0), whole_batch(1, 1)));
 }
 
+TEST_F(RunRecordingTest, OfAFileThatIsCompleteNeedsNothingMore) {
+  const Configuration configuration = run(2, 1);
+  {
+    RunRecording recorder(configuration, "/platoon");
+    send(&recorder, 1, 0, 1);
+    send(&recorder, 1, 1, 1);
+    send_final_statistics(&recorder, configuration);
+    recorder.finish();
+  }
+  const RunRecording again(configuration, "/platoon");
+  EXPECT_TRUE(again.finished());
+  EXPECT_TRUE(again.arrivals().complete());
+}
+
 TEST_F(RunRecordingTest, LeavesNothingOfAnAttemptThatWasGivenUp) {
   const Configuration configuration = run(3, 1);
   RunRecording recorder(configuration, "/platoon");
