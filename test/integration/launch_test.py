@@ -4,11 +4,13 @@
 import glob
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
 import time
 import unittest
+import xmlrpc.client
 
 import live_platoon
 from terminal import LaunchTest
@@ -161,6 +163,24 @@ class Surroundings(LaunchTest):
         self.launch(master=master, output=second, **settings).wait()
         self.assertLessEqual(live_platoon.completed_summary(second)["attempts"], live_platoon.UNDISTURBED)
         self.assertEqual(live_platoon.statistics(second), live_platoon.reference(self.folder, **settings))
+
+    def test_a_node_that_comes_back_at_the_address_it_had_is_connected_to(self):
+        shim, port = os.path.join(self.folder, "forced_port.so"), os.path.join(self.folder, "port")
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", shim, os.path.join(os.path.dirname(__file__), "forced_port.c"), "-ldl"], check=True)
+        settings = dict(followers=2, steps=20, realizations=10000)
+        terminal = self.launch(environment=dict(os.environ, ROS_HOSTNAME="localhost", LD_PRELOAD=shim, FORCED_PORT=port),
+                               batch=100, rate=300, stall_timeout=0.5, **settings)
+        for name in ("vehicle_0", "vehicle_1", "channel", "monitor"):
+            shown = len(re.findall("/10000 realizations", terminal.text()))
+            live_platoon.wait_for(lambda: len(re.findall("/10000 realizations", terminal.text())) > shown, "the platoon to move")
+            with xmlrpc.client.ServerProxy(terminal.master) as master:
+                address = master.lookupNode("/launch_test", "/platoon/" + name)[2]
+            with open(port, "w") as file:
+                file.write(address.rsplit(":", 1)[1].strip("/"))
+            live_platoon.kill("/platoon/" + name, terminal.master)
+            live_platoon.wait_for(lambda: not os.path.exists(port), "a node at that port")
+        terminal.wait()
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
 
     def test_kill_9_of_until_complete_ends_the_launch_and_loses_nothing(self):
         settings = dict(followers=2, steps=20, realizations=2000)

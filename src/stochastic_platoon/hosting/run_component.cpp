@@ -1,8 +1,10 @@
 #include "stochastic_platoon/hosting/run_component.hpp"
 
+#include <fcntl.h>
 #include <malloc.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
+#include <ros/xmlrpc_manager.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -11,7 +13,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
+#include <string>
 #include <thread>
+#include <vector>
 
 namespace platoon {
 
@@ -26,16 +31,41 @@ void end_with_launch() {
   if (::getppid() == 1) ::raise(SIGTERM);  // it has ended already
 }
 
+// Where the master has a node of this name; empty where it has none.
+std::string registered_address() {
+  XmlRpc::XmlRpcValue request, response, address;
+  request[0] = request[1] = ros::this_node::getName();
+  if (!ros::master::execute("lookupNode", request, response, address, false)) return "";
+  return address;
+}
+
+// The system hands out a port again once in some ten thousand starts. Those who were connected to a node that was killed
+// know it by its address: under the same one they would never connect to what is there in its place.
+void require_other_address(const std::string& before, const std::vector<char*>& arguments) {
+  if (before.empty() || before != ros::XMLRPCManager::instance()->getServerURI()) return;
+  ROS_INFO_STREAM(ros::this_node::getName() << ": has come back at the address it had, and takes another");
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    const int file = std::stoi(entry.path().filename());
+    if (file > 2) ::fcntl(file, F_SETFD, FD_CLOEXEC);
+  }
+  ::execv("/proc/self/exe", arguments.data());
+  throw std::runtime_error("cannot be started again");
+}
+
 }  // namespace
 
 int run_node(int argc, char** argv, const NodeTraits& traits,
              const std::function<void(const ros::NodeHandle&)>& run) {
   if (traits.arenas > 0) mallopt(M_ARENA_MAX, traits.arenas);
+  std::vector<char*> arguments(argv, argv + argc);  // before roscpp takes its own out
+  arguments.push_back(nullptr);
   ros::init(argc, argv, traits.name, traits.init_options);
   end_with_launch();
+  const std::string address_before = registered_address();
   // Outside the try block: keeps ROS, and with it the console, alive until the line is out.
   const ros::NodeHandle platoon;
   try {
+    require_other_address(address_before, arguments);
     run(platoon);
     return 0;
   } catch (const std::exception& error) {

@@ -1,0 +1,29 @@
+// Preloaded: gives the XML-RPC server of the next node that starts the port that is in the file FORCED_PORT names, which it removes.
+
+#define _GNU_SOURCE
+#include <arpa/inet.h>
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+int bind(int socket, const struct sockaddr* address, socklen_t size) {
+  int (*const real)(int, const struct sockaddr*, socklen_t) =
+      (int (*)(int, const struct sockaddr*, socklen_t))dlsym(RTLD_NEXT, "bind");
+  const char* name = getenv("FORCED_PORT");
+  Dl_info caller;
+  FILE* file = NULL;
+  if (name && dladdr(__builtin_return_address(0), &caller) && strstr(caller.dli_fname, "xmlrpcpp")) file = fopen(name, "r");
+  struct sockaddr_storage forced;
+  memset(&forced, 0, sizeof forced);
+  memcpy(&forced, address, size < sizeof forced ? size : sizeof forced);
+  int port = 0;
+  if (file) {
+    if (fscanf(file, "%d", &port) == 1) ((struct sockaddr_in*)&forced)->sin_port = htons((unsigned short)port);
+    fclose(file);
+    unlink(name);
+  }
+  return real(socket, (const struct sockaddr*)&forced, size);
+}
