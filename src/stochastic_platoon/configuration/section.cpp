@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <locale>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "stochastic_platoon/io/text.hpp"
@@ -11,6 +12,7 @@ namespace platoon {
 
 namespace {
 
+constexpr char kUtf8[] = "UTF-8";
 constexpr double kUnbound = std::numeric_limits<double>::quiet_NaN();
 
 std::string whole_text(const YAML::Node& node) {
@@ -69,6 +71,16 @@ std::optional<Eigen::VectorXd> parsed_numbers(const YAML::Node& node) {
     values(static_cast<Eigen::Index>(i)) = *value;
   }
   return values;
+}
+
+// As JSON must be, which a text becomes part of.
+bool is_utf8(const std::string& text) {
+  try {
+    nlohmann::json(text).dump();
+    return true;
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
 }
 
 std::string at_most(double most) {
@@ -151,7 +163,9 @@ std::string Section::text(const std::string& key) {
   const YAML::Node node = require(key, "a text");
   if (node.IsNull()) return "";
   if (!node.IsScalar()) reject(key, shown(node), "a text");
-  return node.IsScalar() ? node.Scalar() : "";
+  if (!node.IsScalar()) return "";
+  if (!is_utf8(node.Scalar())) reject(key, shown(node), kUtf8);
+  return node.Scalar();
 }
 
 std::string Section::choice(const std::string& key, const std::vector<std::string>& choices) {
@@ -220,6 +234,9 @@ std::vector<std::string> Section::texts(const std::string& key) {
       break;
     }
     values.push_back(node[i].Scalar());
+    if (is_utf8(values.back())) continue;
+    reject(key, shown(node), kUtf8);
+    return {};
   }
   if (values.empty()) reject(key, shown(node), allowed);
   return values;
@@ -230,7 +247,12 @@ std::vector<std::string> Section::keys() {
   if (!node_.IsMap()) return found;
   for (const auto& entry : node_) {
     if (!entry.first.IsScalar()) continue;
-    if (known_.insert(entry.first.Scalar()).second) found.push_back(entry.first.Scalar());
+    if (!is_utf8(entry.first.Scalar())) {
+      known_.insert(entry.first.Scalar());
+      problems_.push_back((path_.empty() ? "" : path_ + ": ") + shown(entry.first) + ": must be " + kUtf8);
+    } else if (known_.insert(entry.first.Scalar()).second) {
+      found.push_back(entry.first.Scalar());
+    }
   }
   return found;
 }

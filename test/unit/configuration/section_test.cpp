@@ -117,6 +117,20 @@ TEST(Section, RejectsATextThatIsNoneAndAChoiceThatIsNotOffered) {
             Problems{"x: blue: must be red or green"});
 }
 
+// Of which no JSON can be made.
+TEST(Section, RejectsTextsAndNamesThatAreNotUtf8) {
+  EXPECT_EQ(problems_with("x: M\xfcnchen", [](Section& section) { section.text("x"); }),
+            Problems{"x: M\\xfcnchen: must be UTF-8"});
+  EXPECT_EQ(
+      problems_with("x: [car, \xce]", [](Section& section) { EXPECT_TRUE(section.texts("x").empty()); }),
+      Problems{"x: [car, \\xce]: must be UTF-8"});
+  EXPECT_EQ(problems_with("\xce: 1", [](Section& section) { EXPECT_TRUE(section.keys().empty()); }),
+            Problems{"\\xce: must be UTF-8"});
+  EXPECT_EQ(problems_with("x: M\xc3\xbcnchen",
+                          [](Section& section) { EXPECT_EQ(section.text("x"), "M\xc3\xbcnchen"); }),
+            Problems{});
+}
+
 TEST(Section, RejectsListsAndMatricesThatAreNone) {
   for (const char* text : {"[]", "3", "[1, x]", "[1, .nan]", "[[1]]", "{a: 1}"}) {
     EXPECT_EQ(problems_with(std::string("x: ") + text, [](Section& section) { section.numbers("x"); }),
