@@ -127,6 +127,7 @@ class Wire(unittest.TestCase):
             publisher.publish(message(0, now.attempt + 1, 0, -1, [1.0] * BATCH))
         for first, step in [(0, STEPS), (0, 2**63 - 1), (0, -3), (0, -2**63), (REALIZATIONS + 1, -2), (2**64 - 1, -2)]:
             reporter.publish(Progress(receiver="monitor", run=now.run, attempt=now.attempt, first_realization=first, step=step))
+        reporter.publish(Progress(receiver="monitor", run=now.run, attempt=LAST_ATTEMPT, step=-2))
         reporter.publish(Progress(receiver="monitor", run=now.run ^ 1, attempt=now.attempt, first_realization=REALIZATIONS, step=-2))
 
         def all_counted():

@@ -48,11 +48,14 @@ using Acknowledgement = MessageId;
 constexpr std::int64_t kInitialStep = -1;
 constexpr std::int64_t kNothingYet = -2;
 
+/// Attempts beyond are nobody's: the leader begins some a second at most, and counts on from what is reported.
+constexpr std::uint32_t kLastAttempt = std::uint32_t{1} << 31;
+
 /// Whether there is such a step to report in a run of this schedule.
 inline bool may_be_reported(const BatchSchedule& schedule, const Acknowledgement& report) {
   constexpr std::int64_t kMost = std::int64_t{1} << 46;  // of an endless run: what the noise can name
-  return report.first_realization <= schedule.realizations && report.step >= kNothingYet &&
-         report.step < (schedule.endless() ? kMost : schedule.steps);
+  return report.attempt <= kLastAttempt && report.first_realization <= schedule.realizations &&
+         report.step >= kNothingYet && report.step < (schedule.endless() ? kMost : schedule.steps);
 }
 
 /// Steps that a report covers of an attempt that began at realization `start`; 0 for an earlier one. All

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace platoon {
 namespace {
 
@@ -53,6 +55,14 @@ TEST(BatchSchedule, CountsTheStepsAReportCovers) {
   EXPECT_EQ(steps_covered(schedule, 0, {1, 20, kNothingYet}), 12);
   EXPECT_EQ(steps_covered(schedule, 8, {1, 16, kInitialStep}), 4 + 1);
   EXPECT_EQ(steps_covered(schedule, 8, {1, 0, 2}), 0);
+}
+
+// After the last of all numbers the leader's next attempt would be none.
+TEST(BatchSchedule, HasNoReportOfAnAttemptThatCannotBe) {
+  const BatchSchedule schedule{20, 8, 3};
+  EXPECT_TRUE(may_be_reported(schedule, {kLastAttempt, 0, 0}));
+  EXPECT_FALSE(may_be_reported(schedule, {kLastAttempt + 1, 0, 0}));
+  EXPECT_FALSE(may_be_reported(schedule, {std::numeric_limits<std::uint32_t>::max(), 0, 0}));
 }
 
 TEST(BatchSchedule, OfZeroStepsIsEndless) {
