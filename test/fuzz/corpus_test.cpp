@@ -4,14 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <functional>
-#include <iterator>
+#include <string>
 
 #include "fuzz/fuzz.hpp"
 #include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/configuration/model_file.hpp"
 #include "stochastic_platoon/results/checkpoint.hpp"
+#include "unit/temporary_folder.hpp"
 
 extern "C" {
 int fuzz_model_file(const std::uint8_t* data, std::size_t size);
@@ -25,16 +24,11 @@ namespace {
 
 const std::string kCorpus = PLATOON_SOURCE_DIR "/test/fuzz/corpus/";
 
-std::string bytes_of(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(stream), {});
-}
-
 void answers_all_of(const std::string& name, int (*harness)(const std::uint8_t*, std::size_t)) {
   std::size_t inputs = 0;
   for (const auto& entry : std::filesystem::directory_iterator(kCorpus + name)) {
     SCOPED_TRACE(entry.path());
-    const std::string bytes = bytes_of(entry.path());
+    const std::string bytes = content_of(entry.path());
     ASSERT_FALSE(bytes.empty());
     ASSERT_EQ(harness(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()), 0);
     ++inputs;
@@ -54,7 +48,7 @@ TEST(Corpus, HoldsAModelFileThatIsOne) {
 }
 
 TEST(Corpus, HoldsACheckpointThatIsOne) {
-  fuzz::write(checkpoint_file(fuzz::folder()), bytes_of(kCorpus + "checkpoint/whole"));
+  fuzz::write(checkpoint_file(fuzz::folder()), content_of(kCorpus + "checkpoint/whole"));
   EXPECT_TRUE(read_checkpoint(fuzz::folder()));
 }
 

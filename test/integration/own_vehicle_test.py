@@ -164,7 +164,7 @@ class Contract(OwnTest):
                                "twice": "step 6 of the realizations from 0, attempt 1 was due, and came: step 5"}.get(fault, "step "), said)
         second = self.start_example(len(faults))
         live_platoon.wait_for(lambda: live_platoon.process_of("/vehicle_{}".format(len(faults)), self.master), "a second publisher")
-        self.assertRegex(self.assert_broken("one_publisher", len(faults)), r"\S+ and /vehicle_{0} publish /platoon/vehicle_{0}/position".format(len(faults)))
+        self.assertRegex(self.assert_broken("one_publisher", len(faults)), r"/broken_followers_\d+_\d+ and /vehicle_{0} publish /platoon/vehicle_{0}/position".format(len(faults)))
         second.terminate()
 
     def test_a_vehicle_that_is_not_there_or_no_number_is_named(self):

@@ -249,7 +249,7 @@ std::vector<std::string> Section::keys() {
     if (!entry.first.IsScalar()) continue;
     if (!is_utf8(entry.first.Scalar())) {
       known_.insert(entry.first.Scalar());
-      problems_.push_back((path_.empty() ? "" : path_ + ": ") + shown(entry.first) + ": must be " + kUtf8);
+      problems_.push_back(name(shown(entry.first)) + ": must be " + kUtf8);
     } else if (known_.insert(entry.first.Scalar()).second) {
       found.push_back(entry.first.Scalar());
     }
