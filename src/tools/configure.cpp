@@ -75,10 +75,11 @@ void require_free_recording(const platoon::RunOptions& run) {
   if (stem.empty() || stem + ".bag" != run.record) {
     throw platoon::ConfigurationError({"record: " + run.record + ": must be a file name that ends in .bag"});
   }
-  for (const std::string& name :
-       {run.record, run.record + ".active", stem + "_0.bag", stem + "_0.bag.active"}) {
-    if (!std::filesystem::exists(name)) continue;
-    throw platoon::ConfigurationError({"record: " + name + ": exists: must be a new file"});
+  for (const std::string& file : {run.record, stem + "_0.bag"}) {
+    for (const char* suffix : {"", ".active", ".active.1"}) {
+      if (!std::filesystem::exists(file + suffix)) continue;
+      throw platoon::ConfigurationError({"record: " + file + suffix + ": exists: must be a new file"});
+    }
   }
   try {
     platoon::require_writable_folder(std::filesystem::path(run.record).parent_path().string());

@@ -52,4 +52,9 @@ BagRemainder read_bags(const std::vector<std::string>& files, const BagContent& 
 /// BagError when it is no bag at all.
 BagRemainder read_damaged_bag(const std::string& file, const BagContent& content);
 
+/// Reads of such a file its configuration and what is in its last chunks, so many of the whole ones and what is behind
+/// them. What is before is passed over, so that it takes little longer for a file of gigabytes. Returns whether nothing
+/// was passed over. Throws BagError as read_damaged_bag() does.
+bool read_end_of_bag(const std::string& file, std::size_t chunks, const BagContent& content);
+
 }  // namespace platoon

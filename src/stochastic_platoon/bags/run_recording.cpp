@@ -15,16 +15,13 @@ namespace {
 
 constexpr char kRecoveredSuffix[] = ".recovered";
 
-bool is_of_launch(const std::string& configuration_text, const std::string& launch_id) {
-  return parse_configuration(configuration_text).run.launch_id == launch_id;
-}
-
 }  // namespace
 
 RunRecording::RunRecording(const Configuration& configuration, const std::string& name_space)
     : configuration_(configuration),
       name_space_(name_space),
       recorded_configuration_{name_space + "/configuration", to_json(configuration).dump()},
+      part_begin_(configuration.run.first_realization),
       arrivals_(configuration.run.schedule(), streams(), configuration.run.first_realization, 0) {
   try {
     recover();
@@ -47,6 +44,10 @@ std::string RunRecording::name_of_part(std::size_t part) const {
   return name.substr(0, name.size() - 4) + "_" + std::to_string(part) + ".bag";
 }
 
+std::string RunRecording::name_put_aside(std::size_t count) const {
+  return name_of_part(part_) + kActiveSuffix + "." + std::to_string(count);
+}
+
 std::unique_ptr<BagWriter> RunRecording::record_to(const std::string& suffix) const {
   return std::make_unique<BagWriter>(name_of_part(part_), suffix, configuration_.run.record_compression,
                                      recorded_configuration_);
@@ -59,7 +60,7 @@ Verdict RunRecording::receive(std::size_t stream, const Message& message) {
   if (admission.restarted) restarted();
   take(stream, message);
   const std::optional<CompleteBatch> batch = arrivals_.count(stream, heading);
-  if (batch) batch_complete(batch->first_realization);
+  if (batch) batch_complete();
   return admission.verdict;
 }
 
@@ -82,25 +83,13 @@ void RunRecording::restarted() {
   given_up_ = true;  // written again without it when the file is complete: now the run would wait
 }
 
-void RunRecording::batch_complete(std::uint64_t first_realization) {
-  const std::uint32_t attempt = arrivals_.attempt();
-  if (whole_.empty() || whole_.back().attempt != attempt)
-    whole_.push_back({attempt, first_realization, first_realization});
-  whole_.back().end = arrivals_.committed();
+void RunRecording::batch_complete() {
   partial_ = false;
   const auto split_bytes = static_cast<std::uint64_t>(configuration_.run.record_split_mb) << 20;
-  if (!recording_ || split_bytes == 0 || recording_->bytes() < split_bytes) return;
-  complete_file();
+  if (!recording_ || split_bytes == 0 || recording_->bytes() < split_bytes || !complete_file()) return;
   ++part_;
+  part_begin_ = arrivals_.committed();
   recording_ = record_to(kActiveSuffix);
-}
-
-bool RunRecording::is_whole(const Position& message) const {
-  if (configuration_.run.averaging() == Averaging::over_time) return true;
-  return std::any_of(whole_.begin(), whole_.end(), [&message](const Whole& whole) {
-    return message.attempt == whole.attempt && message.first_realization >= whole.begin &&
-           message.first_realization < whole.end;
-  });
 }
 
 void RunRecording::receive(const ErrorStatistics& message) {
@@ -113,15 +102,19 @@ void RunRecording::receive(const ErrorStatistics& message) {
 }
 
 void RunRecording::finish() {
-  complete_file();
+  if (!complete_file()) return;
   recording_.reset();
   finished_ = true;
 }
 
-void RunRecording::complete_file() {
-  if (given_up_) rewrite();
+// Returns whether it is: not if that brought to light that something of it is lost.
+bool RunRecording::complete_file() {
+  const std::uint64_t committed = arrivals_.committed();
+  if (needs_rewriting()) rewrite();
+  if (arrivals_.committed() < committed) return false;
   recording_->complete();
   completed_bytes_ += recording_->bytes();
+  return true;
 }
 
 void RunRecording::abandon() noexcept {
@@ -131,7 +124,9 @@ void RunRecording::abandon() noexcept {
 }
 
 void RunRecording::stop() {
-  if (!finished_) recording_->close();
+  if (finished_) return;
+  if (!put_aside_.empty()) rewrite();
+  recording_->close();
 }
 
 // What a killed recorder of the same launch has left behind.
@@ -144,76 +139,112 @@ void RunRecording::recover() {
     }
     ++part_;
   }
-  const std::string active = name_of_part(part_) + kActiveSuffix;
-  if (part_ > 0) {
-    arrivals_.resume_at(end_of_part(part_ - 1));
-    if (arrivals_.complete() && !std::filesystem::exists(active)) {
-      finished_ = true;
-      return;
-    }
+  if (part_ > 0) take_over(name_of_part(part_ - 1));
+  part_begin_ = arrivals_.committed();
+  while (std::filesystem::exists(name_put_aside(put_aside_.size() + 1))) {
+    put_aside_.push_back(name_put_aside(put_aside_.size() + 1));
+    take_over(put_aside_.back());
   }
-  if (std::filesystem::exists(active)) take_over(active);
+  const std::string active = name_of_part(part_) + kActiveSuffix;
+  if (!std::filesystem::exists(active)) {
+    finished_ = part_ > 0 && put_aside_.empty() && arrivals_.complete();
+    return;
+  }
+  // What brings nothing is written over: a disk that is full leaves such a file at every try.
+  if (!take_over(active)) return;
+  std::filesystem::rename(active, name_put_aside(put_aside_.size() + 1));
+  put_aside_.push_back(name_put_aside(put_aside_.size() + 1));
 }
 
-std::uint64_t RunRecording::end_of_part(std::size_t part) const {
-  std::uint64_t end = 0;
-  BagContent content;
-  content.position = [&end](const PlatoonTopic&, const Message& message) {
-    end = std::max<std::uint64_t>(end, message->first_realization + message->position.size());
+// Finds out up to where the batches in a file are whole, from the latest message of each stream: the steps are written in their
+// order, and what is whole is not recorded again. Returns whether the file holds anything that others do not.
+bool RunRecording::take_over(const std::string& file) {
+  if (std::filesystem::file_size(file) == 0) return false;  // killed before its first byte
+  const BatchSchedule schedule = configuration_.run.schedule();
+  std::vector<std::optional<MessageId>> latest(streams());
+  const auto saw = [&](std::size_t stream, const Message& message) {
+    if (stream < latest.size()) latest[stream] = id_of(*message);
   };
-  read_bags({name_of_part(part)}, content);
-  return end;
-}
-
-// Finds out which batches are whole in a file, and keeps those.
-void RunRecording::take_over(const std::string& file) {
-  bool of_this_launch = false;
   BagContent content;
   content.configuration = [&](const PlatoonTopic&, const std::string& text) {
-    of_this_launch = is_of_launch(text, configuration_.run.launch_id);
-    if (of_this_launch) return;
+    if (parse_configuration(text).run.launch_id == configuration_.run.launch_id) return;
     throw ConfigurationError({"record: " + file +
                               ": is the unfinished recording of another run: must be another name, or that "
                               "file moved away"});
   };
-  const std::size_t followers = configuration_.run.followers;
-  content.position = [&](const PlatoonTopic& topic, const Message& message) {
-    receive(topic.vehicle, message);
-  };
+  content.position = [&](const PlatoonTopic& topic, const Message& message) { saw(topic.vehicle, message); };
   content.predecessor_position = [&](const PlatoonTopic& topic, const Message& message) {
-    receive(followers + topic.vehicle, message);
+    saw(configuration_.run.followers + topic.vehicle, message);
   };
   content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) {
     receive(*message);
   };
-  read_damaged_bag(file, content);
-  rewrite();
+  const auto all = [&] {
+    return std::all_of(latest.begin(), latest.end(), [](const auto& id) { return id.has_value(); });
+  };
+  for (std::size_t chunks = 1; !read_end_of_bag(file, chunks, content) && !all();) chunks *= 4;
+
+  std::uint64_t committed = configuration_.run.realizations;
+  std::uint32_t attempt = arrivals_.attempt();
+  for (const std::optional<MessageId>& id : latest) {
+    if (id) attempt = std::max(attempt, id->attempt);
+    const std::uint64_t end = !id                               ? 0
+                              : schedule.is_last_step(id->step) ? schedule.next(id->first_realization)
+                                                                : id->first_realization;
+    committed = std::min(committed, end);
+  }
+  const bool brings = schedule.endless() ? latest.front().has_value() : committed > arrivals_.committed();
   // Of what is not whole nothing is taken over: the leader is to begin again.
-  arrivals_ = Arrivals(configuration_.run.schedule(), streams(), arrivals_.committed(), arrivals_.attempt());
-  open_.clear();
-  partial_ = false;
+  arrivals_ = Arrivals(schedule, streams(), std::max(committed, arrivals_.committed()), attempt);
+  return brings;
 }
 
-// Copies what is whole in the unfinished file, and puts the copy in its place.
+// Copies what is whole in the unfinished files of this part, and puts the copy in their place.
 void RunRecording::rewrite() {
-  const std::string file = name_of_part(part_) + kActiveSuffix;
-  if (recording_) recording_->close();
-  recording_ = record_to(kRecoveredSuffix);
+  const BatchSchedule schedule = configuration_.run.schedule();
+  const std::string active = name_of_part(part_) + kActiveSuffix;
+  recording_->close();
+  std::vector<std::string> files = put_aside_;
+  files.push_back(active);
+
+  // A batch is whole in the latest attempt that recorded of it. Of an endless run all attempts count.
+  std::map<std::uint64_t, std::uint32_t> whole;
   BagContent content;
-  content.position = [&](const PlatoonTopic& topic, const Message& message) {
-    if (is_whole(*message)) recording_->write(this->topic(topic.vehicle), *message);
+  content.position = [&](const PlatoonTopic&, const Message& message) {
+    std::uint32_t& attempt = whole[message->first_realization];
+    attempt = std::max(attempt, message->attempt);
   };
+  if (!schedule.endless()) {
+    for (const std::string& file : files) read_damaged_bag(file, content);
+  }
+
+  recording_ = record_to(kRecoveredSuffix);
+  Arrivals copied(schedule, streams(), part_begin_, 0);
+  const auto copy = [&](std::size_t stream, const Message& message) {
+    if (stream >= streams() || (!schedule.endless() && whole[message->first_realization] != message->attempt))
+      return;
+    const Heading heading = heading_of(*message);
+    if (copied.admit(stream, heading).verdict != Verdict::in_turn) return;
+    recording_->write(topic(stream), *message);
+    copied.count(stream, heading);
+  };
+  content.position = [&](const PlatoonTopic& topic, const Message& message) { copy(topic.vehicle, message); };
   content.predecessor_position = [&](const PlatoonTopic& topic, const Message& message) {
-    if (is_whole(*message))
-      recording_->write(this->topic(configuration_.run.followers + topic.vehicle), *message);
+    copy(configuration_.run.followers + topic.vehicle, message);
   };
   content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) {
     recording_->write(name_space_ + "/error_statistics", *message);
   };
-  read_damaged_bag(file, content);
-  std::filesystem::remove(file);
+  for (const std::string& file : files) read_damaged_bag(file, content);
+
+  // In this order whoever is killed meanwhile leaves some of it twice, and none of it out.
   recording_->set_suffix(kActiveSuffix);
-  given_up_ = false;
+  for (const std::string& file : put_aside_) std::filesystem::remove(file);
+  put_aside_.clear();
+  given_up_ = copied.committed() < arrivals_.committed();
+  if (!given_up_) return;
+  arrivals_ = Arrivals(schedule, streams(), copied.committed(), arrivals_.attempt());
+  open_.clear();
 }
 
 }  // namespace platoon

@@ -24,11 +24,13 @@ std::string topic_of_stream(std::size_t stream, const RunOptions& run, const std
 /// has arrived from everyone, so that the messages kept are those of the steps on their way. What a finished
 /// file holds is whole batches, never a part of an attempt that was given up: if there was one, the file is
 /// written once more without it. (An endless run has no batches: its steps stay as they came.)
+///
+/// What a killed recorder left behind is put aside as FILE.active.1, .2, ...: of it only the end is read, so that
+/// the run goes on at once however much there is. It is put together with the rest when the file is finished or stopped.
 class RunRecording {
 public:
-  /// `name_space` is the platoon's, "/platoon". Goes on with the unfinished file of the same launch, from
-  /// which the whole batches are taken over; nothing else is touched: throws ConfigurationError when such a
-  /// file is of another launch.
+  /// `name_space` is the platoon's, "/platoon". Goes on behind the whole batches of the unfinished file of the same
+  /// launch; nothing else is touched: throws ConfigurationError when such a file is of another launch.
   RunRecording(const Configuration& configuration, const std::string& name_space);
 
   Verdict receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
@@ -37,7 +39,8 @@ public:
   /// Everything has arrived, the final statistics included.
   bool ready_to_finish() const { return !finished_ && arrivals_.complete() && final_statistics_; }
 
-  /// Closes, syncs and names the file.
+  /// Closes, syncs and names the file. Unless something that was recorded cannot be read any more: then it is not
+  /// finished(), and those batches are to come again.
   void finish();
 
   /// Closes an unfinished file.
@@ -49,8 +52,8 @@ public:
 
   const Arrivals& arrivals() const { return arrivals_; }
   bool finished() const { return finished_; }
-  /// The file will be written once more, without what was given up.
-  bool holds_given_up() const { return given_up_; }
+  /// The file will be written once more: without what was given up, with what was put aside.
+  bool needs_rewriting() const { return given_up_ || !put_aside_.empty(); }
   /// Bytes written, over all files.
   std::uint64_t bytes() const { return completed_bytes_ + (recording_ ? recording_->bytes() : 0); }
 
@@ -60,25 +63,19 @@ private:
     std::vector<Message> messages;  ///< per stream
     std::size_t arrived = 0;
   };
-  /// Realizations whose batches one attempt brought through.
-  struct Whole {
-    std::uint32_t attempt;
-    std::uint64_t begin, end;
-  };
   std::size_t streams() const { return streams_of(configuration_.run); }
   std::string topic(std::size_t stream) const {
     return topic_of_stream(stream, configuration_.run, name_space_);
   }
   void take(std::size_t stream, const Message& message);
   void restarted();
-  void batch_complete(std::uint64_t first_realization);
-  bool is_whole(const stochastic_platoon::Position& message) const;
-  void complete_file();
+  void batch_complete();
+  bool complete_file();
   void recover();
-  void take_over(const std::string& file);
+  bool take_over(const std::string& file);
   void rewrite();
-  std::uint64_t end_of_part(std::size_t part) const;
   std::string name_of_part(std::size_t part) const;
+  std::string name_put_aside(std::size_t count) const;
   std::unique_ptr<BagWriter> record_to(const std::string& suffix) const;
 
   Configuration configuration_;
@@ -86,8 +83,9 @@ private:
   RecordedConfiguration recorded_configuration_;
   std::size_t part_ = 0;
   std::map<std::pair<std::uint64_t, std::int64_t>, Step> open_;  ///< by first realization and step
-  std::vector<Whole> whole_;
-  bool partial_ = false;   ///< the file ends with a part of a batch
+  std::vector<std::string> put_aside_;                           ///< files of this part, in their order
+  std::uint64_t part_begin_ = 0;                                 ///< first realization of this part
+  bool partial_ = false;                                         ///< the file ends with a part of a batch
   bool given_up_ = false;  ///< the file holds a part of an attempt that was given up
   Arrivals arrivals_;
   bool final_statistics_ = false;

@@ -137,9 +137,15 @@ void Recorder::receive_statistics(const ErrorStatistics::ConstPtr& message) {
 
 void Recorder::finish() {
   if (!recording_->ready_to_finish()) return;
-  if (recording_->holds_given_up())
+  if (recording_->needs_rewriting())
     ROS_INFO("writing the bag once more, without the attempts that were given up");
   recording_->finish();
+  if (!recording_->finished()) {
+    ROS_WARN_STREAM(
+        configuration_.run.record
+        << ": a part of what was recorded cannot be read any more: what follows it is recorded again");
+    return report();
+  }
   pause_.succeeded();
   ROS_INFO_STREAM("recorded " << recording_->bytes() / 1000000 << " MB");
   reports_.set_finished();

@@ -36,7 +36,10 @@ std::string renamed(std::string stem, std::uint64_t from, std::uint64_t to, cons
 bool is_taken(const RunOptions& run) {
   if (std::filesystem::exists(run.output)) return true;
   if (run.record.empty()) return false;
-  return std::filesystem::exists(run.record) || std::filesystem::exists(run.record + ".active");
+  for (const char* suffix : {"", ".active", ".active.1"}) {
+    if (std::filesystem::exists(run.record + suffix)) return true;
+  }
+  return false;
 }
 
 }  // namespace

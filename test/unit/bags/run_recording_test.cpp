@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <boost/make_shared.hpp>
+#include <filesystem>
+#include <set>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "../paper_run.hpp"
@@ -17,6 +20,7 @@ namespace {
 using stochastic_platoon::ErrorStatistics;
 using stochastic_platoon::Position;
 
+constexpr std::uint64_t kSome = 2000;
 constexpr std::uint64_t kManyPositions = 500000;  // 4 MB a message
 
 /// A run of two followers and steps -1 .. 2, its messages sent by hand.
@@ -57,6 +61,12 @@ protected:
     message.realizations = configuration.run.realizations;
     message.step = configuration.run.steps - 1;
     recorder->receive(message);
+  }
+
+  // Ends as if it were killed in the midst of a batch: no index, and the last kilobytes missing.
+  static void kill_in(RunRecording* recorder, std::uint32_t attempt, std::uint64_t first, std::size_t size) {
+    send(recorder, attempt, first, size, 1);
+    recorder->abandon();
   }
 
   // What the positions of vehicle 0 in the file belong to, in its order.
@@ -180,6 +190,144 @@ TEST_F(RunRecordingTest, SplitsBetweenBatchesAndCleansTheFileItLeaves) {
   EXPECT_EQ(places_in(folder_ / "run_0.bag"), joined(whole_batch(1, 0), whole_batch(2, kManyPositions)));
   EXPECT_EQ(places_in(folder_ / "run_1.bag"),
             joined(whole_batch(2, 2 * kManyPositions), whole_batch(2, 3 * kManyPositions)));
+}
+
+TEST_F(RunRecordingTest, PutsTogetherWhatManyKilledOnesLeft) {
+  const Configuration configuration = run(6 * kSome, kSome);
+  std::vector<Place> places;
+  for (std::uint32_t attempt = 1; attempt <= 5; ++attempt) {
+    RunRecording killed(configuration, "/platoon");
+    const std::uint64_t first = (attempt - 1) * kSome;
+    EXPECT_EQ(killed.arrivals().committed(), first);
+    send(&killed, attempt, first, kSome);
+    places = joined(places, whole_batch(attempt, first));
+    kill_in(&killed, attempt, first + kSome, kSome);
+    EXPECT_EQ(folder_.entries().size(), attempt);
+  }
+  RunRecording recorder(configuration, "/platoon");
+  send(&recorder, 6, 5 * kSome, kSome);
+  EXPECT_TRUE(recorder.needs_rewriting());
+  send_final_statistics(&recorder, configuration);
+  recorder.finish();
+  ASSERT_TRUE(recorder.finished());
+  EXPECT_EQ(places_in(bag_), joined(places, whole_batch(6, 5 * kSome)));
+  EXPECT_EQ(folder_.entries(), std::vector<std::string>{"run.bag"});
+}
+
+TEST_F(RunRecordingTest, WritesOverAFileThatBroughtNothing) {
+  const Configuration configuration = run(2 * kSome, kSome);
+  for (std::uint32_t attempt = 1; attempt <= 3; ++attempt) {
+    RunRecording killed(configuration, "/platoon");
+    kill_in(&killed, attempt, 0, kSome);
+    EXPECT_EQ(folder_.entries(), std::vector<std::string>{"run.bag.active"});
+  }
+  std::filesystem::resize_file(bag_ + ".active", 0);  // killed before its first byte
+  const RunRecording recorder(configuration, "/platoon");
+  EXPECT_EQ(recorder.arrivals().committed(), 0u);
+}
+
+TEST_F(RunRecordingTest, ReadsOnlyTheEndOfWhatItGoesOnBehind) {
+  constexpr std::uint64_t kMany = 200000;  // a chunk for each message
+  // What a reader of the whole file would stumble on, each in the middle of it.
+  const std::vector<std::pair<std::string, std::string>> marks{{"none", std::string("op=") + '\2'},
+                                                               {"lz4", "compression=lz4"}};
+  for (const auto& [compression, mark] : marks) {
+    const TemporaryFolder folder;
+    Configuration configuration = run(8 * kMany, kMany);
+    configuration.run.record = folder / "run.bag";
+    configuration.run.record_compression = compression;
+    {
+      RunRecording killed(configuration, "/platoon");
+      for (std::uint64_t batch = 0; batch < 3; ++batch) send(&killed, 1, batch * kMany, kMany);
+      kill_in(&killed, 1, 3 * kMany, kMany);
+    }
+    const std::string active = folder / "run.bag.active";
+    std::string content = content_of(active);
+    const std::size_t at = content.find(mark, content.size() / 2);
+    ASSERT_NE(at, std::string::npos);
+    content.replace(at + (compression == "lz4" ? 60 : 0), 3, "xxx");
+    folder.file("run.bag.active", content);
+    std::size_t messages = 0;
+    BagContent positions;
+    positions.position = [&messages](const PlatoonTopic&, const Position::ConstPtr&) { ++messages; };
+    EXPECT_NE(read_damaged_bag(active, positions).damage, "");
+    EXPECT_LT(messages, 3u * 3u * 4u) << compression;  // vehicles, batches, steps
+
+    const RunRecording recorder(configuration, "/platoon");
+    EXPECT_EQ(recorder.arrivals().committed(), 3 * kMany) << compression;
+  }
+}
+
+// That a disk loses what it had taken is rare; that nobody notices must not be.
+TEST_F(RunRecordingTest, RecordsAgainWhatCannotBeReadAnyMore) {
+  const Configuration configuration = run(3 * kSome, kSome);
+  {
+    RunRecording killed(configuration, "/platoon");
+    send(&killed, 1, 0, kSome);
+    send(&killed, 1, kSome, kSome);
+    kill_in(&killed, 1, 2 * kSome, kSome);
+  }
+  RunRecording recorder(configuration, "/platoon");
+  ASSERT_EQ(recorder.arrivals().committed(), 2 * kSome);
+  const std::string aside = bag_ + ".active.1";
+  std::filesystem::resize_file(aside, std::filesystem::file_size(aside) * 6 / 10);  // in the second batch
+  send(&recorder, 2, 2 * kSome, kSome);
+  send_final_statistics(&recorder, configuration);
+  ASSERT_TRUE(recorder.ready_to_finish());
+  recorder.finish();
+  EXPECT_FALSE(recorder.finished());
+  EXPECT_EQ(recorder.arrivals().committed(), kSome);
+  send(&recorder, 3, kSome, kSome);
+  send(&recorder, 3, 2 * kSome, kSome);
+  ASSERT_TRUE(recorder.ready_to_finish());
+  recorder.finish();
+  EXPECT_TRUE(recorder.finished());
+  EXPECT_EQ(places_in(bag_),
+            joined(joined(whole_batch(1, 0), whole_batch(3, kSome)), whole_batch(3, 2 * kSome)));
+}
+
+TEST_F(RunRecordingTest, KilledWhileItPutTogetherLeavesNothingTwice) {
+  const Configuration configuration = run(3 * kSome, kSome);
+  {
+    RunRecording killed(configuration, "/platoon");
+    send(&killed, 1, 0, kSome);
+    kill_in(&killed, 1, kSome, kSome);
+  }
+  {
+    RunRecording killed(configuration, "/platoon");
+    send(&killed, 2, kSome, kSome);
+    std::filesystem::copy(bag_ + ".active.1", folder_ / "aside");
+    killed.stop();
+  }
+  EXPECT_FALSE(std::filesystem::exists(bag_ + ".active.1"));
+  std::filesystem::rename(folder_ / "aside", bag_ + ".active.1");  // the kill came before its end
+  RunRecording recorder(configuration, "/platoon");
+  EXPECT_EQ(recorder.arrivals().committed(), 2 * kSome);
+  send(&recorder, 3, 2 * kSome, kSome);
+  send_final_statistics(&recorder, configuration);
+  recorder.finish();
+  EXPECT_EQ(places_in(bag_),
+            joined(joined(whole_batch(1, 0), whole_batch(2, kSome)), whole_batch(3, 2 * kSome)));
+}
+
+TEST_F(RunRecordingTest, StoppedInAnEndlessRunPutsAllAttemptsTogether) {
+  Configuration configuration = run(kSome, kSome);
+  configuration.run.steps = 0;
+  for (std::uint32_t attempt = 1; attempt <= 2; ++attempt) {
+    RunRecording killed(configuration, "/platoon");
+    kill_in(&killed, attempt, 0, kSome);
+  }
+  RunRecording recorder(configuration, "/platoon");
+  send(&recorder, 3, 0, kSome);
+  recorder.stop();
+  EXPECT_EQ(folder_.entries(), std::vector<std::string>{"run.bag.active"});
+  std::set<std::uint32_t> attempts;
+  BagContent content;
+  content.position = [&attempts](const PlatoonTopic&, const Position::ConstPtr& message) {
+    attempts.insert(message->attempt);
+  };
+  EXPECT_NO_THROW(read_bags({bag_ + ".active"}, content));
+  EXPECT_EQ(attempts, (std::set<std::uint32_t>{1, 2, 3}));
 }
 
 TEST_F(RunRecordingTest, RefusesTheUnfinishedFileOfAnotherLaunch) {
