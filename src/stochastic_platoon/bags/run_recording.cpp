@@ -15,6 +15,11 @@ namespace {
 
 constexpr char kRecoveredSuffix[] = ".recovered";
 
+// Realizations before it are recorded whole where this is the latest message of a stream.
+std::uint64_t whole_before(const BatchSchedule& schedule, const MessageId& id) {
+  return schedule.is_last_step(id.step) ? schedule.next(id.first_realization) : id.first_realization;
+}
+
 }  // namespace
 
 RunRecording::RunRecording(const Configuration& configuration, const std::string& name_space)
@@ -156,8 +161,9 @@ void RunRecording::recover() {
   put_aside_.push_back(name_put_aside(put_aside_.size() + 1));
 }
 
-// Finds out up to where the batches in a file are whole, from the latest message of each stream: the steps are written in their
-// order, and what is whole is not recorded again. Returns whether the file holds anything that others do not.
+// Finds out up to where the batches in a file are whole, from the latest message of each stream: the steps are
+// written in their order, and what is whole is not recorded again. Returns whether the file holds anything that
+// those before it do not.
 bool RunRecording::take_over(const std::string& file) {
   if (std::filesystem::file_size(file) == 0) return false;  // killed before its first byte
   const BatchSchedule schedule = configuration_.run.schedule();
@@ -187,11 +193,8 @@ bool RunRecording::take_over(const std::string& file) {
   std::uint64_t committed = configuration_.run.realizations;
   std::uint32_t attempt = arrivals_.attempt();
   for (const std::optional<MessageId>& id : latest) {
+    committed = std::min(committed, id ? whole_before(schedule, *id) : 0);
     if (id) attempt = std::max(attempt, id->attempt);
-    const std::uint64_t end = !id                               ? 0
-                              : schedule.is_last_step(id->step) ? schedule.next(id->first_realization)
-                                                                : id->first_realization;
-    committed = std::min(committed, end);
   }
   const bool brings = schedule.endless() ? latest.front().has_value() : committed > arrivals_.committed();
   // Of what is not whole nothing is taken over: the leader is to begin again.
@@ -208,10 +211,10 @@ void RunRecording::rewrite() {
   files.push_back(active);
 
   // A batch is whole in the latest attempt that recorded of it. Of an endless run all attempts count.
-  std::map<std::uint64_t, std::uint32_t> whole;
+  std::map<std::uint64_t, std::uint32_t> last_attempt;  // by first realization
   BagContent content;
   content.position = [&](const PlatoonTopic&, const Message& message) {
-    std::uint32_t& attempt = whole[message->first_realization];
+    std::uint32_t& attempt = last_attempt[message->first_realization];
     attempt = std::max(attempt, message->attempt);
   };
   if (!schedule.endless()) {
@@ -221,7 +224,8 @@ void RunRecording::rewrite() {
   recording_ = record_to(kRecoveredSuffix);
   Arrivals copied(schedule, streams(), part_begin_, 0);
   const auto copy = [&](std::size_t stream, const Message& message) {
-    if (stream >= streams() || (!schedule.endless() && whole[message->first_realization] != message->attempt))
+    if (stream >= streams() ||
+        (!schedule.endless() && last_attempt[message->first_realization] != message->attempt))
       return;
     const Heading heading = heading_of(*message);
     if (copied.admit(stream, heading).verdict != Verdict::in_turn) return;
@@ -237,10 +241,9 @@ void RunRecording::rewrite() {
   };
   for (const std::string& file : files) read_damaged_bag(file, content);
 
-  // In this order whoever is killed meanwhile leaves some of it twice, and none of it out.
+  // In this order whoever is killed meanwhile leaves some of it twice, none of it out, and no gap in the numbers.
   recording_->set_suffix(kActiveSuffix);
-  for (const std::string& file : put_aside_) std::filesystem::remove(file);
-  put_aside_.clear();
+  for (; !put_aside_.empty(); put_aside_.pop_back()) std::filesystem::remove(put_aside_.back());
   given_up_ = copied.committed() < arrivals_.committed();
   if (!given_up_) return;
   arrivals_ = Arrivals(schedule, streams(), copied.committed(), arrivals_.attempt());
