@@ -15,6 +15,9 @@ import xmlrpc.client
 import live_platoon
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+SETUP = "devel/setup.bash"
+if not os.path.exists(os.path.join(PACKAGE, SETUP)):  # in a catkin workspace it is the workspace's
+    SETUP = os.path.join(os.environ["CMAKE_PREFIX_PATH"].split(":")[0], "setup.bash")
 COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "rosservice", "rostopic", "cmp", "parallel")
 ORDERS = ("rosservice", "rostopic")  # to the platoon of the line before
 NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it",
@@ -77,9 +80,11 @@ class Readme(unittest.TestCase):
         if line == "roscore":
             extra = "-p " + self.environment["ROS_MASTER_URI"].rsplit(":", 1)[1]
         typed = (line + " " + extra).replace("/tmp/", self.folder + "/")
+        if line == ". devel/setup.bash":
+            typed = ". " + SETUP
         self.log = tempfile.NamedTemporaryFile("w+", dir=self.folder, suffix=".log", delete=False)
         self.addCleanup(self.log.close)
-        process = subprocess.Popen(["bash", "-c", ". devel/setup.bash && exec " + typed if not line.startswith(".") else typed],
+        process = subprocess.Popen(["bash", "-c", typed if line.startswith(".") else ". " + SETUP + " && exec " + typed],
                                    cwd=PACKAGE, env=self.environment, stdout=self.log, stderr=subprocess.STDOUT,
                                    start_new_session=True)
         self.addCleanup(self.interrupt, process)
