@@ -13,6 +13,7 @@
 
 #include "stochastic_platoon/bags/bag_reader.hpp"
 #include "stochastic_platoon/bags/bag_statistics.hpp"
+#include "stochastic_platoon/bags/bag_writer.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/configuration/settings.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
@@ -75,11 +76,10 @@ void require_free_recording(const platoon::RunOptions& run) {
   if (stem.empty() || stem + ".bag" != run.record) {
     throw platoon::ConfigurationError({"record: " + run.record + ": must be a file name that ends in .bag"});
   }
-  for (const std::string& file : {run.record, stem + "_0.bag"}) {
-    for (const char* suffix : {"", ".active", ".active.1"}) {
-      if (!std::filesystem::exists(file + suffix)) continue;
-      throw platoon::ConfigurationError({"record: " + file + suffix + ": exists: must be a new file"});
-    }
+  for (const std::string& name : {run.record, stem + "_0.bag"}) {
+    const std::string left = platoon::left_recording(name);
+    if (!left.empty())
+      throw platoon::ConfigurationError({"record: " + left + ": exists: must be a new file"});
   }
   try {
     platoon::require_writable_folder(std::filesystem::path(run.record).parent_path().string());

@@ -4,6 +4,7 @@
 
 #include <boost/make_shared.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <utility>
 
 #include "stochastic_platoon/io/atomic_file.hpp"
@@ -69,6 +70,17 @@ void BagWriter::set_suffix(const std::string& suffix) {
     throw std::runtime_error(name_ + suffix_ + ": cannot be renamed to " + name_ + suffix);
   }
   suffix_ = suffix;
+}
+
+std::string name_put_aside(const std::string& name, std::size_t count) {
+  return name + kActiveSuffix + "." + std::to_string(count);
+}
+
+std::string left_recording(const std::string& name) {
+  for (const std::string& file : {name, name + kActiveSuffix, name_put_aside(name, 1)}) {
+    if (std::filesystem::exists(file)) return file;
+  }
+  return "";
 }
 
 }  // namespace platoon

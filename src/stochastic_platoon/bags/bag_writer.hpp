@@ -5,6 +5,7 @@
 #include <stochastic_platoon/Position.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -60,5 +61,11 @@ private:
 };
 
 constexpr char kActiveSuffix[] = ".active";
+
+/// The name of the count-th file, from 1 on, that was put aside unfinished while `name` was recorded.
+std::string name_put_aside(const std::string& name, std::size_t count);
+
+/// The first file that a recording named `name` has left, finished or not; empty if there is none.
+std::string left_recording(const std::string& name);
 
 }  // namespace platoon

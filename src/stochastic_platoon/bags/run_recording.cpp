@@ -49,8 +49,8 @@ std::string RunRecording::name_of_part(std::size_t part) const {
   return name.substr(0, name.size() - 4) + "_" + std::to_string(part) + ".bag";
 }
 
-std::string RunRecording::name_put_aside(std::size_t count) const {
-  return name_of_part(part_) + kActiveSuffix + "." + std::to_string(count);
+std::string RunRecording::next_put_aside() const {
+  return name_put_aside(name_of_part(part_), put_aside_.size() + 1);
 }
 
 std::unique_ptr<BagWriter> RunRecording::record_to(const std::string& suffix) const {
@@ -146,8 +146,8 @@ void RunRecording::recover() {
   }
   if (part_ > 0) take_over(name_of_part(part_ - 1));
   part_begin_ = arrivals_.committed();
-  while (std::filesystem::exists(name_put_aside(put_aside_.size() + 1))) {
-    put_aside_.push_back(name_put_aside(put_aside_.size() + 1));
+  while (std::filesystem::exists(next_put_aside())) {
+    put_aside_.push_back(next_put_aside());
     take_over(put_aside_.back());
   }
   const std::string active = name_of_part(part_) + kActiveSuffix;
@@ -157,8 +157,8 @@ void RunRecording::recover() {
   }
   // What brings nothing is written over: a disk that is full leaves such a file at every try.
   if (!take_over(active)) return;
-  std::filesystem::rename(active, name_put_aside(put_aside_.size() + 1));
-  put_aside_.push_back(name_put_aside(put_aside_.size() + 1));
+  put_aside_.push_back(next_put_aside());
+  std::filesystem::rename(active, put_aside_.back());
 }
 
 // Finds out up to where the batches in a file are whole, from the latest message of each stream: the steps are

@@ -75,7 +75,7 @@ private:
   bool take_over(const std::string& file);
   void rewrite();
   std::string name_of_part(std::size_t part) const;
-  std::string name_put_aside(std::size_t count) const;
+  std::string next_put_aside() const;
   std::unique_ptr<BagWriter> record_to(const std::string& suffix) const;
 
   Configuration configuration_;

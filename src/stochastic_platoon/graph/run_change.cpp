@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "stochastic_platoon/bags/bag_writer.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
@@ -35,11 +36,7 @@ std::string renamed(std::string stem, std::uint64_t from, std::uint64_t to, cons
 
 bool is_taken(const RunOptions& run) {
   if (std::filesystem::exists(run.output)) return true;
-  if (run.record.empty()) return false;
-  for (const char* suffix : {"", ".active", ".active.1"}) {
-    if (std::filesystem::exists(run.record + suffix)) return true;
-  }
-  return false;
+  return !run.record.empty() && !left_recording(run.record).empty();
 }
 
 }  // namespace
