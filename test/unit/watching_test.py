@@ -39,7 +39,7 @@ def overview(followers=3, step=(0, 1, 2, 3), **changes):
               reason="string stable: because", limit_variance=2.5, stationary_variance=[2.0] * followers, step=list(step),
               mean=[0.1 * c for c in cells], variance=cells, stable_headways=[0.5, 1.0, 2.8, 320.0], theoretical_mean=[0.0] * len(cells), theoretical_variance=[c + 1 for c in cells],
               standard_error=[0.5] * followers, variance_score=[-1.0] * followers, max_abs_z_mean=1.5, max_abs_z_variance=2.5,
-              plausible_z=4.0)
+              plausible_z=4.0, realizations_needed=NAN)
     return message(**dict(of, **changes))
 
 
@@ -180,6 +180,11 @@ class Table(unittest.TestCase):
         self.assertLessEqual(len(lines), 24)
         self.assertIn("...", lines[-8])
         self.assertEqual(lines[-1].split()[0], "500")
+
+    def test_says_how_many_realizations_a_verdict_needs(self):
+        self.assertIn("no verdict before about 2.9e+04", " ".join(self.lines(
+            3, 50, max_abs_z_mean=NAN, max_abs_z_variance=NAN, plausible_z=NAN, realizations_needed=29123.0)))
+        self.assertNotIn("verdict", " ".join(self.lines(3, 50)))
 
     def test_without_a_platoon_says_so(self):
         self.assertEqual(table.table(state.PlatoonState().document(), 24), ["Waiting for a platoon's monitor"])

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "stochastic_platoon/theory/error_moments.hpp"
+#include "stochastic_platoon/theory/linked_moments.hpp"
 #include "stochastic_platoon/theory/linked_string.hpp"
 #include "stochastic_platoon/theory/rounding_bound.hpp"
 #include "stochastic_platoon/theory/stationary_variance.hpp"
@@ -25,6 +26,13 @@ Theory theory_of(const PlatoonModel& model) {
 
 namespace {
 
+bool loses(const PlatoonModel& model) {
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  return std::any_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& vehicle) {
+    return vehicle.link.loss && vehicle.link.loss->probability > 0.0;
+  });
+}
+
 Prediction no_prediction(const Configuration& configuration, const std::string& reason) {
   const RunOptions& run = configuration.run;
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -35,6 +43,7 @@ Prediction no_prediction(const Configuration& configuration, const std::string& 
           std::vector<double>(run.followers, nan),
           std::vector<double>(cells, nan),
           std::vector<double>(cells, nan),
+          {},
           {},
           Theory::none,
           0};
@@ -78,7 +87,10 @@ Prediction predict(const Configuration& configuration) {
     prediction.variance = prediction.stationary_variance;
     prediction.effective_sample = effective_samples(configuration.model, run.followers);
   } else {
-    ErrorMoments moments = error_moments(configuration.model, run.followers, run.steps);
+    ErrorMoments moments =
+        loses(configuration.model)
+            ? linked_error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant)
+            : error_moments(configuration.model, run.followers, run.steps);
     prediction.rounding = rounding_bounds(configuration.model, moments);
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);

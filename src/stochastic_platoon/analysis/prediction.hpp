@@ -31,7 +31,9 @@ struct Prediction {
   std::vector<double> mean;                 ///< [m], one per cell
   std::vector<double> variance;             ///< [m^2], one per cell
   std::vector<double> rounding = {};        ///< [m], one per cell: see rounding_bounds(); empty over time
-  Theory theory = Theory::exact;            ///< none where no follower has one
+  /// [m^4], one per cell: see linked_error_moments(); empty over time, and where nothing is lost
+  std::vector<double> fourth_cumulant = {};
+  Theory theory = Theory::exact;  ///< none where no follower has one
   std::size_t followers_with_theory = 0;
   std::vector<EffectiveSample> effective_sample = {};  ///< over time: one per follower, what a step is worth
 };

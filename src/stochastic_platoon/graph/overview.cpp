@@ -45,6 +45,8 @@ Columns columns_of(const RunOptions& run, const Prediction& prediction, const Ru
       columns.prediction.mean.push_back(prediction.mean[c]);
       columns.prediction.variance.push_back(prediction.variance[c]);
       if (!prediction.rounding.empty()) columns.prediction.rounding.push_back(prediction.rounding[c]);
+      if (!prediction.fourth_cumulant.empty())
+        columns.prediction.fourth_cumulant.push_back(prediction.fourth_cumulant[c]);
     }
   }
   return columns;
@@ -75,8 +77,9 @@ void add_cells(const Columns& columns, Overview& message) {
       message.theoretical_variance[at] = of.theoretical_variance;
       if (!last) continue;
       message.standard_error.push_back(standard_error_of_variance(of));
-      message.variance_score.push_back(
-          scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share).variance);
+      message.variance_score.push_back(scores(of.measured, of.theoretical_mean, of.theoretical_variance,
+                                              of.rounding, of.share, of.fourth_moment)
+                                           .variance);
     }
   }
 }
@@ -109,8 +112,13 @@ Overview overview_of(const RunOptions& run, const Prediction& prediction, const 
           : measured_agreement(columns.run, columns.prediction, columns.result);
   message.max_abs_z_mean = found ? found->max_abs_z_mean : kNone;
   message.max_abs_z_variance = found ? found->max_abs_z_variance : kNone;
-  message.plausible_z =
-      found ? largest_plausible_score(2 * (all ? result : columns.result).moments.size()) : kNone;
+  message.plausible_z = found ? found->plausible_z : kNone;
+  message.realizations_needed =
+      found || result.realizations == 0
+          ? kNone
+          : (all ? realizations_needed(run, prediction, result)
+                 : realizations_needed(columns.run, columns.prediction, columns.result))
+                .value_or(kNone);
   return message;
 }
 

@@ -35,10 +35,10 @@ std::string row(const ResultCell& of, bool has_theory) {
   if (!has_theory) return text + formatted("%16s %14s %9s\n", "-", "-", "-");
   if (std::isnan(of.share.variance))
     return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
-  return text +
-         formatted("%16.2g %14.6g %9.2f\n", standard_error_of_variance(of), of.theoretical_variance,
-                   scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share)
-                       .variance);
+  return text + formatted("%16.2g %14.6g %9.2f\n", standard_error_of_variance(of), of.theoretical_variance,
+                          scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding,
+                                 of.share, of.fourth_moment)
+                              .variance);
 }
 
 std::string table(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
@@ -54,18 +54,33 @@ std::string table(const RunOptions& run, const Prediction& prediction, const Run
 }
 
 std::string comparison(const Agreement& found, std::size_t cells, const char* of, bool papers) {
-  const double bound = largest_plausible_score(2 * cells);
-  const bool agrees = found.max_abs_z_mean <= bound && found.max_abs_z_variance <= bound;
+  const bool agrees = found.agrees();
   return formatted(
       "%s: over all %zu %s the largest |z| is %.2f for the means and %.2f for the variances "
-      "(chance alone exceeds %.2f once in 1000 runs)\n",
+      "(chance alone exceeds %.2f at most once in 1000 runs)\n",
       (std::string(agrees ? "Measurement agrees with " : "MEASUREMENT AND ") +
        (papers   ? agrees ? "Lemma 1" : "LEMMA 1"
         : agrees ? "the theory"
                  : "THE THEORY") +
        (agrees ? "" : " DISAGREE"))
           .c_str(),
-      cells, of, found.max_abs_z_mean, found.max_abs_z_variance, bound);
+      cells, of, found.max_abs_z_mean, found.max_abs_z_variance, found.plausible_z);
+}
+
+// "29000": two digits of it.
+std::string about(double number) {
+  const double unit = std::pow(10.0, std::floor(std::log10(number)) - 1.0);
+  return formatted(number < 1e15 ? "%.0f" : "%.2g", std::ceil(number / unit) * unit);
+}
+
+std::string no_verdict(std::uint64_t realizations, double needed) {
+  return formatted(
+             "No verdict: the tracking errors are not normal, and %llu realizations are too few to tell a "
+             "difference "
+             "from chance: ",
+             static_cast<unsigned long long>(realizations)) +
+         (std::isfinite(needed) ? "about " + about(needed) + " are needed\n"
+                                : "no number is enough, as a fourth moment leaves the range of double\n");
 }
 
 }  // namespace
@@ -83,6 +98,8 @@ std::string report(const Configuration& configuration, const Prediction& predict
                        run.averaging() == Averaging::over_time ? "followers" : "(i, k)",
                        is_papers(configuration.model));
   }
+  const std::optional<double> needed = realizations_needed(run, prediction, result);
+  if (!found && needed) text += no_verdict(result.realizations, *needed);
   text += "Theory: " + stability.reason + ".\n";
   if (stability.limit_variance) {
     text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);

@@ -46,21 +46,21 @@ nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
           {"max_abs_z_variance", agreement->max_abs_z_variance}};
 }
 
+// Infinity, which JSON has not, as null.
+nlohmann::json needed_json(std::optional<double> needed) {
+  return needed && std::isfinite(*needed) ? nlohmann::json(std::ceil(*needed)) : nlohmann::json();
+}
+
 // Of every follower's variance at the last step: what statistics.csv cannot tell where errors are not normal.
 nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& prediction,
                                     const RunResult& result) {
   nlohmann::json errors = nlohmann::json::array();
-  for (std::size_t i = 1; i <= run.followers; ++i) {
-    if (run.averaging() == Averaging::over_time) {
-      const Moments& measured = result.moments[i - 1];
-      errors.push_back(
-          standard_error_of_variance(measured.variance(), measured.count, share_of(prediction, i).variance));
-      continue;
-    }
-    const Moments& measured = result.moments[cell(i, run.steps - 1, run.steps)];
-    errors.push_back(std::isnan(measured.fourth_deviations)
-                         ? standard_error_of_variance(measured.variance(), measured.count)
-                         : standard_error_of_variance(measured));
+  for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result)) {
+    const Moments& measured = of.measured;
+    errors.push_back(
+        !std::isnan(of.fourth_moment) || !std::isnan(measured.fourth_deviations)
+            ? standard_error_of_variance(of)
+            : standard_error_of_variance(measured.variance(), measured.count, of.share.variance));
   }
   return errors;
 }
@@ -90,26 +90,59 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"vehicle_steps_per_second", seconds > 0.0 ? vehicle_steps / seconds : 0.0},
           {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
           {"agreement", agreement_json(measured_agreement(run, prediction, result))},
+          {"realizations_needed", needed_json(realizations_needed(run, prediction, result))},
           {"theory", theory_json(prediction)}};
 }
 
 }  // namespace
 
+std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction,
+                                   const RunResult& result) {
+  if (prediction.fourth_cumulant.empty() || result.moments.empty()) return {};
+  const auto steps = static_cast<std::size_t>(run.steps);
+  std::vector<double> moments;
+  for (std::size_t row = 0; row < result.moments.size(); row += steps) {
+    double fourth = 0.0, measured = 0.0, theoretical = 0.0;
+    for (std::size_t c = row; c < row + steps; ++c) {
+      const Moments& of = result.moments[c];
+      if (of.count == 0 || std::isnan(of.fourth_deviations)) continue;
+      const auto n = static_cast<double>(of.count);
+      fourth += of.fourth_deviations / n;
+      measured += (of.squared_deviations / n) * (of.squared_deviations / n);
+      theoretical += prediction.variance[c] * prediction.variance[c];
+    }
+    const double kurtosis = fourth / std::min(measured, theoretical);
+    for (std::size_t c = row; c < row + steps; ++c) {
+      const double square = prediction.variance[c] * prediction.variance[c];
+      const double first_order = 3.0 * square + prediction.fourth_cumulant[c];
+      moments.push_back(kurtosis * square > first_order ? kurtosis * square
+                                                        : first_order);  // a NaN counts not
+    }
+  }
+  return moments;
+}
+
 std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
                                  const RunResult& result) {
   const bool over_time = run.averaging() == Averaging::over_time;
+  const std::vector<double> fourth = fourth_moments(run, prediction, result);
   std::vector<ResultCell> cells;
   for (std::size_t i = 1; i <= run.followers; ++i) {
     const std::size_t c = over_time ? i - 1 : cell(i, step, run.steps);
     // When a run is stopped, its vehicles are not all at the same step.
     cells.push_back({i, over_time ? result.last_steps[c] : step, result.moments[c], prediction.mean[c],
                      prediction.variance[c], prediction.rounding.empty() ? 0.0 : prediction.rounding[c],
-                     over_time ? share_of(prediction, i) : IndependentShare{}});
+                     over_time ? share_of(prediction, i) : IndependentShare{},
+                     fourth.empty() ? std::nan("") : fourth[c]});
   }
   return cells;
 }
 
 double standard_error_of_variance(const ResultCell& of) {
+  if (!std::isnan(of.fourth_moment)) {
+    const double v = of.theoretical_variance;
+    return std::sqrt((of.fourth_moment - v * v) / static_cast<double>(of.measured.count));
+  }
   return std::isnan(of.measured.fourth_deviations)
              ? standard_error_of_variance(of.theoretical_variance, of.measured.count, of.share.variance)
              : standard_error_of_variance(of.measured);
@@ -142,19 +175,36 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
     if (!found) return std::nullopt;
     shares = *found;
   } else {
-    if (result.realizations < 2) return std::nullopt;
-    const bool normal = result.moments.empty() || std::isnan(result.moments.front().fourth_deviations);
-    if (!normal && result.realizations < kEnoughForAnyDistribution) return std::nullopt;
+    const double needed = realizations_needed(run, prediction, result).value_or(2.0);
+    if (static_cast<double>(result.realizations) < std::max(needed, 2.0)) return std::nullopt;
   }
   const std::size_t judged = cells_with_theory(run, prediction);
+  const std::vector<double> fourth = fourth_moments(run, prediction, result);
   if (judged == result.moments.size())
-    return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding, shares);
+    return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding, shares,
+                     fourth);
   const auto of = [judged](const auto& values) {
     return std::decay_t<decltype(values)>(
         values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(judged, values.size())));
   };
   return agreement(of(result.moments), of(prediction.mean), of(prediction.variance), of(prediction.rounding),
-                   shares);
+                   shares, of(fourth));
+}
+
+std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction,
+                                          const RunResult& result) {
+  if (prediction.theory == Theory::none || run.averaging() == Averaging::over_time) return std::nullopt;
+  const std::vector<double> fourth = fourth_moments(run, prediction, result);
+  if (fourth.empty()) {
+    const bool normal = result.moments.empty() || std::isnan(result.moments.front().fourth_deviations);
+    if (normal) return std::nullopt;
+    return static_cast<double>(kEnoughForAnyDistribution);
+  }
+  const std::size_t judged = std::min(cells_with_theory(run, prediction), fourth.size());
+  double needed = 2.0;
+  for (std::size_t c = 0; c < judged; ++c)
+    needed = std::max(needed, values_needed(prediction.variance[c], fourth[c], 2 * judged));
+  return needed;
 }
 
 std::size_t cells_with_theory(const RunOptions& run, const Prediction& prediction) {

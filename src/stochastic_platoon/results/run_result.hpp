@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,21 +40,36 @@ struct ResultCell {
   double theoretical_variance;  ///< [m^2]
   double rounding = 0.0;        ///< [m], what the run's arithmetic may change an error by
   IndependentShare share = {};  ///< of an average over time: see EffectiveSample; NaN where it is not known
+  double fourth_moment = std::numeric_limits<double>::quiet_NaN();  ///< [m^4]: see fourth_moments()
 };
+
+/// The fourth moment of each cell's error, about its mean [m^4], where packets are lost and the theory has it; else
+/// empty. The larger of two: what the theory knows to first order (see linked_error_moments()), all there is where losses are
+/// so rare that a run may not have met one, and what was measured, of all steps of the follower together, which has what
+/// losses in a row do, wherever they are frequent enough to matter. Relative to v^2, and of the measured one relative to the
+/// measured v^2 where that is less: where most of the variance is due to what hardly ever happens, most of it is missing.
+std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction,
+                                   const RunResult& result);
 
 /// The result's cells of step k, one per follower; of averages over time, whatever k, all there are.
 std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
                                  const RunResult& result);
 
 /// Standard error of the cell's variance [m^2]: of normal errors sqrt(2 / (n - 1)) times the theoretical variance
-/// (over time with n - 1 times the share, NaN where that is not known), else (where the fourth moment was kept) as it was measured.
+/// (over time with n - 1 times the share, NaN where that is not known), of others sqrt((m_4 - v^2) / n) by the cell's fourth moment, else as it was measured.
 double standard_error_of_variance(const ResultCell& of);
 
 /// How far measurement and theory are apart. None where it cannot be said: no theory, fewer than two realizations
-/// (a thousand, where errors are not normal), or averages over time that are worth fewer than a thousand
+/// (of errors that are not normal realizations_needed()), or averages over time that are worth fewer than a thousand
 /// independent errors, or are not normal.
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result);
+
+/// How many realizations it takes until that can be said of errors that are not normal, as far as is known by now: by all
+/// cells' fourth moments where packets are lost (infinite where one leaves the range of double), a thousand of errors that
+/// are quantised. None of normal errors, over time, or without a theory.
+std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction,
+                                          const RunResult& result);
 
 /// How many cells have a theory: those of the followers before the first that is somebody's own.
 std::size_t cells_with_theory(const RunOptions& run, const Prediction& prediction);

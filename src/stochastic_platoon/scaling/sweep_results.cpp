@@ -37,11 +37,15 @@ std::string truth(const std::optional<bool>& value) {
   return value ? *value ? "1" : "0" : "";
 }
 
-std::string measured_columns(const Moments& measured) {
+// fourth: NaN where there is none, see fourth_moments().
+std::string measured_columns(const Moments& measured, double theoretical_variance, double fourth) {
   const double variance = measured.variance();
+  const double of_fourth =
+      std::sqrt((fourth - theoretical_variance * theoretical_variance) / static_cast<double>(measured.count));
   return formatted("%llu,%.17g,%.17g,%.17g,%.17g,", static_cast<unsigned long long>(measured.count),
                    measured.mean, standard_error_of_mean(variance, measured.count), variance,
-                   std::isnan(measured.fourth_deviations)
+                   !std::isnan(fourth) ? of_fourth
+                   : std::isnan(measured.fourth_deviations)
                        ? standard_error_of_variance(variance, measured.count)
                        : standard_error_of_variance(measured));
 }
@@ -64,16 +68,16 @@ std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configurat
   for (const YAML::Node& value : sweep.values(point)) begin += "," + word_of(value);
   std::optional<bool> stable, agrees;
   if (known) stable = prediction.stability.string_stable;
-  if (const std::optional<Agreement> found = measured_agreement(run, prediction, result)) {
-    const double bound = largest_plausible_score(2 * result.moments.size());
-    agrees = found->max_abs_z_mean <= bound && found->max_abs_z_variance <= bound;
-  }
+  if (const std::optional<Agreement> found = measured_agreement(run, prediction, result))
+    agrees = found->agrees();
+  const std::vector<double> fourth = fourth_moments(run, prediction, result);
   std::string text;
   for (std::size_t i = sweep.all_followers ? 1 : run.followers; i <= run.followers; ++i) {
     for (std::int64_t k = sweep.all_steps ? 0 : run.steps - 1; k < run.steps; ++k) {
       const std::size_t c = cell(i, k, run.steps);
       text += begin + formatted(",%zu,%lld,", i, static_cast<long long>(k)) +
-              measured_columns(result.moments[c]) +
+              measured_columns(result.moments[c], prediction.variance[c],
+                               fourth.empty() ? std::nan("") : fourth[c]) +
               (known ? formatted("%.17g,%.17g,", prediction.mean[c], prediction.variance[c]) : ",,") +
               truth(stable) + "," + truth(agrees) + "\n";
     }

@@ -62,6 +62,38 @@ double variance_ratio(double measured, double variance, double rounding) {
   return variance / variance;
 }
 
+constexpr double kPrior = 1.0 / 32.0;  // b over n D
+
+double self_normalized_score(double sum, double squares, double expected_squares) {
+  const double y = (squares + 2.0 * expected_squares) / 3.0 + kPrior * expected_squares;
+  const double usual = (1.0 + kPrior) * expected_squares;
+  const double square = (1.0 + kPrior) * (sum * (sum / y) - std::log(y / usual));
+  if (square <= 0.0) return 0.0;  // not std::max: a NaN stays one
+  return std::copysign(std::sqrt(square), sum);
+}
+
+/// Whether the scores are those of any distribution. Of nothing random they are exact anyhow.
+bool is_of_any(double variance, double fourth_moment) {
+  return variance > 0.0 && !std::isnan(fourth_moment);
+}
+
+Scores scores_of_any(const Moments& measured, double mean, double variance, double rounding,
+                     double fourth_moment) {
+  if (measured.count == 0) return {kNaN, kNaN};
+  const auto n = static_cast<double>(measured.count);
+  // Powers of deviations from the theoretical mean.
+  const double shift = measured.mean - mean, square = shift * shift;
+  const double squared = measured.squared_deviations + n * square;
+  const double fourth = measured.fourth_deviations + 4.0 * shift * measured.cubed_deviations +
+                        6.0 * square * measured.squared_deviations + n * square * square;
+  const double of_mean = self_normalized_score(n * beyond(shift, rounding), squared, n * variance);
+  if (measured.count < 2) return {of_mean, kNaN};
+  const double difference =
+      n * beyond(squared / n - variance, rounding * (2.0 * std::sqrt(variance) + rounding));
+  const double squares = fourth - 2.0 * variance * squared + n * variance * variance;
+  return {of_mean, self_normalized_score(difference, squares, n * (fourth_moment - variance * variance))};
+}
+
 bool is_judged(double measured, double variance) {
   return std::isfinite(measured) && variance >= 0.0;
 }
@@ -92,25 +124,37 @@ double larger(double worst, double next) {
 }  // namespace
 
 Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance, double rounding,
-              const IndependentShare& share) {
+              const IndependentShare& share, double fourth_moment) {
+  if (is_of_any(theoretical_variance, fourth_moment))
+    return scores_of_any(measured, theoretical_mean, theoretical_variance, rounding, fourth_moment);
   return {mean_score(measured, theoretical_mean, theoretical_variance, rounding, share),
           variance_score(measured, theoretical_variance, rounding, share)};
 }
 
 Agreement agreement(const std::vector<Moments>& measured, const std::vector<double>& theoretical_mean,
                     const std::vector<double>& theoretical_variance, const std::vector<double>& rounding,
-                    const std::vector<IndependentShare>& share) {
+                    const std::vector<IndependentShare>& share, const std::vector<double>& fourth_moment) {
   if (measured.size() != theoretical_mean.size() || measured.size() != theoretical_variance.size() ||
       (!rounding.empty() && measured.size() != rounding.size()) ||
-      (!share.empty() && measured.size() != share.size())) {
+      (!share.empty() && measured.size() != share.size()) ||
+      (!fourth_moment.empty() && measured.size() != fourth_moment.size())) {
     throw std::invalid_argument("measurement and theory must have the same number of cells");
   }
   Agreement worst;
+  worst.plausible_z = fourth_moment.empty() ? largest_plausible_score(2 * measured.size())
+                                            : plausible_score_of_any(2 * measured.size());
   // The score grows with the ratio: of cells with as many degrees of freedom only those beyond all others can be worse.
   double freedom = 0.0;
   double lowest = kInfinity, highest = -kInfinity;
   for (std::size_t c = 0; c < measured.size(); ++c) {
     const double allowed = rounding.empty() ? 0.0 : rounding[c];
+    if (!fourth_moment.empty() && is_of_any(theoretical_variance[c], fourth_moment[c])) {
+      const Scores found =
+          scores_of_any(measured[c], theoretical_mean[c], theoretical_variance[c], allowed, fourth_moment[c]);
+      worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(found.mean));
+      worst.max_abs_z_variance = larger(worst.max_abs_z_variance, std::abs(found.variance));
+      continue;
+    }
     const IndependentShare of = share.empty() ? IndependentShare{} : share[c];
     const double mean = mean_score(measured[c], theoretical_mean[c], theoretical_variance[c], allowed, of);
     worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(mean));
@@ -132,6 +176,18 @@ Agreement agreement(const std::vector<Moments>& measured, const std::vector<doub
 
 double largest_plausible_score(std::size_t comparisons) {
   return normal_score(0.0005 / static_cast<double>(std::max<std::size_t>(comparisons, 1)));
+}
+
+double plausible_score_of_any(std::size_t comparisons) {
+  const double chance = 0.001 / static_cast<double>(std::max<std::size_t>(comparisons, 1));
+  return std::sqrt((1.0 + kPrior) * (std::log(1.0 + 1.0 / kPrior) - 2.0 * std::log(chance)));
+}
+
+double values_needed(double variance, double fourth_moment, std::size_t comparisons) {
+  if (variance == 0.0) return 0.0;
+  const double bound = plausible_score_of_any(comparisons);
+  const double needed = bound * bound * (fourth_moment / variance / variance - 1.0);
+  return std::isnan(needed) ? kInfinity : needed;
 }
 
 }  // namespace platoon

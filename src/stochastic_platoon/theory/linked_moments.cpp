@@ -23,6 +23,12 @@ Values squares(const Sequence& values) {
   return result;
 }
 
+Values products(const Values& a, const Values& b) {
+  Values result;
+  for (std::size_t k = 0; k < a.size(); ++k) result.push_back(a[k] * b[k]);
+  return result;
+}
+
 /// Responses of everything downstream to one kind of source at one place of the pattern: by how many vehicles
 /// further on, from the source's own on.
 struct Responses {
@@ -42,17 +48,34 @@ public:
 
   ErrorMoments moments() {
     ErrorMoments result{static_cast<std::int64_t>(steps_), followers_, {}, {}};
-    std::vector<Values> innovation_means;
-    pass_means(result.mean, innovation_means);
+    innovation_means_.clear();
+    pass_means(result.mean, innovation_means_);
     error_.assign(followers_, Values(steps_, 0.0));
     innovation_.clear();
-    for (const Values& mean : innovation_means) {
+    for (const Values& mean : innovation_means_) {
       innovation_.push_back(mean);
       for (double& value : innovation_.back()) value *= value;
     }
     for (std::size_t j = 0; j < vehicles_.size() && j < followers_; ++j) add_constant_sources(j);
     add_losses();
     for (const Values& row : error_) result.variance.insert(result.variance.end(), row.begin(), row.end());
+    return result;
+  }
+
+  // Of every cell, from the E e^2 that moments() has left.
+  Values fourth_cumulants() {
+    LossResponses responses =
+        loss_responses([](const Values& squared) { return products(squared, squared); });
+    CausalConvolution convolution(steps_);
+    Values result;
+    sources_.clear();
+    for (std::size_t i = 0; i < followers_; ++i) {
+      Values of_error(steps_, 0.0), of_innovation(steps_, 0.0);
+      if (responses.any && i > 0) add_losses_to(convolution, responses.innovation, i, i - 1, of_innovation);
+      sources_.emplace_back(loss_cumulants(i, of_innovation));
+      if (responses.any) add_losses_to(convolution, responses.error, i, i, of_error);
+      result.insert(result.end(), of_error.begin(), of_error.end());
+    }
     return result;
   }
 
@@ -189,28 +212,40 @@ private:
     convolution.add(products, row);
   }
 
-  void add_losses() {
-    const std::size_t period = std::min(vehicles_.size(), followers_);
-    CausalConvolution convolution(steps_);
-    std::vector<Kernels> of_error(vehicles_.size()), of_innovation(vehicles_.size());
-    std::vector<Values> own(vehicles_.size());
-    bool any = false;
-    for (std::size_t j = 0; j < period; ++j) {
+  /// Powers of the responses to the losses of each vehicle of the pattern.
+  struct LossResponses {
+    std::vector<Kernels> error, innovation;
+    std::vector<Values> own;  ///< of the own link's innovation
+    bool any = false;         ///< whether there are losses
+  };
+
+  // power makes of squares what is asked for.
+  template <class Power>
+  LossResponses loss_responses(const Power& power) const {
+    LossResponses result{std::vector<Kernels>(vehicles_.size()), std::vector<Kernels>(vehicles_.size()),
+                         std::vector<Values>(vehicles_.size())};
+    for (std::size_t j = 0; j < std::min(vehicles_.size(), followers_); ++j) {
       if (mean_vehicles_[j].variance_factor() == 0.0) continue;
-      any = true;
+      result.any = true;
       const MeanVehicle::Passed passed = mean_vehicles_[j].of_loss(steps_);
-      own[j] = squares(passed.innovation);
+      result.own[j] = power(squares(passed.innovation));
       const Responses responses = downstream(j, passed.position);
       for (std::size_t m = 0; m < responses.error.size(); ++m) {
-        of_error[j].emplace_back(responses.error[m]);
-        of_innovation[j].emplace_back(responses.innovation[m]);
+        result.error[j].emplace_back(power(responses.error[m]));
+        result.innovation[j].emplace_back(power(responses.innovation[m]));
       }
     }
-    if (!any) return;
+    return result;
+  }
+
+  void add_losses() {
+    LossResponses responses = loss_responses([](const Values& squared) { return squared; });
+    if (!responses.any) return;
+    CausalConvolution convolution(steps_);
     for (std::size_t i = 0; i < followers_; ++i) {
-      if (i > 0) add_losses_to(convolution, of_innovation, i, i - 1, innovation_[i]);
-      add_source(i, own[i % vehicles_.size()]);
-      add_losses_to(convolution, of_error, i, i, error_[i]);
+      if (i > 0) add_losses_to(convolution, responses.innovation, i, i - 1, innovation_[i]);
+      add_source(i, responses.own[i % vehicles_.size()]);
+      add_losses_to(convolution, responses.error, i, i, error_[i]);
     }
   }
 
@@ -233,10 +268,26 @@ private:
     sources_.emplace_back(std::move(variance));
   }
 
+  // Those of w_i, pq (1 - 3pq) E e^4 - 3 (pq E e^2)^2, none below 0, where E e^4 is that of a normal e, and what
+  // comes from the links before.
+  Values loss_cumulants(std::size_t i, const Values& of_innovation) const {
+    Values result;
+    const double factor = mean_vehicle(i).variance_factor();
+    if (factor == 0.0) return result;
+    for (std::size_t k = 0; k < steps_; ++k) {
+      const double square = innovation_[i][k], mean = innovation_means_[i][k];
+      const double fourth = 3.0 * square * square - 2.0 * mean * mean * mean * mean + of_innovation[k];
+      result.push_back(
+          std::max(factor * (1.0 - 3.0 * factor) * fourth - 3.0 * factor * factor * square * square, 0.0));
+    }
+    return result;
+  }
+
   PlatoonModel model_;
   std::size_t followers_, steps_;
   std::vector<VehicleModel> vehicles_;
   std::vector<MeanVehicle> mean_vehicles_;
+  std::vector<Values> innovation_means_;              ///< E e_i(k)
   std::vector<Values> error_;                         ///< variance of zeta_i(k), so far
   std::vector<Values> innovation_;                    ///< E e_i(k)^2, so far
   std::vector<CausalConvolution::Prepared> sources_;  ///< the variance of every w_i
@@ -244,11 +295,15 @@ private:
 
 }  // namespace
 
-ErrorMoments linked_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+ErrorMoments linked_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps,
+                                  std::vector<double>* fourth_cumulants) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
   for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
-  return LinkedString(model, followers, steps).moments();
+  LinkedString string(model, followers, steps);
+  ErrorMoments moments = string.moments();
+  if (fourth_cumulants != nullptr) *fourth_cumulants = string.fourth_cumulants();
+  return moments;
 }
 
 }  // namespace platoon

@@ -233,6 +233,7 @@ class PlatoonState:
                 "theoretical_variance": self.last_column(of.theoretical_variance),
                 "standard_error": numbers(of.standard_error), "score": numbers(of.variance_score),
                 "max_abs_z": finite(max(scores)) if scores else None, "plausible_z": finite(of.plausible_z),
+                "realizations_needed": finite(of.realizations_needed),
                 "vehicle_steps_per_second": None if per_second is None or of.complete else per_second * work,
                 "seconds_left": left, "wall_seconds": of.wall_seconds}
 

@@ -30,6 +30,8 @@ def heading(state):
         second = "step {}, {} of {} realizations".format(state["step"], state["realizations"], state["realizations_wanted"])
         if state["max_abs_z"] is not None:
             second += ", largest |z| {:.2f} (plausible to {:.2f})".format(state["max_abs_z"], state["plausible_z"])
+        elif state["realizations_needed"] is not None:
+            second += ", no verdict before about {:.2g}".format(state["realizations_needed"])
     if state["vehicle_steps_per_second"] is not None:
         second += ", {:.3g} vehicle-steps/s".format(state["vehicle_steps_per_second"])
     if state["seconds_left"] is not None:

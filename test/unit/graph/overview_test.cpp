@@ -129,6 +129,32 @@ TEST(Overview, OfAveragesOverManyStepsHasTheLargestScore) {
   EXPECT_EQ(overview.plausible_z, largest_plausible_score(4));
 }
 
+TEST(Overview, SaysHowManyRealizationsAVerdictNeedsWhereThereIsNone) {
+  Configuration configuration = paper_run("");
+  EXPECT_TRUE(std::isnan(overview_of(configuration.run, predict(configuration), {}).realizations_needed));
+  configuration.model.link.loss = LossModel{0.01, {}, {1.0}};
+  const Prediction prediction = predict(configuration);
+  RunResult result = result_with(configuration, prediction, 0.5);
+  for (Moments& of : result.moments) {
+    of.cubed_deviations = 0.0;
+    of.fourth_deviations = 3.0 * of.variance() * of.variance() * static_cast<double>(of.count);
+  }
+  const auto overview = overview_of(configuration.run, prediction, result);
+  EXPECT_TRUE(std::isnan(overview.max_abs_z_variance));
+  EXPECT_EQ(overview.realizations_needed, *realizations_needed(configuration.run, prediction, result));
+  EXPECT_GT(overview.realizations_needed, 20.0);
+  for (Moments& of : result.moments) {
+    of.count *= 10000;
+    of.squared_deviations *= 10000.0;
+    of.fourth_deviations *= 10000.0;
+  }
+  result.realizations *= 10000;
+  const auto later = overview_of(configuration.run, prediction, result);
+  EXPECT_GT(later.plausible_z, largest_plausible_score(12));
+  EXPECT_TRUE(std::isnan(later.realizations_needed));
+  EXPECT_GT(later.variance_score[1], 1.0);
+}
+
 TEST(Overview, OfAveragesOverTimeOfAStringThatLosesHasNoStandardErrors) {
   Configuration configuration = long_run(2, 0);
   configuration.model.link.loss = LossModel{0.1, {}, {1.0}};

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 
 #include "result_with.hpp"
+#include "stochastic_platoon/simulation/ensemble_run.hpp"
 
 namespace platoon {
 namespace {
@@ -47,6 +49,70 @@ TEST(Report, SaysThatSomethingUndefinedDoesNotAgree) {
     EXPECT_NE(report(configuration, prediction, result).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
               std::string::npos)
         << "NaN in cell " << c;
+  }
+}
+
+/// The result of a Monte Carlo of two followers and twenty steps, and its prediction.
+std::string report_of(const Configuration& configuration, std::uint64_t realizations, std::uint64_t seed,
+                      double noise_factor = 1.0) {
+  RunResult result;
+  result.realizations = realizations;
+  PlatoonModel model = configuration.model;
+  model.noise_variance *= noise_factor;
+  result.moments = monte_carlo(model, {seed, 2, 20, realizations, 1024}, 1, [](std::uint64_t) {}).totals();
+  return report(configuration, predict(configuration), result);
+}
+
+Configuration lossy_run(double probability, double noise_variance, std::vector<double> predictor) {
+  Configuration configuration = paper_run("");
+  configuration.run.steps = 20;
+  configuration.model.noise_variance = noise_variance;
+  configuration.model.link.loss = LossModel{probability, {}, std::move(predictor)};
+  return configuration;
+}
+
+// A run of 1000 has about 40 losses, two a step: most cells have met one that has gone by, or none.
+TEST(Report, GivesNoVerdictBehindLossesThatAreTooRare) {
+  const Configuration configuration = lossy_run(0.001, 1e-4, {1.0});
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const std::string text = report_of(configuration, 1000, seed);
+    EXPECT_NE(text.find("No verdict: the tracking errors are not normal, and 1000 realizations are too few"),
+              std::string::npos)
+        << text;
+    const std::size_t about = text.find("from chance: about ");
+    ASSERT_NE(about, std::string::npos) << text;
+    const double needed = std::stod(text.substr(about + 19));
+    EXPECT_GE(needed, 23000.0) << "that of single losses is known";
+    EXPECT_LE(needed, 100000.0);
+    EXPECT_EQ(text.find("DISAGREE"), std::string::npos) << text;
+  }
+  EXPECT_NE(report_of(configuration, 30000, 1).find("Measurement agrees with the theory"), std::string::npos);
+  EXPECT_NE(report_of(configuration, 30000, 1).find("at most once in 1000 runs"), std::string::npos);
+}
+
+// 400 runs, of which 0.4 may be beyond the bound: three are beyond it once in a hundred times.
+TEST(Report, DisagreesByChanceNoMoreOftenThanItSaysBehindLosses) {
+  for (const std::uint64_t realizations : {100u, 400u, 1000u}) {
+    const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
+    int agreed = 0, disagreed = 0;
+    for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+      const std::string text = report_of(configuration, realizations, seed);
+      agreed += text.find("Measurement agrees") != std::string::npos ? 1 : 0;
+      disagreed += text.find("DISAGREE") != std::string::npos ? 1 : 0;
+    }
+    EXPECT_LE(disagreed, 2) << realizations;
+    if (realizations == 1000) {
+      EXPECT_GT(agreed, 300) << "it is a verdict";
+    }
+  }
+}
+
+TEST(Report, FindsNoiseThatIsFivePercentOffBehindLosses) {
+  const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
+  for (const double factor : {1.05, 0.95}) {
+    EXPECT_NE(report_of(configuration, 300000, 1, factor).find("MEASUREMENT AND THE THEORY DISAGREE"),
+              std::string::npos)
+        << factor;
   }
 }
 

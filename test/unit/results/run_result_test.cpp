@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -144,6 +145,39 @@ TEST(WriteResults, PutsTheStandardErrorsOfTheVariancesIntoTheSummary) {
   const double own = written(configuration, prediction, result).summary["standard_error_of_variance"][1];
   EXPECT_EQ(own, standard_error_of_variance(last));
   EXPECT_GT(own, 1.5 * gaussian);
+}
+
+TEST(WriteResults, SaysHowManyRealizationsAVerdictNeedsWherePacketsAreLost) {
+  const TemporaryFolder folder;
+  Configuration configuration = paper_run(folder.path());
+  EXPECT_TRUE(
+      written(configuration, predict(configuration), result_with(configuration, predict(configuration)))
+          .summary["realizations_needed"]
+          .is_null())
+      << "errors are normal";
+  configuration.model.link.loss = LossModel{0.01, {}, {1.0}};
+  const Prediction prediction = predict(configuration);
+  RunResult result = result_with(configuration, prediction, 0.5);
+  for (Moments& of : result.moments) {
+    of.cubed_deviations = 0.0;
+    of.fourth_deviations = 3.0 * of.variance() * of.variance() * static_cast<double>(of.count);
+  }
+  const nlohmann::json summary = written(configuration, prediction, result).summary;
+  const std::vector<double> fourth = fourth_moments(configuration.run, prediction, result);
+  ASSERT_EQ(fourth.size(), 6u);
+  double needed = 0.0;
+  for (std::size_t c = 0; c < 6; ++c) {
+    EXPECT_GE(fourth[c],
+              3.0 * prediction.variance[c] * prediction.variance[c] + prediction.fourth_cumulant[c]);
+    needed = std::max(needed, values_needed(prediction.variance[c], fourth[c], 12));
+  }
+  EXPECT_EQ(summary["realizations_needed"], std::ceil(needed));
+  EXPECT_GT(needed, 20.0);
+  EXPECT_TRUE(summary["agreement"]["max_abs_z_mean"].is_null());
+  const std::size_t last = cell(2, 2, 3);
+  const double square = prediction.variance[last] * prediction.variance[last];
+  EXPECT_NEAR(summary["standard_error_of_variance"][1].get<double>(),
+              std::sqrt((fourth[last] - square) / 20.0), 1e-12);
 }
 
 TEST(WriteResults, PutsTheRunsFiguresIntoTheSummary) {

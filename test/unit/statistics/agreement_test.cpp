@@ -93,6 +93,96 @@ TEST(Scores, OfFewRealizationsExceedABoundAsOftenAsSaid) {
   }
 }
 
+/// Normal values, of which one in many is 30 times as large and lies to one side.
+struct RareOutliers {
+  double chance;
+  double mean() const { return 20.0 * chance; }
+  double variance() const { return raw(2) - mean() * mean(); }
+  double fourth_moment() const {
+    const double m = mean();
+    return raw(4) - 4.0 * m * raw(3) + 6.0 * m * m * raw(2) - 3.0 * m * m * m * m;
+  }
+  double draw(std::mt19937_64& generator) const {
+    std::normal_distribution<double> normal;
+    const double value = normal(generator);
+    return std::uniform_real_distribution<double>()(generator) < chance ? 20.0 + 30.0 * value : value;
+  }
+
+private:
+  double raw(int power) const {
+    const double s = 900.0, a = 20.0;
+    const double of_outliers = power == 2   ? a * a + s
+                               : power == 3 ? a * a * a + 3.0 * a * s
+                                            : a * a * a * a + 6.0 * a * a * s + 3.0 * s * s;
+    return chance * of_outliers + (1.0 - chance) * (power == 2 ? 1.0 : power == 3 ? 0.0 : 3.0);
+  }
+};
+
+// Whether the outliers are among the values or not: the share beyond the bound of once in 1000 is at most that, to
+// three standard errors, where a measured fourth moment and a bound for normal scores call more than a tenth a difference.
+TEST(Scores, OfAnyDistributionExceedTheirBoundNoMoreOftenThanSaid) {
+  std::mt19937_64 generator(11);
+  for (const RareOutliers& of : {RareOutliers{0.0003}, RareOutliers{0.003}, RareOutliers{0.03}}) {
+    for (const int count : {20, 200, 1000}) {
+      constexpr int kSamples = 4000;
+      int mean_beyond = 0, variance_beyond = 0, by_measured = 0;
+      for (int sample = 0; sample < kSamples; ++sample) {
+        std::vector<double> values;
+        Moments moments;
+        for (int r = 0; r < count; ++r) {
+          values.push_back(of.draw(generator));
+          moments.add(values.back());
+        }
+        moments.cubed_deviations = moments.fourth_deviations = 0.0;
+        for (const double value : values) {
+          const double d = value - moments.mean;
+          moments.cubed_deviations += d * d * d;
+          moments.fourth_deviations += d * d * d * d;
+        }
+        const Scores z = scores(moments, of.mean(), of.variance(), 0.0, {}, of.fourth_moment());
+        mean_beyond += std::abs(z.mean) > plausible_score_of_any(1) ? 1 : 0;
+        variance_beyond += std::abs(z.variance) > plausible_score_of_any(1) ? 1 : 0;
+        by_measured +=
+            std::abs(scores(moments, of.mean(), of.variance()).variance) > largest_plausible_score(1) ? 1 : 0;
+      }
+      const double most = 0.001 * kSamples + 3.0 * std::sqrt(0.001 * kSamples);
+      EXPECT_LE(mean_beyond, most) << of.chance << " " << count;
+      EXPECT_LE(variance_beyond, most) << of.chance << " " << count;
+      if (of.chance * count < 0.5) {
+        EXPECT_GT(by_measured, kSamples / 10) << of.chance << " " << count;
+      }
+    }
+  }
+}
+
+// Of many values they are distances in standard errors, so that a difference is found.
+TEST(Scores, OfAnyDistributionAreDistancesInStandardErrors) {
+  const double v = 0.6, fourth = 9.0 * v * v, n = 1e6;
+  for (const double z : {-7.0, -3.0, 4.0, 8.0}) {
+    const double error = std::sqrt((fourth - v * v) / n), variance = v + z * error;
+    const Moments moments{1000000, 5.0, variance * n, 0.0, 9.0 * variance * variance * n};
+    EXPECT_NEAR(scores(moments, 5.0, v, 0.0, {}, fourth).variance, z, 0.02 * std::abs(z));
+    const Moments shifted{1000000, 5.0 + z * std::sqrt(v / n), v * n, 0.0, fourth * n};
+    EXPECT_NEAR(scores(shifted, 5.0, v, 0.0, {}, fourth).mean, z, 0.02 * std::abs(z));
+  }
+  EXPECT_EQ(scores(measured(100, 5.1, 1.0), 5.0, 1.0, 0.2, {}, 9.0).mean, 0.0) << "within the rounding";
+}
+
+// A variance that is due to rare events alone, none of which is among so many values.
+TEST(ValuesNeeded, TellNothingFromTheTheoreticalVariance) {
+  const double v = 0.6, fourth = 700.0 * v * v;
+  const double needed = values_needed(v, fourth, 4000);
+  EXPECT_NEAR(needed, 24400.0, 100.0);
+  const auto of = [&](double n) {
+    const Moments nothing{static_cast<std::uint64_t>(n), 0.0, 0.0, 0.0, 0.0};
+    return std::abs(scores(nothing, 0.0, v, 0.0, {}, fourth).variance);
+  };
+  EXPECT_GT(of(1.1 * needed), plausible_score_of_any(4000));
+  EXPECT_LT(of(0.6 * needed), plausible_score_of_any(4000));
+  EXPECT_EQ(values_needed(0.0, 0.0, 4000), 0.0);
+  EXPECT_TRUE(std::isinf(values_needed(std::numeric_limits<double>::infinity(), kNaN, 4000)));
+}
+
 TEST(Scores, CountWhatLiesWithinTheRoundingAsEqual) {
   const Scores z = scores(measured(100, 5.0 + 1e-12, 1e-25), 5.0, 0.0, 2e-12);
   EXPECT_EQ(z.mean, 0.0);
@@ -151,6 +241,7 @@ TEST(Agreement, RefusesSizesThatDiffer) {
   EXPECT_THROW(agreement({good}, {0.0, 0.0}, {1.0}), std::invalid_argument);
   EXPECT_THROW(agreement({good}, {0.0}, {1.0, 1.0}), std::invalid_argument);
   EXPECT_THROW(agreement({good}, {0.0}, {1.0}, {0.0, 0.0}), std::invalid_argument);
+  EXPECT_THROW(agreement({good}, {0.0}, {1.0}, {}, {}, {3.0, 3.0}), std::invalid_argument);
 }
 
 // The two-sided quantiles of the standard normal at 0.001, 0.0001 and 0.000001.

@@ -116,5 +116,54 @@ TEST(LinkedTheory, ThrowsForWhatItDoesNotKnow) {
   EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 2, 0), std::invalid_argument);
 }
 
+/// Errors of two followers that hold what they lose, without noise, behind a leader at a metre a step, for one pattern of
+/// losses: bit 2 k + i - 1 of it is set where the position of step k into follower i is lost.
+std::vector<std::vector<double>> errors_of(const PlatoonModel& model, unsigned pattern, std::size_t steps) {
+  std::vector<double> ahead;
+  for (std::size_t k = 0; k <= steps; ++k) ahead.push_back(static_cast<double>(k));  // from step -1 on
+  std::vector<std::vector<double>> errors;
+  for (std::size_t i = 0; i < 2; ++i) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(model.loop.realization.order());
+    double used = ahead.front();
+    std::vector<double> own{0.0};
+    errors.emplace_back();
+    for (std::size_t k = 0; k < steps; ++k) {
+      own.push_back(model.loop.realization.c() * x);
+      errors.back().push_back(ahead[k + 1] - own[k + 1] - model.headway * (own[k + 1] - own[k]));
+      if ((pattern >> (2 * k + i) & 1U) == 0) used = ahead[k + 1];
+      x = (model.loop.realization.a() * x + model.loop.realization.b() * used).eval();
+    }
+    ahead = own;
+  }
+  return errors;
+}
+
+// By all 2^14 patterns of losses of two links over seven steps.
+TEST(LinkedErrorMoments, HaveTheFourthCumulantsOfRareLosses) {
+  constexpr std::size_t kSteps = 7;
+  PlatoonModel model = with_loss(1e-6, {1.0});
+  model.noise_variance = 0.0;
+  for (std::size_t k = 0; k <= kSteps; ++k) model.recorded_leader.push_back(static_cast<double>(k));
+  std::vector<double> cumulants;
+  const ErrorMoments moments = linked_error_moments(model, 2, kSteps, &cumulants);
+  std::vector<double> variance(2 * kSteps, 0.0), fourth(2 * kSteps, 0.0);
+  for (unsigned pattern = 0; pattern < 1U << (2 * kSteps); ++pattern) {
+    const double lost = __builtin_popcount(pattern);
+    const double chance = std::pow(1e-6, lost) * std::pow(1.0 - 1e-6, 2.0 * kSteps - lost);
+    const auto errors = errors_of(model, pattern, kSteps);
+    for (std::size_t c = 0; c < fourth.size(); ++c) {
+      const double square = std::pow(errors[c / kSteps][c % kSteps] - moments.mean[c], 2);
+      variance[c] += chance * square;
+      fourth[c] += chance * square * square;
+    }
+  }
+  ASSERT_EQ(cumulants.size(), fourth.size());
+  for (std::size_t c = 0; c < fourth.size(); ++c) {
+    EXPECT_NEAR(moments.variance[c], variance[c], 1e-9 * variance[c] + 1e-25) << c;
+    EXPECT_NEAR(cumulants[c], fourth[c] - 3.0 * variance[c] * variance[c], 1e-4 * fourth[c] + 1e-25) << c;
+  }
+  EXPECT_GT(fourth.back(), 1e-8);
+}
+
 }  // namespace
 }  // namespace platoon

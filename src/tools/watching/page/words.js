@@ -36,7 +36,7 @@ export function facts(list, { configuration, statistics }) {
     ["link", configuration.link], ["followers N", configuration.followers]];
   if (configuration.endless) shown.push(["step k", of.step ?? "–"]);
   else shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
-  if (!configuration.endless || of.max_abs_z != null) shown.push(["largest |z|", of.max_abs_z == null ? "–" : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
+  if (!configuration.endless || of.max_abs_z != null) shown.push(["largest |z|", of.max_abs_z == null ? of.realizations_needed == null ? "–" : `no verdict before ${short(of.realizations_needed, 2)} realizations` : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
   if (of.vehicle_steps_per_second != null) shown.push(["vehicle-steps/s", short(of.vehicle_steps_per_second)]);
   if (of.seconds_left != null) shown.push(["time left", duration(of.seconds_left)]);
   if (of.complete) shown.push(["took", duration(of.wall_seconds)]);
