@@ -59,9 +59,8 @@ void void_behind(const RunOptions& run, Prediction& prediction) {
   clear(prediction.stationary_variance, prediction.followers_with_theory);
   clear(prediction.mean, prediction.followers_with_theory * steps);
   clear(prediction.variance, prediction.followers_with_theory * steps);
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t i = prediction.followers_with_theory; i < prediction.effective_sample.size(); ++i)
-    prediction.effective_sample[i] = {nan, nan};
+  for (std::size_t i = prediction.followers_with_theory; i < prediction.error_correlation.size(); ++i)
+    prediction.error_correlation[i] = {};
   prediction.stability.limit_variance.reset();
   const std::size_t last = prediction.followers_with_theory;
   prediction.stability.reason +=
@@ -85,7 +84,7 @@ Prediction predict(const Configuration& configuration) {
     prediction.mean = is_papers(configuration.model) ? std::vector<double>(run.followers, 0.0)
                                                      : stationary_means(configuration.model, run.followers);
     prediction.variance = prediction.stationary_variance;
-    prediction.effective_sample = effective_samples(configuration.model, run.followers);
+    prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
     ErrorMoments moments =
         loses(configuration.model)

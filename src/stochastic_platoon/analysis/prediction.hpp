@@ -35,7 +35,7 @@ struct Prediction {
   std::vector<double> fourth_cumulant = {};
   Theory theory = Theory::exact;  ///< none where no follower has one
   std::size_t followers_with_theory = 0;
-  std::vector<EffectiveSample> effective_sample = {};  ///< over time: one per follower, what a step is worth
+  std::vector<ErrorCorrelation> error_correlation = {};  ///< over time: one per follower
 };
 
 Prediction predict(const Configuration& configuration);

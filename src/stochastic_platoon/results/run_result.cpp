@@ -18,10 +18,12 @@ namespace {
 // errors that an average over time must be worth for what holds for many of them.
 constexpr std::uint64_t kEnoughForAnyDistribution = 1000;
 
-IndependentShare share_of(const Prediction& prediction, std::size_t follower) {
-  if (prediction.effective_sample.empty()) return {std::nan(""), std::nan("")};
-  const EffectiveSample& of = prediction.effective_sample[follower - 1];
-  return {of.mean, of.variance};
+// Of the follower's average over time, a stretch in each attempt.
+IndependentShare share_of(const Prediction& prediction, const RunResult& result, std::size_t follower) {
+  if (prediction.error_correlation.empty()) return {std::nan(""), std::nan(""), std::nan("")};
+  const EffectiveSample of = prediction.error_correlation[follower - 1].of(
+      result.moments[follower - 1].count, std::max<std::uint64_t>(result.tally.attempts, 1));
+  return {of.mean, of.variance, of.expected};
 }
 
 nlohmann::json theory_json(const Prediction& prediction) {
@@ -132,7 +134,7 @@ std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const
     // When a run is stopped, its vehicles are not all at the same step.
     cells.push_back({i, over_time ? result.last_steps[c] : step, result.moments[c], prediction.mean[c],
                      prediction.variance[c], prediction.rounding.empty() ? 0.0 : prediction.rounding[c],
-                     over_time ? share_of(prediction, i) : IndependentShare{},
+                     over_time ? share_of(prediction, result, i) : IndependentShare{},
                      fourth.empty() ? std::nan("") : fourth[c]});
   }
   return cells;
@@ -155,7 +157,7 @@ std::optional<std::vector<IndependentShare>> shares_over_time(const Prediction& 
                                                               const RunResult& result) {
   std::vector<IndependentShare> shares;
   for (std::size_t i = 1; i <= std::min(prediction.followers_with_theory, result.moments.size()); ++i) {
-    shares.push_back(share_of(prediction, i));
+    shares.push_back(share_of(prediction, result, i));
     const double worth = static_cast<double>(result.moments[i - 1].count) *
                          std::min(shares.back().mean, shares.back().variance);
     if (!(worth >= static_cast<double>(kEnoughForAnyDistribution))) return std::nullopt;

@@ -39,7 +39,7 @@ struct ResultCell {
   double theoretical_mean;      ///< [m]
   double theoretical_variance;  ///< [m^2]
   double rounding = 0.0;        ///< [m], what the run's arithmetic may change an error by
-  IndependentShare share = {};  ///< of an average over time: see EffectiveSample; NaN where it is not known
+  IndependentShare share = {};  ///< of an average over time: see ErrorCorrelation; NaN where it is not known
   double fourth_moment = std::numeric_limits<double>::quiet_NaN();  ///< [m^4]: see fourth_moments()
 };
 

@@ -105,15 +105,20 @@ double measured_variance_score(const Moments& measured, double variance, double 
   return difference == 0.0 ? 0.0 : difference / standard_error_of_variance(measured);
 }
 
+double degrees_of_freedom(const Moments& measured, const IndependentShare& share) {
+  return static_cast<double>(measured.count - 1) * share.variance * share.expected * share.expected;
+}
+
 double variance_score(const Moments& measured, double variance, double rounding,
                       const IndependentShare& share = {}) {
   if (!is_judged(measured.variance(), variance)) return kNaN;
   if (!std::isnan(measured.fourth_deviations)) return measured_variance_score(measured, variance, rounding);
-  const double ratio = variance_ratio(measured.variance(), variance, rounding);
+  const double ratio = variance_ratio(measured.variance(), variance * share.expected, rounding);
+  if (std::isnan(share.expected)) return kNaN;
   if (std::isnan(ratio)) return 0.0;
   if (std::isinf(ratio)) return kInfinity;
   if (std::isnan(share.variance)) return kNaN;
-  return chi_squared_score(ratio, static_cast<double>(measured.count - 1) * share.variance);
+  return chi_squared_score(ratio, degrees_of_freedom(measured, share));
 }
 
 // Not std::max: a NaN must neither be passed over nor replaced.
@@ -160,8 +165,9 @@ Agreement agreement(const std::vector<Moments>& measured, const std::vector<doub
     worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(mean));
     if (std::isnan(measured[c].fourth_deviations) &&
         is_judged(measured[c].variance(), theoretical_variance[c])) {
-      const double ratio = variance_ratio(measured[c].variance(), theoretical_variance[c], allowed);
-      const double freedom_here = static_cast<double>(measured[c].count - 1) * of.variance;
+      const double ratio =
+          variance_ratio(measured[c].variance(), theoretical_variance[c] * of.expected, allowed);
+      const double freedom_here = degrees_of_freedom(measured[c], of);
       if (freedom_here != freedom) lowest = kInfinity, highest = -kInfinity;
       freedom = freedom_here;
       if (ratio >= lowest && ratio <= highest) continue;

@@ -15,10 +15,12 @@ struct Scores {
   double variance;
 };
 
-/// What one of several correlated values is worth, in independent ones, for their mean and for their variance.
+/// What one of several correlated values is worth, in independent ones, for their mean and for their variance, and the mean of
+/// their unbiased variance over what it is of independent ones.
 struct IndependentShare {
   double mean = 1.0;
   double variance = 1.0;
+  double expected = 1.0;
 };
 
 /// Scores of n values with this theoretical mean [m] and variance v [m^2], exact for every n: the tracking
@@ -44,8 +46,9 @@ struct IndependentShare {
 /// within it, count as equal to the theory. Beyond it a score is infinite where v = 0. NaN where a value is,
 /// and for the variance of fewer than two values.
 ///
-/// Of correlated values n counts for n share.mean, and n - 1 degrees of freedom for (n - 1) share.variance, which
-/// holds for large n (equivalent degrees of freedom; R. B. Blackman, J. W. Tukey, The Measurement of Power Spectra, 1958).
+/// Of n correlated values the mean is normal and counts for n share.mean; their variance, over v share.expected, counts as
+/// chi-squared with as many degrees of freedom as give it its own variance, (n - 1) share.variance share.expected^2, which holds
+/// where these are many (R. B. Blackman, J. W. Tukey, The Measurement of Power Spectra, 1958).
 Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance,
               double rounding = 0.0, const IndependentShare& share = {},
               double fourth_moment = std::numeric_limits<double>::quiet_NaN());

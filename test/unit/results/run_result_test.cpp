@@ -262,9 +262,9 @@ TEST(WriteResults, LabelsTimeAveragesAsSuch) {
   EXPECT_EQ(files.rows[2][1], "998");
   EXPECT_EQ(files.summary["time_average"], true);
   EXPECT_TRUE(files.summary["agreement"]["max_abs_z_mean"].is_null()) << "800 steps are too few";
-  EXPECT_EQ(
-      files.summary["standard_error_of_variance"][1],
-      standard_error_of_variance(result.moments[1].variance(), 800, prediction.effective_sample[1].variance));
+  EXPECT_EQ(files.summary["standard_error_of_variance"][1],
+            standard_error_of_variance(result.moments[1].variance(), 800,
+                                       prediction.error_correlation[1].of(800).variance));
 }
 
 TEST(WriteResults, ReplacesItsFilesWhole) {
