@@ -152,7 +152,8 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
         *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
   }
   text += formatted(
-      "Largest norms over %zu followers and %lld steps: ||mean||_2 = %.6g m, ||variance||_inf = %.6g m^2\n",
+      "Largest norms over %zu followers and %lld steps k: ||mean||_2 = %.6g m, ||variance||_inf = %.6g m^2 "
+      "(of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
       analysis.moments.followers, static_cast<long long>(analysis.moments.steps),
       sequence_norm(analysis.norms.mean.data(), analysis.norms.mean.size(), NormOrder::kInfinity),
       sequence_norm(analysis.norms.variance.data(), analysis.norms.variance.size(), NormOrder::kInfinity));

@@ -108,8 +108,8 @@ void require_no_results(const std::string& output) {
   for (const char* name : {"/statistics.csv", "/summary.json"}) {
     if (!std::filesystem::exists(output + name)) continue;
     throw ConfigurationError({"output: " + output +
-                              ": holds the results of another run and no checkpoint to go "
-                              "on from: must be another folder"});
+                              ": holds results already, which are never written over, and "
+                              "no checkpoint to go on from: must be another folder"});
   }
 }
 

@@ -52,6 +52,8 @@ TEST(Analysis, WarnsWhereTheCoefficientsDoNotDetermineAFineVerdict) {
   model.loop = closed_loop_from(exact);
   const std::string warning = "Warning: A, B and C have T(1) = 1";
   EXPECT_EQ(report(model, analyze(model, 2, 10)).find(warning), std::string::npos);
+  EXPECT_NE(report(model, analyze(model, 2, 10)).find("of one follower sqrt(sum of mean(k)^2)"),
+            std::string::npos);
   model.loop = closed_loop_from(StateSpace(exact.a(), exact.b() * (1.0 + 1e-6), exact.c()));
   const Analysis analysis = analyze(model, 2, 10);
   EXPECT_NEAR(analysis.integral_defect, 1e-6 * (1.0 + 3.2 / 4.2), 1e-12);

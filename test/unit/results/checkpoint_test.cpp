@@ -347,7 +347,7 @@ TEST(StartingPoint, RefusesResultsWithoutACheckpointAndLeavesThem) {
       configuration.run.resume = resume;
       EXPECT_EQ(refusal(configuration),
                 "output: " + folder.path() +
-                    ": holds the results of another run and no checkpoint to go on from: "
+                    ": holds results already, which are never written over, and no checkpoint to go on from: "
                     "must be another folder");
     }
     EXPECT_EQ(content_of(folder / name), "of another run");
