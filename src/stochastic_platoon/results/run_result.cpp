@@ -104,16 +104,15 @@ std::vector<double> fourth_moments(const RunOptions& run, const Prediction& pred
   const auto steps = static_cast<std::size_t>(run.steps);
   std::vector<double> moments;
   for (std::size_t row = 0; row < result.moments.size(); row += steps) {
-    double fourth = 0.0, measured = 0.0, theoretical = 0.0;
+    double fourth = 0.0, square_of_variance = 0.0;
     for (std::size_t c = row; c < row + steps; ++c) {
       const Moments& of = result.moments[c];
       if (of.count == 0 || std::isnan(of.fourth_deviations)) continue;
       const auto n = static_cast<double>(of.count);
       fourth += of.fourth_deviations / n;
-      measured += (of.squared_deviations / n) * (of.squared_deviations / n);
-      theoretical += prediction.variance[c] * prediction.variance[c];
+      square_of_variance += (of.squared_deviations / n) * (of.squared_deviations / n);
     }
-    const double kurtosis = fourth / std::min(measured, theoretical);
+    const double kurtosis = fourth / square_of_variance;
     for (std::size_t c = row; c < row + steps; ++c) {
       const double square = prediction.variance[c] * prediction.variance[c];
       const double first_order = 3.0 * square + prediction.fourth_cumulant[c];

@@ -44,10 +44,10 @@ struct ResultCell {
 };
 
 /// The fourth moment of each cell's error, about its mean [m^4], where packets are lost and the theory has it; else
-/// empty. The larger of two: what the theory knows to first order (see linked_error_moments()), all there is where losses are
-/// so rare that a run may not have met one, and what was measured, of all steps of the follower together, which has what
-/// losses in a row do, wherever they are frequent enough to matter. Relative to v^2, and of the measured one relative to the
-/// measured v^2 where that is less: where most of the variance is due to what hardly ever happens, most of it is missing.
+/// empty. The larger of two: what the theory knows to first order (see linked_error_moments()), all there is where losses
+/// are so rare that a run may not have met one; and v^2 times the kurtosis that was measured, of all steps of the follower
+/// together, which has what losses in a row do. That kurtosis nears the number of realizations where most of a variance
+/// is due to what hardly ever happens.
 std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction,
                                    const RunResult& result);
 
