@@ -1,11 +1,17 @@
 // What the theory says of a platoon, without running it: a report on the terminal, all numbers as JSON or CSV
 // on request.
 
+#include <unistd.h>
+
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <limits>
+#include <mutex>
+#include <thread>
 
 #include "stochastic_platoon/analysis/analysis.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
@@ -34,6 +40,47 @@ std::vector<double> values_of(const std::string& option, const std::string& text
   return values;
 }
 
+/// Shows on a terminal what is computed, from half a second on.
+class StageDisplay {
+public:
+  StageDisplay() {
+    if (isatty(STDERR_FILENO) == 1) thread_ = std::thread([this] { show(); });
+  }
+  ~StageDisplay() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      ended_ = true;
+    }
+    changed_.notify_one();
+    if (thread_.joinable()) thread_.join();
+  }
+  StageDisplay(const StageDisplay&) = delete;
+  StageDisplay& operator=(const StageDisplay&) = delete;
+
+  void begins(const char* stage) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stage_ = stage;
+  }
+
+private:
+  void show() {
+    const auto began = std::chrono::steady_clock::now();
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (changed_.wait_for(lock, std::chrono::milliseconds(500), [this] { return ended_; })) return;
+    do {
+      const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - began;
+      std::fprintf(stderr, "\r\033[Kcomputing: %s (%.0f s)", stage_, passed.count());
+    } while (!changed_.wait_for(lock, std::chrono::milliseconds(200), [this] { return ended_; }));
+    std::fputs("\r\033[K", stderr);
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  const char* stage_ = "model";
+  bool ended_ = false;
+  std::thread thread_;
+};
+
 void write(const std::string& file, const std::string& content) {
   platoon::write_atomically(std::filesystem::absolute(file).string(), content);
 }
@@ -59,7 +106,8 @@ void print(const std::vector<platoon::SweepPoint>& points) {
     if (lossy) std::printf(" %11.6g", *point.loss);
     std::printf(" %11.6g %11.9g", point.stability.spectral_radius, point.stability.peak_gain);
     if (lossy) std::printf(" %11.6g", point.stability.loss_gain.value_or(std::nan("")));
-    std::printf("   %s\n", point.stability.string_stable ? "yes" : "no");
+    const std::optional<bool> stable = point.stability.decision();
+    std::printf("   %s\n", !stable ? "undecided" : *stable ? "yes" : "no");
   }
 }
 
@@ -95,9 +143,15 @@ int main(int argc, char** argv) {
     if (configuration.run.averaging() == platoon::Averaging::over_time)
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 here"});
     const platoon::PlatoonModel& model = configuration.model;
-    const std::vector<platoon::SweepPoint> points = run_sweep(model, own);
-    const platoon::Analysis analysis =
-        platoon::analyze(model, configuration.run.followers, configuration.run.steps);
+    std::vector<platoon::SweepPoint> points;
+    platoon::Analysis analysis{};
+    {
+      StageDisplay display;
+      display.begins("sweep");
+      points = run_sweep(model, own);
+      analysis = platoon::analyze(model, configuration.run.followers, configuration.run.steps,
+                                  [&display](const char* stage) { display.begins(stage); });
+    }
     std::cout << platoon::report(model, analysis);
     nlohmann::json document = platoon::to_json(model, analysis);
     if (!points.empty()) document["sweep"] = platoon::to_json(points);

@@ -18,6 +18,10 @@ nlohmann::json number(std::optional<double> value) {
   return value && std::isfinite(*value) ? nlohmann::json(*value) : nlohmann::json();
 }
 
+nlohmann::json truth(std::optional<bool> value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
 nlohmann::json numbers(const std::vector<double>& values) {
   nlohmann::json list = nlohmann::json::array();
   for (const double value : values) list.push_back(number(value));
@@ -40,6 +44,12 @@ std::string shown(std::optional<double> value, const char* unit) {
   return value ? formatted("%.6g %s", *value, unit) : "none";
 }
 
+/// With six digits; none where it is not defined.
+std::string figure(double value, const char* unit) {
+  if (std::isnan(value)) return "none";
+  return std::isinf(value) ? std::string("beyond the range of double") : formatted("%.6g %s", value, unit);
+}
+
 std::string shown(const std::vector<HeadwayInterval>& intervals) {
   std::string text;
   for (const HeadwayInterval& interval : intervals)
@@ -47,51 +57,67 @@ std::string shown(const std::vector<HeadwayInterval>& intervals) {
   return text.empty() ? " none" : text;
 }
 
-std::string headway_lines(const Analysis& analysis) {
-  if (!analysis.headways)
-    return "Critical headway: none, as the closed loop itself was given and fits one headway\n";
+/// " of default, truck" where a string has several types, of which these vary.
+std::string of_types(const PlatoonModel& model, const std::vector<std::string>& types) {
+  if (is_homogeneous(model)) return "";
+  std::string text;
+  for (const std::string& type : types) text += (text.empty() ? " of " : ", ") + type;
+  return text;
+}
+
+std::string headway_lines(const PlatoonModel& model, const Analysis& analysis) {
+  if (!analysis.headways) {
+    const bool followed = !types_with_default(model, &Inherited::headway).empty();
+    return std::string("Critical headway: none, as ") +
+           (followed ? "the closed loop itself was given and fits one headway\n"
+                     : "no vehicle of the string follows the default headway\n");
+  }
   const StableHeadways& headways = *analysis.headways;
   const std::string critical =
       headways.critical ? formatted("%.9g sample periods", *headways.critical) : "none";
-  return "Critical headway: " + critical +
+  return "Critical headway" + of_types(model, headways.types) + ": " + critical +
          formatted("; string stable headways within [%.6g, %.6g]:", headways.searched.from,
                    headways.searched.to) +
          shown(headways.intervals) + "\n";
 }
 
-std::string loss_lines(const Analysis& analysis) {
-  if (!analysis.losses) return "";
+std::string loss_lines(const PlatoonModel& model, const Analysis& analysis) {
+  if (!analysis.losses) {
+    if (!model.link.loss || !types_with_default(model, &Inherited::loss_probability).empty()) return "";
+    return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
+  }
   const std::optional<double> critical = analysis.losses->critical;
-  std::string text = "Critical loss probability: " + (critical ? formatted("%.9g", *critical) : "none");
+  std::string text = "Critical loss probability" + of_types(model, analysis.losses->types) + ": " +
+                     (critical ? formatted("%.9g", *critical) : "none");
   text += "; string stable loss probabilities within [0, 0.99]:" + shown(analysis.losses->intervals) + "\n";
   return text;
 }
 
-LoopDesign with_gain(const LoopDesign& design, double gain) {
-  const TransferFunction& controller = design.controller;
-  return {design.plant,
-          {controller.numerator() * (gain / controller.numerator()(0)), controller.denominator()},
-          design.divide_by_one_plus_headway};
-}
-
 }  // namespace
 
-Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps,
+                 const StageObserver& begins) {
   Analysis analysis{};
   analysis.theory = theory_of(model);
   analysis.integral_defect = integral_defect(model.loop, model.headway);
   analysis.rounding = rounding_bound_of_a_metre(model.loop.realization, static_cast<std::size_t>(steps));
   if (analysis.theory == Theory::none) return analysis;
+  begins("verdict");
   analysis.stability = string_stability(model);
+  begins("stationary variances");
   analysis.stationary_variance = stationary_variances(model, followers);
+  begins("mean and variance of every step");
   analysis.moments = error_moments(model, followers, steps);
   analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
+  begins("bounds");
   if (is_papers(model)) {
     if (analysis.stability.mean_square_stable) analysis.bounds = theorem_two_bounds(model, followers, steps);
   } else {
     analysis.stationary_mean = stationary_means(model, followers);
   }
+  begins("stable headways");
   analysis.headways = stable_headways(model);
+  begins("stable loss probabilities");
   analysis.losses = stable_losses(model);
   return analysis;
 }
@@ -113,12 +139,12 @@ std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) 
     for (const double loss : or_own(axes.losses, model.link.loss ? model.link.loss->probability : nan)) {
       for (const double headway : or_own(axes.headways, model.headway)) {
         PlatoonModel varied = model;
-        varied.headway = headway;
-        if (model.design) varied.loop = close_loop(with_gain(*model.design, gain), headway);
-        if (!axes.losses.empty() && !varied.link.loss) varied.link.loss = LossModel();
-        if (!axes.losses.empty())
-          varied.link.loss->mean_burst.reset();  // that of independent losses at one q
-        if (varied.link.loss) varied.link.loss->probability = loss;
+        if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
+        if (!axes.headways.empty()) varied = with_headway(std::move(varied), headway);
+        if (!axes.losses.empty()) {
+          if (!varied.link.loss) varied.link.loss = LossModel();
+          varied = with_loss(std::move(varied), loss);
+        }
         points.push_back({headway, gain, string_stability(varied), {}});
         if (varied.link.loss) points.back().loss = loss;
       }
@@ -133,15 +159,16 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   if (analysis.theory == Theory::none)
     return text + "no theory, as losses come in bursts: monte_carlo measures what they do\n";
   text += stability.reason + "\n";
-  text += formatted("rho(A) = %.6g: the errors' mean and variance %s over time\n", stability.spectral_radius,
-                    stability.mean_square_stable ? "settle" : "DO NOT SETTLE");
-  text +=
-      formatted("peak of |T| = %.9g at w = %.6g rad/sample\n", stability.peak_gain, stability.peak_frequency);
-  text += headway_lines(analysis) + loss_lines(analysis);
+  text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
+          (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
+  text += std::isnan(stability.peak_gain) ? "peak of |T|: none, as the errors do not settle\n"
+                                          : formatted("peak of |T| = %.9g at w = %.6g rad/sample\n",
+                                                      stability.peak_gain, stability.peak_frequency);
+  text += headway_lines(model, analysis) + loss_lines(model, analysis);
   const std::vector<double>& stationary = analysis.stationary_variance;
-  text += formatted(
-              "Stationary variance: %.6g m^2 of follower 1, %.6g m^2 of follower %zu; of an endless string: ",
-              stationary.front(), stationary.back(), stationary.size()) +
+  text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
+          figure(stationary.back(), "m^2") +
+          formatted(" of follower %zu; of an endless string: ", stationary.size()) +
           shown(stability.limit_variance, "m^2") + "\n";
   const std::vector<double>& means = analysis.stationary_mean;
   const auto largest = std::max_element(
@@ -152,11 +179,15 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
         *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
   }
   text += formatted(
-      "Largest norms over %zu followers and %lld steps k: ||mean||_2 = %.6g m, ||variance||_inf = %.6g m^2 "
+      "Largest norms over %zu followers and %lld steps k: ||mean||_2 = %s, ||variance||_inf = %s "
       "(of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
       analysis.moments.followers, static_cast<long long>(analysis.moments.steps),
-      sequence_norm(analysis.norms.mean.data(), analysis.norms.mean.size(), NormOrder::kInfinity),
-      sequence_norm(analysis.norms.variance.data(), analysis.norms.variance.size(), NormOrder::kInfinity));
+      figure(sequence_norm(analysis.norms.mean.data(), analysis.norms.mean.size(), NormOrder::kInfinity), "m")
+          .c_str(),
+      figure(
+          sequence_norm(analysis.norms.variance.data(), analysis.norms.variance.size(), NormOrder::kInfinity),
+          "m^2")
+          .c_str());
   if (analysis.bounds) {
     const TheoremTwoBounds& bounds = *analysis.bounds;
     text += "Bounds of Theorem 2: mean " + shown(bounds.mean_bound, "m") + " (alpha_1 " +
@@ -218,32 +249,36 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
               {"beta_2", number(analysis.bounds->beta_2)},
               {"stated_beta_2", number(analysis.bounds->stated_beta_2)}};
   }
-  return {{"headway", model.headway},
-          {"noise_variance", model.noise_variance},
-          {"transfer",
-           {{"numerator", coefficients(model.loop.transfer.numerator())},
-            {"denominator", coefficients(model.loop.transfer.denominator())}}},
-          {"spectral_radius", stability.spectral_radius},
-          {"rounding", number(analysis.rounding)},
-          {"integral_defect", number(analysis.integral_defect)},
-          {"peak_gain", number(stability.peak_gain)},
-          {"peak_frequency", number(stability.peak_frequency)},
-          {"mean_square_stable", stability.mean_square_stable},
-          {"string_stable", stability.string_stable},
-          {"reason", stability.reason},
-          {"critical_headway", number(analysis.headways ? analysis.headways->critical : std::nullopt)},
-          {"stable_headways", analysis.headways ? headways : nlohmann::json()},
-          {"theory", to_string(analysis.theory)},
-          {"loss_gain", number(stability.loss_gain)},
-          {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
-          {"stable_loss_probabilities", losses},
-          {"stationary_mean", numbers(analysis.stationary_mean)},
-          {"stationary_variance", numbers(analysis.stationary_variance)},
-          {"limit_variance", number(stability.limit_variance)},
-          {"mean", rows(analysis.moments.mean, steps)},
-          {"variance", rows(analysis.moments.variance, steps)},
-          {"norms", norms},
-          {"bounds", bounds}};
+  return {
+      {"headway", model.headway},
+      {"noise_variance", model.noise_variance},
+      {"transfer",
+       {{"numerator", coefficients(model.loop.transfer.numerator())},
+        {"denominator", coefficients(model.loop.transfer.denominator())}}},
+      {"spectral_radius", stability.spectral_radius},
+      {"rounding", number(analysis.rounding)},
+      {"integral_defect", number(analysis.integral_defect)},
+      {"peak_gain", number(stability.peak_gain)},
+      {"peak_frequency", number(stability.peak_frequency)},
+      {"mean_square_stable", stability.mean_square_stable},
+      {"string_stable", truth(stability.decision())},
+      {"reason", stability.reason},
+      {"critical_headway", number(analysis.headways ? analysis.headways->critical : std::nullopt)},
+      {"stable_headways", analysis.headways ? headways : nlohmann::json()},
+      {"critical_headway_types",
+       analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
+      {"theory", to_string(analysis.theory)},
+      {"loss_gain", number(stability.loss_gain)},
+      {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
+      {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
+      {"stable_loss_probabilities", losses},
+      {"stationary_mean", numbers(analysis.stationary_mean)},
+      {"stationary_variance", numbers(analysis.stationary_variance)},
+      {"limit_variance", number(stability.limit_variance)},
+      {"mean", rows(analysis.moments.mean, steps)},
+      {"variance", rows(analysis.moments.variance, steps)},
+      {"norms", norms},
+      {"bounds", bounds}};
 }
 
 nlohmann::json to_json(const std::vector<SweepPoint>& points) {
@@ -255,7 +290,7 @@ nlohmann::json to_json(const std::vector<SweepPoint>& points) {
                     {"loss_gain", number(point.stability.loss_gain)},
                     {"spectral_radius", point.stability.spectral_radius},
                     {"peak_gain", number(point.stability.peak_gain)},
-                    {"string_stable", point.stability.string_stable},
+                    {"string_stable", truth(point.stability.decision())},
                     {"limit_variance", number(point.stability.limit_variance)}});
   }
   return list;
@@ -271,7 +306,7 @@ std::string to_csv(const std::vector<SweepPoint>& points) {
     if (lossy) text += formatted("%.17g,", *point.loss);
     text += formatted("%.17g,%.17g,", stability.spectral_radius, stability.peak_gain);
     if (lossy) text += formatted("%.17g,", stability.loss_gain.value_or(std::nan("")));
-    text += stability.string_stable ? "1\n" : "0\n";
+    text += stability.undecided ? "\n" : stability.string_stable ? "1\n" : "0\n";
   }
   return text;
 }

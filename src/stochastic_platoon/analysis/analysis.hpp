@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -34,7 +35,12 @@ struct Analysis {
   Theory theory = Theory::exact;
 };
 
-Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
+/// Hears what is computed next.
+using StageObserver = std::function<void(const char* stage)>;
+
+Analysis analyze(
+    const PlatoonModel& model, std::size_t followers, std::int64_t steps,
+    const StageObserver& begins = [](const char*) {});
 
 /// One point of a sweep or a map over headway, gain and loss probability of the default vehicle.
 struct SweepPoint {

@@ -38,7 +38,9 @@ Prediction no_prediction(const Configuration& configuration, const std::string& 
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::size_t cells =
       run.followers * static_cast<std::size_t>(run.averaging() == Averaging::over_time ? 1 : run.steps);
-  StringStability unknown{nan, nan, nan, false, false, false, {}, "none, as " + reason};
+  StringStability unknown;
+  unknown.spectral_radius = nan;
+  unknown.reason = "none, as " + reason;
   return {unknown,
           std::vector<double>(run.followers, nan),
           std::vector<double>(cells, nan),

@@ -172,7 +172,18 @@ VehicleParts read_vehicle(Section& vehicle, const VehicleParts* base, bool allow
 struct TypeParts {
   std::string name, path;
   VehicleParts parts;
+  Inherited inherited;
 };
+
+Inherited inherited_by(Section& type, const LinkModel& base) {
+  const bool own_loop = type.has("closed_loop");
+  Inherited inherited{!type.has("time_headway"), !own_loop && !type.has("plant"),
+                      !own_loop && !type.has("controller"), base.loss.has_value()};
+  if (!base.loss || !type.has("channel")) return inherited;
+  Section channel = type.section("channel");
+  if (channel.has("loss")) inherited.loss_probability = !channel.section("loss").has("probability");
+  return inherited;
+}
 
 std::vector<TypeParts> read_types(Section types, const VehicleParts& base, bool allow_unstable,
                                   std::vector<std::string>& problems) {
@@ -186,7 +197,8 @@ std::vector<TypeParts> read_types(Section types, const VehicleParts& base, bool 
     for (const char* key : {"sample_period", "leader", "allow_unstable"}) {
       if (type.has(key)) type.reject(key, "given", "absent, as all vehicles share it");
     }
-    found.push_back({name, types.name(name), read_vehicle(type, &base, allow_unstable, problems)});
+    found.push_back({name, types.name(name), read_vehicle(type, &base, allow_unstable, problems), {}});
+    found.back().inherited = inherited_by(type, base.link);
     type.reject_unknown_keys();
   }
   return found;
@@ -259,7 +271,8 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
                      own.link,
                      {},
                      string};
-  for (const TypeParts& type : types) model.types.push_back({type.name, type.parts.vehicle()});
+  for (const TypeParts& type : types)
+    model.types.push_back({type.name, type.parts.vehicle(), type.inherited});
   return model;
 }
 
@@ -336,7 +349,7 @@ nlohmann::json to_json(const VehicleModel& vehicle) {
   return document;
 }
 
-// A type inherits what it does not give: its link is written in full.
+// A type inherits what it does not give: what of its link may differ is written in full.
 nlohmann::json full_link(const LinkModel& link, const LinkModel& base) {
   nlohmann::json document = to_json(link);
   document["noise_filter"] = to_json(link.noise_filter);
@@ -362,8 +375,14 @@ nlohmann::json to_json(const PlatoonModel& model) {
   const nlohmann::json link = to_json(model.link);
   if (!link.empty()) document["channel"] = link;
   for (const VehicleType& type : model.types) {
-    document["vehicle_types"][type.name] = to_json(type.vehicle);
-    document["vehicle_types"][type.name]["channel"] = full_link(type.vehicle.link, model.link);
+    nlohmann::json& written = document["vehicle_types"][type.name] = to_json(type.vehicle);
+    written["channel"] = full_link(type.vehicle.link, model.link);
+    // What follows the default vehicle does so in every copy of the model.
+    if (type.inherited.headway) written.erase("time_headway");
+    if (type.inherited.plant) written.erase("plant");
+    if (type.inherited.controller) written.erase("controller");
+    if (type.inherited.plant && type.inherited.controller) written.erase("closed_loop");
+    if (type.inherited.loss_probability) written["channel"]["loss"].erase("probability");
   }
   for (const std::size_t type : model.string)
     document["string"].push_back(type == 0 ? "default" : model.types.at(type - 1).name);

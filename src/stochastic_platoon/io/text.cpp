@@ -1,5 +1,6 @@
 #include "stochastic_platoon/io/text.hpp"
 
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 
@@ -16,6 +17,12 @@ std::string formatted(const char* format, ...) {
   va_end(arguments);
   text.pop_back();
   return text;
+}
+
+std::string beside_one(double value) {
+  const double difference = value - 1.0;
+  if (!(std::abs(difference) < 1e-5) || difference == 0.0) return formatted("%.6g", value);
+  return formatted("1 %c %.3g", difference > 0.0 ? '+' : '-', std::abs(difference));
 }
 
 std::string shortened(const std::string& text) {

@@ -101,11 +101,20 @@ DeltaFraction delta_fraction(const ClosedLoop& loop) {
 }
 
 double spectral_radius(const ClosedLoop& loop) {
-  // T of a design has hidden modes that are not A's; those at z = 0 are cancelled in delta, too.
+  if (loop.delta.denominator.empty()) return spectral_radius(delta_form(loop.transfer.denominator()));
+  // What T cancelled stands in delta and is no mode of A; zeros at z = 0 are cancelled there, too.
+  std::vector<std::complex<long double>> poles = zeros(loop.delta.denominator);
   for (const std::complex<double>& mode : loop.hidden_modes) {
-    if (mode != 0.0) return spectral_radius(delta_form(loop.transfer.denominator()));
+    if (mode == 0.0 || poles.empty()) continue;
+    const auto distance = [&](const std::complex<long double>& s) {
+      return std::norm(s - (static_cast<std::complex<long double>>(mode) - 1.0L));
+    };
+    poles.erase(std::min_element(poles.begin(), poles.end(),
+                                 [&](const auto& a, const auto& b) { return distance(a) < distance(b); }));
   }
-  return spectral_radius(delta_fraction(loop).denominator);
+  long double excess = -1.0L;
+  for (const std::complex<long double>& s : poles) excess = std::max(excess, modulus_minus_one(s));
+  return static_cast<double>(1.0L + excess);
 }
 
 ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway) {

@@ -25,8 +25,9 @@ Complex product(Complex a, Complex b) {
 }
 
 struct NewtonStep {
-  Complex step;   ///< p(s) / p'(s)
-  bool rounding;  ///< p(s) is no more than what rounding makes of 0
+  Complex step;       ///< p(s) / p'(s)
+  bool rounding;      ///< p(s) is no more than what rounding makes of 0
+  long double doubt;  ///< to which rounding leaves s, over |s|
 };
 
 /// From the reversed polynomial where |s| > 1, so that nothing overflows.
@@ -44,13 +45,15 @@ NewtonStep newton_step(const DeltaPolynomial& p, Complex s) {
     value = product(value, x) + coefficient;
     sum = sum * length + std::abs(coefficient);
   }
-  if (value == Complex(0.0L)) return {0.0L, true};
+  // |x q'(x)| dx/x = rounding, and dx/x is ds/s but for its sign
+  const long double doubt = kRounding * sum / (std::abs(slope) * length);
+  if (value == Complex(0.0L)) return {0.0L, true, doubt};
   const bool rounding = std::norm(value) <= kRounding * kRounding * sum * sum;
-  if (!outside) return {quotient(value, slope), rounding};
+  if (!outside) return {quotient(value, slope), rounding, doubt};
   // p(s) = s^n q(1/s): p'/p = n/s - q'(1/s) / (q(1/s) s^2).
   const Complex inverse =
       product(x, static_cast<long double>(p.size() - 1) - quotient(product(x, slope), value));
-  return {quotient(1.0L, inverse), rounding};
+  return {quotient(1.0L, inverse), rounding, doubt};
 }
 
 /// The power of two that is about as large as the largest zero, where that is far from 1, and else 0.
@@ -70,6 +73,71 @@ DeltaPolynomial in_units_of(const DeltaPolynomial& p, int scale) {
   for (std::size_t i = 0; i < q.size(); ++i)
     q[i] = std::ldexp(q[i] / p.back(), scale * (static_cast<int>(i) - static_cast<int>(q.size()) + 1));
   return q;
+}
+
+/// Divides q by 1 + s as often as it is a factor to rounding, which is a zero at z = 0 each time.
+void deflate_at_origin_of_z(DeltaPolynomial& q, std::vector<Complex>& found) {
+  constexpr long double kRounding = std::numeric_limits<long double>::epsilon();
+  while (q.size() > 1) {
+    DeltaPolynomial quotient(q.size() - 1);
+    long double remainder = 0.0L, sum = 0.0L;
+    for (std::size_t j = q.size(); j-- > 0;) {
+      remainder = q[j] - remainder;
+      sum += std::abs(q[j]);
+      if (j > 0) quotient[j - 1] = remainder;
+    }
+    if (std::abs(remainder) > 16.0L * kRounding * sum) return;
+    q.swap(quotient);
+    found.emplace_back(-1.0L);
+  }
+}
+
+/// The zeros of q once more from these, in fifty digits: zeros that lie together are not determined one by one by
+/// arithmetic in extended precision, and then their product is not that of q.
+void settle_cluster(const DeltaPolynomial& q, std::vector<Complex>& s) {
+  using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float_50::backend_type,
+                                             boost::multiprecision::et_off>;
+  struct Pair {
+    Real real, imag;
+    Pair operator-(const Pair& b) const { return {real - b.real, imag - b.imag}; }
+    Pair operator+(const Pair& b) const { return {real + b.real, imag + b.imag}; }
+    Pair operator*(const Pair& b) const {
+      return {real * b.real - imag * b.imag, real * b.imag + imag * b.real};
+    }
+    Real norm() const { return real * real + imag * imag; }
+    Pair operator/(const Pair& b) const {
+      const Real size = b.norm();
+      return {(real * b.real + imag * b.imag) / size, (imag * b.real - real * b.imag) / size};
+    }
+  };
+  const Pair one{1, 0};
+  std::vector<Pair> found;
+  for (const Complex& zero : s) found.push_back({Real(zero.real()), Real(zero.imag())});
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    bool settled = true;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      Pair value{0, 0}, slope{0, 0};
+      for (std::size_t j = q.size(); j-- > 0;) {
+        slope = slope * found[i] + value;
+        value = value * found[i] + Pair{Real(q[j]), 0};
+      }
+      if (value.norm() == 0 || slope.norm() == 0) continue;
+      const Pair newton = value / slope;
+      Pair repulsion{0, 0};
+      for (std::size_t j = 0; j < found.size(); ++j) {
+        const Pair apart = found[i] - found[j];
+        if (j != i && apart.norm() != 0) repulsion = repulsion + one / apart;
+      }
+      const Pair divisor = one - newton * repulsion;
+      if (divisor.norm() == 0) continue;
+      const Pair step = newton / divisor;
+      found[i] = found[i] - step;
+      settled = settled && step.norm() <= Real(1e-44) * found[i].norm();
+    }
+    if (settled) break;
+  }
+  for (std::size_t i = 0; i < s.size(); ++i)
+    s[i] = {found[i].real.convert_to<long double>(), found[i].imag.convert_to<long double>()};
 }
 
 }  // namespace
@@ -98,6 +166,7 @@ std::vector<std::complex<long double>> zeros(const DeltaPolynomial& p) {
     q.erase(q.begin());
     found.emplace_back(0.0L);
   }
+  deflate_at_origin_of_z(q, found);
   if (q.size() < 2) return found;
   const int scale = scale_of_zeros(q);
   if (scale != 0) q = in_units_of(q, scale);
@@ -110,10 +179,13 @@ std::vector<std::complex<long double>> zeros(const DeltaPolynomial& p) {
   const std::vector<std::complex<double>> start = roots(descending);
   std::vector<Complex> s(start.begin(), start.end());
   constexpr long double kRounding = 4.0L * std::numeric_limits<long double>::epsilon();
+  long double doubt = 0.0L;
   for (int iteration = 0; iteration < 40; ++iteration) {
     bool settled = true;
+    doubt = 0.0L;
     for (std::size_t i = 0; i < s.size(); ++i) {
       const NewtonStep newton = newton_step(q, s[i]);
+      doubt = std::max(doubt, newton.doubt);
       Complex repulsion = 0.0L;
       for (std::size_t j = 0; j < s.size(); ++j) {
         if (j != i && s[i] != s[j]) repulsion += quotient(1.0L, s[i] - s[j]);
@@ -125,6 +197,8 @@ std::vector<std::complex<long double>> zeros(const DeltaPolynomial& p) {
     }
     if (settled) break;
   }
+  constexpr long double kClustered = 1e-7L;
+  if (!(doubt < kClustered)) settle_cluster(q, s);
   for (const Complex& zero : s)
     found.emplace_back(std::ldexp(zero.real(), scale), std::ldexp(zero.imag(), scale));
   return found;

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/model/platoon_model.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace platoon {
 
@@ -10,23 +11,85 @@ std::size_t type_of(const PlatoonModel& model, std::size_t follower) {
   return follower == 0 || model.string.empty() ? 0 : model.string[(follower - 1) % model.string.size()];
 }
 
-VehicleModel of_type(const PlatoonModel& model, std::size_t type) {
+ClosedLoop closed_again(const std::optional<LoopDesign>& design, double headway, const std::string& name) {
+  if (!design)
+    throw std::invalid_argument("closed_loop of " + name +
+                                ": given: must be plant and controller to vary it");
+  return close_loop(*design, headway);
+}
+
+}  // namespace
+
+VehicleModel vehicle_of_type(const PlatoonModel& model, std::size_t type) {
   if (type > 0) return model.types.at(type - 1).vehicle;
   return {
       model.loop,   model.headway, model.standstill_distance, model.noise_variance, model.initial_position,
       model.design, model.link};
 }
 
-}  // namespace
+std::vector<std::size_t> type_order(const PlatoonModel& model) {
+  return is_homogeneous(model) ? std::vector<std::size_t>{0} : model.string;
+}
+
+std::vector<std::string> types_with_default(const PlatoonModel& model, bool Inherited::*inherited) {
+  const std::vector<std::size_t> order = type_order(model);
+  std::vector<std::string> names;
+  for (std::size_t type = 0; type <= model.types.size(); ++type) {
+    if (std::find(order.begin(), order.end(), type) == order.end()) continue;
+    if (type == 0) names.emplace_back("default");
+    if (type > 0 && model.types[type - 1].inherited.*inherited) names.push_back(model.types[type - 1].name);
+  }
+  return names;
+}
+
+PlatoonModel with_headway(PlatoonModel model, double headway) {
+  model.headway = headway;
+  model.loop = closed_again(model.design, headway, "default");
+  for (VehicleType& type : model.types) {
+    if (!type.inherited.headway) continue;
+    type.vehicle.headway = headway;
+    type.vehicle.loop = closed_again(type.vehicle.design, headway, type.name);
+  }
+  return model;
+}
+
+PlatoonModel with_gain(PlatoonModel model, double gain) {
+  if (!model.design)
+    throw std::invalid_argument("closed_loop: given: must be plant and controller to vary its gain");
+  const TransferFunction& controller = model.design->controller;
+  const TransferFunction scaled{controller.numerator() * (gain / controller.numerator()(0)),
+                                controller.denominator()};
+  model.design->controller = scaled;
+  model.loop = close_loop(*model.design, model.headway);
+  for (VehicleType& type : model.types) {
+    if (!type.inherited.controller || !type.vehicle.design) continue;
+    type.vehicle.design->controller = scaled;
+    type.vehicle.loop = close_loop(*type.vehicle.design, type.vehicle.headway);
+  }
+  return model;
+}
+
+PlatoonModel with_loss(PlatoonModel model, double probability) {
+  if (!model.link.loss)
+    throw std::invalid_argument("channel/loss: absent: must be given to vary its probability");
+  const auto vary = [probability](LinkModel& link) {
+    link.loss->probability = probability;
+    link.loss->mean_burst.reset();
+  };
+  vary(model.link);
+  for (VehicleType& type : model.types) {
+    if (type.inherited.loss_probability) vary(type.vehicle.link);
+  }
+  return model;
+}
 
 VehicleModel vehicle(const PlatoonModel& model, std::size_t follower) {
-  return of_type(model, type_of(model, follower));
+  return vehicle_of_type(model, type_of(model, follower));
 }
 
 std::vector<VehicleModel> pattern(const PlatoonModel& model) {
-  if (is_homogeneous(model)) return {of_type(model, 0)};
   std::vector<VehicleModel> vehicles;
-  for (const std::size_t type : model.string) vehicles.push_back(of_type(model, type));
+  for (const std::size_t type : type_order(model)) vehicles.push_back(vehicle_of_type(model, type));
   return vehicles;
 }
 

@@ -28,10 +28,19 @@ struct VehicleModel {
   LinkModel link;
 };
 
+/// What a type of vehicle does not give: it follows the default vehicle's, also where that is changed.
+struct Inherited {
+  bool headway = false;
+  bool plant = false;
+  bool controller = false;
+  bool loss_probability = false;
+};
+
 /// A type of vehicle, by its name in the model file.
 struct VehicleType {
   std::string name;
   VehicleModel vehicle;
+  Inherited inherited = {};
 };
 
 /// Everything the mathematics of a platoon needs (paper, section 3); the model file in C++. Without `types` in
@@ -59,6 +68,22 @@ struct PlatoonModel {
 
 /// Follower i >= 1 of the platoon, and the vehicle above, which is the leader, for i = 0.
 VehicleModel vehicle(const PlatoonModel& model, std::size_t follower);
+
+/// One repetition of the string by types: 0 is the default vehicle, n is types[n - 1].
+std::vector<std::size_t> type_order(const PlatoonModel& model);
+VehicleModel vehicle_of_type(const PlatoonModel& model, std::size_t type);
+
+/// Names of the types in the string, `default` among them, that follow the default vehicle's headway, or its loss
+/// probability.
+std::vector<std::string> types_with_default(const PlatoonModel& model, bool Inherited::*inherited);
+
+/// The platoon with another headway, gain of the controller (leading coefficient of its numerator) or loss
+/// probability of the default vehicle and of all types that inherit it, as the model file has it. Losses become
+/// independent: a mean burst belongs to one probability. Throw std::invalid_argument where a closed loop was given,
+/// which fits one headway, and where there is no loss.
+PlatoonModel with_headway(PlatoonModel model, double headway);
+PlatoonModel with_gain(PlatoonModel model, double gain);
+PlatoonModel with_loss(PlatoonModel model, double probability);
 
 /// One repetition of the string: each of its vehicles.
 std::vector<VehicleModel> pattern(const PlatoonModel& model);

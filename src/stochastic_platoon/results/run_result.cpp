@@ -35,10 +35,11 @@ nlohmann::json theory_json(const Prediction& prediction) {
     return unknown;
   }
   const StringStability& stability = prediction.stability;
-  nlohmann::json limit;
+  nlohmann::json limit, stable;
   if (stability.limit_variance) limit = *stability.limit_variance;
+  if (stability.decision()) stable = *stability.decision();
   return {{"spectral_radius", stability.spectral_radius},          {"peak_gain", stability.peak_gain},
-          {"mean_square_stable", stability.mean_square_stable},    {"string_stable", stability.string_stable},
+          {"mean_square_stable", stability.mean_square_stable},    {"string_stable", stable},
           {"stationary_variance", prediction.stationary_variance}, {"limit_variance", limit}};
 }
 

@@ -67,7 +67,7 @@ std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configurat
   std::string begin = std::to_string(point);
   for (const YAML::Node& value : sweep.values(point)) begin += "," + word_of(value);
   std::optional<bool> stable, agrees;
-  if (known) stable = prediction.stability.string_stable;
+  if (known) stable = prediction.stability.decision();
   if (const std::optional<Agreement> found = measured_agreement(run, prediction, result))
     agrees = found->agrees();
   const std::vector<double> fourth = fourth_moments(run, prediction, result);

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "stochastic_platoon/theory/least_margin.hpp"
 #include "stochastic_platoon/theory/linked_string.hpp"
 #include "stochastic_platoon/theory/loop_spectrum.hpp"
+#include "stochastic_platoon/theory/pattern_gain.hpp"
 
 namespace platoon {
 
@@ -33,7 +33,8 @@ std::vector<double> samples_of(const HeadwayRange& range) {
 double string_margin(const ClosedLoop& loop, double headway) {
   const LoopSpectrum spectrum(loop, headway);
   const double decay = 1.0 - spectral_radius(loop);
-  const LeastMargin least = least_margin(spectrum);
+  if (!(decay > 0.0)) return decay;
+  const LeastMargin least = PatternGain({rated_factor(delta_fraction(loop))}).least();
   const bool flat = spectrum.margin_zeros() > spectrum.sensitivity_zeros();  // |T| < 1 is then not enough
   return std::min(decay, flat ? std::min(least.value, 0.0) : least.value);
 }
@@ -70,31 +71,37 @@ StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range)
 
 StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range) {
   const std::vector<double> samples = samples_of(range);
-  StableHeadways result{stable_intervals(margin, samples), {}, range};
+  StableHeadways result{stable_intervals(margin, samples), {}, range, {}};
   if (!result.intervals.empty() && result.intervals.back().to == samples.back())
     result.critical = result.intervals.back().from;
   return result;
 }
 
 std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
-  if (!model.design) return std::nullopt;
-  if (is_papers(model)) {
-    return stable_headways([&model](double headway) { return close_loop(*model.design, headway); },
-                           headways_about(model.headway));
-  }
-  const auto margin = [&model](double headway) {
-    try {
-      PlatoonModel varied = model;
-      varied.headway = headway;
-      varied.loop = close_loop(*model.design, headway);
-      return linked_string_margin(varied);
-    } catch (const std::invalid_argument&) {
-      return -1.0;
-    }
-  };
+  const std::vector<std::string> types = types_with_default(model, &Inherited::headway);
+  const bool designed =
+      model.design && std::all_of(model.types.begin(), model.types.end(), [](const VehicleType& type) {
+        return !type.inherited.headway || type.vehicle.design;
+      });
+  if (!designed || types.empty()) return std::nullopt;
   HeadwayRange range = headways_about(model.headway);
-  range.samples /= 4;  // each needs a quadrature
-  return stable_headways(StabilityMargin(margin), range);
+  StableHeadways found;
+  if (is_papers(model)) {
+    found = stable_headways([&model](double headway) { return close_loop(*model.design, headway); }, range);
+  } else {
+    range.samples /= 4;  // each needs a quadrature
+    const LinkedPattern pattern = linked_pattern(model);
+    const auto margin = [&](double headway) {
+      try {
+        return linked_string_margin(linked_pattern(with_headway(model, headway), pattern));
+      } catch (const std::invalid_argument&) {
+        return -1.0;
+      }
+    };
+    found = stable_headways(StabilityMargin(margin), range);
+  }
+  found.types = types;
+  return found;
 }
 
 }  // namespace platoon

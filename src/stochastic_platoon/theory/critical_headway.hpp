@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/model/closed_loop.hpp"
@@ -32,6 +33,7 @@ struct StableHeadways {
   std::vector<HeadwayInterval> intervals;  ///< in ascending order; ends to 1e-12 relative
   std::optional<double> critical;  ///< from here to the end of the range every h is stable; else empty
   HeadwayRange searched;
+  std::vector<std::string> types = {};  ///< of vehicle whose headway is varied, of a platoon
 };
 
 /// Samples string_margin over the range, follows it to its extremes where it turns near zero without changing
@@ -45,13 +47,13 @@ StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range 
 /// The same by any margin over headways.
 StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range);
 
-/// Of the default vehicle, whatever the links and the other vehicles are, about the model's own headway. None
-/// where the closed loop itself was given, which has no other. Throws std::invalid_argument for losses in bursts.
+/// Of the default vehicle and of the types that inherit its headway, about the model's own. None where the closed loop
+/// of one of these was given, which has no other headway, and where no vehicle of the string is one. Throws std::invalid_argument for losses in bursts.
 std::optional<StableHeadways> stable_headways(const PlatoonModel& model);
 
 /// Positive just when string_stability finds the platoon string stable, zero at the border, and continuous in
-/// the coefficients of T but for their rounding: the smaller of 1 - rho(A) and the minimum of |D|^2 - |N|^2,
-/// T = N/D, over w in [0, pi], divided by 1 - cos w up to w = pi/2. Throws as string_stability does.
+/// the coefficients of T but for their rounding: the smaller of 1 - rho(A) and the minimum of -ln |T|^2 over
+/// w in [0, pi], divided by 1 - cos w up to w = pi/2; 1 - rho(A) where that is not positive. Throws as string_stability does.
 double string_margin(const ClosedLoop& loop, double headway);
 
 }  // namespace platoon

@@ -6,18 +6,17 @@ namespace platoon {
 
 std::optional<StableLosses> stable_losses(const PlatoonModel& model) {
   if (!model.link.loss) return std::nullopt;
+  const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
+  if (types.empty()) return std::nullopt;
   constexpr int kSamples = 100;
   std::vector<double> samples;
   samples.reserve(kSamples);
   for (int i = 0; i < kSamples; ++i) samples.push_back(0.01 * i);
-  const auto margin = [&model](double probability) {
-    PlatoonModel varied = model;
-    varied.link.loss->probability = probability;
-    varied.link.loss->mean_burst
-        .reset();  // which is that of independent losses, at the model's own probability
-    return linked_string_margin(varied);
+  const LinkedPattern pattern = linked_pattern(with_loss(model, model.link.loss->probability));
+  const auto margin = [&](double probability) {
+    return linked_string_margin(linked_pattern(with_loss(model, probability), pattern));
   };
-  StableLosses losses{stable_intervals(margin, samples), {}};
+  StableLosses losses{stable_intervals(margin, samples), {}, types};
   if (losses.intervals.empty() || losses.intervals.front().from > 0.0) return losses;
   if (losses.intervals.front().to < samples.back()) losses.critical = losses.intervals.front().to;
   return losses;

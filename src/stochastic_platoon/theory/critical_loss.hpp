@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/model/platoon_model.hpp"
@@ -8,15 +9,18 @@
 
 namespace platoon {
 
-/// Which loss probabilities of the default vehicle's link make the platoon string stable.
+/// Which loss probabilities of the links into the default vehicle, and into the types that inherit it, make the
+/// platoon string stable.
 struct StableLosses {
   std::vector<StableInterval> intervals;  ///< within [0, 0.99], in ascending order
   /// The platoon is string stable for every probability below it; none where it is unstable without losses, or
   /// stable throughout.
   std::optional<double> critical;
+  std::vector<std::string> types;  ///< whose links are varied
 };
 
-/// None where the default vehicle's link has no loss stage, whose probability may be 0. Sampled at multiples of
+/// None where the default vehicle's link has no loss stage, whose probability may be 0, and where no vehicle of the
+/// string follows it. Sampled at multiples of
 /// 0.01; see stable_intervals(). Throws as linked_string_stability() does.
 std::optional<StableLosses> stable_losses(const PlatoonModel& model);
 

@@ -25,16 +25,15 @@ constexpr std::size_t kMostKept = std::size_t{1} << 22;    // 32 MB
 /// The spectra of all errors at equally spaced frequencies 0 .. pi.
 class Spectra {
 public:
-  Spectra(const PlatoonModel& model, const std::vector<LinkedVehicle>& vehicles, std::size_t length)
-      : model_(model), vehicles_(vehicles), types_(model.types.size() + 1) {
+  Spectra(const LinkedPattern& pattern, std::size_t length) : pattern_(pattern) {
     const auto count = static_cast<Eigen::Index>(length / 2 + 1);
-    for (std::size_t j = 0; j < vehicles.size(); ++j) {
-      Type& type = types_[type_of(j)];
-      if (type.gain.size() > 0) continue;
+    for (const LinkedVehicle& vehicle : pattern.types) {
+      types_.emplace_back();
+      Type& type = types_.back();
       for (auto* values : {&type.gain, &type.complement, &type.added, &type.of_added}) values->resize(count);
       for (Eigen::Index f = 0; f < count; ++f) {
         const LinkedVehicleValue value =
-            vehicles[j].at(2.0 * kPi * static_cast<double>(f) / static_cast<double>(length));
+            vehicle.at(2.0 * kPi * static_cast<double>(f) / static_cast<double>(length));
         type.gain(f) = value.gain;
         type.complement(f) = value.complement;
         type.added(f) = value.gain * value.noise;
@@ -46,11 +45,10 @@ public:
   /// visit(i, Phi_zeta of follower i + 1, its value at 0) one after the other, up to where packets are lost.
   template <class Visit>
   void pass(std::size_t followers, const Visit& visit) const {
-    Eigen::ArrayXd position = Eigen::ArrayXd::Zero(types_[type_of(0)].gain.size()), error;
+    Eigen::ArrayXd position = Eigen::ArrayXd::Zero(types_.front().gain.size()), error;
     for (std::size_t i = 0; i < followers; ++i) {
-      const std::size_t j = i % vehicles_.size();
-      if (vehicles_[j].has_losses()) return;
-      const Type& type = types_[type_of(j)];
+      if (pattern_[i].has_losses()) return;
+      const Type& type = types_[pattern_.type(i)];
       error = type.complement * position + type.of_added;
       position = type.gain * position + type.added;
       // T(1) = H(1) = 1, so that the predecessor's part vanishes.
@@ -62,10 +60,8 @@ private:
   struct Type {
     Eigen::ArrayXd gain, complement, added, of_added;
   };
-  std::size_t type_of(std::size_t j) const { return model_.string.empty() ? 0 : model_.string[j]; }
 
-  const PlatoonModel& model_;
-  const std::vector<LinkedVehicle>& vehicles_;
+  const LinkedPattern& pattern_;
   std::vector<Type> types_;
 };
 
@@ -158,17 +154,17 @@ EffectiveSample ErrorCorrelation::of(std::uint64_t steps, std::uint64_t stretche
 std::vector<ErrorCorrelation> error_correlations(const PlatoonModel& model, std::size_t followers) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   std::vector<ErrorCorrelation> correlations(followers);
-  const std::vector<LinkedVehicle> vehicles = linked_pattern(model);
+  const LinkedPattern pattern = linked_pattern(model);
   const auto is_unstable = [](const LinkedVehicle& vehicle) { return vehicle.spectral_radius() >= 1.0; };
-  if (std::any_of(vehicles.begin(), vehicles.end(), is_unstable)) return correlations;
+  if (std::any_of(pattern.types.begin(), pattern.types.end(), is_unstable)) return correlations;
   for (std::size_t length = kFirstLength; length <= kMostLength && length * followers <= kMostValues;
        length *= 2) {
-    const Spectra spectra(model, vehicles, length);
+    const Spectra spectra(pattern, length);
     Transform transform(length);
     // The correlation is longest at the end of the string.
     bool resolved = true;
     spectra.pass(followers, [&](std::size_t i, const Eigen::ArrayXd& error, double) {
-      if (resolved && i + vehicles.size() >= followers) resolved = is_resolved(transform(error));
+      if (resolved && i + pattern.size() >= followers) resolved = is_resolved(transform(error));
     });
     if (!resolved) continue;
     std::size_t kept = kMostKept;

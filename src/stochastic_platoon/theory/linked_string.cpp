@@ -1,14 +1,12 @@
 #include "stochastic_platoon/theory/linked_string.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
-#include "stochastic_platoon/model/eigenvalues.hpp"
+#include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/model/special_values.hpp"
-#include "stochastic_platoon/theory/least_margin.hpp"
+#include "stochastic_platoon/theory/krylov.hpp"
 #include "stochastic_platoon/theory/pattern_gain.hpp"
 #include "stochastic_platoon/theory/pattern_spectra.hpp"
 #include "stochastic_platoon/theory/refinement.hpp"
@@ -17,12 +15,7 @@ namespace platoon {
 
 namespace {
 
-template <class... Values>
-std::string sentence(const char* format, Values... values) {
-  char buffer[512];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
+constexpr double kLossGainDoubt = 1e-12;  // to which the quadrature has it
 
 // [m] a step: the leader's speed in the end.
 double metres_per_step(const PlatoonModel& model) {
@@ -33,26 +26,28 @@ double metres_per_step(const PlatoonModel& model) {
   return model.leader.changes().empty() ? 0.0 : model.sample_period * model.leader.changes().back().value;
 }
 
-/// sigma^2 and P of one follower behind a predecessor of this spectrum, and its own spectrum.
-double pass(const PatternSpectra& spectra, const LinkedVehicle& vehicle, std::size_t j, double speed,
-            Eigen::ArrayXd& spectrum) {
+/// What the losses of a link without predecessors add to the variance of its e by the platoon's motion.
+double squared_mean_innovation(const LinkedVehicle& vehicle, double speed) {
   const double ebar = speed * vehicle.mean_innovation();
-  const double sigma =
-      !vehicle.has_losses()
-          ? 0.0
-          : vehicle.loss_factor() *
-                (spectra.mean(spectra.innovation[j] * (spectrum + spectra.noise[j])) + ebar * ebar);
-  const Eigen::ArrayXd added = spectra.gain[j] * spectra.noise[j] + spectra.loss_gain[j] * sigma;
-  return spectra.mean(spectra.pass(j, added, spectrum));
+  return ebar * ebar;
 }
 
-std::vector<double> variances_by(const PatternSpectra& spectra, const std::vector<LinkedVehicle>& vehicles,
-                                 double speed, std::size_t followers) {
+std::vector<double> variances_by(const PatternSpectra& spectra, const LinkedPattern& pattern, double speed,
+                                 std::size_t followers) {
   Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.weight.size());
   std::vector<double> variances;
   for (std::size_t i = 0; i < followers; ++i) {
-    const std::size_t j = i % vehicles.size();
-    const double variance = pass(spectra, vehicles[j], j, speed, spectrum);
+    const LinkedVehicle& vehicle = pattern[i];
+    const std::size_t type = pattern.type(i);
+    const double sigma =
+        !vehicle.has_losses()
+            ? 0.0
+            : vehicle.loss_factor() *
+                  (spectra.mean(spectra.innovation[type] * (spectrum + spectra.noise[type])) +
+                   squared_mean_innovation(vehicle, speed));
+    const Eigen::ArrayXd added = spectra.gain[type] * spectra.noise[type] + spectra.loss_gain[type] * sigma;
+    const double variance = spectra.error_variance(type, spectrum, added);
+    spectrum = spectra.gain[type] * spectrum + added;
     variances.push_back(std::isnan(variance) ? kInfinity : variance);
     if (std::isinf(variances.back())) break;
   }
@@ -60,66 +55,106 @@ std::vector<double> variances_by(const PatternSpectra& spectra, const std::vecto
   return variances;
 }
 
-Eigen::MatrixXd loss_gains(const PatternSpectra& spectra, const std::vector<LinkedVehicle>& vehicles) {
-  const auto m = static_cast<Eigen::Index>(vehicles.size());
-  const Eigen::ArrayXd divisor = spectra.pattern_margin();
-  Eigen::MatrixXd gains = Eigen::MatrixXd::Zero(m, m);
-  for (std::size_t j = 0; j < vehicles.size(); ++j) {
-    for (std::size_t l = 0; l < vehicles.size(); ++l) {
-      if (!vehicles[j].has_losses() || !vehicles[l].has_losses()) continue;
-      gains(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(l)) =
-          vehicles[j].loss_factor() *
-          spectra.mean(spectra.innovation[j] * spectra.between(l, j) * spectra.loss_gain[l] / divisor);
+/// What the losses of the pattern's links add to each other, as a linear map of the variances of their w: see
+/// linked_string_stability(). Applied by following the spectra around the pattern, in O(nodes) a vehicle.
+class LossGains {
+public:
+  LossGains(const PatternSpectra& spectra, const LinkedPattern& pattern)
+      : spectra_(spectra), pattern_(pattern), divisor_(spectra.pattern_margin()) {
+    for (std::size_t j = 0; j < pattern.size(); ++j) {
+      if (pattern[j].has_losses()) lossy_.push_back(j);
     }
   }
-  return gains;
-}
 
-std::vector<double> limits_by(const PatternSpectra& spectra, const std::vector<LinkedVehicle>& vehicles,
-                              double speed) {
-  const std::size_t m = vehicles.size();
-  std::vector<Eigen::ArrayXd> added;
-  for (std::size_t j = 0; j < m; ++j) added.push_back(spectra.gain[j] * spectra.noise[j]);
-  Eigen::VectorXd given(static_cast<Eigen::Index>(m));
-  for (std::size_t j = 0; j < m; ++j) {
-    const double ebar = speed * vehicles[j].mean_innovation();
-    given(static_cast<Eigen::Index>(j)) =
-        !vehicles[j].has_losses()
-            ? 0.0
-            : vehicles[j].loss_factor() *
-                  (spectra.mean(spectra.innovation[j] * (spectra.noise[j] + spectra.before(j, added))) +
-                   ebar * ebar);
+  /// Places of the links that lose.
+  const std::vector<std::size_t>& lossy() const { return lossy_; }
+
+  /// kappa_j < |(1-L_j) F_j|^2 Phi_{j-1} > of each, where vehicle l adds added[l] to the spectrum.
+  Eigen::VectorXd arriving(const std::vector<Eigen::ArrayXd>& added) const {
+    Eigen::VectorXd result(static_cast<Eigen::Index>(lossy_.size()));
+    Eigen::ArrayXd spectrum = spectra_.in_front(added, divisor_);
+    Eigen::Index row = 0;
+    for (std::size_t j = 0; j < pattern_.size(); ++j) {
+      const std::size_t type = pattern_.type(j);
+      if (pattern_[j].has_losses())
+        result(row++) = pattern_[j].loss_factor() * spectra_.mean(spectra_.innovation[type] * spectrum);
+      spectrum = spectra_.gain[type] * spectrum + added[j];
+    }
+    return result;
   }
-  const Eigen::MatrixXd gains = loss_gains(spectra, vehicles);
-  const Eigen::VectorXd sigma =
-      (Eigen::MatrixXd::Identity(gains.rows(), gains.cols()) - gains).partialPivLu().solve(given);
-  for (std::size_t j = 0; j < m; ++j) added[j] += spectra.loss_gain[j] * sigma(static_cast<Eigen::Index>(j));
-  std::vector<double> limits;
+
+  /// The map itself.
+  Eigen::VectorXd operator()(const Eigen::VectorXd& sigma) const {
+    std::vector<Eigen::ArrayXd> added(pattern_.size(), Eigen::ArrayXd::Zero(spectra_.weight.size()));
+    for (std::size_t k = 0; k < lossy_.size(); ++k)
+      added[lossy_[k]] = spectra_.loss_gain[pattern_.type(lossy_[k])] * sigma(static_cast<Eigen::Index>(k));
+    return arriving(added);
+  }
+
+private:
+  const PatternSpectra& spectra_;
+  const LinkedPattern& pattern_;
+  Eigen::ArrayXd divisor_;
+  std::vector<std::size_t> lossy_;
+};
+
+std::vector<double> limits_by(const PatternSpectra& spectra, const LinkedPattern& pattern, double speed) {
+  const std::size_t m = pattern.size();
+  std::vector<Eigen::ArrayXd> added;
   for (std::size_t j = 0; j < m; ++j)
-    limits.push_back(
-        spectra.mean(spectra.complement[j] * spectra.before(j, added) + spectra.headway[j] * added[j]));
+    added.push_back(spectra.gain[pattern.type(j)] * spectra.noise[pattern.type(j)]);
+  const LossGains gains(spectra, pattern);
+  if (!gains.lossy().empty()) {
+    Eigen::VectorXd given = gains.arriving(added);
+    for (std::size_t k = 0; k < gains.lossy().size(); ++k) {
+      const std::size_t j = gains.lossy()[k], type = pattern.type(j);
+      given(static_cast<Eigen::Index>(k)) +=
+          pattern[j].loss_factor() * (spectra.mean(spectra.innovation[type] * spectra.noise[type]) +
+                                      squared_mean_innovation(pattern[j], speed));
+    }
+    const Eigen::VectorXd sigma = solve_one_minus(gains, given);
+    for (std::size_t k = 0; k < gains.lossy().size(); ++k) {
+      const std::size_t j = gains.lossy()[k];
+      added[j] += spectra.loss_gain[pattern.type(j)] * sigma(static_cast<Eigen::Index>(k));
+    }
+  }
+  std::vector<double> limits;
+  Eigen::ArrayXd spectrum = spectra.in_front(added, spectra.pattern_margin());
+  for (std::size_t j = 0; j < m; ++j) {
+    limits.push_back(spectra.error_variance(pattern.type(j), spectrum, added[j]));
+    spectrum = spectra.gain[pattern.type(j)] * spectrum + added[j];
+  }
   return limits;
 }
 
-bool any_losses(const std::vector<LinkedVehicle>& vehicles) {
-  return std::any_of(vehicles.begin(), vehicles.end(), [](const LinkedVehicle& v) { return v.has_losses(); });
+double loss_gain_by(const PatternSpectra& spectra, const LinkedPattern& pattern) {
+  const LossGains gains(spectra, pattern);
+  return perron_root(gains, static_cast<Eigen::Index>(gains.lossy().size()));
 }
 
-/// Whether 1 - |prod T^|^2 vanishes faster at w = 0 than what it divides: |1 - H T^|^2 w^2, or |1 - L|^2 where
-/// there are losses.
-bool grows_at_zero(const std::vector<LinkedVehicle>& vehicles, const PatternGain& gain) {
-  int zeros = any_losses(vehicles) ? 1 : 2;
-  for (const LinkedVehicle& vehicle : vehicles) {
-    if (vehicle.lag() != 0.0) zeros = 1;
+bool any_losses(const LinkedPattern& pattern) {
+  return std::any_of(pattern.types.begin(), pattern.types.end(),
+                     [](const LinkedVehicle& v) { return v.has_losses(); });
+}
+
+/// Whether 1 - |prod T^|^2 vanishes faster at w = 0 than what it divides in a variance: the noises, and behind them
+/// |1 - H T^|^2 of the errors and |1 - L|^2 of the losses.
+bool grows_at_zero(const LinkedPattern& pattern, const PatternGain& gain) {
+  int noise = any_losses(pattern) ? 0 : ZerosAtZero::kNone, passed = ZerosAtZero::kNone;
+  for (const LinkedVehicle& vehicle : pattern.types) {
+    const ZerosAtZero zeros = vehicle.zeros_at_zero();
+    noise = std::min(noise, zeros.noise);
+    passed = std::min(passed, zeros.complement);
+    if (vehicle.has_losses()) passed = std::min(passed, zeros.innovation);
   }
-  return gain.zeros() > zeros;
+  if (noise == ZerosAtZero::kNone) noise = 0;  // as of any noise, however small
+  return gain.zeros() > passed + noise;
 }
 
-double loss_gain_of(const std::vector<LinkedVehicle>& vehicles, const PatternGain& gain) {
-  if (!any_losses(vehicles)) return 0.0;
+double loss_gain_of(const LinkedPattern& pattern, const PatternGain& gain) {
+  if (!any_losses(pattern)) return 0.0;
   return refined([&](int refinement) {
-           return std::vector<double>{
-               spectral_radius(loss_gains(PatternSpectra(vehicles, gain, true, refinement), vehicles))};
+           return std::vector<double>{loss_gain_by(PatternSpectra(pattern, gain, true, refinement), pattern)};
          })
       .front();
 }
@@ -129,124 +164,108 @@ struct MeanSquare {
   bool stable() const { return spectral_radius < 1.0 && loss_feedback < 1.0; }
 };
 
-MeanSquare mean_square(const std::vector<LinkedVehicle>& vehicles) {
+MeanSquare mean_square(const LinkedPattern& pattern) {
   MeanSquare worst;
-  for (const LinkedVehicle& vehicle : vehicles) {
+  for (const LinkedVehicle& vehicle : pattern.types) {
     worst.spectral_radius = std::max(worst.spectral_radius, vehicle.spectral_radius());
     worst.loss_feedback = std::max(worst.loss_feedback, vehicle.loss_feedback());
   }
   return worst;
 }
 
-double peak_of(const std::vector<LinkedVehicle>& vehicles, const PatternGain& gain, double* frequency) {
-  double largest = 1.0;
-  *frequency = 0.0;
-  for (const double w : gain.critical_frequencies()) {
-    double product = 1.0;
-    for (const LinkedVehicle& vehicle : vehicles) product *= vehicle.at(w).gain;
-    if (product <= largest) continue;
-    largest = product;
-    *frequency = w;
-  }
-  return std::sqrt(largest);
-}
-
-void judge(const std::vector<LinkedVehicle>& vehicles, double speed, StringStability& verdict) {
-  const char* const gain_name = vehicles.size() > 1 ? "|T^| of one pattern" : "|T^|";
-  const PatternGain gain(vehicles);
-  const LeastMargin least = gain.least();
-  verdict.peak_gain = peak_of(vehicles, gain, &verdict.peak_frequency);
-  if (least.sign == Sign::kNegative) {
-    verdict.reason = sentence("not string stable: %s exceeds 1 by %.6g at %.6g rad/sample", gain_name,
-                              verdict.peak_gain - 1.0, verdict.peak_frequency);
-    return;
-  }
-  verdict.mean_bounded = true;
-  if (least.sign == Sign::kZero) {
-    verdict.reason =
-        sentence("not string stable: %s = 1 at %.6g rad/sample, where the variances grow without bound",
-                 gain_name, least.frequency);
-    return;
-  }
-  if (grows_at_zero(vehicles, gain)) {
-    verdict.reason = sentence(
+void judge(const LinkedPattern& pattern, double speed, StringStability& verdict) {
+  const char* const gain_name = pattern.size() > 1 ? "|T^| of one pattern" : "|T^|";
+  const PatternGain gain = pattern.gain();
+  if (!judge_gain(gain, gain_name, verdict)) return;
+  if (grows_at_zero(pattern, gain)) {
+    verdict.reason = formatted(
         "not string stable: 1 - %s^2 vanishes so fast at w = 0 that the variances grow without bound",
         gain_name);
     return;
   }
-  const double loss_gain = loss_gain_of(vehicles, gain);
-  const bool has_stage = std::any_of(vehicles.begin(), vehicles.end(), [](const LinkedVehicle& v) {
+  const double loss_gain = loss_gain_of(pattern, gain);
+  const bool has_stage = std::any_of(pattern.types.begin(), pattern.types.end(), [](const LinkedVehicle& v) {
     return v.vehicle().link.loss.has_value();
   });
   if (has_stage) verdict.loss_gain = loss_gain;
+  if (std::abs(loss_gain - 1.0) <= kLossGainDoubt) {
+    verdict.undecided = true;
+    verdict.reason = formatted(
+        "undecided: the loss gain is 1 to %.0e, so that rounding decides whether the variance that losses "
+        "add grows "
+        "along the string",
+        kLossGainDoubt);
+    return;
+  }
   if (!(loss_gain < 1.0)) {
-    verdict.reason = sentence(
-        "not string stable: the loss gain is %.6g, not below 1: the variance that losses add grows along the "
+    verdict.reason = formatted(
+        "not string stable: the loss gain is %s, above 1: the variance that losses add grows along the "
         "string",
-        loss_gain);
+        beside_one(loss_gain).c_str());
     return;
   }
   verdict.string_stable = true;
   const std::vector<double> limits = refined([&](int refinement) {
-    return limits_by(PatternSpectra(vehicles, gain, true, refinement), vehicles, speed);
+    return limits_by(PatternSpectra(pattern, gain, true, refinement), pattern, speed);
   });
   verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
-  verdict.reason = sentence("string stable: rho(A) = %.6g is below 1, %s is below 1 for all w > 0",
-                            verdict.spectral_radius, gain_name);
-  if (any_losses(vehicles)) verdict.reason += sentence(", and the loss gain is %.6g, below 1", loss_gain);
+  verdict.reason = formatted("string stable: rho(A) = %s is below 1, %s is below 1 for all w > 0",
+                             beside_one(verdict.spectral_radius).c_str(), gain_name);
+  if (any_losses(pattern))
+    verdict.reason += formatted(", and the loss gain is %s, below 1", beside_one(loss_gain).c_str());
 }
 
 }  // namespace
 
 std::vector<double> linked_stationary_variances(const PlatoonModel& model, std::size_t followers) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  const std::vector<LinkedVehicle> vehicles = linked_pattern(model);
-  if (!mean_square(vehicles).stable()) return std::vector<double>(followers, kNaN);
-  const PatternGain gain(vehicles);
+  const LinkedPattern pattern = linked_pattern(model);
+  if (!mean_square(pattern).stable()) return std::vector<double>(followers, kNaN);
+  const PatternGain gain = pattern.gain();
   return refined([&](int refinement) {
-    return variances_by(PatternSpectra(vehicles, gain, false, refinement), vehicles, metres_per_step(model),
+    return variances_by(PatternSpectra(pattern, gain, false, refinement), pattern, metres_per_step(model),
                         followers);
   });
 }
 
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers) {
-  const std::vector<LinkedVehicle> vehicles = linked_pattern(model);
-  if (!mean_square(vehicles).stable()) return std::vector<double>(followers, kNaN);
+  const LinkedPattern pattern = linked_pattern(model);
+  if (!mean_square(pattern).stable()) return std::vector<double>(followers, kNaN);
   std::vector<double> means;
-  for (std::size_t i = 0; i < followers; ++i)
-    means.push_back(metres_per_step(model) * vehicles[i % vehicles.size()].lag());
+  for (std::size_t i = 0; i < followers; ++i) means.push_back(metres_per_step(model) * pattern[i].lag());
   return means;
 }
 
 StringStability linked_string_stability(const PlatoonModel& model) {
-  const std::vector<LinkedVehicle> vehicles = linked_pattern(model);
-  const MeanSquare worst = mean_square(vehicles);
-  StringStability verdict{worst.spectral_radius, kNaN, kNaN, worst.stable(), false, false, {}, {}};
+  const LinkedPattern pattern = linked_pattern(model);
+  const MeanSquare worst = mean_square(pattern);
+  StringStability verdict;
+  verdict.spectral_radius = worst.spectral_radius;
+  verdict.mean_square_stable = worst.stable();
   if (worst.stable()) {
-    judge(vehicles, metres_per_step(model), verdict);
+    judge(pattern, metres_per_step(model), verdict);
   } else if (worst.spectral_radius >= 1.0) {
-    verdict.reason = sentence("not mean square stable: rho(A) = %.6g is not below 1", worst.spectral_radius);
+    verdict.reason = formatted("not mean square stable: rho(A) = %s is not below 1",
+                               beside_one(worst.spectral_radius).c_str());
   } else {
-    verdict.reason = sentence(
-        "not mean square stable: p q ||L F||^2 = %.6g is not below 1, so that predictions from predictions "
+    verdict.reason = formatted(
+        "not mean square stable: p q ||L F||^2 = %s is not below 1, so that predictions from predictions "
         "grow",
-        worst.loss_feedback);
+        beside_one(worst.loss_feedback).c_str());
   }
   return verdict;
 }
 
-double linked_string_margin(const PlatoonModel& model) {
-  const std::vector<LinkedVehicle> vehicles = linked_pattern(model);
-  const MeanSquare worst = mean_square(vehicles);
+double linked_string_margin(const LinkedPattern& pattern) {
+  const MeanSquare worst = mean_square(pattern);
   if (!worst.stable()) return std::max(-1.0, 1.0 - std::max(worst.spectral_radius, worst.loss_feedback));
-  const PatternGain gain(vehicles);
+  const PatternGain gain = pattern.gain();
   const double least = gain.least().value;
-  if (!(least > 0.0) || grows_at_zero(vehicles, gain)) return std::min(least, 0.0);
+  if (!(least > 0.0) || grows_at_zero(pattern, gain)) return std::min(least, 0.0);
   // Panels resolve the integrand: far from the border their first cut says enough.
-  double loss_gain = any_losses(vehicles)
-                         ? spectral_radius(loss_gains(PatternSpectra(vehicles, gain, true, 0), vehicles))
-                         : 0.0;
-  if (std::abs(loss_gain - 1.0) < 1e-3) loss_gain = loss_gain_of(vehicles, gain);
+  double loss_gain =
+      any_losses(pattern) ? loss_gain_by(PatternSpectra(pattern, gain, true, 0), pattern) : 0.0;
+  if (std::abs(loss_gain - 1.0) < 1e-3) loss_gain = loss_gain_of(pattern, gain);
   return std::min(
       {1.0 - worst.spectral_radius, 1.0 - worst.loss_feedback, least, 1.0 / std::max(loss_gain, 1e-3) - 1.0});
 }

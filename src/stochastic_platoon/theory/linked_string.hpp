@@ -33,6 +33,6 @@ std::vector<double> stationary_means(const PlatoonModel& model, std::size_t foll
 StringStability linked_string_stability(const PlatoonModel& model);
 
 /// Positive just when linked_string_stability() finds the platoon string stable.
-double linked_string_margin(const PlatoonModel& model);
+double linked_string_margin(const LinkedPattern& pattern);
 
 }  // namespace platoon

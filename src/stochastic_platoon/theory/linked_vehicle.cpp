@@ -1,8 +1,10 @@
 #include "stochastic_platoon/theory/linked_vehicle.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "stochastic_platoon/theory/loop_spectrum.hpp"
 
@@ -33,13 +35,6 @@ CirclePolynomial scaled(CirclePolynomial p, long double factor) {
   return p;
 }
 
-// z - c on the circle, without cancellation.
-Complex offset(double frequency, Centre centre) {
-  const long double half = static_cast<long double>(frequency) / 2.0L;
-  const long double sine = std::sin(half), cosine = std::cos(half);
-  return {centre == Centre::kOne ? -2.0L * sine * sine : 2.0L * cosine * cosine, 2.0L * sine * cosine};
-}
-
 // z^n of a z on the circle.
 Complex power(Complex z, std::size_t n) {
   constexpr std::size_t kFew = 8;
@@ -49,21 +44,20 @@ Complex power(Complex z, std::size_t n) {
   return product;
 }
 
-}  // namespace
-
-LinkedVehicle::Half LinkedVehicle::half(const CirclePolynomial& numerator,
-                                        const CirclePolynomial& denominator,
-                                        const CirclePolynomial& registers, const CirclePolynomial& surprise,
-                                        Centre centre) const {
-  const long double p = 1.0L - static_cast<long double>(loss_.probability);
-  Half result{numerator, denominator, registers, surprise, {}, {}, {}};
-  result.gain_numerator = scaled(squared_modulus(numerator, centre), p * p);
-  result.gain_denominator =
-      multiply(squared_modulus(denominator, centre), squared_modulus(registers, centre));
-  result.margin = subtract(result.gain_denominator, result.gain_numerator);
-  if (centre == Centre::kOne) result.margin = without_zero_at_origin(result.margin);
-  return result;
+CirclePolynomial moduli(CirclePolynomial p) {
+  for (long double& c : p) c = std::abs(c);
+  return p;
 }
+
+// How many coefficients, from the lowest on, are zero to the rounding of what they were summed from; the first
+// `known` are.
+int leading_zeros(const CirclePolynomial& p, const CirclePolynomial& sizes, int known) {
+  auto j = static_cast<std::size_t>(known);
+  while (j < p.size() && std::abs(p[j]) <= kCoefficientRounding * sizes[j]) ++j;
+  return static_cast<int>(j);
+}
+
+}  // namespace
 
 LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle)
     : vehicle_(vehicle), loss_(vehicle.link.loss.value_or(LossModel())) {
@@ -72,26 +66,31 @@ LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle)
   spectral_radius_ = platoon::spectral_radius(vehicle.loop);
   loss_feedback_ = platoon::loss_feedback(loss_);
   const DeltaFraction t = delta_fraction(vehicle.loop);
-  const CirclePolynomial registers = register_polynomial(loss_.predictor, loss_.probability);
-  const CirclePolynomial surprise = register_polynomial(loss_.predictor, 1.0);
-  near_ = half(t.numerator, t.denominator, registers, surprise, Centre::kOne);
-  far_ = half(recentred(t.numerator), recentred(t.denominator), recentred(registers), recentred(surprise),
-              Centre::kMinusOne);
+  near_ = {t.numerator, t.denominator, register_polynomial(loss_.predictor, loss_.probability),
+           register_polynomial(loss_.predictor, 1.0)};
+  far_ = {recentred(t.numerator), recentred(t.denominator), recentred(near_.registers),
+          recentred(near_.surprise)};
+  const long double p = 1.0L - static_cast<long double>(loss_.probability);
+  const CirclePolynomial arriving = multiply(squared_modulus(near_.denominator, Centre::kOne),
+                                             squared_modulus(near_.registers, Centre::kOne));
+  margin_ = without_zero_at_origin(
+      subtract(arriving, scaled(squared_modulus(near_.numerator, Centre::kOne), p * p)));
+  factor_ = rated_factor(t);
+  if (has_losses()) {
+    for (const std::complex<long double>& s : zeros(near_.registers)) factor_.factor.poles.push_back(s);
+    factor_.rounded.push_back(z_form(near_.registers));
+  }
 }
 
-const CirclePolynomial& LinkedVehicle::gain_numerator(Centre centre) const {
-  return (centre == Centre::kOne ? near_ : far_).gain_numerator;
+CirclePoint::CirclePoint(double w) : frequency(w), centre(nearest(w)) {
+  const long double half = static_cast<long double>(w) / 2.0L, sine = std::sin(half), cosine = std::cos(half);
+  offset = {centre == Centre::kOne ? -2.0L * sine * sine : 2.0L * cosine * cosine, 2.0L * sine * cosine};
 }
 
-const CirclePolynomial& LinkedVehicle::gain_denominator(Centre centre) const {
-  return (centre == Centre::kOne ? near_ : far_).gain_denominator;
-}
-
-LinkedVehicleValue LinkedVehicle::at(double frequency) const {
-  const Centre centre = nearest(frequency);
-  const bool near = centre == Centre::kOne;
+LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
+  const bool near = point.centre == Centre::kOne;
   const Half& part = near ? near_ : far_;
-  const Complex s = offset(frequency, centre), z = s + (near ? 1.0L : -1.0L);
+  const Complex s = point.offset, z = s + (near ? 1.0L : -1.0L);
   const long double t = std::abs(s.real()), x = near ? t : 2.0L - t, h = vehicle_.headway;
   const Complex numerator = evaluate_at(part.numerator, s);
   const Complex denominator = evaluate_at(part.denominator, s), registers = evaluate_at(part.registers, s);
@@ -100,20 +99,57 @@ LinkedVehicleValue LinkedVehicle::at(double frequency) const {
   const Complex passed =
       power(z, loss_.predictor.size()) * numerator * std::conj(denominator * registers) / (of_loop * of_link);
   const long double p = 1.0L - static_cast<long double>(loss_.probability);
-  const Complex mean = p * power(std::conj(z), vehicle_.link.delay) * passed;
   const Complex policy = Complex(1.0L + h) - h * std::conj(z);
-  const long double margin = evaluate(part.margin, t) * (near ? t : 1.0L) / (of_loop * of_link);
+  const Complex undelayed = p * policy * passed;
+  const Complex mean = power(std::conj(z), vehicle_.link.delay) * undelayed;
+  const long double gain = p * p * std::norm(passed);
+  long double margin = 1.0L - gain;
+  if (near) {
+    // The polynomial where 1 - |T^|^2 cancels, the difference where the polynomial does.
+    const long double size = std::sqrt(2.0L * t), over = of_loop * of_link;
+    const auto share = [size](const CirclePolynomial& b, long double squared) {
+      return magnitude(b, size) / std::sqrt(squared);
+    };
+    const long double doubt = share(part.denominator, of_loop) + share(part.registers, of_link) +
+                              gain * share(part.numerator, std::norm(numerator));
+    if (magnitude(margin_, t) * t <= 2.0L * doubt * over) margin = evaluate(margin_, t) * t / over;
+  }
   const double coloured = vehicle_.link.has_white_noise()
                               ? 1.0
                               : std::norm(vehicle_.link.noise_filter(static_cast<std::complex<double>>(z)));
   const double quantisation = vehicle_.link.quantisation_step;
-  return {static_cast<double>(std::norm(mean)),
+  return {static_cast<double>(gain),
           static_cast<double>(margin),
           static_cast<double>(std::norm(passed)),
           static_cast<double>(std::norm(evaluate_at(part.surprise, s)) / of_link),
           coloured * vehicle_.noise_variance + quantisation * quantisation / 12.0,
-          static_cast<double>(std::norm(1.0L - policy * mean)),
-          static_cast<double>(1.0L + 2.0L * h * (1.0L + h) * x)};
+          static_cast<double>(std::norm(1.0L - mean)),
+          static_cast<double>(1.0L + 2.0L * h * (1.0L + h) * x),
+          static_cast<std::complex<double>>(undelayed)};
+}
+
+ZerosAtZero LinkedVehicle::zeros_at_zero() const {
+  ZerosAtZero zeros{1, 1, 0};
+  if (lag() == 0.0) {
+    // 1 - H T^ = (z D R - ((1 + h) z - h) p z^n N) / (z D R) with two zeros at s = 0, as nothing lags.
+    const long double h = vehicle_.headway, p = 1.0L - static_cast<long double>(loss_.probability);
+    CirclePolynomial open = multiply({1.0L, 1.0L}, multiply(near_.denominator, near_.registers));
+    CirclePolynomial closed = scaled(multiply({1.0L, 1.0L + h}, near_.numerator), p);
+    for (std::size_t j = 0; j < loss_.predictor.size(); ++j) closed = multiply({1.0L, 1.0L}, closed);
+    zeros.complement =
+        leading_zeros(subtract(open, closed), subtract(moduli(open), scaled(moduli(closed), -1.0L)), 2);
+  }
+  if (has_losses()) {
+    const Polynomial surprise = z_form(near_.surprise);
+    zeros.innovation = leading_zeros(near_.surprise, delta_form(surprise.cwiseAbs()), 1);
+  }
+  if (vehicle_.link.quantisation_step == 0.0) {
+    const Polynomial& filter = vehicle_.link.noise_filter.numerator();
+    zeros.noise = vehicle_.noise_variance == 0.0
+                      ? ZerosAtZero::kNone
+                      : leading_zeros(delta_form(filter), delta_form(filter.cwiseAbs()), 0);
+  }
+  return zeros;
 }
 
 std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
@@ -123,6 +159,10 @@ std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
     for (const std::complex<double>& w : singular_frequencies(p)) found.push_back(w);
   }
   return found;
+}
+
+bool LinkedVehicle::is_of(const VehicleModel& vehicle) const {
+  return vehicle.headway == vehicle_.headway && vehicle.link == vehicle_.link;
 }
 
 double LinkedVehicle::loss_factor() const {
@@ -142,10 +182,29 @@ double LinkedVehicle::lag() const {
   return static_cast<double>(vehicle_.link.delay) + loss_.probability * mean_innovation();
 }
 
-std::vector<LinkedVehicle> linked_pattern(const PlatoonModel& model) {
-  std::vector<LinkedVehicle> vehicles;
-  for (const VehicleModel& vehicle : pattern(model)) vehicles.emplace_back(vehicle);
-  return vehicles;
+PatternGain LinkedPattern::gain() const {
+  std::vector<RatedFactor> factors;
+  for (std::size_t type = 0; type < types.size(); ++type) {
+    factors.push_back(types[type].factor());
+    factors.back().factor.count = static_cast<long double>(std::count(order.begin(), order.end(), type));
+  }
+  return PatternGain(std::move(factors));
+}
+
+LinkedPattern linked_pattern(const PlatoonModel& model, const LinkedPattern& known) {
+  LinkedPattern found;
+  std::map<std::size_t, std::size_t> place;  // of a type of the model among those of the pattern
+  for (const std::size_t type : type_order(model)) {
+    const auto inserted = place.emplace(type, found.types.size());
+    if (inserted.second) {
+      const VehicleModel vehicle = vehicle_of_type(model, type);
+      const bool is_known =
+          found.types.size() < known.types.size() && known.types[found.types.size()].is_of(vehicle);
+      found.types.push_back(is_known ? known.types[found.types.size()] : LinkedVehicle(vehicle));
+    }
+    found.order.push_back(inserted.first->second);
+  }
+  return found;
 }
 
 }  // namespace platoon

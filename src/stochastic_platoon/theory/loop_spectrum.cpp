@@ -49,15 +49,19 @@ long double surer(const CirclePolynomial& p, long double t, long double other, l
 
 }  // namespace
 
-std::vector<std::complex<double>> singular_frequencies(const DeltaPolynomial& denominator) {
+std::vector<std::complex<double>> frequencies_of(const std::vector<std::complex<long double>>& places) {
   std::vector<std::complex<double>> frequencies;
-  for (const std::complex<long double>& s : zeros(denominator)) {
+  for (const std::complex<long double>& s : places) {
     const long double excess = modulus_minus_one(s);
-    if (excess <= -1.0L) continue;  // a pole at z = 0 is infinitely far from the circle
+    if (excess <= -1.0L) continue;  // z = 0 is infinitely far from the circle
     frequencies.emplace_back(static_cast<double>(std::arg(1.0L + s)),
                              static_cast<double>(-std::log1p(excess)));
   }
   return frequencies;
+}
+
+std::vector<std::complex<double>> singular_frequencies(const DeltaPolynomial& denominator) {
+  return frequencies_of(zeros(denominator));
 }
 
 LoopSpectrum::LoopSpectrum(const ClosedLoop& loop, double headway) : headway_(headway) {
@@ -109,11 +113,6 @@ double LoopSpectrum::margin_uncertainty(double frequency) const {
   return kCoefficientRounding * (spread(numerator_) + spread(denominator_));
 }
 
-double LoopSpectrum::stripped_margin(double frequency) const {
-  const Centre centre = nearest(frequency);
-  return static_cast<double>(evaluate(about(centre).stripped_margin, circle_coordinate(frequency, centre)));
-}
-
 LoopSpectrumValue LoopSpectrum::at(double frequency) const {
   const Centre centre = nearest(frequency);
   const LoopSpectrumHalf& part = about(centre);
@@ -141,22 +140,6 @@ LoopSpectrumValue LoopSpectrum::at(double frequency) const {
           static_cast<double>(ratio)};
 }
 
-std::vector<double> LoopSpectrum::critical_frequencies() const {
-  std::vector<double> frequencies;
-  for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
-    const LoopSpectrumHalf& part = about(centre);
-    const CirclePolynomial n = squared_modulus(part.numerator, centre);
-    const CirclePolynomial d = squared_modulus(part.denominator, centre);
-    const CirclePolynomial slope = subtract(multiply(derivative(n), d), multiply(n, derivative(d)));
-    for (const long double t : sign_changes(slope, 0.0L, 1.0L))
-      frequencies.push_back(frequency_at(t, centre));
-    frequencies.push_back(frequency_at(1.0L, centre));
-  }
-  frequencies.push_back(frequency_at(0.0L, Centre::kMinusOne));
-  std::sort(frequencies.begin(), frequencies.end());
-  return frequencies;
-}
-
 std::vector<std::complex<double>> LoopSpectrum::pole_frequencies() const {
   return singular_frequencies(near_.denominator);
 }
@@ -164,15 +147,6 @@ std::vector<std::complex<double>> LoopSpectrum::pole_frequencies() const {
 std::vector<std::complex<double>> LoopSpectrum::margin_roots() const {
   const std::vector<std::complex<long double>> found = zeros(near_.stripped_margin);
   return {found.begin(), found.end()};
-}
-
-std::vector<std::complex<double>> LoopSpectrum::margin_frequencies() const {
-  std::vector<std::complex<double>> frequencies;
-  for (const std::complex<double>& t : margin_roots()) {
-    const std::complex<double> w = 2.0 * std::asin(std::sqrt(t / 2.0));
-    if (std::abs(w.imag()) > 1e-12) frequencies.push_back(w);
-  }
-  return frequencies;
 }
 
 }  // namespace platoon

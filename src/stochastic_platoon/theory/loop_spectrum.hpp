@@ -49,26 +49,16 @@ public:
   /// How often 1 - cos w divides |S|^2; 2 unless G K has more than two poles at z = 1.
   int sensitivity_zeros() const { return sensitivity_zeros_; }
 
-  /// |D|^2 - |N|^2, divided by (1 - cos w)^margin_zeros for w up to pi/2 and as it is beyond.
-  double stripped_margin(double frequency) const;
-
-  /// By how much rounding of T's coefficients may change |D|^2 - |N|^2, divided in the same way.
-  double margin_uncertainty(double frequency) const;
-
-  /// Frequencies w in (0, pi] where |T| may be largest: its critical points and pi.
-  std::vector<double> critical_frequencies() const;
-
   /// The complex w where the spectra of every zeta_i are singular: the poles of T, mapped by w = -j ln z.
   std::vector<std::complex<double>> pole_frequencies() const;
 
   /// The complex zeros, in 1 - cos w, of |D|^2 - |N|^2 other than those at 0.
   std::vector<std::complex<double>> margin_roots() const;
 
-  /// The complex w that belong to them; those on the real axis, where |T| = 1, left out.
-  std::vector<std::complex<double>> margin_frequencies() const;
-
 private:
   void strip_flat_zeros();
+  /// By how much rounding of T's coefficients may change |D|^2 - |N|^2, over (1 - cos w)^margin_zeros up to w = pi/2.
+  double margin_uncertainty(double frequency) const;
 
   Polynomial numerator_;  ///< of T by powers of z, for what its rounding may do
   Polynomial denominator_;
@@ -79,7 +69,10 @@ private:
   int sensitivity_zeros_ = 2;
 };
 
-/// The complex w = -j ln(1 + s) where a function with this denominator is singular; none for a pole at z = 0.
+/// The complex w = -j ln(1 + s) of poles or zeros s = z - 1; none for one at z = 0.
+std::vector<std::complex<double>> frequencies_of(const std::vector<std::complex<long double>>& places);
+
+/// Those where a function with this denominator is singular.
 std::vector<std::complex<double>> singular_frequencies(const DeltaPolynomial& denominator);
 
 }  // namespace platoon

@@ -3,38 +3,63 @@
 #include <complex>
 #include <vector>
 
-#include "stochastic_platoon/theory/circle_polynomial.hpp"
-#include "stochastic_platoon/theory/least_margin.hpp"
-#include "stochastic_platoon/theory/linked_vehicle.hpp"
+#include "stochastic_platoon/model/closed_loop.hpp"
+#include "stochastic_platoon/theory/attenuation.hpp"
 
 namespace platoon {
 
-/// |prod T^|^2 over one pattern of vehicles, as a fraction of polynomials in t = 1 - cos w and 1 + cos w.
+enum class Sign { kAbove, kZero, kBelow };
+
+/// -ln |prod T|^2 where it is least, its zero at w = 0 divided out.
+struct LeastMargin {
+  Sign sign;         ///< zero where the rounding of the coefficients cannot tell it from zero
+  double value;      ///< over (1 - cos w)^zeros for w up to pi/2; 0 where the sign is zero
+  double frequency;  ///< [rad/sample]
+};
+
+/// One factor T = N/D of |prod T|^2, and the polynomials whose coefficients are rounded: what they leave in doubt.
+struct RatedFactor {
+  GainFactor factor;
+  std::vector<Polynomial> rounded;  ///< by powers of z; all multiply or divide T
+};
+
+/// The factor of a closed loop. Throws std::invalid_argument when T has a pole or a zero at z = 1.
+RatedFactor rated_factor(const DeltaFraction& transfer);
+
+/// |prod T|^2 over one pattern of vehicles, decided from its factors: they are never multiplied out, as the
+/// coefficients of the product of a dozen vehicles have no digits left.
 class PatternGain {
 public:
-  explicit PatternGain(const std::vector<LinkedVehicle>& vehicles);
+  explicit PatternGain(std::vector<RatedFactor> factors);
 
-  /// How often 1 - cos w divides 1 - |prod T^|^2.
+  /// How often 1 - cos w divides 1 - |prod T|^2, to rounding; at least 1.
   int zeros() const { return zeros_; }
 
-  /// The least 1 - |prod T^|^2 without these zeros, as of LoopSpectrum, relative to the pattern's |prod D^|^2.
+  /// Whether |prod T| = 1 at every frequency, as of a pure delay.
+  bool is_one() const { return attenuation_.is_zero(); }
+
+  /// The least -ln |prod T|^2 without these zeros.
   LeastMargin least() const;
 
-  /// Frequencies w > 0 where |prod T^| may be largest [rad/sample].
-  std::vector<double> critical_frequencies() const;
+  /// The largest |prod T|^2, and where: 1 at w = 0 unless it is larger elsewhere.
+  struct Peak {
+    double excess;     ///< |prod T| - 1, also where |prod T| is 1 in double
+    double frequency;  ///< [rad/sample]
+  };
+  Peak peak() const;
 
-  /// The complex w off the real axis where |prod T^| = 1.
+  /// Frequencies in (0, pi] where |prod T| has a local maximum, and pi [rad/sample].
+  std::vector<double> maxima() const;
+
+  /// The complex w near which |prod T| = 1: off the local maxima by as much as these stay below 1.
   std::vector<std::complex<double>> margin_frequencies() const;
 
 private:
-  struct Half {
-    CirclePolynomial numerator, denominator;
-    CirclePolynomial margin;  ///< their difference; about z = 1 divided by t^zeros
-  };
-  const Half& about(Centre centre) const { return centre == Centre::kOne ? near_ : far_; }
-  long double doubt(long double t, Centre centre) const;
+  /// By how much rounding of the coefficients may change -ln |prod T|^2, over (1 - cos w)^zeros up to pi/2.
+  double doubt(double frequency) const;
 
-  Half near_, far_;
+  std::vector<RatedFactor> factors_;
+  Attenuation attenuation_;
   int zeros_ = 1;
 };
 

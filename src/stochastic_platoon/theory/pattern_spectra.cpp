@@ -1,35 +1,48 @@
 #include "stochastic_platoon/theory/pattern_spectra.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <complex>
+#include <cstdint>
 
 #include "stochastic_platoon/theory/quadrature.hpp"
 
 namespace platoon {
 
-PatternSpectra::PatternSpectra(const std::vector<LinkedVehicle>& vehicles, const PatternGain& pattern_gain,
-                               bool with_margin, int refinement) {
+namespace {
+
+constexpr std::int64_t kResolvedDelay = 8;  // steps, whose z^m the longest panels resolve
+
+}  // namespace
+
+PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& pattern_gain,
+                               bool with_margin, int refinement)
+    : order_(pattern.order) {
   std::vector<std::complex<double>> singular;
-  double delay = 1.0;
-  for (const LinkedVehicle& vehicle : vehicles) {
+  for (const LinkedVehicle& vehicle : pattern.types) {
     for (const std::complex<double>& w : vehicle.pole_frequencies()) singular.push_back(w);
-    delay = std::max(delay, static_cast<double>(vehicle.vehicle().link.delay));
   }
   if (with_margin) {
     for (const std::complex<double>& w : pattern_gain.margin_frequencies()) singular.push_back(w);
   }
-  std::vector<double> peaks = with_margin ? std::vector<double>() : pattern_gain.critical_frequencies();
-  peaks.push_back(0.0);
-  const int of_delay = static_cast<int>(std::ceil(std::log2(std::max(1.0, delay / 16.0))));
-  const Quadrature rule = half_circle_quadrature(singular, peaks, refinement + of_delay);
+  // Towards w = 0 spectra narrow along the string, and the panels must, where delays oscillate.
+  const bool delayed_much =
+      std::any_of(pattern.types.begin(), pattern.types.end(),
+                  [](const LinkedVehicle& vehicle) { return vehicle.vehicle().link.delay > kResolvedDelay; });
+  std::vector<double> peaks = with_margin ? std::vector<double>() : pattern_gain.maxima();
+  if (!with_margin || delayed_much) peaks.push_back(0.0);
+  const Quadrature rule = half_circle_quadrature(singular, peaks, refinement);
   const auto count = static_cast<Eigen::Index>(rule.node.size());
   weight = Eigen::Map<const Eigen::ArrayXd>(rule.weight.data(), count);
-  for (const LinkedVehicle& vehicle : vehicles) {
-    for (auto* values : {&gain, &margin, &loss_gain, &innovation, &noise, &complement, &headway})
-      values->emplace_back(count);
+  std::vector<CirclePoint> points;
+  for (const double w : rule.node) points.emplace_back(w);
+  for (const LinkedVehicle& vehicle : pattern.types) {
+    for (auto* values : {&gain, &margin, &loss_gain, &innovation, &noise, &complement, &headway, &delayed})
+      values->emplace_back(Eigen::ArrayXd::Zero(count));
+    const auto delay = static_cast<double>(vehicle.vehicle().link.delay);
+    const OscillatingWeights oscillating(rule, delay);
     for (Eigen::Index k = 0; k < count; ++k) {
-      const LinkedVehicleValue value = vehicle.at(rule.node[static_cast<std::size_t>(k)]);
+      const auto node = static_cast<std::size_t>(k);
+      const LinkedVehicleValue value = vehicle.at(points[node]);
       gain.back()(k) = value.gain;
       margin.back()(k) = value.margin;
       loss_gain.back()(k) = value.loss_gain;
@@ -37,36 +50,32 @@ PatternSpectra::PatternSpectra(const std::vector<LinkedVehicle>& vehicles, const
       noise.back()(k) = value.noise;
       complement.back()(k) = value.complement;
       headway.back()(k) = value.headway;
+      if (!oscillating.applies_to(node)) continue;
+      complement.back()(k) = 1.0 + std::norm(value.undelayed);
+      delayed.back()(k) = -2.0 * (oscillating[node] * value.undelayed).real() / rule.weight[node];
     }
   }
 }
 
-Eigen::ArrayXd PatternSpectra::pass(std::size_t j, const Eigen::ArrayXd& added,
-                                    Eigen::ArrayXd& spectrum) const {
-  Eigen::ArrayXd error = complement[j] * spectrum + headway[j] * added;
-  spectrum = gain[j] * spectrum + added;
-  return error;
+double PatternSpectra::error_variance(std::size_t type, const Eigen::ArrayXd& spectrum,
+                                      const Eigen::ArrayXd& added) const {
+  return mean((complement[type] + delayed[type]) * spectrum + headway[type] * added);
 }
 
 Eigen::ArrayXd PatternSpectra::pattern_margin() const {
-  Eigen::ArrayXd sum = margin.front(), product = gain.front();
-  for (std::size_t j = 1; j < gain.size(); ++j) {
-    sum += product * margin[j];
-    product *= gain[j];
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(weight.size()), product = Eigen::ArrayXd::Ones(weight.size());
+  for (const std::size_t type : order_) {
+    sum += product * margin[type];
+    product *= gain[type];
   }
   return sum;
 }
 
-Eigen::ArrayXd PatternSpectra::between(std::size_t from, std::size_t to) const {
-  Eigen::ArrayXd product = Eigen::ArrayXd::Ones(weight.size());
-  for (std::size_t j = (from + 1) % gain.size(); j != to; j = (j + 1) % gain.size()) product *= gain[j];
-  return product;
-}
-
-Eigen::ArrayXd PatternSpectra::before(std::size_t j, const std::vector<Eigen::ArrayXd>& added) const {
-  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(weight.size());
-  for (std::size_t l = 0; l < added.size(); ++l) sum += between(l, j) * added[l];
-  return sum / pattern_margin();
+Eigen::ArrayXd PatternSpectra::in_front(const std::vector<Eigen::ArrayXd>& added,
+                                        const Eigen::ArrayXd& margin_of_pattern) const {
+  Eigen::ArrayXd once = Eigen::ArrayXd::Zero(weight.size());
+  for (std::size_t j = 0; j < order_.size(); ++j) once = gain[order_[j]] * once + added[j];
+  return once / margin_of_pattern;
 }
 
 }  // namespace platoon

@@ -14,28 +14,35 @@ class PatternSpectra {
 public:
   /// `with_margin`: so fine that quotients by pattern_margin() are resolved, too. refinement >= 0 halves the
   /// panels that often.
-  PatternSpectra(const std::vector<LinkedVehicle>& vehicles, const PatternGain& pattern_gain,
-                 bool with_margin, int refinement);
+  PatternSpectra(const LinkedPattern& pattern, const PatternGain& gain, bool with_margin, int refinement);
 
   Eigen::ArrayXd weight;
-  /// Of each vehicle the fields of LinkedVehicleValue, a row per node.
-  std::vector<Eigen::ArrayXd> gain, margin, loss_gain, innovation, noise, complement, headway;
+  /// Of each type of vehicle the fields of LinkedVehicleValue, a row per node.
+  std::vector<Eigen::ArrayXd> gain, margin, loss_gain, innovation, noise, headway;
+  /// |1 - H T^|^2 or, on panels with more than a period of a delay's z^m, 1 + |H T^|^2, without its 2 Re H T^.
+  std::vector<Eigen::ArrayXd> complement;
+  /// -2 Re H T^ there, by weights that integrate the product of z^-m and a polynomial (Filon); 0 elsewhere.
+  std::vector<Eigen::ArrayXd> delayed;
+
+  std::size_t size() const { return order_.size(); }                           ///< of the pattern
+  std::size_t type(std::size_t j) const { return order_[j % order_.size()]; }  ///< of vehicle j
 
   /// Over the circle, of values at the nodes.
   double mean(const Eigen::ArrayXd& values) const { return (weight * values).sum(); }
 
-  /// Takes the spectrum of y about its mean from in front of vehicle j to behind it, which adds `added` to it, and gives
-  /// that of zeta: |1 - H T^|^2 Phi + |H|^2 added.
-  Eigen::ArrayXd pass(std::size_t j, const Eigen::ArrayXd& added, Eigen::ArrayXd& spectrum) const;
+  /// Mean of zeta's spectrum behind a predecessor of this spectrum, where the vehicle, of this type, adds `added` to it:
+  /// |1 - H T^|^2 Phi + |H|^2 added.
+  double error_variance(std::size_t type, const Eigen::ArrayXd& spectrum, const Eigen::ArrayXd& added) const;
 
   /// 1 - prod |T^|^2, as a sum without cancellation where no vehicle's gain is above 1.
   Eigen::ArrayXd pattern_margin() const;
 
-  /// prod |T^|^2 over the vehicles behind `from` and before `to`, once around the pattern where these are equal.
-  Eigen::ArrayXd between(std::size_t from, std::size_t to) const;
+  /// The spectrum in front of vehicle 0 of an endless string, where vehicle l adds added[l] to its own. That in front
+  /// of vehicle j + 1 is gain times that in front of vehicle j, and added[j]. `margin`: the pattern_margin().
+  Eigen::ArrayXd in_front(const std::vector<Eigen::ArrayXd>& added, const Eigen::ArrayXd& margin) const;
 
-  /// The spectrum in front of vehicle j of an endless string, where vehicle l adds added[l] to its own.
-  Eigen::ArrayXd before(std::size_t j, const std::vector<Eigen::ArrayXd>& added) const;
+private:
+  std::vector<std::size_t> order_;
 };
 
 }  // namespace platoon

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/theory/quadrature.hpp"
 
 #include <algorithm>
+#include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
@@ -12,6 +13,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kHalvings = 26;
+constexpr double kShortest = 1e-13;  // panel, where nodes can hardly be told apart
 
 struct Panel {
   double from;
@@ -19,9 +21,9 @@ struct Panel {
   double length() const { return to - from; }
 };
 
-double distance(const Panel& panel, std::complex<double> point) {
+double squared_distance(const Panel& panel, std::complex<double> point) {
   const double nearest = std::min(std::max(point.real(), panel.from), panel.to);
-  return std::abs(point - nearest);
+  return std::norm(point - nearest);
 }
 
 /// The images in and around [0, pi] of a frequency under w -> -w and w -> w + 2 pi.
@@ -42,9 +44,9 @@ std::vector<std::complex<double>> images(const std::vector<std::complex<double>>
 /// Halves a panel until every singularity is at least its length away.
 void add_resolved(std::vector<Panel>& panels, const Panel& panel,
                   const std::vector<std::complex<double>>& singular) {
-  double clearance = 2.0 * kPi;
-  for (const std::complex<double>& w : singular) clearance = std::min(clearance, distance(panel, w));
-  if (panel.length() <= std::min(clearance, 0.5)) {
+  double clearance = 0.25;
+  for (const std::complex<double>& w : singular) clearance = std::min(clearance, squared_distance(panel, w));
+  if (panel.length() * panel.length() <= clearance || panel.length() <= kShortest) {
     panels.push_back(panel);
     return;
   }
@@ -102,6 +104,38 @@ bool is_converged(double change, double change_before) {
   return change <= 1e-13 || (change <= 1e-10 && change >= 0.1 * change_before);
 }
 
+OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
+  constexpr double kResolved = 4.0;  // of theta: 16 Gauss nodes integrate e^{-j theta x} to the last digit
+  if (rule.half_length.empty() ||
+      m * *std::max_element(rule.half_length.begin(), rule.half_length.end()) <= kResolved)
+    return;
+  per_panel_ = rule.node.size() / rule.half_length.size();
+  weights_.resize(rule.node.size());
+  for (std::size_t panel = 0; panel < rule.half_length.size(); ++panel) {
+    const double theta = m * rule.half_length[panel];
+    applies_.push_back(theta > kResolved ? 1 : 0);
+    if (theta <= kResolved) continue;
+    std::vector<std::complex<double>> moments;  // (2 l + 1) (-j)^l j_l(theta)
+    std::complex<double> turn = std::polar(1.0, -m * rule.middle[panel]);
+    for (std::size_t l = 0; l < per_panel_; ++l, turn *= std::complex<double>(0.0, -1.0))
+      moments.push_back(turn * (2.0 * static_cast<double>(l) + 1.0) *
+                        boost::math::sph_bessel(static_cast<unsigned>(l), theta));
+    for (std::size_t k = panel * per_panel_; k < (panel + 1) * per_panel_; ++k) {
+      const double x = (rule.node[k] - rule.middle[panel]) / rule.half_length[panel];
+      double before = 0.0, legendre = 1.0;
+      std::complex<double> sum = 0.0;
+      for (std::size_t l = 0; l < per_panel_; ++l) {
+        sum += moments[l] * legendre;
+        const auto degree = static_cast<double>(l);
+        const double next = ((2.0 * degree + 1.0) * x * legendre - degree * before) / (degree + 1.0);
+        before = legendre;
+        legendre = next;
+      }
+      weights_[k] = rule.weight[k] * sum;
+    }
+  }
+}
+
 Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular,
                                   const std::vector<double>& peaks, int refinement) {
   static const Quadrature gauss = gauss_legendre(16);
@@ -115,6 +149,8 @@ Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singu
     const double half = panel.length() / (2.0 * pieces);
     for (int piece = 0; piece < pieces; ++piece) {
       const double middle = panel.from + (2.0 * piece + 1.0) * half;
+      rule.middle.push_back(middle);
+      rule.half_length.push_back(half);
       for (std::size_t k = 0; k < gauss.node.size(); ++k) {
         rule.node.push_back(middle + half * gauss.node[k]);
         rule.weight.push_back(gauss.weight[k] * half / kPi);

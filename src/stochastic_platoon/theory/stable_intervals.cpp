@@ -12,6 +12,8 @@ namespace platoon {
 
 namespace {
 
+constexpr double kTurn = 3.0;
+
 struct Sample {
   double place;
   double margin;
@@ -71,8 +73,10 @@ std::vector<Sample> samples_of(const MarginCurve& curve, const std::vector<doubl
   for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
     const Sample& here = samples[i];
     if (here.stable() != samples[i - 1].stable() || here.stable() != samples[i + 1].stable()) continue;
-    const double size = std::abs(here.margin);
-    if (size > std::abs(samples[i - 1].margin) || size > std::abs(samples[i + 1].margin)) continue;
+    // Between its neighbours a margin that turns may come nearer to zero by about as much as it differs from them.
+    const double size = std::abs(here.margin), left = std::abs(samples[i - 1].margin),
+                 right = std::abs(samples[i + 1].margin);
+    if (size > left || size > right || size > kTurn * (std::max(left, right) - size)) continue;
     const Sample extreme = curve.extreme(samples[i - 1], here, samples[i + 1]);
     if (extreme.stable() != here.stable()) found.push_back(extreme);
   }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/theory/loop_spectrum.hpp"
+#include "stochastic_platoon/theory/pattern_gain.hpp"
 #include "stochastic_platoon/theory/quadrature.hpp"
 
 namespace platoon {
@@ -18,16 +19,24 @@ constexpr std::size_t kBlock = 256;  // followers between two exact restarts of 
 
 /// Contribution of one frequency: P_{i+1} - P_i gets energy |T|^{2i}.
 struct Mode {
-  double energy;  ///< |S|^2 times its weight
-  double margin;  ///< 1 - |T|^2
+  double energy;    ///< |S|^2 times its weight
+  double margin;    ///< 1 - |T|^2
+  double gain;      ///< |T|^2, which has digits where the margin has none
+  double log_gain;  ///< its logarithm
 
-  double after(double links) const { return energy * std::exp(links * std::log1p(-margin)); }
+  Mode(double weighted, const LoopSpectrumValue& value)
+      : energy(weighted),
+        margin(value.margin),
+        gain(margin < 0.5 ? 1.0 - margin : value.gain),
+        log_gain(margin < 0.5 ? std::log1p(-margin) : std::log(value.gain)) {}
+
+  double after(double links) const { return energy * std::exp(links * log_gain); }
 
   /// Sum over m = 1 .. links of energy |T|^{2m}.
   double sum(double links) const {
     if (links == 0.0) return 0.0;
     if (margin == 0.0) return energy * links;
-    return energy * (1.0 - margin) * -std::expm1(links * std::log1p(-margin)) / margin;
+    return energy * gain * -std::expm1(links * log_gain) / margin;
   }
 };
 
@@ -42,15 +51,13 @@ struct Modes {
   }
 };
 
-Modes modes_of(const LoopSpectrum& spectrum, int refinement) {
-  std::vector<double> peaks = spectrum.critical_frequencies();
-  peaks.push_back(0.0);
+Modes modes_of(const LoopSpectrum& spectrum, const std::vector<double>& peaks, int refinement) {
   const Quadrature rule = half_circle_quadrature(spectrum.pole_frequencies(), peaks, refinement);
   Modes result{0.0, {}};
   for (std::size_t k = 0; k < rule.node.size(); ++k) {
     const LoopSpectrumValue value = spectrum.at(rule.node[k]);
     result.first += rule.weight[k] * value.complement;
-    result.modes.push_back({rule.weight[k] * value.sensitivity, value.margin});
+    result.modes.emplace_back(rule.weight[k] * value.sensitivity, value);
   }
   return result;
 }
@@ -69,11 +76,11 @@ double difference(const Modes& a, const Modes& b, std::size_t followers) {
   }
 }
 
-Modes converged_modes(const LoopSpectrum& spectrum, std::size_t followers) {
-  Modes coarse = modes_of(spectrum, 0);
+Modes converged_modes(const LoopSpectrum& spectrum, const std::vector<double>& peaks, std::size_t followers) {
+  Modes coarse = modes_of(spectrum, peaks, 0);
   double before = std::numeric_limits<double>::infinity();
   for (int refinement = 1; refinement <= 4; ++refinement) {
-    const Modes fine = modes_of(spectrum, refinement);
+    const Modes fine = modes_of(spectrum, peaks, refinement);
     const double change = difference(coarse, fine, followers);
     if (is_converged(change, before)) break;
     coarse = fine;
@@ -109,7 +116,9 @@ std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t 
   std::vector<double> variances(followers, std::numeric_limits<double>::quiet_NaN());
   if (spectral_radius(model.loop) >= 1.0) return variances;
   if (model.noise_variance == 0.0) return std::vector<double>(followers, 0.0);
-  const Modes converged = converged_modes(LoopSpectrum(model.loop, model.headway), followers);
+  std::vector<double> peaks = PatternGain({rated_factor(delta_fraction(model.loop))}).maxima();
+  peaks.push_back(0.0);
+  const Modes converged = converged_modes(LoopSpectrum(model.loop, model.headway), peaks, followers);
   std::vector<Mode> modes = converged.modes;
   long double variance = converged.first;
   variances[0] = static_cast<double>(variance) * model.noise_variance;
@@ -127,7 +136,7 @@ std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t 
     for (Eigen::Index k = 0; k < count; ++k) {
       const Mode& mode = modes[static_cast<std::size_t>(k)];
       power(k) = mode.after(links);
-      gain(k) = 1.0 - mode.margin;
+      gain(k) = mode.gain;
     }
     for (std::size_t i = start; i < std::min(start + kBlock, followers); ++i) {
       variance += power.sum();

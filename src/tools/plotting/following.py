@@ -21,7 +21,7 @@ def run_of(configuration, overview):
                standard_error_of_variance=drawable(np.array(overview.standard_error)),
                count=np.full((followers, steps.size), float(overview.realizations)), realizations=overview.realizations,
                seed=configuration["seed"], complete=overview.complete, time_average=overview.time_average,
-               spectral_radius=math.nan, string_stable=overview.string_stable, **table)
+               spectral_radius=math.nan, string_stable=overview.string_stable if overview.theory == "exact" and not overview.undecided else None, **table)
 
 
 def follow(namespace, draw, stem):

@@ -81,6 +81,11 @@ def truth(path, document, key):
     return value
 
 
+def truth_if_any(path, document, key):
+    """None where there is no verdict."""
+    return None if lookup(path, document, key) is None else truth(path, document, key)
+
+
 def numbers(path, document, key):
     """A list of numbers as an array, NaN for null; at least one of them is a number."""
     array = numbers_if_any(path, document, key)
@@ -173,8 +178,7 @@ def read_run(path):
                complete=truth(summary_path, summary, "complete"),
                time_average=time_average,
                spectral_radius=number(summary_path, summary, "theory.spectral_radius"),
-               string_stable=lookup(summary_path, summary, "theory.string_stable") is not None and
-               truth(summary_path, summary, "theory.string_stable"), **table)
+               string_stable=truth_if_any(summary_path, summary, "theory.string_stable"), **table)
 
 
 def require_undamaged(statistics_path, summary_path, summary):

@@ -60,7 +60,7 @@ def case(run, analysis):
         if run:
             require_same_platoon(run, analysis, mean.size)
         values.update(name=values["name"] or analysis.name, followers=mean.size, mean=mean, variance=variance,
-                      verdict=style.verdict(truth(path, document, "string_stable")),
+                      verdict=style.verdict(truth_if_any(path, document, "string_stable")),
                       mean_bound=number(path, document, "norms.mean_bound"),
                       variance_bound=number(path, document, "norms.variance_bound"))
     return Case(**values)

@@ -68,7 +68,7 @@ def column_title(column, columns, text):
 
 
 def verdict(string_stable):
-    return "string stable" if string_stable else "not string stable"
+    return {None: "no verdict", True: "string stable", False: "not string stable"}[string_stable]
 
 
 def follower_ticks(followers):

@@ -226,7 +226,7 @@ class PlatoonState:
         work = followers * (1 if of.time_average else self.configuration["steps"])
         return {"step": of.step[-1] if measured else None, "realizations": of.realizations, "time_average": of.time_average,
                 "complete": of.complete, "theory": of.theory, "reason": of.reason,
-                "string_stable": of.string_stable if of.theory == "exact" else None,
+                "string_stable": of.string_stable if of.theory == "exact" and not of.undecided else None,
                 "stable_headways": list(zip(of.stable_headways[::2], of.stable_headways[1::2])),
                 "limit_variance": finite(of.limit_variance), "mean": self.last_column(of.mean),
                 "variance": self.last_column(of.variance), "theoretical_mean": self.last_column(of.theoretical_mean),

@@ -6,6 +6,8 @@
 #include <stdexcept>
 
 #include "../paper_platoon.hpp"
+#include "example_loops.hpp"
+#include "stochastic_platoon/theory/critical_headway.hpp"
 #include "stochastic_platoon/theory/critical_loss.hpp"
 #include "stochastic_platoon/theory/linked_moments.hpp"
 #include "stochastic_platoon/theory/stationary_variance.hpp"
@@ -103,6 +105,143 @@ TEST(StableLosses, AreFoundToTheLastDigitsThatDecide) {
   EXPECT_EQ(held->intervals.front().from, 0.0);
   EXPECT_EQ(held->intervals.front().to, 0.99);
   EXPECT_FALSE(stable_losses(with_loss(0.1, {2.0, -1.0}, 2.4))->critical) << "unstable without losses";
+}
+
+/// Cars, the default vehicle, and a truck every so many followers: a longer headway and a delay.
+PlatoonModel cars_and_a_truck(std::size_t vehicles) {
+  PlatoonModel model = paper_platoon(3.2);
+  model.design = LoopDesign{{Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0)},
+                            {Eigen::Vector2d(1.35, 0.0), Eigen::Vector2d(1.0, 0.89)},
+                            true};
+  VehicleModel truck = vehicle(model, 1);
+  truck.headway = 4.0;
+  truck.loop = close_loop(*truck.design, 4.0);
+  truck.link.delay = 1;
+  model.types = {{"truck", truck, {false, true, true, true}}};
+  model.string.assign(vehicles, 0);
+  model.string.back() = 1;
+  return model;
+}
+
+// Each of them is string stable by itself, hence their product.
+TEST(LinkedString, LongPatternsAreDecidedFromTheirVehicles) {
+  for (const std::size_t vehicles : {8u, 12u, 30u, 300u, 1000u}) {
+    const StringStability verdict = linked_string_stability(cars_and_a_truck(vehicles));
+    EXPECT_EQ(verdict.decision(), true) << vehicles << ": " << verdict.reason;
+    EXPECT_GT(*verdict.limit_variance, 0.0) << vehicles;
+  }
+  const std::optional<StableHeadways> headways = stable_headways(cars_and_a_truck(8));
+  ASSERT_TRUE(headways && headways->critical) << "long headways are stable, too";
+  EXPECT_TRUE(
+      linked_string_stability(with_headway(cars_and_a_truck(8), *headways->critical + 1e-9)).string_stable);
+  EXPECT_FALSE(
+      linked_string_stability(with_headway(cars_and_a_truck(8), *headways->critical - 1e-9)).string_stable);
+}
+
+// The same limit by two patterns of which one is the other twice.
+TEST(LinkedString, LimitOfALossyPatternDoesNotDependOnHowItIsWritten) {
+  PlatoonModel once = cars_and_a_truck(3);
+  once.link.loss = LossModel{0.1, {}, {1.0}};
+  once.types[0].vehicle.link.loss = LossModel{0.2, {}, {2.0, -1.0}};
+  PlatoonModel twice = once;
+  twice.string = {0, 0, 1, 0, 0, 1};
+  PlatoonModel often = once;
+  for (int i = 0; i < 30; ++i)
+    often.string.insert(often.string.end(), once.string.begin(), once.string.end());
+  const StringStability expected = linked_string_stability(once);
+  ASSERT_TRUE(expected.string_stable) << expected.reason;
+  for (const PlatoonModel& model :
+       {twice, often}) {  // 6 and 93 links, below and above what a Krylov space has
+    const StringStability found = linked_string_stability(model);
+    EXPECT_NEAR(*found.limit_variance / *expected.limit_variance, 1.0, 1e-10);
+    const double periods = static_cast<double>(model.string.size()) / 3.0;
+    EXPECT_GT(*found.loss_gain, 0.0) << periods;
+    EXPECT_LT(*found.loss_gain, 1.0) << periods;
+  }
+}
+
+TEST(LinkedString, TypesThatInheritTheHeadwayFollowIt) {
+  PlatoonModel model = cars_and_a_truck(3);
+  model.types[0].inherited.headway = true;
+  model.types[0].vehicle = vehicle_of_type(model, 0);
+  model.types[0].vehicle.link.delay = 1;
+  const std::optional<StableHeadways> found = stable_headways(model);
+  ASSERT_TRUE(found && found->critical);
+  EXPECT_EQ(found->types, (std::vector<std::string>{"default", "truck"}));
+  EXPECT_NEAR(*found->critical, 2.8, 1e-9);  // that of one vehicle
+  EXPECT_TRUE(linked_string_stability(with_headway(model, *found->critical + 1e-6)).string_stable);
+  EXPECT_FALSE(linked_string_stability(with_headway(model, *found->critical - 1e-6)).string_stable);
+  model.string = {1};
+  EXPECT_EQ(stable_headways(model)->types, std::vector<std::string>{"truck"});
+  model.types[0].inherited.headway = false;
+  EXPECT_FALSE(stable_headways(model)) << "no vehicle of the string follows the default headway";
+}
+
+TEST(LinkedString, TypesThatInheritTheLossProbabilityFollowIt) {
+  PlatoonModel model = cars_and_a_truck(2);
+  model.link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+  model.types[0].vehicle.link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+  const std::optional<StableLosses> followed = stable_losses(model);
+  EXPECT_EQ(followed->types, (std::vector<std::string>{"default", "truck"}));
+  model.types[0].inherited.loss_probability = false;
+  const std::optional<StableLosses> alone = stable_losses(model);
+  EXPECT_EQ(alone->types, std::vector<std::string>{"default"});
+  EXPECT_LT(*followed->critical, *alone->critical);
+  model.string = {1};
+  EXPECT_FALSE(stable_losses(model));
+}
+
+// 1 - |T^|^2 vanishes like w^4. So does abs(1 - H T^)^2 without a delay, and like w^2 with one.
+TEST(LinkedString, FlatGainsGrowWhereTheErrorsVanishMoreSlowly) {
+  const ExampleLoop flat = string_stable_loops().back();
+  PlatoonModel model = model_with(flat.loop, flat.headway);
+  EXPECT_EQ(linked_string_stability(model).decision(), true);
+  model.link.delay = 1;
+  const StringStability delayed = linked_string_stability(model);
+  EXPECT_EQ(delayed.decision(), false);
+  EXPECT_NE(delayed.reason.find("vanishes so fast"), std::string::npos) << delayed.reason;
+  const std::vector<double> variances = linked_stationary_variances(model, 4096);
+  const double early = variances[1023] - variances[511], late = variances[4095] - variances[2047];
+  EXPECT_GT(late, early) << "they grow like N^(1/4)";
+}
+
+// With extrapolation abs(1 - L)^2 vanishes like w^4, too: the losses add no more than the string takes away.
+TEST(LinkedString, FlatGainsBehindExtrapolationHaveALimit) {
+  PlatoonModel model = paper_platoon(3.0);
+  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(5, 5);
+  shift.diagonal(1).setOnes();
+  Eigen::VectorXd b(5);
+  b << -0.075, 0.3526315789473684, 0.4447368421052632, 0.3526315789473684, -0.075;
+  model.loop = closed_loop_from(StateSpace(shift, b, Eigen::VectorXd::Unit(5, 0).transpose()));
+  model.link.loss = LossModel{0.05, {}, {2.0, -1.0}};
+  const LinkedPattern pattern = linked_pattern(model);
+  ASSERT_EQ(pattern.gain().zeros(), 2);
+  EXPECT_EQ(pattern[0].zeros_at_zero().innovation, 2);
+  EXPECT_EQ(pattern[0].zeros_at_zero().complement, 2);
+  const StringStability verdict = linked_string_stability(model);
+  ASSERT_EQ(verdict.decision(), true) << verdict.reason;
+  // What is missing to the limit decays like N^(-1/4).
+  const std::vector<double> variances = linked_stationary_variances(model, 10000);
+  const double missing = *verdict.limit_variance - variances[9999],
+               before = *verdict.limit_variance - variances[624];
+  EXPECT_NEAR(before / missing, 2.0, 0.1);
+  EXPECT_NEAR(variances[9999], 47.64, 0.01);
+}
+
+// A delay of thousands of steps costs no more than one of a few, and is the same delay.
+TEST(LinkedString, DelaysAreExactHoweverLong) {
+  PlatoonModel model = with_loss(0.2, {1.0});
+  for (const std::int64_t delay : {1, 7, 9, 20, 33}) {
+    model.link.delay = delay;
+    const std::vector<double> stationary = linked_stationary_variances(model, 3);
+    model.initial_position = {};
+    const ErrorMoments table = linked_error_moments(model, 3, 400 + 4 * delay);
+    for (std::size_t i = 1; i <= 3; ++i)
+      EXPECT_NEAR(table.variance_at(i, table.steps - 1) / stationary[i - 1], 1.0, 1e-10) << delay << " " << i;
+  }
+  model.link.delay = 1000000;
+  const std::vector<double> late = linked_stationary_variances(model, 2);
+  EXPECT_TRUE(std::isfinite(late[1]));
 }
 
 TEST(LinkedTheory, ThrowsForWhatItDoesNotKnow) {

@@ -57,23 +57,6 @@ TEST(LoopSpectrum, CoordinatesAndFrequenciesAreInverse) {
   }
 }
 
-TEST(LoopSpectrum, CriticalFrequenciesHoldTheOnlyPlacesWhereTheGainTurns) {
-  for (const ExampleLoop& example : example_loops()) {
-    const LoopSpectrum spectrum(example.loop, example.headway);
-    const std::vector<double> critical = spectrum.critical_frequencies();
-    for (std::size_t i = 1; i < critical.size(); ++i) {
-      const double step = (critical[i] - critical[i - 1]) / 20.0;
-      if (step < 1e-6) continue;
-      const bool rises = spectrum.at(critical[i]).gain > spectrum.at(critical[i - 1]).gain;
-      for (int k = 1; k < 20; ++k) {
-        const double here = spectrum.at(critical[i - 1] + k * step).gain;
-        const double next = spectrum.at(critical[i - 1] + (k + 1) * step).gain;
-        EXPECT_EQ(next > here, rises) << example.name << " after " << critical[i - 1] << " at " << k;
-      }
-    }
-  }
-}
-
 TEST(LoopSpectrum, RefusesALoopThatDoesNotTrackRampsAndAHeadwayThatIsNotPositive) {
   EXPECT_THROW(LoopSpectrum(paper_loop(3.2), 2.0), std::invalid_argument);
   const TransferFunction leading = ramp_tracking(with_zeros({0.5, 0.2}, {}), -1.0, Polynomial::Zero(1));

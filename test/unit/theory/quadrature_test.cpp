@@ -62,6 +62,23 @@ TEST(Quadrature, RefinementKeepsTheRuleConsistent) {
   EXPECT_NEAR(integrate(fine, one), 1.0, 1e-14);
 }
 
+// The mean of (1 - a^2) / (1 - 2 a cos w + a^2) e^{-j m w} over the circle is a^m.
+TEST(OscillatingWeights, IntegrateWhatTurnsOftenOnEveryPanel) {
+  for (const double a : {0.5, 0.9, 0.999}) {
+    const Quadrature rule = half_circle_quadrature({{0.0, -std::log(a)}}, {0.0}, 1);
+    for (const double m : {0.0, 3.0, 40.0, 1000.0, 10000.0}) {
+      const OscillatingWeights weights(rule, m);
+      double sum = 0.0;
+      for (std::size_t k = 0; k < rule.node.size(); ++k) {
+        const double w = rule.node[k], sine = std::sin(w / 2.0);
+        const double value = (1.0 - a) * (1.0 + a) / ((1.0 - a) * (1.0 - a) + 4.0 * a * sine * sine);
+        sum += value * (weights.applies_to(k) ? weights[k].real() : rule.weight[k] * std::cos(m * w));
+      }
+      EXPECT_NEAR(sum, std::pow(a, m), 1e-12) << a << " " << m;
+    }
+  }
+}
+
 TEST(Quadrature, RefusesNoNodesAndSingularitiesOnTheAxis) {
   EXPECT_THROW(gauss_legendre(0), std::invalid_argument);
   EXPECT_THROW(half_circle_quadrature({{1.0, 0.0}}, {}), std::invalid_argument);

@@ -72,11 +72,14 @@ TEST(StringStability, IsRightOneBillionthEitherSideOfTheBorderAtAnIsolatedFreque
   }
 }
 
-TEST(StringStability, GainOfOneAtAnIsolatedFrequencyIsBoundedForTheMeanOnly) {
+// The coefficients are rounded: whether |T| touches 1 is below their digits.
+TEST(StringStability, GainOfOneAtAnIsolatedFrequencyIsUndecided) {
   for (const double x0 : {0.3, 1.0, 1.7, 2.0}) {
     const StringStability verdict = verdict_of(touching_at(x0, 1.0, 0.0));
     EXPECT_TRUE(verdict.mean_bounded) << x0 << ": " << verdict.reason;
-    EXPECT_FALSE(verdict.string_stable) << x0 << ": " << verdict.reason;
+    EXPECT_TRUE(verdict.undecided) << x0 << ": " << verdict.reason;
+    EXPECT_FALSE(verdict.decision()) << x0;
+    EXPECT_EQ(verdict.reason.find("undecided: |T| is 1 at "), 0u) << verdict.reason;
     EXPECT_FALSE(verdict.limit_variance.has_value()) << x0;
     EXPECT_EQ(verdict.peak_gain, 1.0);
     EXPECT_NEAR(verdict.peak_frequency, std::acos(1.0 - x0), 1e-6) << x0;
@@ -87,7 +90,29 @@ TEST(StringStability, PureDelayIsBoundedForTheMeanOnly) {
   const TransferFunction delay(Polynomial::Ones(1), Eigen::Vector2d(1.0, 0.0));
   const StringStability verdict = verdict_of({"", 1.0, closed_loop_from(observable_canonical(delay))});
   EXPECT_TRUE(verdict.mean_bounded) << verdict.reason;
-  EXPECT_FALSE(verdict.string_stable) << verdict.reason;
+  EXPECT_EQ(verdict.decision(), false) << verdict.reason;
+}
+
+// Twenty poles of modulus 0.9 about +-j, where |T| is tiny beside what its coefficients are summed from.
+TEST(StringStability, IsDecidedForTwentyPolesNearTheImaginaryAxis) {
+  std::vector<std::complex<double>> pairs;
+  for (int i = 0; i < 8; ++i) pairs.push_back(std::polar(0.35 + 0.01 * i, 1.45 + 0.03 * i));
+  const ExampleLoop stable = all_pole("twenty poles", with_zeros({0.9, 0.85, 0.8, 0.75}, pairs));
+  const StringStability verdict = verdict_of(stable);
+  double largest = 0.0;
+  for (int i = 1; i <= 20000; ++i)
+    largest =
+        std::max(largest, std::abs(stable.loop.transfer(std::polar(1.0, 3.141592653589793 * i / 20000))));
+  ASSERT_LT(largest, 1.0);
+  EXPECT_EQ(verdict.decision(), true) << verdict.reason;
+}
+
+// The excess is below the digits of |T|, and close to w = 0.
+TEST(StringStability, ReasonNamesAnExcessThatIsNotZero) {
+  const StringStability verdict = verdict_of({"", 2.8 - 1e-7, paper_loop(2.8 - 1e-7)});
+  EXPECT_EQ(verdict.decision(), false);
+  EXPECT_EQ(verdict.reason.find("exceeds 1 by 0 "), std::string::npos) << verdict.reason;
+  EXPECT_EQ(verdict.reason.find("at 0 rad"), std::string::npos) << verdict.reason;
 }
 
 TEST(StringStability, LimitAgreesWithTheSpectralFactor) {

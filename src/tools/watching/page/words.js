@@ -8,7 +8,7 @@ const write = (element, text) => { if (element.textContent !== text) element.tex
 export function showHeadline({ configuration, statistics, health }, live) {
   const stable = statistics?.string_stable ?? null;
   if (configuration) {
-    const verdict = !statistics ? "Starting" : stable === null ? "No theory" : stable ? "✓ String stable" : "✗ Not string stable";
+    const verdict = !statistics ? "Starting" : stable === null ? (statistics.theory === "exact" ? "Undecided" : "No theory") : stable ? "✓ String stable" : "✗ Not string stable";
     write(at("verdict"), verdict);
     write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : "The first figures come when every vehicle is there.");
     document.title = `${verdict.replace(/^. /, "")}, h = ${configuration.headway}`;

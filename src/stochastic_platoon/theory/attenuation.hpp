@@ -1,0 +1,69 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+namespace platoon {
+
+/// Poles and zeros of one rational factor T(z), T(1) = 1, as s = z - 1, and its multiplicity in a product.
+struct GainFactor {
+  std::vector<std::complex<long double>> poles;
+  std::vector<std::complex<long double>> zeros;
+  long double count = 1.0L;
+};
+
+/// The attenuation a(w) = -ln prod |T_i(e^{jw})|^(2 n_i) of a product of factors with T_i(1) = 1, as a function of
+/// t = 1 - cos w in [0, 2]:
+///     a(t) = sum_i n_i (sum over poles of ln |1 - u t| - sum over zeros of ln |1 - u t|),   u = -2 (1 + s) / s^2.
+/// The product is never multiplied out: a factor of one vehicle has its own digits whatever the others are.
+/// Poles and zeros at z = 0 have modulus 1 on the circle and drop out.
+class Attenuation {
+public:
+  explicit Attenuation(const std::vector<GainFactor>& factors);
+
+  struct Value {
+    long double value;      ///< a(t); infinite at a zero on the circle
+    long double slope;      ///< da/dt
+    long double curvature;  ///< d^2 a / dt^2
+  };
+  Value at(long double t) const;
+
+  struct Minimum {
+    long double t;
+    long double value;  ///< a(t) / min(t, 1)^order
+  };
+
+  /// The global minimum over [0, 2] of a(t) / min(t, 1)^order, where a vanishes like t^order at least at t = 0.
+  /// By branch and bound with third order Taylor bounds, hence without a grid: no minimum is missed. 1e-12
+  /// relative, or the rounding of a.
+  Minimum least(int order) const;
+
+  /// Coefficient of t^power, power >= 1, in the series of a about t = 0.
+  long double coefficient(int power) const { return series_.at(static_cast<std::size_t>(power)); }
+
+  /// Whether every factor has modulus 1 at every frequency.
+  bool is_zero() const { return terms_.empty(); }
+
+private:
+  struct Term {
+    long double real, imag, size;  ///< of u
+  };
+  struct Group {  ///< the terms of one factor's poles, or of its zeros
+    std::size_t end;
+    long double weight;  ///< n of poles, -n of zeros
+  };
+  struct Piece;
+  struct Bounds;
+  Bounds bounds(const Piece& piece, int order) const;
+  Bounds bounds_at_zero(const Piece& piece, int order) const;
+  long double quotient(long double t, int order) const;
+
+  std::vector<Term> terms_;
+  std::vector<Group> groups_;        ///< one after the other
+  std::vector<long double> series_;  ///< by powers of t
+  long double series_end_ = 0.0L;    ///< the series is used for t below it
+  long double weight_ = 0.0L;        ///< sum of the moduli of the weights of all terms
+};
+
+}  // namespace platoon
