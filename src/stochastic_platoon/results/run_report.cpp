@@ -79,7 +79,7 @@ std::string no_verdict(std::uint64_t realizations, double needed) {
              "difference "
              "from chance: ",
              static_cast<unsigned long long>(realizations)) +
-         (std::isfinite(needed) ? "about " + about(needed) + " are needed\n"
+         (std::isfinite(needed) ? "about " + about(needed) + " are needed, as far as these tell\n"
                                 : "no number is enough, as a fourth moment leaves the range of double\n");
 }
 

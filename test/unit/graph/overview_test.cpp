@@ -107,7 +107,8 @@ TEST(Overview, OfAveragesOverTimeHasOneColumn) {
   EXPECT_TRUE(overview.time_average);
   EXPECT_EQ(overview.step, (std::vector<std::int64_t>{431}));
   EXPECT_EQ(overview.variance.size(), 2U);
-  const double share = prediction.error_correlation[1].of(result.moments[1].count).variance;
+  const double share =
+      prediction.error_correlation[1].of(result.moments[1].count, result.tally.attempts).variance;
   EXPECT_EQ(overview.standard_error[1],
             standard_error_of_variance(prediction.variance[1], result.moments[1].count, share));
   EXPECT_LT(overview.standard_error[0],
