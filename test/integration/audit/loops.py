@@ -1,0 +1,135 @@
+"""The loop of one vehicle, T = N / D, from the numbers in a model file."""
+
+from mpmath import mp, mpf
+
+from audit.polynomials import plus, slope, squared_modulus, squared_norm, times, trimmed, value, without_factor, zeros, \
+    zeros_of_margin
+
+UNDECIDED = 1e-11  # of |D|^2 - |N|^2 over the sum of its terms: the digits of the coefficients end there
+
+
+class Loop:
+    """T = N / D at headway h, S = 1 - HT, with D's leading coefficient 1."""
+
+    def __init__(self, n, d, h):
+        d = trimmed(d)
+        self.n, self.d = [a / d[0] for a in trimmed(n)], [a / d[0] for a in d]
+        self.h = mpf(h)
+        self.poles = zeros(self.d)
+        self.rho = max(abs(z) for z in self.poles)
+        self.hn = times([1 + self.h, -self.h], self.n)           # HT = hn / (z d)
+        self.zd = self.d + [mpf(0)]
+        self.s = plus(self.zd, [-a for a in self.hn])            # S = s / (z d)
+
+    def margin(self):
+        """|D|^2 - |N|^2 over 1 - x in x = cos w."""
+        difference = plus(squared_modulus(self.d), [-a for a in squared_modulus(self.n)])
+        return [-a for a in without_factor(difference, mpf(1))]
+
+    def is_string_stable(self):
+        """None where the digits of double do not tell."""
+        if self.rho >= 1:
+            return False
+        margin = self.margin()
+        points = [mpf(-1), mpf(1)]
+        for x in zeros(slope(margin)):
+            if abs(x.imag) < mpf(10) ** -40 and -1 < x.real < 1:
+                points.append(x.real)
+        least = mp.inf
+        # What a change of each coefficient by its last digit, T(1) = 1 kept, does to the margin.
+        spread = sum(abs(a) * i * i for p in (self.n, self.d) for i, a in enumerate(p[::-1]))
+        for x in points:
+            z = x + mp.sqrt(x * x - 1 + 0j) if x < 1 else mpf(1)
+            doubt = spread * (abs(value(self.d, z)) + abs(value(self.n, z)))
+            least = min(least, value(margin, x) / doubt)
+        if abs(least) < UNDECIDED:
+            return None
+        return least > 0
+
+    def filtered(self, u):
+        """T u from the zero state."""
+        lead = len(self.d) - len(self.n)
+        y = []
+        for k in range(len(u)):
+            total = mpf(0)
+            for i, b in enumerate(self.n):
+                if k - lead - i >= 0:
+                    total += b * u[k - lead - i]
+            for i, a in enumerate(self.d[1:], 1):
+                if k - i >= 0 and a != 0:
+                    total -= a * y[k - i]
+            y.append(total)
+        return y
+
+    def with_headway(self, u):
+        return [(1 + self.h) * a - self.h * b for a, b in zip(u, [mpf(0)] + u)]
+
+    def integral_defect(self):
+        """By how much T misses double integral action, T(1) = 1 and dT/dz(1) = -h."""
+        at_one = value(self.d, mpf(1))
+        gain = value(self.n, mpf(1)) / at_one
+        rise = (value(slope(self.n), mpf(1)) - gain * value(slope(self.d), mpf(1))) / at_one
+        return abs(gain - 1) + abs(rise + self.h) / (1 + self.h)
+
+    def limit(self):
+        """||S/M||^2 - 1, M M~ = 1 - T T~: the variance along an endless string over that of the noise."""
+        margin = self.margin()
+        factor = [mpf(1)]
+        for x in zeros_of_margin(self.n, self.d, margin):
+            z = x + mp.sqrt(x * x - 1)
+            factor = times(factor, [mpf(1), -(z if abs(z) < 1 else 1 / z)])
+        factor = [a.real for a in factor]
+        # |D|^2 - |N|^2 = (1 - x) margin(x) and |z - 1|^2 = 2 (1 - x)
+        scale = value(margin, mpf(1)) / 2 / value(factor, mpf(1)) ** 2
+        s = without_factor(self.s, mpf(1))
+        return squared_norm(s, times([mpf(1), mpf(0)], factor)) / scale - 1
+
+
+def at_one(p):
+    """p with the double pole at z = 1 that it has to the rounding of its coefficients."""
+    quotient = without_factor(without_factor(p, mpf(1)), mpf(1))
+    exact = times(quotient, [mpf(1), mpf(-2), mpf(1)])
+    close = sum(abs(a - b) for a, b in zip(p, exact)) <= mpf(10) ** -14 * sum(abs(a) for a in p)
+    return exact if len(p) > 2 and close else p
+
+
+def design_loop(vehicle, h=None):
+    h = mpf(vehicle["time_headway"] if h is None else h)
+    plant, controller = vehicle["plant"], vehicle["controller"]
+    n = times([mpf(a) for a in plant["numerator"]], [mpf(a) for a in controller["numerator"]])
+    d = times(at_one([mpf(a) for a in plant["denominator"]]), [mpf(a) for a in controller["denominator"]])
+    if controller.get("divide_by_one_plus_headway", False):
+        d = [a * (1 + h) for a in d]
+    numerator, denominator = times(n, [1, 0]), plus(times(d, [1, 0]), times(n, [1 + h, -h]))
+    while numerator[-1] == 0 and denominator[-1] == 0:
+        numerator, denominator = numerator[:-1], denominator[:-1]
+    return Loop(numerator, denominator, h)
+
+
+def given_loop(vehicle):
+    given = vehicle["closed_loop"]
+    a = mp.matrix([[mpf(x) for x in row] for row in given["A"]])
+    b, c = [mpf(x) for x in given["B"]], [mpf(x) for x in given["C"]]
+    size = a.rows
+    # N(z) and D(z) from their values at size + 1 points: D = det(zI - A), N = D C (zI - A)^-1 B.
+    points = [mpf(2 + i) for i in range(size + 1)]
+    n_values, d_values = [], []
+    scale = 1 + max(abs(x) for x in a)
+    with mp.workdps(400):
+        for z in points:
+            shifted = mp.eye(size) * z * scale - a
+            d = mp.det(shifted)
+            x = mp.lu_solve(shifted, mp.matrix(b))
+            d_values.append(d)
+            n_values.append(d * sum(c[i] * x[i] for i in range(size)))
+        vandermonde = mp.matrix([[(z * scale) ** (size - i) for i in range(size + 1)] for z in points])
+        n = list(mp.lu_solve(vandermonde, mp.matrix(n_values)))
+        d = list(mp.lu_solve(vandermonde, mp.matrix(d_values)))
+
+    def cleaned(p):
+        return [x if abs(x) > mpf(10) ** -100 * max(abs(y) for y in p) else mpf(0) for x in p]
+    return Loop(cleaned(n), cleaned(d), vehicle["time_headway"])
+
+
+def loop_of(vehicle):
+    return given_loop(vehicle) if "closed_loop" in vehicle else design_loop(vehicle)

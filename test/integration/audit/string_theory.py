@@ -1,0 +1,220 @@
+"""Stationary values, limits and the decision of a string of followers over links with independent losses: the formulas of
+link_theory_test.py, with the nodes and the digits that random models need."""
+
+import numpy as np
+from mpmath import mp, mpf
+
+import link_reference
+from audit.followers import LONG, Circle, long, made
+from audit.quadrature import PI, panels
+
+UNDECIDED = 1e-11  # of the last digit of T's coefficients, as for the paper's platoon
+UNDECIDED_GAIN = 1e-9
+
+
+def refined(function, values, grid):
+    """The places of the local minima of a function that has these values on a grid; golden section search."""
+    middle = np.arange(1, len(grid) - 1)
+    middle = middle[(values[middle] <= values[middle - 1]) & (values[middle] <= values[middle + 1])]
+    low, high, golden = grid[middle - 1], grid[middle + 1], LONG("0.6180339887498948482")
+    for _ in range(50):
+        a, b = high - golden * (high - low), low + golden * (high - low)
+        left = function(Circle(a)) < function(Circle(b))
+        low, high = np.where(left, low, a), np.where(left, b, high)
+    return (low + high) / 2
+
+
+class String:
+    """One pattern of the string of a model."""
+
+    def __init__(self, model):
+        vehicles = link_reference.vehicles_of(model, len(model.get("string", ["default"])))
+        self.followers = [made(vehicle) for vehicle in vehicles]
+        self.kinds = list(dict.fromkeys(self.followers))
+        self.order = [self.kinds.index(f) for f in self.followers]
+        last = model["leader"]["speed"][-1]["value"] if model["leader"]["speed"] else 0.0
+        self.speed = mpf(model["sample_period"]) * mpf(last)
+        self.lossy = any(f.q for f in self.kinds)
+
+    def rho(self):
+        return max(f.loop.rho for f in self.kinds)
+
+    def mean_square_stable(self):
+        return all(f.mean_square_stable() for f in self.kinds)
+
+    def singular(self):
+        return [w for f in self.kinds for w in f.singular_frequencies()]
+
+    def at(self, circle):
+        values = [kind.at(circle) for kind in self.kinds]
+        return [values[k] for k in self.order]
+
+    def margin(self, circle):
+        """1 - |T^|^2 of the pattern, by the sum of the logarithms of its factors."""
+        return -np.expm1(sum(v["log"] for v in self.at(circle)))
+
+    # The decision.
+
+    def counts(self):
+        return [self.order.count(k) for k in range(len(self.kinds))]
+
+    def flatness(self):
+        return self.kinds[0].flatness() if len(self.kinds) == 1 else 0
+
+    def grows_at_zero(self):
+        """Whether 1 - |T^|^2 of the pattern vanishes faster at w = 0 than what it divides."""
+        orders = [f.zeros_at_one() for f in self.kinds]
+        return 1 + self.flatness() > min(added for added, _ in orders) + min(divided for _, divided in orders)
+
+    def slope(self, circle):
+        """-log |T^|^2 of the pattern over 1 - cos w, without zeros at w = 0, and its doubt."""
+        slope, doubt, power = 0, 0, 1 + self.flatness()
+        for kind, count in zip(self.kinds, self.counts()):
+            values = kind.at(circle)
+            slope = slope - count * values["log"] / circle.t ** power
+            doubt = doubt + count * kind.doubt_at(circle)
+        return slope, doubt
+
+    def grid(self):
+        grid = [np.geomspace(1e-7, float(PI), 1500), np.linspace(0, float(PI), 1501)[1:]]
+        for w in self.singular():
+            around = max(abs(w.imag), 1e-10) * np.concatenate([np.geomspace(1e-2, 1e4, 50), [0.0]])
+            grid += [abs(w.real) + around, abs(w.real) - around]
+        grid = np.unique(np.concatenate(grid))
+        return np.asarray(grid[(grid > 1e-8) & (grid <= float(PI))], LONG)
+
+    def least(self):
+        """The smallest slope() over its doubt, and w where it is."""
+        grid = self.grid()
+        slope, _ = self.slope(Circle(grid))
+        places = np.append(refined(lambda c: self.slope(c)[0], slope, grid), grid[-1])
+        slope, doubt = self.slope(Circle(places))
+        zero = [f.slope_at_zero() for f in self.followers]
+        ratios = [(float(s / d), float(w)) for s, d, w in zip(slope, doubt, places)]
+        ratios.append((float(sum(s for s, _ in zero) / sum(d for _, d in zero)), 0.0))
+        return min(ratios)
+
+    def peak(self):
+        """The largest |T^| of the pattern, at least 1."""
+        def log(circle):
+            return self.slope(circle)[0] * circle.t ** (1 + self.flatness())
+        grid = self.grid()
+        places = np.append(refined(log, log(Circle(grid)), grid), grid[-1])
+        return float(np.exp(max(0, -log(Circle(places)).min()) / 2))
+
+    def verdict(self):
+        """True, False or None, and why; None where the digits of double do not tell."""
+        for f in self.kinds:
+            if abs(1 - f.loop.rho) < 1e-9 or abs(1 - f.feedback) < 1e-9:
+                return None, "at the border of mean square stability"
+        if not self.mean_square_stable():
+            return False, "not mean square stable"
+        start, doubt = (sum(x) for x in zip(*(f.slope_at_zero() for f in self.followers)))
+        if start < -UNDECIDED * doubt:
+            return False, "|T^| > 1 about w = 0, by %.3g of its doubt" % (-start / doubt)
+        least, w = self.least()
+        if w == 0.0 and abs(least) < UNDECIDED:
+            return None, "|T^| is flat at w = 0 to the digits"
+        if abs(least) < UNDECIDED:
+            return None, "|T^| = 1 to the digits, at w = %.4g" % w
+        if least < 0:
+            return False, "|T^| > 1 at w = %.6g, by %.3g of its doubt" % (w, -least)
+        if self.flatness() and self.grows_at_zero():
+            return False, "1 - |T^|^2 has %d zeros at w = 0" % (1 + self.flatness())
+        if not self.lossy:
+            return True, "least slope %.3g of its doubt at w = %.4g" % (least, w)
+        gain = self.loss_gain()
+        if abs(gain - 1) < UNDECIDED_GAIN:
+            return None, "loss gain 1 to the digits"
+        return bool(gain < 1), "loss gain %.12g" % gain
+
+    # Losses and limits of a string whose |T^| is below 1.
+
+    def panels_of_limit(self):
+        def integrands(circle):
+            values, margin = self.at(circle), self.margin(circle)
+            after = 1
+            for v in values:  # no spectrum exceeds this one
+                after = v["gain"] * after + v["gain"] * (1 + v["noise"])
+            through = after / margin
+            found = [sum(v["complement"] for v in values) * through, sum(v["headway"] * v["gain"] for v in values)]
+            if self.lossy:
+                found += [sum(v["innovation"] for v in values) * through,
+                          sum(v["innovation"] for v in values) / margin * sum(v["loss_gain"] for v in values)]
+            return found
+        return panels(self.singular(), integrands)
+
+    def spectra_ahead(self, values, margin, added):
+        """Of what is ahead of every follower of the pattern, in an endless string to which every one adds this."""
+        spectrum = 0
+        for v, a in zip(values, added):
+            spectrum = v["gain"] * spectrum + a
+        spectrum = spectrum / margin
+        ahead = []
+        for v, a in zip(values, added):
+            ahead.append(spectrum)
+            spectrum = v["gain"] * spectrum + a
+        return ahead
+
+    def gains(self, grid, values, margin):
+        """What the variance of w_l, over all its repetitions, adds to that of w_j."""
+        count = len(values)
+        gains = np.zeros((count, count))
+        for l, source in enumerate(self.followers):
+            if not source.q:
+                continue
+            added = [v["loss_gain"] if i == l else 0 for i, v in enumerate(values)]
+            for j, ahead in enumerate(self.spectra_ahead(values, margin, added)):
+                if self.followers[j].q:
+                    gains[j, l] = long(self.followers[j].kappa()) * grid.mean(values[j]["innovation"] * ahead)
+        return gains
+
+    def loss_gain(self):
+        grid = self.panels_of_limit()
+        values = self.at(grid.circle)
+        return np.abs(np.linalg.eigvals(self.gains(grid, values, self.margin(grid.circle)))).max()
+
+    def limits(self):
+        """The loss gain and the limit of every follower of the pattern."""
+        grid = self.panels_of_limit()
+        values, margin = self.at(grid.circle), self.margin(grid.circle)
+        added = [v["gain"] * v["noise"] for v in values]
+        gains = self.gains(grid, values, margin)
+        ahead = self.spectra_ahead(values, margin, added)
+        given = [long(f.kappa()) * (grid.mean(v["innovation"] * (v["noise"] + a)) + long(self.speed * f.ebar) ** 2)
+                 for f, v, a in zip(self.followers, values, ahead)]
+        sigma = np.linalg.solve(np.eye(len(values)) - gains, np.array(given, float))
+        added = [a + s * v["loss_gain"] for a, s, v in zip(added, sigma, values)]
+        ahead = self.spectra_ahead(values, margin, added)
+        limits = [grid.mean(v["complement"] * a + v["headway"] * own) for v, a, own in zip(values, ahead, added)]
+        return np.abs(np.linalg.eigvals(gains)).max(), [mpf(str(x)) for x in limits]
+
+    # Behind a finite number of vehicles.
+
+    def stationary(self, followers):
+        """Variances and means."""
+        def spectra(circle, mean):
+            values, spectrum, found = self.at(circle), 0, []
+            for i in range(followers):
+                f, v = self.followers[i % len(values)], values[i % len(values)]
+                sigma = 0
+                if f.q:
+                    sigma = long(f.kappa()) * (mean(v["innovation"] * (spectrum + v["noise"])) +
+                                               long(self.speed * f.ebar) ** 2)
+                added = v["gain"] * v["noise"] + v["loss_gain"] * sigma
+                found.append(v["complement"] * spectrum + v["headway"] * added)
+                spectrum = v["gain"] * spectrum + added
+            return found
+
+        def integrands(circle):
+            values = self.at(circle)
+            most = np.exp(sum(np.maximum(v["log"], 0) for v in values) * (followers // len(values) + 1))
+            everything = sum(v["headway"] * (v["gain"] * v["noise"] + v["loss_gain"]) for v in values)
+            found = [everything * most, everything]
+            if self.lossy:
+                found.append(sum(v["innovation"] for v in values) * (1 + everything) * most)
+            return found
+        grid = panels(self.singular(), integrands)
+        variances = [mpf(str(grid.mean(p))) for p in spectra(grid.circle, grid.mean)]
+        means = [self.speed * self.followers[i % len(self.followers)].lag for i in range(followers)]
+        return variances, means

@@ -1,0 +1,24 @@
+"""Mean and variance of every (i, k) of the first followers."""
+
+from mpmath import mpf
+
+import link_reference
+from audit import second_moments
+
+MEAN = 1e-13      # of the largest mean and displacement per step times 1 + headway
+VARIANCE = 1e-12  # of a cell
+
+
+def check(name, model, found, followers, steps, findings):
+    """The means and variances that are compared."""
+    means, variances = second_moments.moments(model, followers, steps)
+    vehicles = link_reference.vehicles_of(model, followers)
+    fastest = max(abs(entry["value"]) for entry in model["leader"]["speed"]) * model["sample_period"]
+    reach = max(1 + vehicle["time_headway"] for vehicle in vehicles)
+    scale = max(max(abs(x) for row in means for x in row), mpf(fastest) * reach)
+    for what, ours, theirs, allowed in (("mean", means, found["mean"], lambda x: MEAN * scale),
+                                        ("variance", variances, found["variance"], lambda x: VARIANCE * x)):
+        for i in range(followers):
+            for k in range(steps):
+                findings.compare(what, ours[i][k], theirs[i][k], allowed(ours[i][k]), name, " of %d at step %d" % (i + 1, k))
+    return means, variances
