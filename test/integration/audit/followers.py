@@ -110,7 +110,10 @@ class Follower:
         while len(self.margin) > 1 and abs(self.margin[0]) < mpf(10) ** -100 * max(abs(a) for a in self.margin):
             self.margin = self.margin[1:]
         roots = [1 - x for x in zeros_of_margin(self.n, self.d, self.margin)]
-        self.margin_roots = [mpf(0) if abs(t) < FLAT * min(1, 1 - self.loop.rho) ** 2 else t for t in roots]
+        least = FLAT * min(1, 1 - self.loop.rho) ** 2
+        self.margin_roots = [mpf(0) if abs(t) < least else t for t in roots]
+        # A zero at t_0 in place of 0 changes what is divided by it up to w = sqrt(2 t_0): so much of a mean is undetermined.
+        self.undetermined = 10 * mp.sqrt(max([abs(t) for t in roots if abs(t) < least] + [mpf(0)]))
         # (x - x_k) = (t_k - t)
         self.margin_leading = self.margin[0]
         self.factors = None
