@@ -28,7 +28,8 @@ class String:
     """One pattern of the string of a model."""
 
     def __init__(self, model):
-        vehicles = link_reference.vehicles_of(model, len(model.get("string", ["default"])))
+        names = model.get("string", ["default"])
+        vehicles = link_reference.vehicles_of(model, 1 if set(names) == {"default"} else len(names))
         self.followers = [made(vehicle) for vehicle in vehicles]
         self.kinds = list(dict.fromkeys(self.followers))
         self.order = [self.kinds.index(f) for f in self.followers]
