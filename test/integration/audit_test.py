@@ -44,7 +44,7 @@ def is_papers(model):
 
 def admitted(model):
     """Whether the assumptions hold."""
-    if not is_papers(model):
+    if not is_papers(model) or "vehicle_types" in model:
         return string_models.admissible(model)
     loop = loops.loop_of(model)
     if loop.rho >= 1 - mpf(10) ** -7:
