@@ -153,6 +153,8 @@ def flat(draw):
         curve = [1.0]
         for _ in range(power):
             curve = np.convolve(curve, [-0.5, 1.0, -0.5])
+        if power == 3:  # with noise that has no power at w = 0 its limit exists, and takes more digits than there are here
+            model["channel"].pop("noise_filter", None)
         response = -c * curve
         response[power] += 1
     else:
