@@ -1,6 +1,7 @@
-// Puts one live follower behind what it was recorded with. Parameters: ~bags, ~vehicle. Ends with status 0
-// when all that the follower publishes equals the recording to the bit, else with 1. With ~own the vehicle is
-// somebody's own: its messages must be those of the recording, its positions may be others.
+// Puts one live follower behind what it was recorded with. Parameters: ~bags, ~vehicle, ~patience (60 [s] without a
+// new answer). Ends with status 0 when all that the follower publishes equals the recording to the bit, else with 1,
+// as it does with the reason why there is no verdict. With ~own the vehicle is an external one: its messages must be
+// those of the recording, its positions may be others.
 
 #include "stochastic_platoon/graph/vehicle_replay.hpp"
 
@@ -18,9 +19,10 @@ void run(const ros::NodeHandle& platoon) {
   const std::optional<platoon::Configuration> configuration = platoon::wait_for_configuration(platoon);
   if (!configuration) return;
   const ros::NodeHandle own("~");
-  const platoon::VehicleReplay replay(
-      platoon, *configuration, platoon::bag_files(own.param<std::string>("bags", "")),
-      static_cast<std::size_t>(own.param("vehicle", 0)), own.param("own", false));
+  const platoon::VehicleReplay replay(platoon, *configuration,
+                                      platoon::bag_files(own.param<std::string>("bags", "")),
+                                      static_cast<std::size_t>(own.param("vehicle", 0)),
+                                      own.param("own", false), own.param("patience", 60.0));
   while (ros::ok() && !replay.done()) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
   if (!replay.done()) return;
   std::printf("%s\n", replay.verdict().c_str());

@@ -1,0 +1,200 @@
+#!/usr/bin/python3
+"""Replays behind external followers end with a verdict or with the reason why there is none.
+
+replays_test.py --count 500 [--busy 4] [--lanes 3]: so many replays of one recording, each with a follower of its own that is started at
+the same time, beside busy loops, several at once; prints how many ended with which verdict, and has status 0 when all are right.
+"""
+
+import argparse
+import collections
+import concurrent.futures
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import live_platoon
+from terminal import LaunchTest, Terminal, start_master
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+RUN = dict(followers=2, steps=20, realizations=30, batch=10)
+MESSAGES = 3 * 21
+EQUAL = "vehicle_2: {} messages equal the recorded ones to the bit".format(MESSAGES)
+# The example computes as the built-in vehicle does, but for rounding.
+APART = r"vehicle_2: {} messages as in the recording, positions at most (\S+) m apart".format(MESSAGES)
+LONGEST = 120.0  # [s] for a replay to end
+
+
+def record(folder):
+    """A bag of RUN with built-in vehicles."""
+    bag = os.path.join(folder, "run.bag")
+    terminal = Terminal(folder, "platoon.launch", output=os.path.join(folder, "run"), record=bag, **RUN)
+    try:
+        terminal.wait()
+    finally:
+        terminal.end()
+    if not os.path.exists(bag):
+        raise AssertionError("nothing was recorded:\n" + terminal.text())
+    return bag
+
+
+def ended(text):
+    """What a replay printed in the end: a verdict, a reason, or nothing."""
+    apart = re.search(APART, text)
+    if EQUAL in text or (apart and float(apart.group(1)) < 1e-11):
+        return "right"
+    if "differs from the recording" in text or apart:
+        return "wrong"
+    return "no verdict" if "no verdict: " in text else "nothing"
+
+
+class Followers:
+    """External vehicles on a master of their own, and the replays behind which they are put."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.core, self.master = start_master(folder)
+        self.environment = dict(os.environ, ROS_MASTER_URI=self.master, ROS_HOSTNAME="localhost", ROS_HOME=folder)
+
+    def close(self):
+        self.core.terminate()
+        self.core.wait()
+
+    def start(self, *command):
+        return subprocess.Popen(command, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def replay(self, bag, command, **arguments):
+        """What a replay behind the vehicle that this command starts printed; an AssertionError if it does not end."""
+        vehicle = self.start(*command) if command else None
+        terminal = Terminal(self.folder, "replay.launch", master=self.master, bag=bag, drive="vehicle_2", own=2, output="", **arguments)
+        try:
+            terminal.wait(LONGEST)
+        except subprocess.TimeoutExpired:
+            raise AssertionError("the replay does not end; it printed:\n" + terminal.text())
+        finally:
+            terminal.end()
+            if vehicle:
+                vehicle.kill()
+                vehicle.wait()
+        return terminal.text()
+
+
+def example():
+    return [live_platoon.shared("launch", "examples", "rospy_follower.py"), "2"]
+
+
+def run_lane(bag, numbers):
+    """How the replays of one lane ended, and the text of those that did not end right."""
+    folder = tempfile.mkdtemp()
+    followers = Followers(folder)
+    outcomes, texts = collections.Counter(), []
+    try:
+        for number in numbers:
+            try:
+                text = followers.replay(bag, example())
+                outcome = ended(text)
+            except AssertionError as error:
+                text, outcome = str(error), "hangs"
+            outcomes[outcome] += 1
+            if outcome != "right":
+                texts.append("replay {}: {}\n{}".format(number, outcome, text[-3000:]))
+    finally:
+        followers.close()
+        shutil.rmtree(folder, ignore_errors=True)
+    return outcomes, texts
+
+
+def run_many(bag, count, busy, lanes):
+    """All of them beside so many busy loops: outcomes, and texts of those that did not end right."""
+    loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(busy)]
+    try:
+        outcomes, texts = collections.Counter(), []
+        with concurrent.futures.ThreadPoolExecutor(lanes) as pool:
+            for of_lane, texts_of_lane in pool.map(lambda lane: run_lane(bag, range(lane, count, lanes)), range(min(lanes, count))):
+                outcomes += of_lane
+                texts += texts_of_lane
+        return outcomes, texts
+    finally:
+        for loop in loops:
+            loop.kill()
+            loop.wait()
+
+
+class Replays(LaunchTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.kept = tempfile.mkdtemp()
+        cls.addClassCleanup(shutil.rmtree, cls.kept, ignore_errors=True)
+        cls.bag = record(cls.kept)
+
+    def setUp(self):
+        super().setUp()
+        self.followers = Followers(self.folder)
+        self.addCleanup(self.followers.close)
+
+    def test_a_link_that_carries_answers_late_costs_an_attempt_and_the_verdict_comes(self):
+        text = self.followers.replay(self.bag, [os.path.join(HERE, "slow_accept.py"), "2", "0.5"])
+        self.assertEqual(ended(text), "right", text)
+
+    def test_a_follower_that_is_killed_and_comes_back_costs_attempts_and_the_verdict_comes(self):
+        # A vehicle of the same node name takes its place, as one that is started again does: the first has answered too slowly to end.
+        slow = self.followers.start(os.path.join(HERE, "slow_accept.py"), "2", "3600")
+        self.addCleanup(slow.wait)
+        self.addCleanup(slow.kill)
+        live_platoon.wait_for(lambda: live_platoon.process_of("/vehicle_2", self.followers.master), "the first vehicle")
+        terminal = Terminal(self.folder, "replay.launch", master=self.followers.master, bag=self.bag, drive="vehicle_2", own=2, output="")
+        self.addCleanup(terminal.end)
+        live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/vehicle_replay", self.followers.master), "the replay")
+        time.sleep(1.0)  # it sends, and nothing comes
+        slow.send_signal(signal.SIGKILL)
+        slow.wait()
+        again = self.followers.start(*example())
+        self.addCleanup(again.wait)
+        self.addCleanup(again.kill)
+        terminal.wait(LONGEST)
+        self.assertEqual(ended(terminal.text()), "right", terminal.text())
+
+    def test_a_vehicle_that_does_not_answer_ends_the_replay_with_the_reason(self):
+        text = self.followers.replay(self.bag, [os.path.join(HERE, "broken_follower.py"), "2:answer"], patience=4)
+        self.assertRegex(text, r"no verdict: vehicle_2 has not answered step 5 of the realizations from 0 within 4 s, in \d+ attempts; what it sent last "
+                         "was dropped, as out of turn; clause 6 of")
+        text = self.followers.replay(self.bag, [os.path.join(HERE, "slow_accept.py"), "2", "3600"], patience=4)
+        self.assertRegex(text, r"no verdict: vehicle_2 has not answered step -1 of the realizations from 0 within 4 s, in \d+ attempts; clause 2 of")
+
+    def test_a_vehicle_that_is_not_there_ends_the_replay_with_the_reason(self):
+        text = self.followers.replay(self.bag, None, patience=3)
+        self.assertIn("waiting for vehicle_2: start it, it is yours (the replay ends after 3 s)", text)
+        self.assertIn("no verdict: vehicle_2 is not there: nobody publishes /platoon/vehicle_2/position; it is yours: start it", text)
+
+    def test_some_replays_under_load_end_with_the_right_verdict(self):
+        outcomes, texts = run_many(self.bag, 4, 2, 2)
+        self.assertEqual(outcomes, {"right": 4}, "\n".join(texts))
+
+
+def main(arguments):
+    folder = tempfile.mkdtemp()
+    try:
+        began = time.monotonic()
+        outcomes, texts = run_many(record(folder), arguments.count, arguments.busy, arguments.lanes)
+        print("\n".join(texts))
+        print("{} replays beside {} busy loops in {:.0f} s: {}".format(sum(outcomes.values()), arguments.busy, time.monotonic() - began, ", ".join(
+            "{} {}".format(number, outcome) for outcome, number in outcomes.most_common())))
+        return 0 if outcomes == {"right": arguments.count} else 1
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, help="so many replays instead of the tests")
+    parser.add_argument("--busy", type=int, default=4, help="busy loops beside them (4)")
+    parser.add_argument("--lanes", type=int, default=3, help="at once (3)")
+    parsed, others = parser.parse_known_args()
+    if parsed.count:
+        sys.exit(main(parsed))
+    unittest.main(argv=sys.argv[:1] + others)
