@@ -5,27 +5,51 @@
 
 #include <algorithm>
 #include <map>
+#include <string>
 
+#include "stochastic_platoon/graph/sole_publisher.hpp"
 #include "stochastic_platoon/hosting/run_component.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
 
 namespace {
 
+using stochastic_platoon::Progress;
+
+// Of each receiver whether it has finished. As the leader does, it takes a receiver's reports from one node alone.
+class Finished {
+public:
+  Finished(const ros::NodeHandle& platoon, const platoon::Configuration& configuration)
+      : run_(platoon::run_identity(configuration)) {
+    const std::string topic = platoon.resolveName(platoon::kProgressTopic);
+    for (const std::string& name : configuration.run.receivers())
+      receivers_.emplace(name, Receiver{platoon::SolePublisher(topic + " of " + name), false});
+  }
+
+  void receive(const ros::MessageEvent<const Progress>& event) {
+    const Progress::ConstPtr message = event.getMessage();
+    const auto found = receivers_.find(message->receiver);
+    if (found == receivers_.end() || message->run != run_) return;
+    Receiver& receiver = found->second;
+    if (receiver.reporter.admits(event.getConnectionHeaderPtr(), run_)) receiver.finished = message->finished;
+    const bool all = std::all_of(receivers_.begin(), receivers_.end(),
+                                 [](const auto& entry) { return entry.second.finished; });
+    if (all) ros::shutdown();
+  }
+
+private:
+  struct Receiver {
+    platoon::SolePublisher reporter;
+    bool finished;
+  };
+  std::uint64_t run_;
+  std::map<std::string, Receiver> receivers_;
+};
+
 void run(ros::NodeHandle platoon, const platoon::Configuration& configuration,
          platoon::Superseded& superseded) {
-  const std::uint64_t own_run = platoon::run_identity(configuration);
-  std::map<std::string, bool> finished;
-  for (const std::string& receiver : configuration.run.receivers()) finished[receiver] = false;
-  const boost::function<void(const stochastic_platoon::Progress::ConstPtr&)> receive =
-      [&finished, own_run](const stochastic_platoon::Progress::ConstPtr& message) {
-        const auto receiver = finished.find(message->receiver);
-        if (receiver == finished.end() || message->run != own_run) return;
-        receiver->second = message->finished;
-        if (std::all_of(finished.begin(), finished.end(), [](const auto& entry) { return entry.second; }))
-          ros::shutdown();
-      };
+  Finished finished(platoon, configuration);
   const ros::Subscriber progress =
-      platoon.subscribe<stochastic_platoon::Progress>(platoon::kProgressTopic, 100, receive);
+      platoon.subscribe(platoon::kProgressTopic, 100, &Finished::receive, &finished);
   superseded.spin();
 }
 

@@ -172,6 +172,24 @@ class Manoeuvres(Orders):
         live_platoon.kill("/platoon/platoon" if hosting == "one_process" else "/platoon/vehicle_3", self.master)
         speed_is(20.0)
 
+    def test_a_report_of_another_node_does_not_end_the_launch(self):
+        import rospy
+        from stochastic_platoon.msg import Progress
+        settings = dict(followers=2, steps=20, realizations=500, seed=4)
+        reports = self.listen("progress", Progress)
+        reporter = rospy.Publisher("/platoon/progress", Progress, queue_size=10)
+        self.addCleanup(reporter.unregister)
+        terminal = self.launch(master=self.master, batch=10, rate=150, **settings)
+        now = reports.newest(lambda message: message.receiver == "monitor" and message.step >= 0, "the first steps")
+        end = "/platoon/until_complete"
+        live_platoon.wait_for(lambda: live_platoon.process_of(end, self.master), end)
+        live_platoon.wait_for(lambda: reporter.get_num_connections() >= 4, "leader, monitor, until_complete and this node to listen")
+        for _ in range(5):
+            reporter.publish(Progress(receiver="monitor", run=now.run, attempt=now.attempt, first_realization=500, step=-2, finished=True))
+        terminal.wait()
+        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
     def test_a_run_over_realizations_refuses_in_words_and_keeps_its_bits(self):
         import rospy
         from std_msgs.msg import Float64
