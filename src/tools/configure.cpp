@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
     const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
     if (start) configuration.run.first_realization = start->table.count();
-    lock->leave_claim();  // until the monitor of this launch is there
+    lock->leave_claim(::getppid());  // until the monitor of this launch is there; roslaunch is the parent
     std::cout << platoon::to_json(configuration).dump() << "\n";
     return 0;
   } catch (const std::exception& error) {

@@ -75,7 +75,7 @@ class BadInput(LaunchTest):
         live_platoon.wait_for(lambda: os.path.exists(self.output + "/.lock"), "the first launch to check its folder")
         second = self.launch(followers=2, steps=10, realizations=100)
         self.assertNotEqual(second.wait(), 0)
-        self.assertIn("output: {}: is in use by launch ".format(self.output), second.text())
+        self.assertRegex(second.text(), r"output: {}: is in use by launch \S+; it is free .*when process \d+ ends".format(self.output))
         first.wait()
         self.assertEqual(live_platoon.completed_summary(self.output)["realizations"], 2000)
 
@@ -163,6 +163,20 @@ class Surroundings(LaunchTest):
         self.launch(master=master, output=second, **settings).wait()
         self.assertLessEqual(live_platoon.completed_summary(second)["attempts"], live_platoon.UNDISTURBED)
         self.assertEqual(live_platoon.statistics(second), live_platoon.reference(self.folder, **settings))
+
+    def test_a_run_whose_launch_was_killed_with_its_monitor_is_gone_on_with_at_once(self):
+        settings = dict(followers=2, steps=20, realizations=1000)
+        terminal = self.launch(batch=50, rate=300, **settings)
+        live_platoon.wait_for(lambda: os.path.exists(self.output + "/checkpoint.cbor"), "a checkpoint")
+        processes = self.nodes_of(terminal.master)
+        for process in [terminal.process.pid] + processes:
+            os.kill(process, signal.SIGKILL)
+        terminal.wait()
+        again = self.launch(resume="true", **settings)
+        again.wait()
+        self.assertNotIn("in use", again.text())
+        self.assertTrue(live_platoon.completed_summary(self.output), again.text())
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
 
     def test_a_node_that_comes_back_at_the_address_it_had_is_connected_to(self):
         shim, port = os.path.join(self.folder, "forced_port.so"), os.path.join(self.folder, "port")

@@ -3,6 +3,8 @@
 #include <ros/console.h>
 #include <stochastic_platoon/Progress.h>
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <utility>
 
@@ -77,7 +79,7 @@ bool RunChange::serve(stochastic_platoon::ChangeRun::Request& request,
   give("loss", request.loss);
   try {
     const Configuration next = changed(present_, given);
-    lock_output(next.run)->leave_claim();
+    lock_output(next.run)->leave_claim(::getppid());  // roslaunch, or the shell
     response.success = 1;
     response.message = "run " + std::to_string(next.run.number) + " begins";
     for (const auto& entry : given) response.message += ", " + entry.first + " " + entry.second;

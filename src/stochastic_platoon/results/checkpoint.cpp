@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -235,9 +236,12 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
 std::unique_ptr<FolderLock> lock_output(const RunOptions& run) {
   try {
     require_writable_folder(run.output);
-    return std::make_unique<FolderLock>(run.output, run.launch_id.empty()
-                                                        ? "process " + std::to_string(::getpid())
-                                                        : "launch " + run.launch_id);
+    if (run.launch_id.empty())
+      return std::make_unique<FolderLock>(run.output, "process " + std::to_string(::getpid()));
+    // roslaunch starts a monitor again that is killed.
+    const bool started_again = std::getenv(kEndsWithLaunch) != nullptr;
+    return std::make_unique<FolderLock>(run.output, "launch " + run.launch_id,
+                                        started_again ? ::getppid() : 0);
   } catch (const std::runtime_error& error) {
     throw ConfigurationError(
         {std::string("output: ") + error.what() + ": must be a folder that can be written, and of one run"});

@@ -60,8 +60,11 @@ std::string identity_differences(const nlohmann::json& there, const nlohmann::js
 /// Throws ConfigurationError when the folder holds results, which are never written over.
 void require_no_results(const std::string& output);
 
+/// In the environment of a node that ends with its launch, and that this starts again.
+constexpr char kEndsWithLaunch[] = "PLATOON_ENDS_WITH_LAUNCH";
+
 /// Makes the run's output folder if need be, and takes it for this launch until the lock ends. Throws
-/// ConfigurationError when it cannot be written, or is another's, which is named.
+/// ConfigurationError when it cannot be written, or is another's, which is named with how long to wait.
 std::unique_ptr<FolderLock> lock_output(const RunOptions& run);
 
 }  // namespace platoon
