@@ -273,6 +273,45 @@ class Changes(Orders):
                 self.assertLess(summary["agreement"]["max_abs_z_variance"], 5.0)
 
 
+    def test_an_order_that_was_answered_outlives_the_end_of_whoever_took_it(self):
+        self.in_both(self.check_order_and_kill)
+
+    def check_order_and_kill(self, hosting):
+        import rospy
+        from stochastic_platoon.msg import Progress
+        reports = self.listen("progress", Progress)
+        self.endless(hosting, followers=3, rate=200)
+        nodes = ["platoon"] if hosting == "one_process" else ["monitor", "vehicle_0"]
+        for number, victims in enumerate((nodes[:1], nodes, nodes[:1], nodes, nodes[:1])):
+            before = reports.newest(lambda message: message.receiver == "monitor" and message.step >= 0, "steps").run
+            processes = [live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/" + victim, self.master), victim) for victim in victims]
+            headway = round(3.0 + 0.1 * number, 1)
+            answer = self.change(headway=headway)
+            for process in processes:
+                os.kill(process, signal.SIGKILL)
+            self.assertTrue(answer.success, answer.message)
+            live_platoon.wait_for(lambda: any(message.receiver == "monitor" and message.run != before and message.step >= 0
+                                              for message in list(reports.messages)[-20:]), "steps of the run with headway {}".format(headway), 60)
+            document = json.loads(rospy.get_param("/platoon/configuration"))
+            self.assertEqual((document["model"]["time_headway"], document["run"]["run_number"]), (headway, number + 2))
+            del reports.messages[:-20]
+
+    def test_an_order_before_the_one_before_has_begun_keeps_that_one(self):
+        import rospy
+        from stochastic_platoon.srv import ChangeRun
+        self.endless("processes", followers=3, rate=200)
+        rospy.wait_for_service("/platoon/change_run", 60)
+        proxy = rospy.ServiceProxy("/platoon/change_run", ChangeRun, persistent=True)
+        answers = [proxy("2.8", "", ""), proxy("", "0.3", "")]
+        self.assertEqual([answer.success for answer in answers], [True, True])
+
+        def both():
+            model = json.loads(rospy.get_param("/platoon/configuration"))["model"]
+            return (model["time_headway"], model["noise_variance"]) == (2.8, 0.3)
+        live_platoon.wait_for(both, "a run of both orders", 30)
+        self.terminal.end()
+
+
 class Diagnosed(Orders):
     def statuses(self, topic):
         """The latest of each name, as (level, dictionary)."""

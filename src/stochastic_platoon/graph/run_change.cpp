@@ -78,8 +78,10 @@ bool RunChange::serve(stochastic_platoon::ChangeRun::Request& request,
   give("noise_variance", request.noise_variance);
   give("loss", request.loss);
   try {
-    const Configuration next = changed(present_, given);
+    const Configuration next = changed(asked_.value_or(present_), given);
     lock_output(next.run)->leave_claim(::getppid());  // roslaunch, or the shell
+    // Before the answer: every node that comes back from a kill from now on takes part in this run.
+    platoon_.setParam("configuration", to_json(next).dump());
     response.success = 1;
     response.message = "run " + std::to_string(next.run.number) + " begins";
     for (const auto& entry : given) response.message += ", " + entry.first + " " + entry.second;
@@ -97,7 +99,6 @@ bool RunChange::serve(stochastic_platoon::ChangeRun::Request& request,
 void RunChange::begin_if_asked() {
   if (!asked_ || now() - asked_at_ < kAnswerTime) return;
   const Configuration next = *std::exchange(asked_, std::nullopt);
-  platoon_.setParam("configuration", to_json(next).dump());
   // The leader ends the run that is over at once, and waits for the reports of the next.
   stochastic_platoon::Progress notice;
   notice.receiver = kChangeRunService;

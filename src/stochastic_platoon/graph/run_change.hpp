@@ -18,7 +18,9 @@ namespace platoon {
 Configuration changed(const Configuration& present, const std::map<std::string, std::string>& given);
 
 /// The service change_run (stochastic_platoon/ChangeRun): headway, noise and loss of an endless run. A new run begins
-/// with them in place of the present one, and its statistics start anew.
+/// with them in place of the present one, and its statistics start anew. An answer of success is sent once the order
+/// is the platoon's configuration on the parameter server, so that no node's end loses it. An order that comes before
+/// the one before it has begun changes that one.
 class RunChange {
 public:
   using Begin = std::function<void(const Configuration&)>;
