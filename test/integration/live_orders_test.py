@@ -357,6 +357,41 @@ class Diagnosed(Orders):
             os.kill(process, signal.SIGCONT)
         live_platoon.wait_for(lambda: self.statuses(topic)["monitor"][1]["culprit"] == "", "the platoon to move", 60)
 
+    def test_a_stall_is_one_state_until_a_step_is_complete_and_counts_retries(self):
+        from diagnostic_msgs.msg import DiagnosticArray
+        topic = self.listen("/diagnostics", DiagnosticArray)
+        terminal = self.endless("processes", followers=5, stall_timeout=0.5)
+
+        def of_monitor():
+            """Culprit and retries, of each of its statuses."""
+            found = []
+            for message in list(topic.messages):
+                for status in message.status:
+                    values = {value.key: value.value for value in status.values}
+                    if "culprit" in values:
+                        found.append((values["culprit"], int(values.get("retries", -1))))
+            return found
+        live_platoon.wait_for(lambda: of_monitor() and int(self.statuses(topic)["monitor"][1]["step"]) > 10, "the platoon to move", 60)
+        process = live_platoon.process_of("/platoon/vehicle_3", self.master)
+        os.kill(process, signal.SIGSTOP)
+        try:
+            live_platoon.wait_for(lambda: of_monitor()[-1][0], "the culprit", 60)
+            begin = len(of_monitor())
+            live_platoon.wait_for(lambda: len(of_monitor()) >= begin + 10, "ten more statuses", 60)
+            during = of_monitor()[begin:]
+        finally:
+            os.kill(process, signal.SIGCONT)
+        self.assertEqual([culprit for culprit, _ in during if "vehicle_3 has sent nothing since step" not in culprit], [])
+        retries = [count for _, count in during]
+        self.assertEqual(retries, sorted(retries))
+        self.assertGreater(retries[-1], 2)
+        live_platoon.wait_for(lambda: of_monitor()[-1] == ("", 0), "the platoon to move", 60)
+        terminal.wait_for_text("the platoon moves again, after ", 20)
+        said = terminal.text()
+        self.assertEqual((said.count("the platoon stands still: vehicle_3"), said.count("the platoon stands still"), said.count("the platoon moves again")),
+                         (1, 1, 1), said)
+        terminal.end()
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -117,13 +117,15 @@ class State(unittest.TestCase):
         self.assertEqual(self.state.give("told"), {"realization": 8, "step": 5, "position": [1.0, None]})
 
     def test_the_culprit_is_the_monitors_and_goes_when_it_is_over(self):
-        def diagnostics(name, culprit):
-            entries = [message(key="culprit", value=culprit)]
+        def diagnostics(name, culprit, retries="0"):
+            entries = [message(key="culprit", value=culprit), message(key="retries", value=retries)]
             self.state.take_diagnostics(message(status=[message(name=name, message="", values=entries)]))
         diagnostics("convoy/monitor: monitor", "who knows")
         self.assertIsNone(self.state.document()["culprit"])
-        diagnostics("platoon/monitor: monitor", "vehicle_7 has sent nothing since step 12")
+        diagnostics("platoon/monitor: monitor", "vehicle_7 has sent nothing since step 12", "5")
         self.assertEqual(self.state.document()["culprit"], "vehicle_7 has sent nothing since step 12")
+        self.assertEqual(self.state.document()["retries"], 5)
+        self.assertIn("THE PLATOON STANDS STILL: vehicle_7 has sent nothing since step 12 (5 retries)", table.table(self.state.document(), 24))
         diagnostics("platoon/monitor: monitor", "")
         self.assertIsNone(self.state.document()["culprit"])
 

@@ -90,4 +90,10 @@ std::vector<std::optional<MessageId>> Arrivals::latest() const {
   return ids;
 }
 
+std::vector<std::optional<MessageId>> Arrivals::latest_of_any_attempt() const {
+  std::vector<std::optional<MessageId>> ids;
+  for (const MessageOrder& order : orders_) ids.push_back(order.latest());
+  return ids;
+}
+
 }  // namespace platoon

@@ -63,6 +63,9 @@ public:
   std::optional<MessageId> latest(std::size_t stream) const;
   std::vector<std::optional<MessageId>> latest() const;
 
+  /// The latest message of each stream in any attempt.
+  std::vector<std::optional<MessageId>> latest_of_any_attempt() const;
+
 private:
   struct Step {
     std::size_t streams = 0;

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdio>
 #include <mutex>
+#include <tuple>
 #include <utility>
 
 #include "stochastic_platoon/delivery/lead.hpp"
@@ -36,7 +37,8 @@ using Locked = std::lock_guard<SpinLock>;
 constexpr double kCheckpointPeriod = 1.0;  // [s]
 constexpr double kStartTime = 0.05;        // [s] a vehicle, from launch to its first message
 constexpr double kStallWithoutTimeout =
-    2.0;  // [s] until the monitor says so, where the leader waits for ever
+    2.0;                          // [s] until the monitor says so, where the leader waits for ever
+constexpr double kSettled = 0.3;  // [s] without a message until what an attempt got to is looked at
 constexpr double kStatisticsPeriod =
     1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
 
@@ -144,8 +146,8 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
   const RunStatistics::Computed computed = statistics_.compute(receipt.work);
   const Locked lock(lock_);
   const double present = now();
-  stall_.arrived(present);
   const bool committed = statistics_.settle(computed);
+  note_arrival(present);
   if (!began_ && statistics_.arrivals().acknowledgement().step != kNothingYet) began_ = present;
   if (committed) statistics_.set_wall_seconds(wall_seconds_before_ + (began_ ? present - *began_ : 0.0));
   reports_.report_if_due(statistics_.arrivals());
@@ -267,22 +269,41 @@ void Monitor::stop() {
   std::fflush(stdout);
 }
 
-// Said once when it is noticed and once when it is over.
+// An attempt that gets no further brings messages, too.
+void Monitor::note_arrival(double present) {
+  stall_.arrived(present);
+  const Acknowledgement report = statistics_.arrivals().acknowledgement();
+  const bool step = report.step != kNothingYet || report.first_realization > complete_.first_realization;
+  const bool new_step = step && std::tie(report.attempt, report.first_realization, report.step) !=
+                                    std::tie(complete_.attempt, complete_.first_realization, complete_.step);
+  if (new_step) stall_.completed_step(present);
+  complete_ = report;
+}
+
+// Said once when it is noticed, when another one is found to be the reason, and once when it is over.
 void Monitor::check_for_stall(double present) {
   const RunOptions& run = configuration_.run;
-  StallWatch::Change change;
-  std::string who;
+  std::string stands, moves;
   {
     const Locked lock(lock_);
     const double pace = run.rate > 0.0 ? 1.0 / run.rate + (began_ ? 0.0 : kObserverTime) : 0.0;
     const double start = began_ ? 0.0 : kStartTime * static_cast<double>(run.followers);
     const double patience = run.stall_timeout > 0.0 ? run.stall_timeout : kStallWithoutTimeout;
-    change = stall_.look(present, 0.75 * patience + pace + start);
-    if (change != StallWatch::Change::none) stalled_ = change == StallWatch::Change::stalled;
-    if (change == StallWatch::Change::stalled) who = culprit();
+    const StallWatch::Change change = stall_.look(present, 0.75 * patience + pace + start);
+    if (change == StallWatch::Change::moving) {
+      moves = formatted(", after %.1f s and %u retries", present - present_stall_.since, retries());
+      present_stall_ = {};
+    } else if (change == StallWatch::Change::stalled) {
+      present_stall_ = {culprit(), *stall_.last_arrival(), statistics_.arrivals().attempt()};
+      stands = present_stall_.culprit;
+    } else if (stall_.stalled() && present - *stall_.last_arrival() > kSettled) {
+      const std::string before = std::exchange(present_stall_.culprit, culprit());
+      const auto name = [](const std::string& text) { return text.substr(0, text.find(';')); };
+      if (name(before) != name(present_stall_.culprit)) stands = present_stall_.culprit;
+    }
   }
-  if (change == StallWatch::Change::stalled) ROS_WARN_STREAM("the platoon stands still: " << who);
-  if (change == StallWatch::Change::moving) ROS_WARN("the platoon moves again");
+  if (!stands.empty()) ROS_WARN_STREAM("the platoon stands still: " << stands);
+  if (!moves.empty()) ROS_WARN_STREAM("the platoon moves again" << moves);
 }
 
 Diagnostics::Fill Monitor::status() {
@@ -293,14 +314,17 @@ Diagnostics::Fill Monitor::status() {
     signs.add_to(status);
     std::string who;
     std::uint64_t committed;
+    std::uint32_t repeated = 0;
     {
       const Locked lock(lock_);
-      if (stalled_) who = culprit();
+      who = present_stall_.culprit;
+      if (stall_.stalled()) repeated = retries();
       committed = statistics_.arrivals().committed();
     }
     if (!who.empty())
       status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, "the platoon stands still: " + who);
     status.add("culprit", who);
+    status.add("retries", repeated);
     status.add("realizations", endless() ? 1 : committed);
   };
 }
@@ -311,9 +335,9 @@ std::string Monitor::culprit() const {
   }
   std::string missing = name_of_missing();
   if (!missing.empty()) return missing;
-  const StallDiagnosis diagnosis =
-      diagnose_stall(statistics_.arrivals().latest(), configuration_.run.schedule(),
-                     configuration_.run.longest_lead(), configuration_.run.own);
+  const StallDiagnosis diagnosis = diagnose_stall(
+      statistics_.arrivals().latest(), configuration_.run.schedule(), configuration_.run.longest_lead(),
+      configuration_.run.own, statistics_.arrivals().latest_of_any_attempt());
   const auto note = notes_.find(name_of(diagnosis.vehicle.value_or(0)));
   const bool explained = diagnosis.vehicle && note != notes_.end();
   return diagnosis.text + (explained ? "; it says: " + note->second : "") +

@@ -53,18 +53,27 @@ public:
   Monitor(ros::NodeHandle platoon, const Configuration& configuration, const NodeOfVehicle& node_of_vehicle,
           RunMembership::Join superseded);
 
-  /// A status of what has arrived, and of who holds the platoon up: "culprit", empty while nothing does.
+  /// A status of what has arrived, and of who holds the platoon up: "culprit", empty while nothing does, and the "retries"
+  /// since it stands still.
   Diagnostics::Fill status();
 
   /// Writes down what there is of an unfinished run. Call it when the callbacks have ended.
   void stop();
 
 private:
+  /// From when the platoon stands still until a step is complete.
+  struct Stall {
+    std::string culprit = {};         ///< empty: the platoon moves
+    double since = 0.0;               ///< [s]
+    std::uint32_t first_attempt = 0;  ///< in which it stood still
+  };
   void subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle);
   void receive(std::size_t vehicle, const PositionEvent& event);
   void receive_note(const stochastic_platoon::Progress::ConstPtr& message);
   void tick();
+  void note_arrival(double present);
   void check_for_stall(double present);
+  std::uint32_t retries() const { return statistics_.arrivals().attempt() - present_stall_.first_attempt; }
   std::string culprit() const;
   std::string breach_of(std::size_t vehicle) const;
   std::vector<std::size_t> missing_vehicles() const;
@@ -92,9 +101,10 @@ private:
   std::vector<Activity> activity_;
   ProgressReports reports_;
   StallWatch stall_;
-  bool stalled_ = false;
-  std::optional<double> began_;               ///< [s] first complete step of this launch
-  std::map<std::string, std::string> notes_;  ///< what other components say of themselves
+  Stall present_stall_;
+  Acknowledgement complete_{0, 0, kNothingYet};  ///< latest step that has arrived from all vehicles
+  std::optional<double> began_;                  ///< [s] first complete step of this launch
+  std::map<std::string, std::string> notes_;     ///< what other components say of themselves
 
   ProgressDisplay display_;
   RetryPause disk_;

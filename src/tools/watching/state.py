@@ -111,7 +111,7 @@ class PlatoonState:
         self.lock = threading.RLock()
         self.changed, self.namespace = changed, namespace
         self.text = None
-        self.culprit = None
+        self.culprit, self.retries = None, 0
         self.early = None  # an overview, and when it came, of a run whose configuration is still on its way
         self.begin(None)
 
@@ -181,6 +181,7 @@ class PlatoonState:
                 continue
             with self.lock:
                 self.culprit = values["culprit"] or None
+                self.retries = int(values.get("retries") or 0)
             self.changed("health")
 
     def of_drawn(self, values):
@@ -204,7 +205,7 @@ class PlatoonState:
         return self.told
 
     def give_health(self):
-        return {"culprit": self.culprit}
+        return {"culprit": self.culprit, "retries": self.retries}
 
     def give_strip(self):
         return [{"realization": r, "step": k, "tracking_error": errors} for r, k, errors in self.strip]

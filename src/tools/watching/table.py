@@ -44,7 +44,7 @@ def table(state, lines):
     """The lines of the table for a terminal of so many lines."""
     text = heading(state)
     if state["culprit"]:
-        text.append("THE PLATOON STANDS STILL: " + state["culprit"])
+        text.append("THE PLATOON STANDS STILL: {} ({} retries)".format(state["culprit"], state["retries"]))
     if not state["variance"]:
         return text
     text += ["", HEADING]

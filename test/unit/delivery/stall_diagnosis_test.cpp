@@ -32,6 +32,13 @@ TEST(StallDiagnosis, IsAFollowerThatHasNeverBeenHeard) {
   EXPECT_EQ(culprit({at(0, -1), at(0, 0), kNone, kNone}, kSchedule), "vehicle_2 has sent nothing at all");
 }
 
+TEST(StallDiagnosis, TellsWhatAFollowerHasSentInAnEarlierAttempt) {
+  EXPECT_EQ(diagnose_stall({at(0, -1), at(0, 0), kNone, kNone}, kSchedule, kAllLead, {},
+                           {at(8, 5), at(8, 6), at(8, 2), at(8, 3)})
+                .text,
+            "vehicle_2 has sent nothing since step 2 (realizations from 8)");
+}
+
 TEST(StallDiagnosis, IsAFollowerThatIsABatchBehind) {
   EXPECT_EQ(culprit({at(16, 0), at(8, 9), at(8, 9), at(8, 9)}, kSchedule),
             "vehicle_1 has sent nothing since step 9 (realizations from 8)");

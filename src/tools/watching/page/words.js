@@ -19,7 +19,7 @@ export function showHeadline({ configuration, statistics, health }, live) {
   at("connection").dataset.live = complete || live;
   const culprit = complete ? null : health?.culprit;
   at("culprit").hidden = !culprit;
-  write(at("culprit"), culprit ? "The platoon stands still: " + culprit : "");
+  write(at("culprit"), culprit ? `The platoon stands still: ${culprit} (${health.retries} retries)` : "");
   const waiting = configuration?.endless ? `theory; what is measured comes after ${configuration.burn_in} steps of burn-in` : "theory; nothing is measured yet";
   write(at("string-note"), !statistics ? "" : statistics.step === null ? waiting : statistics.time_average ? `averages over time up to step ${statistics.step}` : `at step ${statistics.step}, ${spaced(statistics.realizations)} realizations`);
   write(at("curves-note"), !statistics ? "" : statistics.time_average ? "averages up to k" : "over realizations");
