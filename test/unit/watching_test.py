@@ -6,8 +6,11 @@ import json
 import math
 import os
 import re
+import socket
+import subprocess
 import sys
 import threading
+import time
 import tracemalloc
 import types
 import unittest
@@ -275,6 +278,113 @@ class Served(unittest.TestCase):
         items = stream.take(0)
         self.assertEqual([kind for kind, _ in items], ["snapshot"])
         self.assertEqual(json.loads(items[0][1])["step"], 999)
+
+
+    def test_a_command_that_fails_is_answered_with_the_reason(self):
+        def fail(content):
+            raise OverflowError("int too large to convert to float")
+        self.server.obey = fail
+        status, text = self.ask("POST", "/command", b'{"command": "brake"}', Content_Type="application/json")
+        self.assertEqual((status, json.loads(text)["message"]), (500, "OverflowError: int too large to convert to float"))
+
+
+STARVED = """
+import os, resource, sys
+sys.dont_write_bytecode = True
+sys.path.insert(0, sys.argv[1])
+from watching import server, state
+pages = server.PageServer("localhost", 0, state.PlatoonState(), None, os.path.join(sys.argv[1], "watching", "page"))
+print(pages.server_port, flush=True)
+most = max(map(int, os.listdir("/proc/self/fd"))) + 5
+resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+pages.serve_forever()
+"""
+
+
+class Starved(unittest.TestCase):
+    def seconds_of_work(self, process):
+        with open("/proc/{}/stat".format(process)) as file:
+            words = file.read().rsplit(")", 1)[1].split()
+        return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+
+    def test_without_a_free_descriptor_it_answers_with_the_reason_and_does_not_spin(self):
+        child = subprocess.Popen([sys.executable, "-c", STARVED, TOOLS], stdout=subprocess.PIPE, universal_newlines=True)
+        self.addCleanup(child.stdout.close)
+        self.addCleanup(child.wait)
+        self.addCleanup(child.kill)
+        port = int(child.stdout.readline())
+        pages = [socket.create_connection(("localhost", port), timeout=30) for _ in range(12)]  # each holds a descriptor of the server
+        for page in pages:
+            self.addCleanup(page.close)
+            page.sendall(b"GET /events HTTP/1.0\r\nHost: localhost\r\n\r\n")
+        answers = [page.recv(1000).decode() for page in pages]
+        served = [answer.startswith("HTTP/1.0 200") for answer in answers]
+        self.assertTrue(served[0] and not served[-1], answers)
+        self.assertIn("503", answers[-1])
+        self.assertIn("no file descriptor is free: close some pages, or try again", answers[-1] + pages[-1].recv(1000).decode())
+        waiting = socket.create_connection(("localhost", port), timeout=30)
+        self.addCleanup(waiting.close)
+        before, began = self.seconds_of_work(child.pid), time.monotonic()
+        time.sleep(2.0)
+        share = (self.seconds_of_work(child.pid) - before) / (time.monotonic() - began)
+        self.assertLess(share, 0.5, "it spins")
+        # A page that is closed leaves its place to another.
+        for page in pages[:6]:
+            page.close()
+
+        def served_again():
+            with socket.create_connection(("localhost", port), timeout=30) as page:
+                page.sendall(b"GET / HTTP/1.0\r\nHost: localhost\r\n\r\n")
+                return page.recv(12).endswith(b"200")
+        for _ in range(100):
+            if served_again():
+                return
+            time.sleep(0.1)
+        self.fail("it serves no page any more")
+
+
+class Ordered(unittest.TestCase):
+    """Commands, with ROS in a few words of its own."""
+
+    def setUp(self):
+        named = {"rospy": types.ModuleType("rospy"), "std_msgs": types.ModuleType("std_msgs"), "std_msgs.msg": types.ModuleType("std_msgs.msg"),
+                 "std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": types.ModuleType("std_srvs.srv"),
+                 "stochastic_platoon": types.ModuleType("stochastic_platoon"), "stochastic_platoon.srv": types.ModuleType("stochastic_platoon.srv")}
+        self.published = []
+        named["rospy"].Publisher = lambda *_, **__: types.SimpleNamespace(publish=self.published.append, get_num_connections=lambda: 1,
+                                                                          resolved_name="/platoon/leader/speed")
+        named["std_msgs.msg"].Float64 = named["std_srvs.srv"].Trigger = named["stochastic_platoon.srv"].ChangeRun = None
+        before = {name: sys.modules.get(name) for name in list(named) + ["watching.commands"]}
+        sys.modules.update(named)
+
+        def restore():
+            for name, module in before.items():
+                sys.modules.pop(name, None)
+                if module is not None:
+                    sys.modules[name] = module
+        self.addCleanup(restore)
+        sys.modules.pop("watching.commands", None)
+        from watching import commands
+        self.known = {"endless": True}
+        self.commands = commands.Commands(lambda: self.known)
+
+    def test_a_speed_that_is_no_finite_number_is_refused_in_words(self):
+        for value in (10 ** 400, -10 ** 400, math.inf, math.nan, True, "20", [20], 1000.5, -1e6):
+            success, message = self.commands.obey({"command": "speed", "speed": value})
+            self.assertFalse(success)
+            self.assertRegex(message, r"^speed: .{1,43}: must be a finite number")
+        self.assertFalse(self.commands.obey({"command": "speed"})[0])
+        self.assertEqual(self.published, [])
+
+    def test_a_speed_is_refused_where_the_leader_takes_none(self):
+        for known, words in (({"endless": False}, "refused: in a run of many realizations"), (None, "nothing is known of a run yet")):
+            self.known = known
+            success, message = self.commands.obey({"command": "speed", "speed": 20})
+            self.assertFalse(success)
+            self.assertIn(words, message)
+        self.known = {"endless": True}
+        self.assertEqual(self.commands.obey({"command": "speed", "speed": 20}), (True, "speed 20 m/s"))
+        self.assertEqual(self.published, [20.0])
 
 
 class Layouts(unittest.TestCase):

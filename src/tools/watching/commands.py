@@ -10,6 +10,7 @@ from stochastic_platoon.srv import ChangeRun
 MANOEUVRES = ("brake", "accelerate", "sinusoid", "cruise")
 CHANGES = ("headway", "noise_variance", "loss")
 PATIENCE = 1.0  # [s] for a service to be there
+FASTEST = 1000.0  # [m/s] that a leader takes (Manoeuvre::kLargestSpeed)
 
 
 def number_of(content, key):
@@ -17,9 +18,17 @@ def number_of(content, key):
     value = content.get(key)
     if value is None:
         return math.nan
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise ValueError("{}: {}: must be a finite number".format(key, value))
-    return float(value)
+    try:
+        if not isinstance(value, bool) and isinstance(value, (int, float)) and math.isfinite(float(value)):
+            return float(value)
+    except OverflowError:
+        pass  # a whole number beyond all floating-point numbers
+    raise ValueError("{}: {}: must be a finite number".format(key, shortened(value)))
+
+
+def shortened(value):
+    text = str(value)
+    return text if len(text) <= 40 else text[:40] + "..."
 
 
 def text_of(number):
@@ -28,7 +37,10 @@ def text_of(number):
 
 
 class Commands:
-    def __init__(self):
+    """`configuration` returns what is known of the present run (see state.described), None where nothing is."""
+
+    def __init__(self, configuration):
+        self.configuration = configuration
         self.speed = rospy.Publisher("leader/speed", Float64, queue_size=1)
 
     def obey(self, content):
@@ -41,13 +53,22 @@ class Commands:
                 return self.set_speed(number_of(content, "speed"))
             if command == "change":
                 return self.call("change_run", ChangeRun, *[text_of(number_of(content, key)) for key in CHANGES])
-            return False, "command: {}: must be one of {}, speed, change".format(str(command)[:40], ", ".join(MANOEUVRES))
+            return False, "command: {}: must be one of {}, speed, change".format(shortened(command), ", ".join(MANOEUVRES))
         except ValueError as error:
             return False, str(error)
 
     def set_speed(self, speed):
         if math.isnan(speed):
             return False, "speed: missing: must be a finite number"
+        if abs(speed) > FASTEST:
+            return False, "speed: {:g}: must be a finite number of magnitude {:g} at most [m/s]".format(speed, FASTEST)
+        # The leader takes a speed from a topic, and a topic gives no answer.
+        configuration = self.configuration()
+        if configuration is None:
+            return False, "speed: nothing is known of a run yet: try again when the platoon has begun"
+        if not configuration["endless"]:
+            return False, ("speed: refused: in a run of many realizations the leader drives by the model file (leader/speed there); an endless "
+                           "run (live.launch, steps:=0) takes orders")
         if self.speed.get_num_connections() == 0:
             return False, "nobody listens to {}: the leader is not there, or takes no speed".format(self.speed.resolved_name)
         self.speed.publish(speed)

@@ -1,17 +1,22 @@
 """The page and what it is told: HTTP by the standard library, news by server-sent events."""
 
 import collections
+import errno
 import http.server
 import ipaddress
 import json
 import os
 import socket
 import threading
+import time
 import urllib.parse
 
 MOST_PAGES = 32         # open at once
 HEARTBEAT = 2.0         # [s] between signs of life on a silent stream
 LONGEST_COMMAND = 4096  # bytes
+PAUSE = 0.2             # [s] where the system has nothing left for another connection
+NOTHING_LEFT = {errno.EMFILE: "no file descriptor is free", errno.ENFILE: "the system has no file descriptor free",
+                errno.ENOBUFS: "the system has no buffer free", errno.ENOMEM: "the system has no memory free"}
 KINDS_OF_FILE = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
 
 
@@ -159,7 +164,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
                 raise ValueError
         except (ValueError, RecursionError):
             return self.refuse(400, "a command is a JSON object of at most {} bytes".format(LONGEST_COMMAND))
-        success, message = self.server.obey(content)
+        try:
+            success, message = self.server.obey(content)
+        except Exception as error:  # of this program: the page is told, and the connection goes on
+            return self.answer(500, encoded({"success": False, "message": "{}: {}".format(type(error).__name__, error)[:200]}))
         self.answer(200 if success else 409, encoded({"success": success, "message": message}))
 
     def stream(self):
@@ -200,6 +208,44 @@ class PageServer(http.server.ThreadingHTTPServer):
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
         self.address_family = family
         super().__init__(address[:2], Handler)
+        self.keep_spare()
+
+    def get_request(self):
+        """The next connection. Where the system has no descriptor for it, this one is answered with the spare one, and the next waits a
+        while: the connection stays acceptable, and serve_forever would try it again and again."""
+        try:
+            return super().get_request()
+        except OSError as error:
+            if error.errno in NOTHING_LEFT:
+                self.refuse_one(NOTHING_LEFT[error.errno])
+                time.sleep(PAUSE)
+            raise
+
+    def refuse_one(self, why):
+        self.spare.close()
+        try:
+            connection, _ = self.socket.accept()
+            with connection:
+                connection.settimeout(PAUSE)
+                content = encoded({"success": False, "message": why + ": close some pages, or try again"})
+                connection.sendall(b"HTTP/1.0 503 Service Unavailable\r\nContent-Type: application/json; charset=utf-8\r\n"
+                                   b"Retry-After: 1\r\nContent-Length: " + str(len(content)).encode() + b"\r\n\r\n" + content)
+                connection.shutdown(socket.SHUT_WR)
+                connection.recv(1 << 16)  # what is unread would cut the answer off
+        except OSError:
+            pass  # it is gone, or another thread has taken the descriptor
+        finally:
+            self.keep_spare()
+
+    def keep_spare(self):
+        try:
+            self.spare = open(os.devnull, "rb")
+        except OSError:
+            pass  # the next time, then
+
+    def server_close(self):
+        self.spare.close()
+        super().server_close()
 
     def handle_error(self, request, client_address):
         pass  # a page that went away in the middle of a request
