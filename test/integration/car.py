@@ -1,6 +1,10 @@
 #!/usr/bin/python3
-"""A car with its own clock and dynamics: it drives a second behind the point it is referred to, and says where it is. It knows no platoon."""
+"""A car with its own clock and dynamics: it drives a second behind the point it is referred to, and says where it is. It knows no platoon.
 
+With an argument it writes down, in that file, every place that it reports ("at X") and every one that it is referred to ("to X").
+"""
+
+import sys
 import time
 
 import rospy
@@ -14,12 +18,20 @@ STRONGEST = 4.0     # [m/s^2]
 START = 123.0       # [m]
 
 reference = None
+arguments = rospy.myargv(sys.argv)[1:]
+log = open(arguments[0], "w", buffering=1) if arguments else None
+
+
+def write(word, x):
+    if log:
+        log.write("{} {!r}\n".format(word, x))
 
 
 def refer(point):
     global reference
     assert point.header.frame_id == "odom"
     reference = point.point.x
+    write("to", reference)
 
 
 rospy.init_node("car")
@@ -30,11 +42,14 @@ while not rospy.is_shutdown():
     time.sleep(PERIOD)
     present = time.monotonic()
     passed, before = present - before, present
-    if reference is not None:
+    while reference is not None and passed > 0.0:  # in steps of its own, however long it was not scheduled
+        step = min(passed, PERIOD)
+        passed -= step
         a = min(max(GAIN * (reference - x - GAP * v), -STRONGEST), STRONGEST)
-        x, v = x + passed * (v + 0.5 * passed * a), v + passed * a
+        x, v = x + step * (v + 0.5 * step * a), v + step * a
     odometry = Odometry()
     odometry.header.stamp = rospy.Time.now()
     odometry.header.frame_id, odometry.child_frame_id = "odom", "base_link"
     odometry.pose.pose.position.x, odometry.twist.twist.linear.x = x, v
+    write("at", x)
     publisher.publish(odometry)
