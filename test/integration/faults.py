@@ -1,12 +1,16 @@
 """Faults of a running platoon's nodes, and how long the platoon takes to go on behind them."""
 
+import json
 import os
 import signal
+import struct
+import subprocess
 import threading
 import time
 
 import rospy
 from stochastic_platoon.msg import Progress
+from stochastic_platoon.srv import ChangeRun
 
 PAGE = os.sysconf("SC_PAGE_SIZE")
 
@@ -47,6 +51,24 @@ def footprint(process):
         return None
 
 
+class ShiftedClock:
+    """A clock of the day that jumps, for the processes of an environment: a preload of its own, as the machine's clock is everybody's."""
+
+    def __init__(self, folder):
+        self.shim, self.file, self.shift = os.path.join(folder, "shifted_clock.so"), os.path.join(folder, "shift"), 0.0
+        source = os.path.join(os.path.dirname(os.path.abspath(__file__)), "shifted_clock.c")
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", self.shim, source, "-ldl"], check=True)
+        self.jump(0.0)
+
+    def environment(self):
+        return dict(os.environ, LD_PRELOAD=self.shim, SHIFTED_CLOCK=self.file)
+
+    def jump(self, seconds):
+        self.shift += seconds
+        with open(self.file, "r+b" if os.path.exists(self.file) else "wb", buffering=0) as file:
+            file.write(struct.pack("<q", round(1e9 * self.shift)))
+
+
 class ProgressWatch:
     """What the monitor reports of the latest run.
 
@@ -79,6 +101,9 @@ class ProgressWatch:
         if message.receiver != "monitor" or message.run in self.old_runs:
             return
         with self.lock:
+            if self.run not in (None, message.run):  # another run of the launch
+                self.old_runs.add(self.run)
+                self.most = 0
             self.run = message.run
             report = (message.attempt, message.first_realization, message.step, message.messages)
             if report != self.latest or message._connection_header is not self.connection:
@@ -91,10 +116,14 @@ class ProgressWatch:
     def moved_on_from(self, reporter):
         """A condition that holds once the platoon has recovered from the end of a node that reports, or does not, just now."""
         with self.lock:
-            attempt, connection = self.most, self.connection
+            run, attempt, connection = self.run, self.most, self.connection
         if reporter:
             return lambda: self.connection is not connection and self.latest[2] >= 0
-        return lambda: self.latest[0] > attempt and self.latest[2] >= 0
+        return lambda: (self.run != run or self.latest[0] > attempt) and self.latest[2] >= 0
+
+    def another_run(self, before):
+        """A condition that holds once steps of another run than that are reported."""
+        return lambda: self.run not in (None, before) and self.latest[2] >= 0
 
     def more(self):
         """A condition that holds once more is reported than just now."""
@@ -134,8 +163,9 @@ class ProgressWatch:
 class Injector:
     """Sends the faults of a group to the nodes of these launches, and says when and to whom."""
 
-    def __init__(self, watch, launches, began, say):
-        self.watch, self.launches, self.began, self.say = watch, launches, began, say
+    def __init__(self, watch, launches, began, say, clock=None):
+        self.watch, self.launches, self.began, self.say, self.clock = watch, launches, began, say, clock
+        self.headway = None  # of the latest order that was answered
         self.stopped = {}  # process: when to continue it [s]
         self.sent = 0
 
@@ -152,6 +182,8 @@ class Injector:
 
     def send(self, fault):
         """Its condition of recovery, with when it was sent; none if there is no such process just now, or if it is stopped."""
+        if fault.signal in ("CLOCK", "ORDER"):
+            return self.jump(fault) if fault.signal == "CLOCK" else self.order(fault)
         process = nodes(*self.launches).get(fault.victim)
         if process is None:
             return []
@@ -166,6 +198,31 @@ class Injector:
         self.say("{:8.2f} s  {}".format(present - self.began, fault))
         return condition
 
+    def jump(self, fault):
+        if self.clock is None:
+            self.say("skipped: {}: a preload needs a C compiler, and no sanitizer".format(fault))
+            return []
+        condition = [(time.monotonic(), self.watch.more())]
+        self.clock.jump(fault.value)
+        self.sent += 1
+        self.say("{:8.2f} s  {}".format(time.monotonic() - self.began, fault))
+        return condition
+
+    def order(self, fault):
+        """Of an order that was answered: that the run is of it; none of one that nobody was there to answer."""
+        before = self.watch.run
+        try:
+            rospy.wait_for_service("/platoon/change_run", 5.0)
+            answer = rospy.ServiceProxy("/platoon/change_run", ChangeRun)(str(fault.value), "", "")
+        except (rospy.ROSException, rospy.ServiceException):
+            return []
+        if not answer.success:
+            raise AssertionError("{}: {}".format(fault, answer.message))
+        self.sent += 1
+        self.headway = fault.value
+        self.say("{:8.2f} s  {}".format(time.monotonic() - self.began, fault))
+        return [(time.monotonic(), self.watch.another_run(before))]
+
     def send_all(self, group):
         """All faults of a group, to the last SIGCONT; the conditions of recovery with the times they count from."""
         begin, waiting, conditions = time.monotonic(), list(group.faults), []
@@ -179,3 +236,8 @@ class Injector:
         finally:
             conditions += self.continue_due()
         return conditions
+
+
+def configuration():
+    """Of the latest run of the platoon: model and run."""
+    return json.loads(rospy.get_param("/platoon/configuration"))

@@ -4,17 +4,24 @@ import random
 from dataclasses import dataclass, field
 
 SIGNALS = ("SIGKILL", "SIGSTOP", "SIGTERM")
+MODELS = ("paper.yaml", "lossy.yaml", "mixed.yaml")  # of config
 BURN_IN = 50
 
 
 @dataclass
 class Fault:
+    """A signal to a node; CLOCK: the clock of the day jumps; ORDER: change_run with another headway."""
     signal: str
     victim: str   # a node's name without its namespace
     delay: float  # [s] after the moment of its group
     hold: float   # [s] from SIGSTOP to SIGCONT
+    value: float = 0.0  # of CLOCK by how much [s], of ORDER the headway
 
     def __str__(self):
+        if self.signal == "CLOCK":
+            return "the clock jumps by {:+.0f} s".format(self.value)
+        if self.signal == "ORDER":
+            return "change_run to headway {}".format(self.value)
         held = " for {:.2f} s".format(self.hold) if self.signal == "SIGSTOP" else ""
         return "{} {}{}".format(self.signal, self.victim, held)
 
@@ -42,6 +49,11 @@ class Run:
     @property
     def endless(self):
         return self.settings["steps"] == 0
+
+    @property
+    def clock(self):
+        """Whether the clock of the day jumps in it."""
+        return any(fault.signal == "CLOCK" for group in self.groups for fault in group.faults)
 
     def __str__(self):
         words = ["{}:={}".format(name, value) for name, value in list(self.settings.items()) + list(self.arguments.items())]
@@ -90,7 +102,32 @@ def draw_fault(rng, nodes, scale, signals=SIGNALS):
     return Fault(rng.choices(signals, (5, 3, 2)[:len(signals)])[0], victim, 0.0, rng.uniform(0.05, scale.hold))
 
 
-def draw_group(rng, moment, nodes, scale):
+def draw_headway(rng):
+    return round(rng.uniform(2.2, 3.6), 2)
+
+
+def draw_order(rng, nodes):
+    """change_run, and most often the end of who took it, or of who goes by it, or of all, as soon as it is answered."""
+    takes = [node for node in nodes if node in ("monitor", "platoon")]
+    victims = rng.choice(([], takes, takes, takes + [node for node in nodes if node == "vehicle_0"], nodes))
+    return [Fault("ORDER", "monitor", 0.0, 0.0, draw_headway(rng))] + [Fault("SIGKILL", victim, 0.0, 0.0) for victim in victims]
+
+
+def draw_group(rng, moment, nodes, scale, endless=False):
+    drawn = rng.random()
+    after = rng.uniform(*scale.gap)
+    if moment not in ("start", "finish"):
+        if drawn < 0.1:
+            return Group(moment, after, [Fault("SIGKILL", node, 0.0, 0.0) for node in nodes])
+        if drawn < 0.2:  # of a clock that jumps back behind a kill roslaunch would wait until it is where it was
+            jump = rng.choice((-3600.0, -2.0, 0.7, 3600.0, 1e8))
+            kill = [draw_fault(rng, nodes, scale, ("SIGKILL",))] if jump > 0 and rng.random() < 0.5 else []
+            return Group(moment, after, [Fault("CLOCK", "", 0.0, 0.0, jump)] + kill)
+        if endless and drawn < 0.5:
+            return Group(moment, after, draw_order(rng, nodes))
+        if moment == "checkpoint" and drawn < 0.6:  # of who writes it
+            writer = [node for node in nodes if node in ("monitor", "platoon")]
+            return Group(moment, after, [draw_fault(rng, writer, scale, ("SIGKILL",))])
     faults = [draw_fault(rng, nodes, scale)]
     if rng.random() < 0.4:  # several, at once or overlapping
         spread = rng.choice((0.0, 0.05, 1.0)) * min(1.0, scale.hold)
@@ -99,7 +136,8 @@ def draw_group(rng, moment, nodes, scale):
             fault.delay = spread * rng.random()
             faults.append(fault)
         faults.sort(key=lambda fault: fault.delay)
-    after = rng.uniform(*scale.gap) if moment not in ("start", "finish") else rng.choice((0.0, 0.05, 0.4)) * rng.random()
+    if moment in ("start", "finish"):
+        after = rng.choice((0.0, 0.05, 0.4)) * rng.random()
     return Group(moment, after, faults)
 
 
@@ -108,7 +146,7 @@ def draw_groups(rng, nodes, scale, seconds, endless):
     planned = 0.0
     while planned < seconds:
         moment = "flow" if endless else rng.choice(("flow", "flow", "commit", "checkpoint"))
-        groups.append(draw_group(rng, moment, nodes, scale))
+        groups.append(draw_group(rng, moment, nodes, scale, endless))
         planned += groups[-1].after + 0.2  # some is flow before it is noticed as such
     if not endless and rng.random() < 0.4:
         groups.append(draw_group(rng, "finish", nodes, scale))
@@ -136,7 +174,7 @@ def draw_run(rng, case, scale, endless_share=0.1):
     hosting = "processes" if case.kept or rng.random() < 0.6 else "one_process"
     seconds = rng.uniform(*scale.seconds)
     endless = rng.random() < endless_share
-    run = Run(dict(followers=case.followers, headway=round(rng.uniform(2.2, 3.6), 2), seed=rng.randrange(1, 2 ** 31)),
+    run = Run(dict(followers=case.followers, headway=draw_headway(rng), seed=rng.randrange(1, 2 ** 31), model=rng.choice(MODELS)),
               dict(scale.launch, hosting=hosting), not endless and rng.random() < 0.35, [])
     if endless:
         run.settings.update(steps=0, realizations=1)
