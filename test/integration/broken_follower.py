@@ -54,7 +54,7 @@ class Follower:
         self.latest = Position(run=message.run, attempt=message.attempt, first_realization=message.first_realization, step=message.step)
         if self.fault == "run":
             self.latest.run = first_run  # keeps to its first one
-        if not self.silent:
+        if not self.silent and self.fault != "mute":
             self.answer(message)
         self.y = message.position
 

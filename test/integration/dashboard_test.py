@@ -134,6 +134,13 @@ class Ensemble(Page):
         cls.summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(cls.output_folder), "the run to complete")
         cls.state = live_platoon.wait_for(lambda: state(cls.url).get("complete") and state(cls.url), "the page's final figures")
 
+    def test_a_speed_is_refused_with_the_reason(self):
+        for speed, words in ((20, "refused: in a run of many realizations the leader drives by the model file"), (10 ** 400, "must be a finite number")):
+            status, answer = ask(self.url, "POST", "/command", json.dumps({"command": "speed", "speed": speed}), Content_Type="application/json",
+                                 Origin=self.url)
+            self.assertEqual((status, answer["success"]), (409, False))
+            self.assertIn(words, answer["message"])
+
     def last_statistics(self):
         return live_platoon.wait_for(lambda: next((m for m in self.statistics[-1:] if m.step == 29 and m.realizations == 2000), None),
                                      "the statistics of the last step")

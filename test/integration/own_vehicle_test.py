@@ -194,6 +194,13 @@ class Contract(OwnTest):
         second = re.search(r"/platoon/vehicle_2/position: dropped a message that is out of turn: attempt (\d+), realizations from 200,", said)
         self.assertEqual(summary["attempts"], int(second.group(1)) + 4)
 
+    def test_a_vehicle_that_never_answers_is_named_once_however_often_the_leader_retries(self):
+        self.start(os.path.join(HERE, "broken_follower.py"), "2:mute")
+        terminal = self.launch(master=self.master, followers=3, own=2, steps=20, realizations=100, rate=100, stall_timeout=0.5)
+        terminal.wait_for_text("the platoon stands still: vehicle_2 has sent nothing at all; it is yours: clause 2 of the vehicle contract", 40)
+        terminal.interrupt()
+        self.assertEqual(terminal.text().count("the platoon stands still"), 1)
+
     def test_the_recorder_names_a_vehicle_without_stamps(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:unstamped")
         terminal = self.launch(master=self.master, followers=2, own=2, realizations=10, record=os.path.join(self.folder, "run.bag"))

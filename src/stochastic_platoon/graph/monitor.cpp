@@ -269,14 +269,23 @@ void Monitor::stop() {
   std::fflush(stdout);
 }
 
-// An attempt that gets no further brings messages, too.
+// An attempt that gets no further brings messages, too: only more of them than in any since the latest complete step are
+// progress.
 void Monitor::note_arrival(double present) {
-  stall_.arrived(present);
+  last_message_ = present;
+  const std::uint64_t messages = statistics_.arrivals().messages();
+  if (messages > most_messages_) {
+    most_messages_ = messages;
+    stall_.arrived(present);
+  }
   const Acknowledgement report = statistics_.arrivals().acknowledgement();
   const bool step = report.step != kNothingYet || report.first_realization > complete_.first_realization;
   const bool new_step = step && std::tie(report.attempt, report.first_realization, report.step) !=
                                     std::tie(complete_.attempt, complete_.first_realization, complete_.step);
-  if (new_step) stall_.completed_step(present);
+  if (new_step) {
+    most_messages_ = messages;
+    stall_.completed_step(present);
+  }
   complete_ = report;
 }
 
@@ -296,7 +305,7 @@ void Monitor::check_for_stall(double present) {
     } else if (change == StallWatch::Change::stalled) {
       present_stall_ = {culprit(), *stall_.last_arrival(), statistics_.arrivals().attempt()};
       stands = present_stall_.culprit;
-    } else if (stall_.stalled() && present - *stall_.last_arrival() > kSettled) {
+    } else if (stall_.stalled() && present - last_message_ > kSettled) {
       const std::string before = std::exchange(present_stall_.culprit, culprit());
       const auto name = [](const std::string& text) { return text.substr(0, text.find(';')); };
       if (name(before) != name(present_stall_.culprit)) stands = present_stall_.culprit;

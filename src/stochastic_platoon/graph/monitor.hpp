@@ -102,6 +102,8 @@ private:
   ProgressReports reports_;
   StallWatch stall_;
   Stall present_stall_;
+  double last_message_ = 0.0;                    ///< [s]
+  std::uint64_t most_messages_ = 0;              ///< of an attempt, since the latest complete step
   Acknowledgement complete_{0, 0, kNothingYet};  ///< latest step that has arrived from all vehicles
   std::optional<double> began_;                  ///< [s] first complete step of this launch
   std::map<std::string, std::string> notes_;     ///< what other components say of themselves
