@@ -194,7 +194,7 @@ def draw_many_kills(rng, case, scale):
     steps, rate, gap, batch = 20, 200, 0.3, log_uniform(rng, 16, 512)
     batches = int(scale.many_kills * gap * rate / (steps + 1))
     groups = [Group("flow", gap, [draw_fault(rng, victims, scale, ("SIGKILL",))]) for _ in range(scale.many_kills)]
-    case.runs = [Run(dict(followers=case.followers, headway=3.2, seed=rng.randrange(1, 2 ** 31), steps=steps,
+    case.runs = [Run(dict(followers=case.followers, headway=3.2, seed=rng.randrange(1, 2 ** 31), model=MODELS[0], steps=steps,
                           realizations=batches * batch), dict(scale.launch, hosting="processes", batch=batch, rate=rate), False, groups)]
 
 
