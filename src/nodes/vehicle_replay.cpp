@@ -1,4 +1,4 @@
-// Puts one live follower behind what it was recorded with. Parameters: ~bags, ~vehicle, ~patience (60 [s] without a
+// Puts one live follower behind what it was recorded with. Parameters: ~bags, ~unverified, ~vehicle, ~patience (60 [s] without a
 // new answer). Ends with status 0 when all that the follower publishes equals the recording to the bit, else with 1,
 // as it does with the reason why there is no verdict. With ~own the vehicle is an external one: its messages must be
 // those of the recording, its positions may be others.
@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "stochastic_platoon/bags/bag_reader.hpp"
 #include "stochastic_platoon/hosting/run_component.hpp"
 
 namespace {
@@ -20,7 +19,8 @@ void run(const ros::NodeHandle& platoon) {
   if (!configuration) return;
   const ros::NodeHandle own("~");
   const platoon::VehicleReplay replay(platoon, *configuration,
-                                      platoon::bag_files(own.param<std::string>("bags", "")),
+                                      {platoon::bag_files(own.param<std::string>("bags", "")),
+                                       platoon::Accept::whole, own.param("unverified", false)},
                                       static_cast<std::size_t>(own.param("vehicle", 0)),
                                       own.param("own", false), own.param("patience", 60.0));
   while (ros::ok() && !replay.done()) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));

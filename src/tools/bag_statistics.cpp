@@ -1,6 +1,8 @@
 // The results of a recorded run, straight from its bag and without a master: the same statistics.csv and
 // summary.json, to the bit.
 
+#include <malloc.h>
+
 #include <boost/program_options.hpp>
 #include <chrono>
 #include <filesystem>
@@ -19,7 +21,7 @@ namespace {
 namespace options = boost::program_options;
 
 struct Arguments {
-  std::vector<std::string> bags;
+  platoon::BagSource bags;
   std::string output;
   bool csv = false;
   bool partial = false;
@@ -29,14 +31,17 @@ Arguments parse(int argc, char** argv) {
   Arguments arguments;
   options::options_description description(
       "bag_statistics BAG...: statistics of a recorded platoon (several bags: a split one)");
-  description.add_options()("help", "print this")                                     //
-      ("version", "print the version")                                                //
-      ("bag", options::value(&arguments.bags), "bag files; may stand without --bag")  //
+  description.add_options()("help", "print this")                                           //
+      ("version", "print the version")                                                      //
+      ("bag", options::value(&arguments.bags.files), "bag files; may stand without --bag")  //
       ("output", options::value(&arguments.output),
        "folder for statistics.csv and summary.json; without it none")                              //
       ("csv", options::bool_switch(&arguments.csv), "print statistics.csv instead of the report")  //
       ("partial", options::bool_switch(&arguments.partial),
-       "use the readable part of a damaged or incomplete bag");
+       "use the whole batches of a recording that is not complete: not closed, or cut off; damage is "
+       "rejected all the same")  //
+      ("unverified", options::bool_switch(&arguments.bags.unverified),
+       "read bags without checksums, too, as rosbag record writes them: a changed bit may go unnoticed");
   options::positional_options_description positional;
   positional.add("bag", -1);
   options::variables_map values;
@@ -47,10 +52,11 @@ Arguments parse(int argc, char** argv) {
     std::cout << "stochastic_platoon " << platoon::kVersion << "\n";
     std::exit(0);
   }
-  if (values.count("help") > 0 || arguments.bags.empty()) {
+  if (values.count("help") > 0 || arguments.bags.files.empty()) {
     (values.count("help") > 0 ? std::cout : std::cerr) << description;
     std::exit(values.count("help") > 0 ? 0 : 2);
   }
+  if (arguments.partial) arguments.bags.accept = platoon::Accept::cut;
   return arguments;
 }
 
@@ -58,18 +64,20 @@ platoon::BagStatistics read(const Arguments& arguments) {
   std::unique_ptr<platoon::ProgressDisplay> display;
   const auto progress = [&](std::uint64_t done, std::uint64_t total) {
     if (arguments.csv) return;
-    if (!display) display = std::make_unique<platoon::ProgressDisplay>(total, "messages", 1.0, "messages");
+    if (!display) display = std::make_unique<platoon::ProgressDisplay>(total, "bytes", 1.0, "bytes");
     display->update(
         done, std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count());
   };
-  platoon::BagStatistics statistics =
-      platoon::statistics_of_bags(arguments.bags, arguments.partial, progress);
+  platoon::BagStatistics statistics = platoon::statistics_of_bags(arguments.bags, progress);
   if (display) display->finish();
   return statistics;
 }
 
 // Whether the bag gives what was asked for; says on standard error what is wrong with it.
 bool is_usable(const platoon::BagStatistics& statistics, const Arguments& arguments) {
+  if (arguments.bags.unverified)
+    std::cerr << arguments.bags.files.front()
+              << ": read without its checksums: a changed bit may go unnoticed\n";
   for (const std::string& topic : statistics.foreign_topics) {
     std::cerr << platoon::printable(topic) << ": foreign: passed over\n";
   }
@@ -78,11 +86,11 @@ bool is_usable(const platoon::BagStatistics& statistics, const Arguments& argume
                      (statistics.result.complete ||
                       statistics.configuration.run.averaging() == platoon::Averaging::over_time);
   if (!whole && !arguments.partial) {
-    std::cerr << arguments.bags.front()
+    std::cerr << arguments.bags.files.front()
               << ": the recording is not complete; --partial uses its whole batches\n";
   }
   if (statistics.result.realizations > 0) return whole || arguments.partial;
-  std::cerr << arguments.bags.front() << ": holds no whole batch: there are no statistics\n";
+  std::cerr << arguments.bags.files.front() << ": holds no whole batch: there are no statistics\n";
   return false;
 }
 
@@ -90,6 +98,10 @@ bool is_usable(const platoon::BagStatistics& statistics, const Arguments& argume
 
 int main(int argc, char** argv) {
   try {
+    // Freed memory serves the next message: given back to the system and asked for again, it would cost its page faults.
+    mallopt(M_TRIM_THRESHOLD, 1 << 27);
+    mallopt(M_TOP_PAD, 1 << 24);
+    mallopt(M_MMAP_THRESHOLD, 1 << 25);
     const Arguments arguments = parse(argc, argv);
     platoon::BagStatistics statistics = read(arguments);
     if (!is_usable(statistics, arguments)) return 1;

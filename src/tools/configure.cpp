@@ -99,8 +99,8 @@ std::map<std::string, std::string> given(const std::map<std::string, std::string
 }
 
 // The recorded configuration for another run: nothing of where and how the recorded one ran.
-platoon::Configuration recorded(const std::string& bags) {
-  platoon::Configuration configuration = platoon::recorded_platoon(platoon::bag_files(bags)).configuration;
+platoon::Configuration recorded(const platoon::BagSource& bags) {
+  platoon::Configuration configuration = platoon::recorded_platoon(bags).configuration;
   configuration.run.record.clear();
   configuration.run.resume = false;
   configuration.run.rate = 0.0;
@@ -117,7 +117,8 @@ int main(int argc, char** argv) {
       argc, argv, "Checks a platoon's configuration and prints it for the parameter server", accepted,
       {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
        {"quote_in_path", "true: refuse a quote in a path, which a launch file cannot pass on"},
-       {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"}});
+       {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
+       {"unverified", "true: with --bag, also of recordings without checksums"}});
   try {
     if (settings["quote_in_path"] == "true") {
       throw platoon::ConfigurationError(
@@ -127,20 +128,21 @@ int main(int argc, char** argv) {
     }
     settings.erase("quote_in_path");
     require_log_folder();
-    const std::string bags = settings["bag"];
+    const platoon::BagSource bags{platoon::bag_files(settings["bag"]), platoon::Accept::whole,
+                                  settings["unverified"] == "true"};
     const bool behind_recorded_leader = settings["recorded_leader"] == "true";
     settings.erase("bag");
+    settings.erase("unverified");
     settings.erase("recorded_leader");
     if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);
     settings["output"] = absolute(settings["output"]);
     if (!settings["record"].empty()) settings["record"] = absolute(settings["record"]);
     platoon::Configuration configuration = platoon::parse_configuration(
-        bags.empty() ? platoon::configuration_document(settings)
-                     : platoon::configuration_document(recorded(bags), given(settings)));
+        bags.files.empty() ? platoon::configuration_document(settings)
+                           : platoon::configuration_document(recorded(bags), given(settings)));
     if (behind_recorded_leader) {
-      configuration.model.recorded_leader =
-          platoon::recorded_leader(platoon::bag_files(bags), configuration.run.steps);
+      configuration.model.recorded_leader = platoon::recorded_leader(bags, configuration.run.steps);
     }
     require_free_recording(configuration.run);
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);

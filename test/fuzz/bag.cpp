@@ -1,21 +1,39 @@
-// Any bytes as a bag that was damaged, or never finished: what can be read of it or of its end, or a BagError.
+// Any bytes as a recording: read whole, without its end, up to its damage and without its checksums, all of its messages, and its end
+// alone: messages or a BagError. With checksums it is what it was recorded as, so that most inputs end there; without them every
+// record, index and message counts.
 
 #include "fuzz/fuzz.hpp"
 #include "stochastic_platoon/bags/bag_reader.hpp"
 #include "stochastic_platoon/bags/bag_statistics.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string file = platoon::fuzz::file_of(data, size);
+namespace {
+
+template <typename Read>
+void survive(const Read& read) {
   try {
-    platoon::statistics_of_bags({file}, true, {});
+    read();
   } catch (const platoon::BagError&) {
   }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using platoon::Accept;
+  const std::string file = platoon::fuzz::file_of(data, size);
   platoon::BagContent content;
+  content.configuration = [](const auto&, const auto&) {};
   content.position = [](const auto&, const auto&) {};
   content.predecessor_position = [](const auto&, const auto&) {};
-  try {
-    for (std::size_t chunks = 1; !platoon::read_end_of_bag(file, chunks, content);) chunks *= 4;
-  } catch (const platoon::BagError&) {
+  content.error_statistics = [](const auto&, const auto&) {};
+  for (const bool unverified : {false, true}) {
+    for (const Accept accept : {Accept::whole, Accept::cut, Accept::damaged})
+      survive([&] { platoon::read_bags({{file}, accept, unverified}, content); });
+    survive([&] { platoon::statistics_of_bags({{file}, Accept::cut, unverified}, {}); });
+    survive([&] { platoon::recorded_leader({{file}, Accept::cut, unverified}, 3); });
   }
+  survive([&] {
+    for (std::size_t chunks = 1; !platoon::read_end_of_bag(file, chunks, content);) chunks *= 4;
+  });
   return 0;
 }

@@ -53,8 +53,8 @@ TEST(Corpus, HoldsACheckpointThatIsOne) {
 }
 
 TEST(Corpus, HoldsABagThatIsOne) {
-  for (const char* name : {"plain", "packed"})
-    EXPECT_GT(statistics_of_bags({kCorpus + "bag/" + name}, true, {}).result.realizations, 0U) << name;
+  for (const char* name : {"plain", "packed", "endless"})
+    EXPECT_GT(statistics_of_bags({{kCorpus + "bag/" + name}}, {}).result.realizations, 0U) << name;
 }
 
 }  // namespace

@@ -23,6 +23,40 @@ def bag_statistics(*arguments):
                           stderr=subprocess.PIPE, universal_newlines=True, errors="replace")
 
 
+def xxh64(content, seed):
+    """XXH64 from its specification, version 0.1.1."""
+    primes = (0, 11400714785074694791, 14029467366897019727, 1609587929392839161, 9650029242287828579, 2870177450012600261)
+    full = 2**64 - 1
+
+    def rotated(value, bits):
+        return (value << bits | value >> 64 - bits) & full
+
+    def round_(lane, word):
+        return rotated((lane + word * primes[2]) & full, 31) * primes[1] & full
+
+    rest = content
+    if len(content) < 32:
+        value = seed + primes[5]
+    else:
+        lanes = [seed + primes[1] + primes[2], seed + primes[2], seed, seed - primes[1]]
+        while len(rest) >= 32:
+            lanes = [round_(lane & full, word) for lane, word in zip(lanes, struct.unpack("<4Q", rest[:32]))]
+            rest = rest[32:]
+        value = sum(rotated(lane, bits) for lane, bits in zip(lanes, (1, 7, 12, 18)))
+        for lane in lanes:
+            value = ((value & full ^ round_(0, lane)) * primes[1] + primes[4]) & full
+    value = (value + len(content)) & full
+    for size, step in ((8, lambda v, w: rotated(v ^ round_(0, w), 27) * primes[1] + primes[4]),
+                       (4, lambda v, w: rotated(v ^ w * primes[1] & full, 23) * primes[2] + primes[3]),
+                       (1, lambda v, w: rotated(v ^ w * primes[5] & full, 11) * primes[1])):
+        while len(rest) >= size:
+            value = step(value, int.from_bytes(rest[:size], "little")) & full
+            rest = rest[size:]
+    for bits, prime in ((33, primes[2]), (29, primes[3]), (32, 1)):
+        value = (value ^ value >> bits) * prime & full
+    return value
+
+
 class BagTest(LaunchTest):
     def setUp(self):
         super().setUp()
@@ -109,7 +143,13 @@ class RecordAndReplay(BagTest):
         terminal.wait()
         recorder.send_signal(2)
         recorder.wait()
-        self.assertEqual(self.csv_of(plain), live_platoon.statistics(self.output))
+        refused = bag_statistics(plain)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("plain.bag: holds no checksums, so that a changed bit would not be noticed", refused.stderr)
+        self.assertEqual(self.csv_of(plain, "--unverified"), live_platoon.statistics(self.output))
+        again = os.path.join(self.folder, "again")
+        self.launch("replay.launch", bag=plain, output=again, unverified=True).wait()
+        self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
 
 
 class Drive(BagTest):
@@ -127,7 +167,7 @@ class Drive(BagTest):
                 if topic == "/platoon/vehicle_2/position" and message.step == 7:
                     message.position = tuple(value + 1e-12 for value in message.position)
                 target.write(topic, message, time)
-        terminal = self.launch("replay.launch", bag=forged, drive="vehicle_2", output="")
+        terminal = self.launch("replay.launch", bag=forged, drive="vehicle_2", output="", unverified=True)
         terminal.wait()
         self.assertIn("vehicle_2 differs from the recording at step 7", terminal.text())
 
@@ -151,10 +191,40 @@ class Damaged(BagTest):
                 if topic == "/platoon/vehicle_1/position" and message.step == 2:
                     message.position = tuple(value + 1e-12 for value in message.position)
                 target.write(topic, message, time_)
-        terminal = self.launch("replay.launch", bag=forged)
-        terminal.wait_for_text("are not those of the positions beside them: the recording is damaged")
-        terminal.end()
-        self.assertFalse(live_platoon.completed_summary(self.output), terminal.text())
+        for unverified, reason in ((False, "messages are not as they were recorded"),
+                                   (True, "are not those of the positions beside them: the recording is damaged")):
+            with self.subTest(unverified=unverified):
+                self.output = os.path.join(self.folder, "unverified{}".format(unverified))
+                terminal = self.launch("replay.launch", bag=forged, unverified=unverified)
+                terminal.wait()  # it ends by itself
+                self.assertIn(reason, terminal.text())
+                self.assertFalse(live_platoon.completed_summary(self.output), terminal.text())
+
+    def test_a_replay_ends_with_the_reason_whatever_bit_is_wrong(self):
+        """Of a position that a vehicle received, of the index behind a chunk, of the end of the file."""
+        with open(os.path.join(DATA, "small.bag"), "rb") as file:
+            content = file.read()
+        with rosbag.Bag(os.path.join(DATA, "small.bag")) as bag:
+            values = [message.position[1] for _, message, _ in bag.read_messages("/platoon/vehicle_2/predecessor_position")]
+        received = content.find(struct.pack("<d", values[3]))
+        end = struct.unpack("<Q", content[content.find(b"index_pos=") + 10:][:8])[0]
+        offset = end - 1  # the last byte of the index behind the last chunk
+        for place, drive, reason in ((received, "vehicle_2", "messages are not as they were recorded"),
+                                     (received, "", "messages are not as they were recorded"),
+                                     (offset, "", "the index is not that of the messages"),
+                                     (end + 12, "", "is damaged")):
+            with self.subTest(place=place, drive=drive):
+                bent = bytearray(content)
+                bent[place] ^= 4
+                forged = os.path.join(self.folder, "bent.bag")
+                with open(forged, "wb") as file:
+                    file.write(bent)
+                self.output = os.path.join(self.folder, "out{}{}".format(place, drive))
+                terminal = self.launch("replay.launch", bag=forged, drive=drive)
+                terminal.wait()
+                self.assertIn(reason, terminal.text())
+                self.assertNotIn("equal the recorded ones", terminal.text())
+                self.assertFalse(live_platoon.completed_summary(self.output), terminal.text())
 
 
 class Killed(BagTest):
@@ -268,17 +338,17 @@ class SmallBag(unittest.TestCase):
                     target.write(topic, message, time)
         return path
 
-    def refused(self, bag, *said):
-        result = bag_statistics(bag)
+    def refused(self, bag, *said, options=()):
+        result = bag_statistics(bag, *options)
         self.assertEqual(result.returncode, 1)
         for words in said:
             self.assertIn(words, result.stderr)
         self.assertNotIn("terminate", result.stderr)
         return result
 
-    def partial(self, bag):
+    def partial(self, bag, *options):
         output = os.path.join(self.folder, "partial")
-        result = bag_statistics(bag, "--partial", "--output", output)
+        result = bag_statistics(bag, "--partial", "--output", output, *options)
         self.assertEqual(result.returncode, 0, result.stderr)
         with open(os.path.join(output, "summary.json")) as file:
             return json.load(file)
@@ -292,7 +362,9 @@ class SmallBag(unittest.TestCase):
         self.assertTrue(live_platoon.completed_summary(output))
 
     def test_a_bag_of_version_0_1_0_is_refused_by_name(self):
-        self.refused(os.path.join(DATA, "small_0.1.0.bag"), "small_0.1.0.bag: was recorded by stochastic_platoon 0.1.0: must be of")
+        old = os.path.join(DATA, "small_0.1.0.bag")
+        self.refused(old, "small_0.1.0.bag: holds no checksums", "versions before 0.2.0")
+        self.refused(old, "small_0.1.0.bag: was recorded by stochastic_platoon 0.1.0: must be of", options=["--unverified"])
 
     def test_messages_of_another_run_are_named_and_not_used(self):
         def forge(topic, message):
@@ -300,8 +372,9 @@ class SmallBag(unittest.TestCase):
                 message.run ^= 1
             return 1
 
-        self.refused(self.altered("foreign.bag", forge), "vehicle_1/position: step -1 of the realizations from 4 is of another run")
-        self.assertEqual(self.partial(os.path.join(self.folder, "foreign.bag"))["realizations"], 4)
+        self.refused(self.altered("foreign.bag", forge), "vehicle_1/position: step -1 of the realizations from 4 is of another run",
+                     options=["--unverified"])
+        self.assertEqual(self.partial(os.path.join(self.folder, "foreign.bag"), "--unverified")["realizations"], 4)
 
     def bent(self, name, change):
         def forge(topic, message):
@@ -309,6 +382,13 @@ class SmallBag(unittest.TestCase):
             return 1
 
         return self.altered(name, forge)
+
+    def test_what_another_program_changed_is_refused_even_in_part(self):
+        bag = self.bent("bent.bag", lambda topic, message: setattr(message, "step", 4) if topic.endswith("vehicle_1/predecessor_position")
+                        and message.step == 3 else None)
+        for options in ([], ["--partial"]):
+            self.refused(bag, "bent.bag: is damaged, or was changed by another program", "messages are not as they were recorded",
+                         options=options)
 
     def test_a_position_that_was_changed_is_recognized_by_the_figures_beside_it(self):
         def change(topic, message):
@@ -318,12 +398,11 @@ class SmallBag(unittest.TestCase):
                 message.position = struct.unpack("<2d", bits)
 
         self.refused(self.bent("bent.bag", change),
-                     "error_statistics: the figures of step 3 are not those of the positions beside them: the recording is damaged")
+                     "error_statistics: the figures of step 3 are not those of the positions beside them: the recording is damaged",
+                     options=["--unverified"])
 
     def test_every_value_that_was_changed_is_recognized(self):
-        """One bit of one position after the other, of which none makes another number unnoticed."""
-        with open(os.path.join(DATA, "small_statistics.csv"), "rb") as file:
-            right = file.read()
+        """One bit of one position after the other, also of those that no statistics are made of."""
         with open(self.small, "rb") as file:
             content = file.read()
         values = set()
@@ -333,18 +412,13 @@ class SmallBag(unittest.TestCase):
                     values.update(message.position)
         places = sorted({content.find(struct.pack("<d", value)) for value in values if value != 0.0} - {-1})
         self.assertGreater(len(places), 20)
-        recognized = 0
         path = os.path.join(self.folder, "bent.bag")
         for count, at in enumerate(places):
             bent = bytearray(content)
             bent[at + count % 7] ^= 1 << count % 8
             with open(path, "wb") as file:
                 file.write(bent)
-            result = bag_statistics(path, "--csv")
-            if result.returncode == 0:
-                self.assertEqual(result.stdout.encode(), right, "byte {}".format(at + count % 7))
-            recognized += result.returncode == 1
-        self.assertGreater(recognized, 0.9 * len(places))
+            self.refused(path, "messages are not as they were recorded", options=[["--partial"], []][count % 2])
 
     def test_a_leader_that_is_not_at_one_place_is_refused(self):
         def change(topic, message):
@@ -352,11 +426,13 @@ class SmallBag(unittest.TestCase):
                 message.position = (message.position[0] + 1e-9,) + tuple(message.position[1:])
 
         bag = self.bent("leader.bag", change)
-        result = subprocess.run([live_platoon.executable("configure"), "--bag", bag, "--recorded-leader", "true", "--hosting",
-                                 "one_process", "--output", self.folder + "/out"], stdout=subprocess.PIPE,
-                                stderr=subprocess.PIPE, universal_newlines=True)
-        self.assertNotEqual(result.returncode, 0)
-        self.assertIn("is damaged: the leader is not at one place at step 2", result.stderr)
+        for unverified, reason in (("false", "messages are not as they were recorded"),
+                                   ("true", "is damaged: the leader is not at one place at step 2")):
+            result = subprocess.run([live_platoon.executable("configure"), "--bag", bag, "--recorded-leader", "true", "--hosting",
+                                     "one_process", "--output", self.folder + "/out", "--unverified", unverified],
+                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+            self.assertNotEqual(result.returncode, 0)
+            self.assertIn(reason, result.stderr)
 
     def test_a_bag_of_two_runs_is_refused(self):
         from std_msgs.msg import String
@@ -366,7 +442,7 @@ class SmallBag(unittest.TestCase):
                 target.write(topic, message, time)
                 if topic.endswith("configuration"):
                     target.write(topic, String(message.data.replace('"seed":1', '"seed":2')), time)
-        self.refused(path, "two.bag: holds more than one run of a platoon: must hold one")
+        self.refused(path, "two.bag: holds more than one run of a platoon: must hold one", options=["--unverified"])
 
     def test_results_are_not_written_over(self):
         output = os.path.join(self.folder, "run")
@@ -379,13 +455,40 @@ class SmallBag(unittest.TestCase):
         bag = self.altered("hole.bag", lambda topic, message: 0 if topic.endswith("vehicle_1/position") and message.step == 2
                            and message.first_realization == 4 else 1)
         self.refused(bag, "vehicle_1/position: step 3 of the realizations from 4 follows step 1 of the realizations from 4: what is "
-                     "between is missing", "--partial")
-        self.assertEqual(self.partial(bag)["realizations"], 4)
+                     "between is missing", "--partial", options=["--unverified"])
+        self.assertEqual(self.partial(bag, "--unverified")["realizations"], 4)
 
     def test_a_duplicate_is_named_by_topic_and_step(self):
         bag = self.altered("twice.bag", lambda topic, message: 2 if topic.endswith("vehicle_2/position") and message.step == 3
                            and message.first_realization == 0 else 1)
-        self.refused(bag, "vehicle_2/position: step 3 of the realizations from 0 comes twice")
+        self.refused(bag, "vehicle_2/position: step 3 of the realizations from 0 comes twice", options=["--unverified"])
+
+    def test_what_rosbag_compressed_is_as_good(self):
+        """As `rosbag compress` does it: every message in the order of times, as it is."""
+        for compression in (rosbag.Compression.BZ2, rosbag.Compression.LZ4):
+            path = os.path.join(self.folder, "compressed.bag")
+            with rosbag.Bag(self.small) as source, rosbag.Bag(path, "w", compression=compression) as target:
+                for topic, message, time_ in source.read_messages(raw=True):
+                    target.write(topic, message, time_, raw=True)
+            with open(os.path.join(DATA, "small_statistics.csv")) as file:
+                self.assertEqual(bag_statistics(path, "--csv").stdout, file.read())
+
+    def test_the_checksums_are_what_their_message_says(self):
+        """By another program: see msg/Checksum.msg."""
+        messages = digest = checksums = since = 0
+        with rosbag.Bag(self.small) as bag:
+            for topic, (_, content, _, _, kind), time_ in bag.read_messages(raw=True):
+                if topic != "/platoon/checksum":
+                    seed = xxh64(topic.encode(), 0) + time_.to_nsec()
+                    digest = (digest + xxh64(content, seed % 2**64)) % 2**64
+                    messages, since = messages + 1, since + 1
+                    continue
+                checksum = kind().deserialize(content)
+                self.assertEqual((checksum.messages, checksum.digest), (messages, digest))
+                digest = since = 0
+                checksums += 1
+        self.assertGreaterEqual(checksums, 2)
+        self.assertEqual(since, 0, "messages behind the last checksum")
 
     def test_foreign_topics_are_named_and_passed_over(self):
         from std_msgs.msg import String
@@ -407,12 +510,15 @@ class SmallBag(unittest.TestCase):
                 file.write(content[:int(share * len(content))])
             self.refused(path, "cut.bag: ")
             result = bag_statistics(path, "--partial")
-            self.assertIn("damaged", result.stderr)
+            self.assertIn("the file ends early, before byte {} of".format(int(share * len(content))), result.stderr)
             # The first batch, of four realizations, ends before the middle of the file and the second before its last tenth.
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertIn("4 realizations" if share < 0.9 else "6 realizations", result.stdout)
 
     def test_any_cut_and_any_flipped_byte_is_survived(self):
+        """A cut leaves whole batches; what is bent is rejected, unless it is where nothing follows that counts."""
+        with open(os.path.join(DATA, "small_statistics.csv")) as file:
+            right = file.read()
         with open(self.small, "rb") as file:
             content = file.read()
         path = os.path.join(self.folder, "hostile.bag")
@@ -425,6 +531,8 @@ class SmallBag(unittest.TestCase):
                 file.write(bent)
             result = bag_statistics(path, "--partial", "--csv")
             self.assertIn(result.returncode, (0, 1), "cut or bent at byte {}: {}".format(at, result.stderr))
+            if i % 2 == 0 and result.returncode == 0:
+                self.assertEqual(result.stdout, right, "bent at byte {}: {}".format(at, result.stderr))
 
     def test_an_empty_bag_a_missing_one_and_something_else_are_refused(self):
         empty = os.path.join(self.folder, "empty.bag")

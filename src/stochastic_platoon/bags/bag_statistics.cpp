@@ -59,44 +59,47 @@ private:
 
 }  // namespace
 
-std::vector<double> recorded_leader(const std::vector<std::string>& files, std::int64_t steps) {
-  BagStream stream(files, [](const PlatoonTopic& topic) {
+std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps) {
+  BagStream stream(source, [](const PlatoonTopic& topic) {
     return topic.kind == PlatoonTopic::Kind::position && topic.vehicle == 0;
   });
+  const std::string& file = source.files.front();
   std::vector<double> positions;
   while (positions.size() < static_cast<std::size_t>(steps + 1)) {
-    const std::optional<RecordedPosition> recorded = stream.next();
+    const std::optional<RecordedMessage> recorded = stream.next();
     if (!recorded) break;
-    if (recorded->message->step == kInitialStep) positions.clear();
-    const std::vector<double>& all = recorded->message->position;
+    const Position::ConstPtr message = std::get<Position::Ptr>(recorded->content);
+    if (message->step == kInitialStep) positions.clear();
+    const std::vector<double>& all = message->position;
     if (std::any_of(all.begin(), all.end(), [&all](double position) { return position != all.front(); })) {
-      throw BagError(files.front() + ": is damaged: the leader is not at one place at step " +
-                     std::to_string(recorded->message->step));
+      throw BagError(file + ": is damaged: the leader is not at one place at step " +
+                     std::to_string(message->step));
     }
-    const bool due = recorded->message->step + 1 == static_cast<std::int64_t>(positions.size());
-    if (due && !recorded->message->position.empty()) positions.push_back(recorded->message->position.front());
+    const bool due = message->step + 1 == static_cast<std::int64_t>(positions.size());
+    if (due && !all.empty()) positions.push_back(all.front());
   }
   if (positions.size() == static_cast<std::size_t>(steps + 1)) return positions;
-  throw BagError(files.front() + ": holds " + std::to_string(positions.size()) +
+  throw BagError(file + ": holds " + std::to_string(positions.size()) +
                  " steps of a leader: must hold steps -1 to " + std::to_string(steps - 1));
 }
 
-RecordedPlatoon recorded_platoon(const std::vector<std::string>& files) {
-  RunFinder finder(files.front());
+RecordedPlatoon recorded_platoon(const BagSource& source) {
+  RunFinder finder(source.files.front());
+  BagStream stream(source,
+                   [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::configuration; });
+  if (const std::optional<RecordedMessage> message = stream.next())
+    finder.take(message->topic, std::get<std::string>(message->content));
+  return finder.require();
+}
+
+BagStatistics statistics_of_bags(const BagSource& source,
+                                 const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  RunFinder finder(source.files.front());
+  RunReading reading(recorded_platoon(source));
   BagContent content;
   content.configuration = [&finder](const PlatoonTopic& topic, const std::string& text) {
     finder.take(topic, text);
   };
-  read_bags(files, content);
-  return finder.require();
-}
-
-namespace {
-
-BagStatistics statistics_of_intact_bags(const std::vector<std::string>& files,
-                                        const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-  RunReading reading(recorded_platoon(files));
-  BagContent content;
   content.position = [&reading](const PlatoonTopic& topic, const Position::ConstPtr& message) {
     reading.take(topic, message);
   };
@@ -104,42 +107,12 @@ BagStatistics statistics_of_intact_bags(const std::vector<std::string>& files,
     reading.take(topic, message);
   };
   content.progress = progress;
-  const BagRemainder remainder = read_bags(files, content);
+  const BagRemainder remainder = read_bags(source, content);
   BagStatistics statistics = reading.statistics();
   statistics.foreign_topics = remainder.foreign_topics;
+  if (!remainder.ending.empty())
+    statistics.findings.insert(statistics.findings.begin(), "the file " + remainder.ending);
   return statistics;
-}
-
-// In one walk: a recording begins with its configuration.
-BagStatistics statistics_of_damaged_bag(const std::string& file) {
-  RunFinder finder(file);
-  std::optional<RunReading> reading;
-  BagContent content;
-  content.configuration = [&](const PlatoonTopic& topic, const std::string& text) {
-    finder.take(topic, text);
-    if (!reading) reading.emplace(*finder.found());
-  };
-  content.position = [&](const PlatoonTopic& topic, const Position::ConstPtr& message) {
-    if (reading) reading->take(topic, message);
-  };
-  content.error_statistics = [&](const PlatoonTopic& topic, const ErrorStatistics::ConstPtr& message) {
-    if (reading) reading->take(topic, message);
-  };
-  const BagRemainder remainder = read_damaged_bag(file, content);
-  finder.require();
-  BagStatistics statistics = reading->statistics();
-  statistics.foreign_topics = remainder.foreign_topics;
-  if (!remainder.damage.empty())
-    statistics.findings.insert(statistics.findings.begin(), "the file is damaged: " + remainder.damage);
-  return statistics;
-}
-
-}  // namespace
-
-BagStatistics statistics_of_bags(const std::vector<std::string>& files, bool partial,
-                                 const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-  return partial && files.size() == 1 ? statistics_of_damaged_bag(files.front())
-                                      : statistics_of_intact_bags(files, progress);
 }
 
 }  // namespace platoon

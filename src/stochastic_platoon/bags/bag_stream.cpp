@@ -1,36 +1,55 @@
 #include "stochastic_platoon/bags/bag_stream.hpp"
 
-#include "stochastic_platoon/bags/bag_reader.hpp"
-#include "stochastic_platoon/bags/message_dispatch.hpp"
+#include <algorithm>
+#include <filesystem>
+#include <utility>
 
 namespace platoon {
 
-using stochastic_platoon::Position;
+namespace {
 
-BagStream::BagStream(const std::vector<std::string>& files,
-                     const std::function<bool(const PlatoonTopic&)>& wanted) {
-  for (const std::string& file : files) {
-    bags_.push_back(open_bag(file));
-    view_.addQuery(*bags_.back(), [&wanted](const rosbag::ConnectionInfo* connection) {
-      const std::optional<PlatoonTopic> topic = parse_topic(connection->topic);
-      return topic && connection->datatype == ros::message_traits::datatype<Position>() && wanted(*topic);
-    });
+// Recorded time of the first position [ns]; 0 where none can be read, which reading the file then reports.
+std::uint64_t begin_of(const std::string& file) {
+  try {
+    BagWalk walk(file);
+    while (const std::optional<RawMessage> message = walk.next()) {
+      const std::optional<PlatoonTopic> topic = parse_topic(walk.connection(*message).topic);
+      if (topic && topic->kind == PlatoonTopic::Kind::position) return message->time;
+    }
+  } catch (const BagCut&) {
+  } catch (const BagDamage&) {
   }
-  position_ = view_.begin();
+  return 0;
 }
 
-std::optional<RecordedPosition> BagStream::next() {
-  if (position_ == view_.end()) return std::nullopt;
-  try {
-    RecordedPosition recorded{*parse_topic(position_->getTopic()),
-                              instantiated<Position>(*position_, buffer_)};
-    ++position_;
-    return recorded;
-  } catch (const rosbag::BagException& reason) {
-    throw BagError(std::string("the bag is damaged: ") + reason.what());
-  } catch (const ros::serialization::StreamOverrunException& reason) {
-    throw BagError(std::string("the bag holds a message that is cut off: ") + reason.what());
+}  // namespace
+
+BagStream::BagStream(const BagSource& source, RecordedMessages::Wanted wanted)
+    : source_(source), wanted_(std::move(wanted)) {
+  std::vector<std::pair<std::uint64_t, std::string>> files;
+  for (const std::string& file : source.files) {
+    files.emplace_back(source.files.size() > 1 ? begin_of(file) : 0, file);
+    std::error_code ignored;
+    const std::uintmax_t bytes = std::filesystem::file_size(file, ignored);
+    if (!ignored) size_ += bytes;
   }
+  std::sort(files.rbegin(), files.rend());
+  for (const auto& file : files) files_.push_back(file.second);
+}
+
+std::optional<RecordedMessage> BagStream::next() {
+  while (present_ || !files_.empty()) {
+    if (!present_) {
+      present_ = std::make_unique<RecordedMessages>(files_.back(), source_, wanted_);
+      files_.pop_back();
+    }
+    if (std::optional<RecordedMessage> message = present_->next()) return message;
+    before_ += present_->size();
+    foreign_topics_.insert(present_->foreign_topics().begin(), present_->foreign_topics().end());
+    if (ending_.empty()) ending_ = present_->ending();
+    present_.reset();
+  }
+  return std::nullopt;
 }
 
 }  // namespace platoon

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "stochastic_platoon/io/atomic_file.hpp"
+#include "stochastic_platoon/messages/position.hpp"
+#include "stochastic_platoon/messages/topics.hpp"
 
 namespace platoon {
 
@@ -43,9 +45,24 @@ void BagWriter::begin(const std::string& compression, const RecordedConfiguratio
   std_msgs::String message;
   message.data = configuration.json;
   bag_.write(configuration.topic, ros::TIME_MIN, message, header);
+  checksum_topic_ = configuration.topic.substr(0, configuration.topic.rfind('/') + 1) + kChecksumTopic;
+  cover(configuration.topic, ros::TIME_MIN, message);
+  write_checksum();
+}
+
+// Its time is behind that of all it covers, and before that of all that follows.
+void BagWriter::write_checksum() {
+  if (uncovered_bytes_ == 0) return;
+  const ros::Duration nanosecond(0, 1);
+  const ros::Time time = later(latest_, nanosecond);
+  bag_.write(checksum_topic_, time, checksum_);
+  latest_ = later(time, nanosecond);
+  checksum_.digest = 0;
+  uncovered_bytes_ = 0;
 }
 
 void BagWriter::close() {
+  write_checksum();
   closed_bytes_ = bytes();
   bag_.close();
   write_behind_.finish();

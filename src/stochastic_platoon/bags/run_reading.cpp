@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "stochastic_platoon/bags/bag_reader.hpp"
+#include "stochastic_platoon/bags/bag_source.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 
 namespace platoon {

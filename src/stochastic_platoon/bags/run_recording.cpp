@@ -77,6 +77,7 @@ void RunRecording::take(std::size_t stream, const Message& message) {
   step.messages[stream] = message;
   if (++step.arrived < step.messages.size()) return;
   for (std::size_t s = 0; s < step.messages.size(); ++s) recording_->write(topic(s), *step.messages[s]);
+  recording_->end_step(configuration_.run.schedule().is_last_step(message->step));
   open_.erase(key);
   partial_ = true;
 }
@@ -218,7 +219,7 @@ void RunRecording::rewrite() {
     attempt = std::max(attempt, message->attempt);
   };
   if (!schedule.endless()) {
-    for (const std::string& file : files) read_damaged_bag(file, content);
+    for (const std::string& file : files) read_bags({{file}, Accept::damaged}, content);
   }
 
   recording_ = record_to(kRecoveredSuffix);
@@ -230,6 +231,7 @@ void RunRecording::rewrite() {
     const Heading heading = heading_of(*message);
     if (copied.admit(stream, heading).verdict != Verdict::in_turn) return;
     recording_->write(topic(stream), *message);
+    if (stream + 1 == streams()) recording_->end_step(schedule.is_last_step(message->step));
     copied.count(stream, heading);
   };
   content.position = [&](const PlatoonTopic& topic, const Message& message) { copy(topic.vehicle, message); };
@@ -239,7 +241,7 @@ void RunRecording::rewrite() {
   content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) {
     recording_->write(name_space_ + "/error_statistics", *message);
   };
-  for (const std::string& file : files) read_damaged_bag(file, content);
+  for (const std::string& file : files) read_bags({{file}, Accept::damaged}, content);
 
   // In this order whoever is killed meanwhile leaves some of it twice, none of it out, and no gap in the numbers.
   recording_->set_suffix(kActiveSuffix);

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 
-#include "stochastic_platoon/bags/bag_reader.hpp"
 #include "stochastic_platoon/bags/bag_statistics.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 
 namespace platoon {
 
+using stochastic_platoon::ErrorStatistics;
 using stochastic_platoon::Position;
 using stochastic_platoon::Progress;
 
@@ -27,18 +27,16 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration
       window_(configuration.run.window),
       options_(options),
       stream_(options.bags,
-              [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::position; }),
+              [](const PlatoonTopic& topic) {
+                return topic.kind == PlatoonTopic::Kind::position ||
+                       topic.kind == PlatoonTopic::Kind::error_statistics;
+              }),
       reading_(recorded_platoon(options.bags)),
-      upcoming_(stream_.next()),
+      upcoming_(next()),
       paused_at_(options.paused ? std::optional<double>(now()) : std::nullopt) {
   for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
     positions_[i] = platoon.advertise<Position>(position_topic(i), kUnboundedQueue);
   }
-  BagContent figures;
-  figures.error_statistics = [this](const PlatoonTopic& topic, const auto& message) {
-    reading_.take(topic, message);
-  };
-  read_bags(options.bags, figures);
   if (upcoming_) first_stamp_ = upcoming_->message->header.stamp;
   const boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)> set_paused =
       [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
@@ -89,18 +87,27 @@ void Player::play() {
     const bool left_out = since_first(*upcoming_->message) < options_.start;
     const RecordedPosition due = *upcoming_;
     reading_.take(due.topic, due.message);
-    upcoming_ = stream_.next();
-    if (!upcoming_ && !is_as_recorded()) return;
+    upcoming_ = next();
+    if (!upcoming_) require_as_recorded();
     due.message->run = run_;
     if (position != positions_.end() && !left_out) position->second.publish(due.message);
   }
 }
 
-// Says what is not.
-bool Player::is_as_recorded() const {
+// The next position. Figures before it are kept for the end.
+std::optional<RecordedPosition> Player::next() {
+  while (const std::optional<RecordedMessage> message = stream_.next()) {
+    if (message->topic.kind == PlatoonTopic::Kind::position)
+      return RecordedPosition{message->topic, std::get<Position::Ptr>(message->content)};
+    reading_.take(message->topic, std::get<ErrorStatistics::Ptr>(message->content));
+  }
+  return std::nullopt;
+}
+
+void Player::require_as_recorded() const {
   const std::vector<std::string> changed = reading_.changed_figures();
-  if (!changed.empty()) ROS_FATAL_STREAM(options_.bags.front() << ": error_statistics: " << changed.front());
-  return changed.empty();
+  if (!changed.empty())
+    throw BagError(options_.bags.files.front() + ": error_statistics: " + changed.front());
 }
 
 }  // namespace platoon

@@ -15,8 +15,14 @@
 
 namespace platoon {
 
+/// One recorded message of a vehicle.
+struct RecordedPosition {
+  PlatoonTopic topic;
+  stochastic_platoon::Position::Ptr message;
+};
+
 struct PlayerOptions {
-  std::vector<std::string> bags;
+  BagSource bags;
   double rate = 0.0;    ///< platoon time per wall time; 0: as fast as the monitor takes it
   double start = 0.0;   ///< [s] of platoon time to leave out at the beginning
   bool paused = false;  ///< wait for pause_playback to be called with false
@@ -24,8 +30,8 @@ struct PlayerOptions {
 
 /// Plays the positions of all vehicles of a recorded platoon, in the place of the vehicles, as messages of the
 /// present run. It goes no further ahead of the monitor's progress than the leader would, so nothing is lost
-/// at any rate. The last message is kept back when the figures recorded beside the positions are not theirs: a
-/// replay of a damaged bag does not complete.
+/// at any rate. The last message is kept back until all of the recording is verified: a replay of a damaged bag never
+/// completes, and ends with a BagError.
 ///
 /// Subscribes: progress (stochastic_platoon/Progress). Publishes: vehicle_<i>/position
 /// (stochastic_platoon/Position). Offers: ~pause_playback (std_srvs/SetBool), as
@@ -39,7 +45,8 @@ public:
 private:
   void receive(const stochastic_platoon::Progress::ConstPtr& message);
   void play();
-  bool is_as_recorded() const;
+  std::optional<RecordedPosition> next();
+  void require_as_recorded() const;
   double since_first(const stochastic_platoon::Position& message) const;
   bool may_publish(const stochastic_platoon::Position& message) const;
 

@@ -26,6 +26,12 @@ std::function<bool(const PlatoonTopic&)> only(PlatoonTopic::Kind kind, std::size
       [kind, vehicle](const PlatoonTopic& topic) { return topic.kind == kind && topic.vehicle == vehicle; };
 }
 
+// None at the end.
+Position::Ptr next_of(BagStream& stream) {
+  const std::optional<RecordedMessage> message = stream.next();
+  return message ? std::get<Position::Ptr>(message->content) : nullptr;
+}
+
 // As the leader of one follower waits.
 CreditLimits limits_of(const RunOptions& run) {
   constexpr double kFirstStep = 0.1;     // [s]
@@ -45,8 +51,7 @@ constexpr double kSilentWait =
 }  // namespace
 
 VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration,
-                             const std::vector<std::string>& bags, std::size_t vehicle, bool own,
-                             double patience)
+                             const BagSource& bags, std::size_t vehicle, bool own, double patience)
     : name_("vehicle_" + std::to_string(vehicle)),
       run_(run_identity(configuration)),
       own_(own),
@@ -72,10 +77,10 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
 void VehicleReplay::open() {
   inputs_.emplace(bags_, only(PlatoonTopic::Kind::predecessor_position, vehicle_));
   outputs_.emplace(bags_, only(PlatoonTopic::Kind::position, vehicle_));
-  input_ = inputs_->next();
-  for (std::int64_t n = 0; n < credit_.upcoming(); ++n) input_ = inputs_->next();
-  expected_ = outputs_->next();
-  for (std::int64_t n = 0; n < batch_start_; ++n) expected_ = outputs_->next();
+  input_ = next_of(*inputs_);
+  for (std::int64_t n = 0; n < credit_.upcoming(); ++n) input_ = next_of(*inputs_);
+  expected_ = next_of(*outputs_);
+  for (std::int64_t n = 0; n < batch_start_; ++n) expected_ = next_of(*outputs_);
   compared_ = batch_start_;
 }
 
@@ -106,20 +111,20 @@ void VehicleReplay::check_patience() {
 
 void VehicleReplay::send_allowed() {
   while (!done_ && input_ && credit_.may_send()) {
-    const Position::Ptr message = input_->message;
+    const Position::Ptr message = input_;
     credit_.send(message->step == kInitialStep, now());
     message->run = run_;
     message->attempt += attempts_ahead_;
     last_attempt_ = std::max(last_attempt_, message->attempt);
     predecessor_position_.publish(message);
-    input_ = inputs_->next();
+    input_ = next_of(*inputs_);
   }
 }
 
 void VehicleReplay::begin_again() {
   open();
   if (!input_ || !expected_) return end_with("the bag has changed while it was replayed");
-  const std::uint32_t recorded = input_->message->attempt;
+  const std::uint32_t recorded = input_->attempt;
   if (last_attempt_ >= kLastAttempt || recorded > last_attempt_)
     return end_with(formatted("%s: attempt %u is followed by none", name_.c_str(), last_attempt_));
   attempts_ahead_ = last_attempt_ + 1 - recorded;
@@ -127,7 +132,7 @@ void VehicleReplay::begin_again() {
 }
 
 MessageId VehicleReplay::expected_id() const {
-  MessageId id = id_of(*expected_->message);
+  MessageId id = id_of(*expected_);
   id.attempt += attempts_ahead_;
   return id;
 }
@@ -149,7 +154,7 @@ void VehicleReplay::judge(const Position& live) {
     if (credit_.give_up(now())) begin_again();
     return send_allowed();
   }
-  compare(live, *expected_->message);
+  compare(live, *expected_);
   if (!difference_.empty()) {
     done_ = true;
     return;
@@ -159,7 +164,7 @@ void VehicleReplay::judge(const Position& live) {
   if (begins_batch) batch_start_ = compared_;
   credit_.answer(begins_batch, now());
   ++compared_;
-  expected_ = outputs_->next();
+  expected_ = next_of(*outputs_);
   done_ = !expected_;
   send_allowed();
 }

@@ -6,7 +6,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "stochastic_platoon/bags/bag_stream.hpp"
 #include "stochastic_platoon/configuration/configuration.hpp"
@@ -30,8 +29,8 @@ namespace platoon {
 class VehicleReplay {
 public:
   /// `patience` [s] > 0.
-  VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration,
-                const std::vector<std::string>& bags, std::size_t vehicle, bool own, double patience);
+  VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags,
+                std::size_t vehicle, bool own, double patience);
 
   /// There is a verdict, or a reason why there is none.
   bool done() const { return done_; }
@@ -61,20 +60,20 @@ private:
   std::uint64_t run_;
   bool own_;
   double patience_;  ///< [s]
-  std::vector<std::string> bags_;
+  BagSource bags_;
   std::size_t vehicle_;
   ReplayCredit credit_;
   std::optional<BagStream> inputs_;
   std::optional<BagStream> outputs_;
-  std::optional<RecordedPosition> input_;     ///< to be sent next
-  std::optional<RecordedPosition> expected_;  ///< answer
-  std::int64_t compared_ = 0;                 ///< recorded answers before the expected one
-  std::int64_t batch_start_ = 0;              ///< of them, before the batch in which answers are expected
-  std::uint32_t attempts_ahead_ = 0;          ///< attempts of this replay, less those recorded
-  std::uint32_t last_attempt_ = 0;            ///< that was sent
-  double largest_ = 0.0;                      ///< [m], between an own vehicle's position and the recorded one
-  std::string difference_;                    ///< the first one
-  std::string reason_;                        ///< why there is no verdict
+  stochastic_platoon::Position::Ptr input_;     ///< to be sent next; none at the end
+  stochastic_platoon::Position::Ptr expected_;  ///< answer; the same
+  std::int64_t compared_ = 0;                   ///< recorded answers before the expected one
+  std::int64_t batch_start_ = 0;                ///< of them, before the batch in which answers are expected
+  std::uint32_t attempts_ahead_ = 0;            ///< attempts of this replay, less those recorded
+  std::uint32_t last_attempt_ = 0;              ///< that was sent
+  double largest_ = 0.0;    ///< [m], between an own vehicle's position and the recorded one
+  std::string difference_;  ///< the first one
+  std::string reason_;      ///< why there is no verdict
   bool done_ = false;
   bool waiting_ = false;         ///< for the vehicle, as last said
   std::optional<double> began_;  ///< [s] when the links were looked for first

@@ -4,32 +4,41 @@
 #include <stochastic_platoon/Position.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace platoon {
 
 namespace detail {
 
-/// Whether behind a std_msgs/Header and `fixed` bytes there are `arrays` arrays of doubles, each as long as it says.
-bool holds_arrays(const std::string& bytes, std::size_t fixed, std::size_t arrays);
+/// Bytes of a message of a std_msgs/Header, `fixed` bytes and `arrays` arrays of doubles, by the lengths in it; none where
+/// it ends before the last of these.
+std::optional<std::size_t> announced_size(std::string_view bytes, std::size_t fixed, std::size_t arrays);
+
+constexpr std::size_t kFixedOfPosition = 8 + 4 + 8 + 8, kFixedOfErrorStatistics = 8 + 8 + 1;
 
 }  // namespace detail
+
+/// Whether a serialized message of this type that begins with `begin` may have `size` bytes, by the lengths in it.
+bool may_have_size(const std::string& type, std::string_view begin, std::size_t size);
 
 /// Whether a serialized message holds the arrays that it announces. ROS takes the memory that is announced before it
 /// looks whether so much is there: one flipped bit is gigabytes.
 template <typename Message>
-bool holds_its_arrays(const std::string&) {
+bool holds_its_arrays(std::string_view) {
   return true;  // none
 }
 
 template <>
-inline bool holds_its_arrays<stochastic_platoon::Position>(const std::string& bytes) {
-  return detail::holds_arrays(bytes, 8 + 4 + 8 + 8, 1);
+inline bool holds_its_arrays<stochastic_platoon::Position>(std::string_view bytes) {
+  return detail::announced_size(bytes, detail::kFixedOfPosition, 1).value_or(SIZE_MAX) <= bytes.size();
 }
 
 template <>
-inline bool holds_its_arrays<stochastic_platoon::ErrorStatistics>(const std::string& bytes) {
-  return detail::holds_arrays(bytes, 8 + 8 + 1, 4);
+inline bool holds_its_arrays<stochastic_platoon::ErrorStatistics>(std::string_view bytes) {
+  return detail::announced_size(bytes, detail::kFixedOfErrorStatistics, 4).value_or(SIZE_MAX) <= bytes.size();
 }
 
 }  // namespace platoon

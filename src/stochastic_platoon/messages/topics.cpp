@@ -14,7 +14,7 @@ std::string predecessor_position_topic(std::size_t follower) {
 
 std::optional<PlatoonTopic> parse_topic(const std::string& topic) {
   static const std::regex vehicle_topic("(.*)/vehicle_(0|[1-9][0-9]{0,8})/(predecessor_)?position");
-  static const std::regex other_topic("(.*)/(error_statistics|configuration)");
+  static const std::regex other_topic("(.*)/(error_statistics|configuration|checksum)");
   std::smatch match;
   if (std::regex_match(topic, match, vehicle_topic)) {
     const auto kind =
@@ -22,9 +22,11 @@ std::optional<PlatoonTopic> parse_topic(const std::string& topic) {
     return PlatoonTopic{kind, match[1], std::stoul(match[2])};
   }
   if (std::regex_match(topic, match, other_topic)) {
-    const bool statistics = match[2] == "error_statistics";
-    return PlatoonTopic{statistics ? PlatoonTopic::Kind::error_statistics : PlatoonTopic::Kind::configuration,
-                        match[1], 0};
+    using Kind = PlatoonTopic::Kind;
+    const Kind kind = match[2] == kErrorStatisticsTopic ? Kind::error_statistics
+                      : match[2] == kConfigurationTopic ? Kind::configuration
+                                                        : Kind::checksum;
+    return PlatoonTopic{kind, match[1], 0};
   }
   return std::nullopt;
 }

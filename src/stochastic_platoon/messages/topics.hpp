@@ -13,13 +13,14 @@ constexpr char kProgressTopic[] = "progress";
 constexpr char kErrorStatisticsTopic[] = "error_statistics";
 constexpr char kOverviewTopic[] = "overview";
 constexpr char kConfigurationTopic[] = "configuration";
+constexpr char kChecksumTopic[] = "checksum";  ///< in recordings only
 constexpr char kSnapshotTopic[] = "snapshot";
 constexpr char kPredecessorSnapshotTopic[] = "predecessor_snapshot";
 constexpr char kChangeRunService[] = "change_run";
 
 /// A topic of a platoon as bags name it: "/platoon/vehicle_3/position".
 struct PlatoonTopic {
-  enum class Kind { position, predecessor_position, error_statistics, configuration };
+  enum class Kind { position, predecessor_position, error_statistics, configuration, checksum };
   Kind kind;
   std::string name_space;   ///< "/platoon"
   std::size_t vehicle = 0;  ///< of the first two kinds

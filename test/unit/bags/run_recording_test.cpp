@@ -80,7 +80,7 @@ protected:
         places.emplace_back(message->attempt, message->first_realization, message->step);
     };
     content.predecessor_position = [&](const PlatoonTopic&, const Position::ConstPtr&) { ++messages; };
-    read_damaged_bag(file, content);
+    read_bags({{file}, Accept::damaged}, content);
     EXPECT_EQ(messages, kStreams * places.size());
     return places;
   }
@@ -250,7 +250,7 @@ TEST_F(RunRecordingTest, ReadsOnlyTheEndOfWhatItGoesOnBehind) {
     std::size_t messages = 0;
     BagContent positions;
     positions.position = [&messages](const PlatoonTopic&, const Position::ConstPtr&) { ++messages; };
-    EXPECT_NE(read_damaged_bag(active, positions).damage, "");
+    EXPECT_NE(read_bags({{active}, Accept::damaged}, positions).ending, "");
     EXPECT_LT(messages, 3u * 3u * 4u) << compression;  // vehicles, batches, steps
 
     const RunRecording recorder(configuration, "/platoon");
@@ -326,7 +326,7 @@ TEST_F(RunRecordingTest, StoppedInAnEndlessRunPutsAllAttemptsTogether) {
   content.position = [&attempts](const PlatoonTopic&, const Position::ConstPtr& message) {
     attempts.insert(message->attempt);
   };
-  EXPECT_NO_THROW(read_bags({bag_ + ".active"}, content));
+  EXPECT_NO_THROW(read_bags({{bag_ + ".active"}}, content));
   EXPECT_EQ(attempts, (std::set<std::uint32_t>{1, 2, 3}));
 }
 
