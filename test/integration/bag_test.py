@@ -148,7 +148,9 @@ class RecordAndReplay(BagTest):
         self.assertIn("plain.bag: holds no checksums, so that a changed bit would not be noticed", refused.stderr)
         self.assertEqual(self.csv_of(plain, "--unverified"), live_platoon.statistics(self.output))
         again = os.path.join(self.folder, "again")
-        self.launch("replay.launch", bag=plain, output=again, unverified=True).wait()
+        terminal = self.launch("replay.launch", bag=plain, output=again, unverified=True)
+        terminal.wait()
+        self.assertTrue(live_platoon.completed_summary(again), terminal.text())
         self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
 
 

@@ -132,14 +132,14 @@ void BagWalk::take_chunk(const Fields& header) {
   const std::string compression(header.text("compression"));
   const auto size = header.number<std::uint32_t>("size");
   std::uint64_t length = file_.take_length();
-  const std::uint64_t end = index_position_ != 0 ? std::min(index_position_, file_.size()) : file_.size();
   // The length of a chunk is written when it is whole.
   const bool open = length == 0 && index_position_ == 0;
   if (open) length = file_.left();
   if (length > kLongestChunk || size > kLongestChunk || length == 0)
     throw BagDamage("a chunk has no possible length");
   chunk_is_cut_ = open || length > file_.left();
-  if (!chunk_is_cut_ && file_.position() + length > end) throw BagDamage("a chunk reaches into the index");
+  if (index_position_ != 0 && file_.position() + length > index_position_)
+    throw BagDamage("a chunk reaches into the index");
   if (compression == "none") {
     if (!open && size != length) throw BagDamage("a chunk has two lengths");
     chunk_ = file_.take(std::min(length, file_.left()), data_bytes_);
