@@ -98,6 +98,11 @@ std::map<std::string, std::string> given(const std::map<std::string, std::string
   return found;
 }
 
+// As roslaunch understands an argument.
+bool is_true(const std::string& text) {
+  return text == "true" || text == "True" || text == "1";
+}
+
 // The recorded configuration for another run: nothing of where and how the recorded one ran.
 platoon::Configuration recorded(const platoon::BagSource& bags) {
   platoon::Configuration configuration = platoon::recorded_platoon(bags).configuration;
@@ -129,7 +134,7 @@ int main(int argc, char** argv) {
     settings.erase("quote_in_path");
     require_log_folder();
     const platoon::BagSource bags{platoon::bag_files(settings["bag"]), platoon::Accept::whole,
-                                  settings["unverified"] == "true"};
+                                  is_true(settings["unverified"])};
     const bool behind_recorded_leader = settings["recorded_leader"] == "true";
     settings.erase("bag");
     settings.erase("unverified");
