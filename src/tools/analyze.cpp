@@ -17,6 +17,7 @@
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/configuration/spaced.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
+#include "stochastic_platoon/io/text.hpp"
 #include "tools/settings.hpp"
 
 namespace {
@@ -97,17 +98,22 @@ std::vector<platoon::SweepPoint> run_sweep(const platoon::PlatoonModel& model,
   return platoon::sweep(model, axes);
 }
 
+// "-" where there is none, as for an unstable vehicle.
+std::string column(double value) {
+  return std::isnan(value) ? "           -" : platoon::formatted(" %11.9g", value);
+}
+
 void print(const std::vector<platoon::SweepPoint>& points) {
   const bool lossy = points.front().loss.has_value();
   std::cout << "\n   headway        gain" << (lossy ? "        loss" : "") << "      rho(A)    peak |T|"
             << (lossy ? "   loss gain" : "") << "   string stable\n";
   for (const platoon::SweepPoint& point : points) {
-    std::printf("%10.6g %11.6g", point.headway, point.gain);
-    if (lossy) std::printf(" %11.6g", *point.loss);
-    std::printf(" %11.6g %11.9g", point.stability.spectral_radius, point.stability.peak_gain);
-    if (lossy) std::printf(" %11.6g", point.stability.loss_gain.value_or(std::nan("")));
+    std::cout << platoon::formatted("%10.6g", point.headway) << column(point.gain);
+    if (lossy) std::cout << column(*point.loss);
+    std::cout << column(point.stability.spectral_radius) << column(point.stability.peak_gain);
+    if (lossy) std::cout << column(point.stability.loss_gain.value_or(std::nan("")));
     const std::optional<bool> stable = point.stability.decision();
-    std::printf("   %s\n", !stable ? "undecided" : *stable ? "yes" : "no");
+    std::cout << "   " << (!stable ? "undecided" : *stable ? "yes" : "no") << "\n";
   }
 }
 

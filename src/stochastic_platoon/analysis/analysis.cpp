@@ -300,12 +300,16 @@ std::string to_csv(const std::vector<SweepPoint>& points) {
   const bool lossy = !points.empty() && points.front().loss;
   std::string text = lossy ? "headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable\n"
                            : "headway,gain,spectral_radius,peak_gain,string_stable\n";
+  // Empty where there is none, as without a controller or for an unstable vehicle.
+  const auto cell = [](double value) {
+    return std::isnan(value) ? std::string(",") : formatted("%.17g,", value);
+  };
   for (const SweepPoint& point : points) {
     const StringStability& stability = point.stability;
-    text += formatted("%.17g,%.17g,", point.headway, point.gain);
-    if (lossy) text += formatted("%.17g,", *point.loss);
-    text += formatted("%.17g,%.17g,", stability.spectral_radius, stability.peak_gain);
-    if (lossy) text += formatted("%.17g,", stability.loss_gain.value_or(std::nan("")));
+    text += cell(point.headway) + cell(point.gain);
+    if (lossy) text += cell(*point.loss);
+    text += cell(stability.spectral_radius) + cell(stability.peak_gain);
+    if (lossy) text += cell(stability.loss_gain.value_or(std::nan("")));
     text += stability.undecided ? "\n" : stability.string_stable ? "1\n" : "0\n";
   }
   return text;

@@ -5,8 +5,8 @@
 namespace platoon {
 
 namespace {
-constexpr double kGrowth = 1.5;
-constexpr double kLongestStart = 3.0;  // [s] between attempts to start
+constexpr double kRetryGrowth = 1.5;
+constexpr double kLongestRetry = 3.0;  // [s] between attempts to start
 }  // namespace
 
 ReplayCredit::ReplayCredit(const CreditLimits& limits)
@@ -47,8 +47,8 @@ bool ReplayCredit::retry_if_stalled(double now) {
   const bool unanswered = answered_in_attempt_ == 0;
   double& patience = unanswered ? first_step_patience_ : patience_;
   if (now - last_activity_ < patience) return false;
-  patience *= kGrowth;
-  if (unanswered) patience = std::min(patience, std::max(limits_.first_step_timeout, kLongestStart));
+  patience *= kRetryGrowth;
+  if (unanswered) patience = std::min(patience, std::max(limits_.first_step_timeout, kLongestRetry));
   begin_again(now);
   return true;
 }

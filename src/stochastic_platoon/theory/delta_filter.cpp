@@ -7,7 +7,7 @@ namespace platoon {
 namespace {
 
 // Smaller states count as zero: arithmetic with subnormal numbers is a hundred times slower.
-constexpr long double kNegligible = 1e-290L;
+constexpr long double kNegligibleState = 1e-290L;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void DeltaFilter::advance(Sequence& state, Scalar input) const {
   for (std::size_t j = 0; j < n; ++j) {
     const Scalar next = j + 1 < n ? state[j + 1] : 0.0L;
     state[j] += next - denominator_[j] * output + numerator_[j] * input;
-    if (std::abs(state[j]) < kNegligible) state[j] = 0.0L;
+    if (std::abs(state[j]) < kNegligibleState) state[j] = 0.0L;
   }
 }
 

@@ -15,8 +15,8 @@ namespace platoon {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kNegligible = 1e-15;  // of an autocorrelation
+constexpr double kHalfTurn = 3.14159265358979323846;
+constexpr double kEndOfCorrelation = 1e-15;  // of an autocorrelation
 constexpr double kResolved = 1e-13;  // of one at the end of a transform, whose rounding grows with its peaks
 constexpr std::size_t kFirstLength = 1024, kMostLength = std::size_t{1} << 20;
 constexpr std::size_t kMostValues = std::size_t{1} << 28;  // followers times length
@@ -33,7 +33,7 @@ public:
       for (auto* values : {&type.gain, &type.complement, &type.added, &type.of_added}) values->resize(count);
       for (Eigen::Index f = 0; f < count; ++f) {
         const LinkedVehicleValue value =
-            vehicle.at(2.0 * kPi * static_cast<double>(f) / static_cast<double>(length));
+            vehicle.at(2.0 * kHalfTurn * static_cast<double>(f) / static_cast<double>(length));
         type.gain(f) = value.gain;
         type.complement(f) = value.complement;
         type.added(f) = value.gain * value.noise;
@@ -94,7 +94,7 @@ ErrorCorrelation correlation_of(std::vector<double> covariance, double at_zero, 
   if (variance == 0.0) return {{1.0}, 1.0, true};
   if (!std::isfinite(variance)) return {};
   for (double& value : covariance) value /= variance;
-  while (std::abs(covariance.back()) <= kNegligible) covariance.pop_back();
+  while (std::abs(covariance.back()) <= kEndOfCorrelation) covariance.pop_back();
   const bool keep = covariance.size() <= *kept;
   if (keep) *kept -= covariance.size();
   return {std::move(covariance), at_zero / variance, keep};

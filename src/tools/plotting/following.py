@@ -17,11 +17,12 @@ def run_of(configuration, overview):
     followers, steps = configuration["followers"], np.array(overview.step)
     table = {name: drawable(np.array(getattr(overview, name)).reshape(followers, steps.size))
              for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")}
+    verdict = overview.string_stable if overview.theory == "exact" and not overview.undecided else None
     return Run(path="/overview", name="h = {:g}".format(configuration["headway"]), steps=steps,
                standard_error_of_variance=drawable(np.array(overview.standard_error)),
                count=np.full((followers, steps.size), float(overview.realizations)), realizations=overview.realizations,
                seed=configuration["seed"], complete=overview.complete, time_average=overview.time_average,
-               spectral_radius=math.nan, string_stable=overview.string_stable if overview.theory == "exact" and not overview.undecided else None, **table)
+               spectral_radius=math.nan, string_stable=verdict, **table)
 
 
 def follow(namespace, draw, stem):

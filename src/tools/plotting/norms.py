@@ -7,7 +7,7 @@ from statistics import NormalDist
 import numpy as np
 
 from plotting import style
-from plotting.inputs import InputError, number, numbers, read_analysis, read_run, require_same_platoon, truth
+from plotting.inputs import InputError, number, numbers, read_analysis, read_run, require_same_platoon, truth_if_any
 
 # What is drawn in one column; arrays have an element per follower, None where there is none.
 Case = namedtuple("Case", "name verdict followers measured_mean measured_variance mean variance "
