@@ -207,8 +207,8 @@ class PageServer(http.server.ThreadingHTTPServer):
                     self.files["/" + name] = file.read()
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
         self.address_family = family
-        super().__init__(address[:2], Handler)
         self.keep_spare()
+        super().__init__(address[:2], Handler)  # which closes the server where the port is in use
 
     def get_request(self):
         """The next connection. Where the system has no descriptor for it, this one is answered with the spare one, and the next waits a
