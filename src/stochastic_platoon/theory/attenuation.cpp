@@ -1,7 +1,6 @@
 #include "stochastic_platoon/theory/attenuation.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>

@@ -153,11 +153,10 @@ ZerosAtZero LinkedVehicle::zeros_at_zero() const {
 }
 
 std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
-  std::vector<std::complex<double>> found = singular_frequencies(near_.denominator);
-  for (const CirclePolynomial& p : {near_.registers, delta_form(vehicle_.link.noise_filter.denominator())}) {
-    if (p.size() < 2) continue;
-    for (const std::complex<double>& w : singular_frequencies(p)) found.push_back(w);
-  }
+  std::vector<std::complex<double>> found = frequencies_of(factor_.factor.poles);
+  const CirclePolynomial filter = delta_form(vehicle_.link.noise_filter.denominator());
+  if (filter.size() < 2) return found;
+  for (const std::complex<double>& w : singular_frequencies(filter)) found.push_back(w);
   return found;
 }
 
