@@ -26,7 +26,7 @@ double metres_per_step(const PlatoonModel& model) {
   return model.leader.changes().empty() ? 0.0 : model.sample_period * model.leader.changes().back().value;
 }
 
-/// What the losses of a link without predecessors add to the variance of its e by the platoon's motion.
+/// ebar^2 [m^2]: the square of the mean of e at constant speed, in metres per step.
 double squared_mean_innovation(const LinkedVehicle& vehicle, double speed) {
   const double ebar = speed * vehicle.mean_innovation();
   return ebar * ebar;
@@ -66,6 +66,8 @@ public:
     }
   }
 
+  /// The pattern_margin() of the spectra.
+  const Eigen::ArrayXd& divisor() const { return divisor_; }
   /// Places of the links that lose.
   const std::vector<std::size_t>& lossy() const { return lossy_; }
 
@@ -119,7 +121,7 @@ std::vector<double> limits_by(const PatternSpectra& spectra, const LinkedPattern
     }
   }
   std::vector<double> limits;
-  Eigen::ArrayXd spectrum = spectra.in_front(added, spectra.pattern_margin());
+  Eigen::ArrayXd spectrum = spectra.in_front(added, gains.divisor());
   for (std::size_t j = 0; j < m; ++j) {
     limits.push_back(spectra.error_variance(pattern.type(j), spectrum, added[j]));
     spectrum = spectra.gain[pattern.type(j)] * spectrum + added[j];

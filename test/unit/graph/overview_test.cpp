@@ -135,11 +135,7 @@ TEST(Overview, SaysHowManyRealizationsAVerdictNeedsWhereThereIsNone) {
   EXPECT_TRUE(std::isnan(overview_of(configuration.run, predict(configuration), {}).realizations_needed));
   configuration.model.link.loss = LossModel{0.01, {}, {1.0}};
   const Prediction prediction = predict(configuration);
-  RunResult result = result_with(configuration, prediction, 0.5);
-  for (Moments& of : result.moments) {
-    of.cubed_deviations = 0.0;
-    of.fourth_deviations = 3.0 * of.variance() * of.variance() * static_cast<double>(of.count);
-  }
+  RunResult result = result_with_fourth_moments(configuration, prediction, 0.5);
   const auto overview = overview_of(configuration.run, prediction, result);
   EXPECT_TRUE(std::isnan(overview.max_abs_z_variance));
   EXPECT_EQ(overview.realizations_needed, *realizations_needed(configuration.run, prediction, result));

@@ -157,11 +157,7 @@ TEST(WriteResults, SaysHowManyRealizationsAVerdictNeedsWherePacketsAreLost) {
       << "errors are normal";
   configuration.model.link.loss = LossModel{0.01, {}, {1.0}};
   const Prediction prediction = predict(configuration);
-  RunResult result = result_with(configuration, prediction, 0.5);
-  for (Moments& of : result.moments) {
-    of.cubed_deviations = 0.0;
-    of.fourth_deviations = 3.0 * of.variance() * of.variance() * static_cast<double>(of.count);
-  }
+  const RunResult result = result_with_fourth_moments(configuration, prediction, 0.5);
   const nlohmann::json summary = written(configuration, prediction, result).summary;
   const std::vector<double> fourth = fourth_moments(configuration.run, prediction, result);
   ASSERT_EQ(fourth.size(), 6u);
