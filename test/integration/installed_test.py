@@ -1,13 +1,17 @@
 #!/usr/bin/python3
-"""The package as a workspace gets it: catkin_lint, catkin build into an install space, and runs of what is installed there.
+"""The package as others get it: catkin_lint, an install space, and runs of what is installed there without the checkout.
 
-The workspace is temporary, and its sources are gone before anything runs. It is built without optimisation and several files at
-once, to save time; the bits must be those of the optimised build all the same. Without catkin-tools and catkin-lint there is nothing to test: status 77.
+By default the build beside the checkout is installed and the checkout is hidden behind an empty folder, where the system allows that.
+`installed_test.py --workspace` builds a copy with `catkin build` in a temporary workspace instead (four minutes of two cores): without
+optimisation and several files at once, to save time; the bits must be those of the optimised build all the same. Without catkin-tools and
+catkin-lint there is nothing to test: status 77.
 """
 
+import argparse
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -17,9 +21,9 @@ SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file_
 SETTINGS = dict(followers=2, steps=20, realizations=100)
 
 
-def run(command, folder, **environment):
+def run(command, folder, inside=(), **environment):
     """Its output, of a shell that knows nothing of this one's workspace."""
-    done = subprocess.run(["bash", "-c", command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+    done = subprocess.run(list(inside) + ["bash", "-c", command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                           universal_newlines=True, errors="replace",
                           env=dict(environment, HOME=folder, PATH="/usr/bin:/bin", ROS_HOSTNAME="localhost"))
     if done.returncode != 0:
@@ -27,7 +31,35 @@ def run(command, folder, **environment):
     return done.stdout
 
 
+def install_by_catkin_build(folder, _):
+    # A ROS outside of /usr is what the workspace extends.
+    setup = "/opt/ros/{}/setup.bash".format(os.environ.get("ROS_DISTRO", ""))
+    underlay = ". {}; ".format(setup) if os.path.exists(setup) else ""
+    run(underlay + "catkin config --init --install --cmake-args -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= "
+        "-DCMAKE_UNITY_BUILD=ON -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=OFF && catkin build --no-status --summarize",
+        folder)
+    for space in ("src", "build", "devel"):
+        shutil.rmtree(os.path.join(folder, space))
+    return []
+
+
+def install_the_build(folder, build):
+    """Returns the command under which nothing of the checkout is seen."""
+    prefix = os.path.join(folder, "install")
+    run("cmake --install {} --prefix {}".format(build, prefix), folder)
+    # What catkin adds when it installs a workspace.
+    open(os.path.join(prefix, ".catkin"), "w").close()
+    for file in ("_setup_util.py", "setup.sh", "setup.bash"):
+        shutil.copy(os.path.join(build, "catkin_generated", "installspace", file), prefix)
+    root = [] if os.geteuid() == 0 else ["--map-root-user"]
+    hidden = ["unshare", "--mount"] + root + ["bash", "-c", 'mount -t tmpfs none "$0" && exec "$@"', SOURCE]
+    return hidden if subprocess.run(hidden + ["true"], stderr=subprocess.DEVNULL).returncode == 0 else []
+
+
 class Installed(unittest.TestCase):
+    install = staticmethod(install_the_build)
+    build = os.path.join(SOURCE, "build")
+
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp()
@@ -35,17 +67,10 @@ class Installed(unittest.TestCase):
         sources = os.path.join(cls.folder, "src", "stochastic_platoon")
         shutil.copytree(SOURCE, sources, ignore=shutil.ignore_patterns("build", "devel", "install", ".git", "__pycache__"))
         cls.lint = run("catkin_lint --offline --strict -W2 src", cls.folder)
-        # A ROS outside of /usr is what the workspace extends.
-        setup = "/opt/ros/{}/setup.bash".format(os.environ.get("ROS_DISTRO", ""))
-        underlay = ". {}; ".format(setup) if os.path.exists(setup) else ""
-        run(underlay + "catkin config --init --install --cmake-args -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= "
-            "-DCMAKE_UNITY_BUILD=ON -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=OFF && catkin build --no-status --summarize",
-            cls.folder)
-        for space in ("src", "build", "devel"):
-            shutil.rmtree(os.path.join(cls.folder, space))
+        cls.inside = cls.install(cls.folder, cls.build)
 
     def installed(self, command, **environment):
-        return run(". install/setup.bash; " + command, self.folder, **environment)
+        return run(". install/setup.bash; " + command, self.folder, self.inside, **environment)
 
     def test_every_tool_runs(self):
         for tool in ("analyze", "bag_statistics", "check_vehicle", "configure", "merge", "monte_carlo", "plot", "sweep", "watch"):
@@ -59,7 +84,7 @@ class Installed(unittest.TestCase):
         figures = self.installed("rosrun stochastic_platoon plot gain analysis.json --output gain")
         self.assertEqual(figures, "gain.png\ngain.svg\n")
 
-    def test_a_run_of_the_graph_gives_the_bits_of_the_optimised_build(self):
+    def test_a_run_of_the_graph_gives_the_bits_of_the_checkout(self):
         words = " ".join("{}:={}".format(name, value) for name, value in SETTINGS.items())
         port = live_platoon.free_port()
         printed = self.installed("roslaunch --port {} stochastic_platoon platoon.launch output:=$PWD/run {}".format(port, words),
@@ -94,4 +119,11 @@ class Installed(unittest.TestCase):
 
 if __name__ == "__main__":
     live_platoon.skip_without("catkin", "catkin_lint")
-    unittest.main()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--workspace", action="store_true", help="build a copy with catkin build")
+    parser.add_argument("--build", default=Installed.build, help="the build folder that is installed (%(default)s)")
+    options, others = parser.parse_known_args()
+    Installed.build = options.build
+    if options.workspace:
+        Installed.install = staticmethod(install_by_catkin_build)
+    unittest.main(argv=sys.argv[:1] + others)

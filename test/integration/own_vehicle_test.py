@@ -300,11 +300,13 @@ class Car(OwnTest):
 
 
 LISTENER = """
-import json, rospy
+import json, rospy, sys
 from diagnostic_msgs.msg import DiagnosticArray
 def heard(message):
     for status in message.status:
-        print(json.dumps({pair.key: pair.value for pair in status.values}), flush=True)
+        # One write: each publisher's messages come in a thread of their own.
+        sys.stdout.write(json.dumps({pair.key: pair.value for pair in status.values}) + "\n")
+        sys.stdout.flush()
 rospy.init_node("listener")
 rospy.Subscriber("/diagnostics", DiagnosticArray, heard)
 rospy.spin()
