@@ -299,7 +299,7 @@ class Car(OwnTest):
         live_platoon.wait_for(refused, "its words", 30)
 
 
-LISTENER = """
+LISTENER = r"""
 import json, rospy, sys
 from diagnostic_msgs.msg import DiagnosticArray
 def heard(message):

@@ -13,9 +13,9 @@ import unittest
 import live_platoon
 
 # Seconds of one thread, with a checkpoint soon: none is over before it can be killed.
-REALIZATIONS = 100000 if live_platoon.SANITIZED else 1000000
+REALIZATIONS = 100000 if live_platoon.SANITIZED else 400000
 LONG = ["--realizations", str(REALIZATIONS), "--checkpoint-seconds", "0.1", "--batch", "128"]
-SWEEP = "vary: {headway: 2.4:4:40}\nfollowers: 10\nsteps: 100\nrealizations: 20000\n"
+SWEEP = "vary: {headway: 2.4:4:20}\nfollowers: 10\nsteps: 100\nrealizations: 20000\n"
 
 
 class ShardsTest(unittest.TestCase):
@@ -123,22 +123,22 @@ class Sweeps(ShardsTest):
         process = self.start("sweep", self.file, "--output", self.path("killed"), "--threads", "1")
         self.kill_once(process, lambda: len(glob.glob(points + "/*.csv")) > 2, "some points")
         there = len(glob.glob(points + "/*.csv"))
-        self.assertLess(there, 40)
+        self.assertLess(there, 20)
         said = self.run_tool("sweep", self.file, "--output", self.path("killed"))
-        self.assertIn("40 points, {} of them to compute\n".format(40 - there), said)
+        self.assertIn("20 points, {} of them to compute\n".format(20 - there), said)
         self.run_tool("sweep", self.file, "--output", self.path("whole"), "--threads", "1")
         tables = []
         for name in ("killed", "whole"):
             with open(self.path(name, "sweep.csv"), "rb") as table:
                 tables.append(table.read())
         self.assertEqual(tables[0], tables[1])
-        self.assertEqual(tables[0].count(b"\n"), 401)
+        self.assertEqual(tables[0].count(b"\n"), 201)
 
     def test_on_a_full_disk_it_fails_and_goes_on_when_there_is_room(self):
         complaint = self.run_tool("sweep", self.file, "--output", self.path("run"), before="ulimit -f 1; ", status=1)
         self.assertIn("cannot be written: File too large", complaint)
         self.assertFalse(os.path.exists(self.path("run", "sweep.csv")))
-        self.assertIn("40 points, 40 of them to compute", self.run_tool("sweep", self.file, "--output", self.path("run")))
+        self.assertIn("20 points, 20 of them to compute", self.run_tool("sweep", self.file, "--output", self.path("run")))
 
     def refused(self, said, *words):
         self.assertIn(said, self.run_tool("sweep", *words, status=1))
@@ -149,7 +149,7 @@ class Sweeps(ShardsTest):
         self.refused("sweep FILE --output DIR: must be given one file", *output)
         self.refused("output: (empty): must be a folder", self.file)
         self.refused("sweep: /nowhere: must be a file that can be read", "/nowhere", *output)
-        self.refused("task: 40: must be a whole number from 0 to 39", self.file, "--task", "40", *output)
+        self.refused("task: 20: must be a whole number from 0 to 19", self.file, "--task", "20", *output)
         self.refused("task: all: must be a whole number", self.file, "--task", "all", *output)
         self.refused("1000000 x 1000000 = 1e+12 points: must be at most 100000",
                      self.write("vary: {headway: 2:4:1000000, loss: 0:0.5:1000000}\n"), *output)

@@ -13,7 +13,7 @@ import live_platoon
 
 SCRIPT = live_platoon.shared("launch", "shards.sbatch")
 SHARDS = 4
-REALIZATIONS = "2e5" if live_platoon.SANITIZED else "2e6"  # seconds a task: none is over before it can be killed
+REALIZATIONS = "2e5" if live_platoon.SANITIZED else "1e6"  # seconds a task: none is over before it can be killed
 OPTIONS = ["--realizations", REALIZATIONS, "--batch", "128", "--checkpoint-seconds", "0.2"]
 SWEEP = "vary: {headway: [2.4, 3.2]}\nfollowers: 3\nsteps: 20\nrealizations: 2000\nshards: 2\n"
 

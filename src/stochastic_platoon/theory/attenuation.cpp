@@ -16,7 +16,6 @@ constexpr long double kInfinite = std::numeric_limits<long double>::infinity();
 constexpr std::size_t kSeriesTerms = 36;  // at a quarter of the radius of convergence
 constexpr long double kSeriesReach = 0.25L;
 constexpr long double kSmooth = 0.5L;  // of the distance to a singularity that a Taylor bound may use
-constexpr int kMostPieces = 200000;
 
 long double power_of(long double x, int exponent) {
   long double result = 1.0L;
@@ -192,7 +191,7 @@ Attenuation::Bounds Attenuation::bounds(const Piece& piece, int order) const {
   return {least.value, piece.centre + least.x};
 }
 
-Attenuation::Minimum Attenuation::least(int order) const {
+Attenuation::Minimum Attenuation::least(int order, int most_pieces) const {
   std::vector<Piece> pieces;
   const auto add = [&pieces](long double from, long double to, bool at_zero = false) {
     pieces.push_back({from + (to - from) / 2.0L, (to - from) / 2.0L, at_zero});
@@ -201,12 +200,12 @@ Attenuation::Minimum Attenuation::least(int order) const {
   long double from = series_end_;
   for (; from < 1.0L; from *= 2.0L) add(from, std::min(2.0L * from, 1.0L));
   add(0.0L, series_end_, true);
-  Minimum best{0.0L, quotient(0.0L, order)};
+  Minimum best{0.0L, quotient(0.0L, order), true};
   const auto consider = [&](long double t, int power) {
     const long double value = quotient(t, power);
-    if (value < best.value) best = {t, value};
+    if (value < best.value) best = {t, value, true};
   };
-  for (int count = 0; !pieces.empty() && count < kMostPieces; ++count) {
+  for (int count = 0; !pieces.empty() && count < most_pieces; ++count) {
     const Piece piece = pieces.back();
     pieces.pop_back();
     const int power = piece.centre > 1.0L ? 0 : order;
@@ -229,7 +228,7 @@ Attenuation::Minimum Attenuation::least(int order) const {
       add(piece.centre, end);
     }
   }
-  if (!pieces.empty()) throw std::runtime_error("attenuation: too many pieces");
+  best.is_global = pieces.empty();
   return best;
 }
 

@@ -32,12 +32,13 @@ public:
   struct Minimum {
     long double t;
     long double value;  ///< a(t) / min(t, 1)^order
+    bool is_global;     ///< false after most_pieces: another place may be lower
   };
 
   /// The global minimum over [0, 2] of a(t) / min(t, 1)^order, where a vanishes like t^order at least at t = 0.
   /// By branch and bound with third order Taylor bounds, hence without a grid: no minimum is missed. 1e-12
   /// relative, or the rounding of a.
-  Minimum least(int order) const;
+  Minimum least(int order, int most_pieces = 200000) const;
 
   /// Coefficient of t^power, power >= 1, in the series of a about t = 0.
   long double coefficient(int power) const { return series_.at(static_cast<std::size_t>(power)); }

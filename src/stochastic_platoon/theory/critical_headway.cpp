@@ -89,7 +89,6 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
   if (is_papers(model)) {
     found = stable_headways([&model](double headway) { return close_loop(*model.design, headway); }, range);
   } else {
-    range.samples /= 4;  // each needs a quadrature
     const LinkedPattern pattern = linked_pattern(model);
     const auto margin = [&](double headway) {
       try {

@@ -18,7 +18,7 @@ using HeadwayLaw = std::function<ClosedLoop(double headway)>;
 struct HeadwayRange {
   double from = 0.01;
   double to = 1000.0;
-  int samples = 512;                ///< on a logarithmic scale
+  int samples = 128;                ///< on a logarithmic scale
   std::optional<double> also = {};  ///< a headway to sample beside these
 };
 

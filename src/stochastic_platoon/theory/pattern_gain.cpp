@@ -62,8 +62,9 @@ LeastMargin PatternGain::least() const {
   const Attenuation::Minimum found = attenuation_.least(zeros_);
   const double w = frequency_of(found.t);
   const auto value = static_cast<double>(found.value);
-  if (std::abs(value) <= doubt(w)) return {Sign::kZero, 0.0, w};
-  return {value > 0.0 ? Sign::kAbove : Sign::kBelow, value, w};
+  const bool is_below = value < -doubt(w);
+  if (!is_below && (!found.is_global || value <= doubt(w))) return {Sign::kZero, 0.0, w};
+  return {is_below ? Sign::kBelow : Sign::kAbove, value, w};
 }
 
 PatternGain::Peak PatternGain::peak() const {

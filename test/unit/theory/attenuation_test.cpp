@@ -110,6 +110,13 @@ TEST(Attenuation, FindsADipNarrowerThanAnyGrid) {
   }
 }
 
+TEST(Attenuation, ReportsASearchThatEndsEarly) {
+  std::mt19937 random(4);
+  const Attenuation attenuation(random_factors(random));
+  EXPECT_TRUE(attenuation.least(1).is_global);
+  EXPECT_FALSE(attenuation.least(1, 2).is_global);
+}
+
 TEST(Attenuation, CountsAFactorAsOftenAsItIsThere) {
   GainFactor pole{offsets({0.5L}), {}, 1.0L};
   const long double once = Attenuation({pole}).at(1.3L).value;
