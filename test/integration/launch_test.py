@@ -168,7 +168,9 @@ class Surroundings(LaunchTest):
         settings = dict(followers=2, steps=20, realizations=1000)
         terminal = self.launch(batch=50, rate=300, **settings)
         live_platoon.wait_for(lambda: os.path.exists(self.output + "/checkpoint.cbor"), "a checkpoint")
-        processes = self.nodes_of(terminal.master)
+        processes = self.nodes_of(terminal.master) + [live_platoon.process_of("/rosout", terminal.master)]
+        with xmlrpc.client.ServerProxy(terminal.master) as master:
+            processes.append(master.getPid("/launch_test")[2])
         for process in [terminal.process.pid] + processes:
             os.kill(process, signal.SIGKILL)
         terminal.wait()
