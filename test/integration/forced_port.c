@@ -24,6 +24,11 @@ int bind(int socket, const struct sockaddr* address, socklen_t size) {
     if (fscanf(file, "%d", &port) == 1) ((struct sockaddr_in*)&forced)->sin_port = htons((unsigned short)port);
     fclose(file);
     unlink(name);
+    // The system may have lent the port to somebody's connection since. A node whose server has no port would stay deaf.
+    for (int attempt = 0; port && attempt < 50; ++attempt) {
+      if (real(socket, (const struct sockaddr*)&forced, size) == 0) return 0;
+      usleep(20000);
+    }
   }
-  return real(socket, (const struct sockaddr*)&forced, size);
+  return real(socket, address, size);
 }
