@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A follower of one's own, here the paper's: rosrun stochastic_platoon rospy_follower.py 3 is vehicle 3 of a launch with own:=3."""
+"""An external follower, here the paper's: rosrun stochastic_platoon rospy_follower.py 3 is vehicle 3 of a launch with external:=3."""
 
 import json
 import sys

@@ -114,7 +114,7 @@ void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
                               arguments.patience);
   const std::string name = "vehicle_" + std::to_string(arguments.vehicle);
   if (!check.wait_for_vehicle(0.5)) {
-    std::printf("waiting for %s: start it, it is yours\n", name.c_str());
+    std::printf("waiting for external %s: start its node\n", name.c_str());
     std::fflush(stdout);
     if (!check.wait_for_vehicle(arguments.wait)) {
       throw std::runtime_error(name + " is not there: it must publish " +

@@ -9,14 +9,14 @@ namespace {
 
 void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
          platoon::Superseded& superseded) {
-  const ros::NodeHandle own("~");
+  const ros::NodeHandle private_node("~");
   platoon::PlayerOptions options;
-  options.bags.files = platoon::bag_files(own.param<std::string>("bags", ""));
-  options.bags.unverified = own.param("unverified", false);
-  options.rate = own.param("rate", 0.0);
-  options.start = own.param("start", 0.0);
-  options.paused = own.param("pause", false);
-  const platoon::Player player(platoon, own, configuration, options);
+  options.bags.files = platoon::bag_files(private_node.param<std::string>("bags", ""));
+  options.bags.unverified = private_node.param("unverified", false);
+  options.rate = private_node.param("rate", 0.0);
+  options.start = private_node.param("start", 0.0);
+  options.paused = private_node.param("pause", false);
+  const platoon::Player player(platoon, private_node, configuration, options);
   superseded.spin();
 }
 

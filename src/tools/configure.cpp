@@ -121,6 +121,7 @@ int main(int argc, char** argv) {
   std::map<std::string, std::string> settings = platoon::parse_command_line(
       argc, argv, "Checks a platoon's configuration and prints it for the parameter server", accepted,
       {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
+       {"own", "renamed: external (rejected when given)"},
        {"quote_in_path", "true: refuse a quote in a path, which a launch file cannot pass on"},
        {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
        {"unverified", "true: with --bag, also of recordings without checksums"}});
@@ -132,6 +133,11 @@ int main(int argc, char** argv) {
            "it on (a symbolic link can give it another name)"});
     }
     settings.erase("quote_in_path");
+    if (!settings["own"].empty()) {
+      throw platoon::ConfigurationError(
+          {"own: " + settings["own"] + ": renamed: must be given as external:=" + settings["own"]});
+    }
+    settings.erase("own");
     require_log_folder();
     const platoon::BagSource bags{platoon::bag_files(settings["bag"]), platoon::Accept::whole,
                                   is_true(settings["unverified"])};

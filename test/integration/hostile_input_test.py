@@ -123,7 +123,7 @@ FILES = [
     ("{a: " * 100000, "must be YAML: "),
 ]
 
-OWN = "must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"
+EXTERNAL = "must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"
 
 # A launch argument.
 ARGUMENTS = [
@@ -162,12 +162,13 @@ ARGUMENTS = [
     ("window", "1048577", "run/window: 1048577: must be a whole number from 0 to 1048576"),
     ("stall_timeout", "-1", "run/stall_timeout: -1: " + NOT_NEGATIVE),
     ("stall_timeout", "1e-9", "run/stall_timeout: 1e-09: must be 0 or at least 0.001"),
-    ("own", "0", "run/own: 0: " + OWN),
-    ("own", "21", "run/own: 21: " + OWN),
-    ("own", "3,7,3", "run/own: 3,7,3: " + OWN),
-    ("own", "vehicle_3", "run/own: vehicle_3: " + OWN),
-    ("own", "3, 7", "run/own: 3, 7: " + OWN),
-    ("own", "03", "run/own: 03: " + OWN),
+    ("own", "3,7", "own: 3,7: renamed: must be given as external:=3,7"),
+    ("external", "0", "run/external: 0: " + EXTERNAL),
+    ("external", "21", "run/external: 21: " + EXTERNAL),
+    ("external", "3,7,3", "run/external: 3,7,3: " + EXTERNAL),
+    ("external", "vehicle_3", "run/external: vehicle_3: " + EXTERNAL),
+    ("external", "3, 7", "run/external: 3, 7: " + EXTERNAL),
+    ("external", "03", "run/external: 03: " + EXTERNAL),
     ("stall_timeout", "1e300", "run/stall_timeout: 1e300: must be at most 1e+06 in magnitude"),
     ("burn_in", "-1", "run/burn_in: -1: " + COUNT.format(0)),
     ("headway", "-1", "model/time_headway: -1: " + POSITIVE),

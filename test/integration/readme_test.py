@@ -23,12 +23,12 @@ ORDERS = ("rosservice", "rostopic")  # to the platoon of the line before
 NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it",
            "./launch/demo live": "demo_test.py runs it",
            "cmake -S launch/examples/saturated_follower -B /tmp/follower -DPYTHON_EXECUTABLE=/usr/bin/python3 && make -C /tmp/follower":
-           "own_vehicle_test.py builds it",
-           "/tmp/follower/devel/lib/saturated_follower/saturated_follower _index:=3 _limit:=0.5": "own_vehicle_test.py starts it",
-           "rosrun stochastic_platoon odometry_vehicle _index:=2 ~odometry:=/car/odom ~reference:=/car/reference": "own_vehicle_test.py gives it a car",
-           "roslaunch stochastic_platoon platoon.launch followers:=4 own:=2 realizations:=1 steps:=600 rate:=10 stall_timeout:=0":
-           "own_vehicle_test.py gives it a car",
-           "roslaunch stochastic_platoon replay.launch bag:=/tmp/own.bag drive:=vehicle_3 own:=3": "own_vehicle_test.py replays into it"}
+           "external_vehicle_test.py builds it",
+           "/tmp/follower/devel/lib/saturated_follower/saturated_follower _index:=3 _limit:=0.5": "external_vehicle_test.py starts it",
+           "rosrun stochastic_platoon odometry_vehicle _index:=2 ~odometry:=/car/odom ~reference:=/car/reference": "external_vehicle_test.py gives it a car",
+           "roslaunch stochastic_platoon platoon.launch followers:=4 external:=2 realizations:=1 steps:=600 rate:=10 stall_timeout:=0":
+           "external_vehicle_test.py gives it a car",
+           "roslaunch stochastic_platoon replay.launch bag:=/tmp/external.bag drive:=vehicle_3 external:=3": "external_vehicle_test.py replays into it"}
 
 # What the test adds to a line that begins so; the first that fits.
 SHORTER = (
@@ -42,8 +42,8 @@ SHORTER = (
 # What stays up in a terminal of its own, what shows that it is up, and in which of the next lines it is needed.
 STANDING = (
     ("roslaunch stochastic_platoon followers.launch", "process[platoon/vehicle_20", "last:="),
-    ("roscore", "started core service [/rosout]", " 3|own:="),
-    ("rosrun stochastic_platoon rospy_follower.py", "", " 3|own:="),
+    ("roscore", "started core service [/rosout]", " 3|external:="),
+    ("rosrun stochastic_platoon rospy_follower.py", "", " 3|external:="),
 )
 STAY_UP = "roslaunch stochastic_platoon live.launch"
 

@@ -72,7 +72,7 @@ class Followers:
     def replay(self, bag, command, **arguments):
         """What a replay behind the vehicle that this command starts printed; an AssertionError if it does not end."""
         vehicle = self.start(*command) if command else None
-        terminal = Terminal(self.folder, "replay.launch", master=self.master, bag=bag, drive="vehicle_2", own=2, output="", **arguments)
+        terminal = Terminal(self.folder, "replay.launch", master=self.master, bag=bag, drive="vehicle_2", external=2, output="", **arguments)
         try:
             terminal.wait(LONGEST)
         except subprocess.TimeoutExpired:
@@ -151,7 +151,7 @@ class Replays(LaunchTest):
         self.addCleanup(slow.wait)
         self.addCleanup(slow.kill)
         live_platoon.wait_for(lambda: live_platoon.process_of("/vehicle_2", self.followers.master), "the first vehicle")
-        terminal = Terminal(self.folder, "replay.launch", master=self.followers.master, bag=self.bag, drive="vehicle_2", own=2, output="")
+        terminal = Terminal(self.folder, "replay.launch", master=self.followers.master, bag=self.bag, drive="vehicle_2", external=2, output="")
         self.addCleanup(terminal.end)
         live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/vehicle_replay", self.followers.master), "the replay")
         time.sleep(1.0)  # it sends, and nothing comes
@@ -172,8 +172,8 @@ class Replays(LaunchTest):
 
     def test_a_vehicle_that_is_not_there_ends_the_replay_with_the_reason(self):
         text = self.followers.replay(self.bag, None, patience=3)
-        self.assertIn("waiting for vehicle_2: start it, it is yours (the replay ends after 3 s)", text)
-        self.assertIn("no verdict: vehicle_2 is not there: nobody publishes /platoon/vehicle_2/position; it is yours: start it", text)
+        self.assertIn("waiting for external vehicle_2: start its node (the replay ends after 3 s)", text)
+        self.assertIn("no verdict: vehicle_2 is not there: nobody publishes /platoon/vehicle_2/position; the vehicle is external: start its node", text)
 
     def test_some_replays_under_load_end_with_the_right_verdict(self):
         outcomes, texts = run_many(self.bag, 4, 2, 2)

@@ -17,7 +17,7 @@ import live_platoon
 from terminal import LaunchTest, Terminal
 
 INSIDE = "--inside"
-OWN = ["unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"]
+FOLLOWERS_GIVEN = ["unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"]
 BRIDGE = "10.77.0.254"
 MASTER = "http://10.77.0.1:11311"
 SETTINGS = dict(followers=20, steps=20, realizations=6400)
@@ -31,8 +31,8 @@ def network(command):
 def own_namespaces():
     """The command that runs another one in namespaces of its own: as root, or as root of a user namespace."""
     if os.geteuid() != 0:
-        return OWN + ["--user", "--map-root-user"]
-    return OWN
+        return FOLLOWERS_GIVEN + ["--user", "--map-root-user"]
+    return FOLLOWERS_GIVEN
 
 
 class Machine:

@@ -51,7 +51,7 @@ Prediction no_prediction(const Configuration& configuration, const std::string& 
           0};
 }
 
-// Leaves nothing of the followers from the first own vehicle on.
+// Leaves nothing of the followers from the first external vehicle on.
 void void_behind(const RunOptions& run, Prediction& prediction) {
   const std::size_t steps = run.averaging() == Averaging::over_time ? 1 : static_cast<std::size_t>(run.steps);
   const auto clear = [](std::vector<double>& values, std::size_t kept) {
@@ -67,7 +67,7 @@ void void_behind(const RunOptions& run, Prediction& prediction) {
   const std::size_t last = prediction.followers_with_theory;
   prediction.stability.reason +=
       "; this speaks of " + std::string(last > 1 ? "followers 1 to " + std::to_string(last) : "follower 1") +
-      ", before vehicle_" + std::to_string(last + 1) + ", which is your own";
+      ", before vehicle_" + std::to_string(last + 1) + ", which is external";
 }
 
 }  // namespace
@@ -76,8 +76,8 @@ Prediction predict(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   if (theory_of(configuration.model) == Theory::none)
     return no_prediction(configuration, "losses come in bursts");
-  if (run.followers_before_own() == 0)
-    return no_prediction(configuration, "vehicle_1, which the others follow, is your own");
+  if (run.followers_before_external() == 0)
+    return no_prediction(configuration, "vehicle_1, which the others follow, is external");
   Prediction prediction{string_stability(configuration.model),
                         stationary_variances(configuration.model, run.followers),
                         {},
@@ -96,8 +96,8 @@ Prediction predict(const Configuration& configuration) {
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);
   }
-  prediction.followers_with_theory = run.followers_before_own();
-  if (!run.own.empty()) void_behind(run, prediction);
+  prediction.followers_with_theory = run.followers_before_external();
+  if (!run.external.empty()) void_behind(run, prediction);
   return prediction;
 }
 

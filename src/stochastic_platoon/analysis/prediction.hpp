@@ -23,7 +23,7 @@ Theory theory_of(const PlatoonModel& model);
 /// What the theory predicts for a configuration: a cell for each cell of the measurement, that is one per
 /// follower and step (see cell()), or the stationary values, one per follower, where averages are over time.
 ///
-/// Without a theory every value is NaN. Of a string with vehicles that somebody else provides the followers
+/// Without a theory every value is NaN. In a string with external vehicles the followers
 /// before the first of them have a theory; what the stability says is of these, continued for ever.
 struct Prediction {
   StringStability stability;

@@ -185,7 +185,7 @@ nlohmann::json statistics_identity(const Configuration& configuration) {
   identity["followers"] = configuration.run.followers;
   identity["steps"] = configuration.run.steps;
   if (configuration.run.averaging() == Averaging::over_time) identity["burn_in"] = configuration.run.burn_in;
-  if (!configuration.run.own.empty()) identity["own"] = configuration.run.own;
+  if (!configuration.run.external.empty()) identity["external"] = configuration.run.external;
   return identity;
 }
 

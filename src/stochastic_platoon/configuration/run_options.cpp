@@ -27,22 +27,22 @@ constexpr double kShortestStall = 1e-3;
 constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
 
 // The launch files compare the words of the list: there is one way to write it.
-std::vector<std::size_t> read_own(Section& section, std::size_t followers) {
-  const std::string text = section.text("own");
-  std::set<std::size_t> own;
+std::vector<std::size_t> read_external(Section& section, std::size_t followers) {
+  const std::string text = section.text("external");
+  std::set<std::size_t> external;
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
     std::size_t vehicle = 0;
     const auto read = std::from_chars(word.data(), word.data() + word.size(), vehicle);
     const bool is_one = read.ec == std::errc() && std::to_string(vehicle) == word && vehicle >= 1 &&
-                        vehicle <= followers && own.insert(vehicle).second;
+                        vehicle <= followers && external.insert(vehicle).second;
     if (is_one && (text.empty() || text.back() != ',')) continue;
-    section.reject("own", printable(shortened(text)),
+    section.reject("external", printable(shortened(text)),
                    "numbers of followers from 1 to " + std::to_string(followers) +
                        ", each once, separated by commas, as in 3,7");
     return {};
   }
-  return {own.begin(), own.end()};
+  return {external.begin(), external.end()};
 }
 
 Hosting parsed_hosting(const std::string& text) {
@@ -106,7 +106,7 @@ RunOptions read_run_options(Section section) {
     section.reject("stall_timeout", formatted("%g", options.stall_timeout),
                    formatted("0 or at least %g", kShortestStall));
   options.burn_in = section.integer("burn_in", 0, kMaxCount);
-  if (section.has("own")) options.own = read_own(section, options.followers);
+  if (section.has("external")) options.external = read_external(section, options.followers);
   section.reject_unknown_keys();
   const auto followers = static_cast<std::int64_t>(options.followers);
   if (options.steps > kMaxCells / followers) {
@@ -133,15 +133,15 @@ std::vector<std::string> RunOptions::receivers() const {
   return names;
 }
 
-bool RunOptions::is_own(std::size_t follower) const {
-  return std::binary_search(own.begin(), own.end(), follower);
+bool RunOptions::is_external(std::size_t follower) const {
+  return std::binary_search(external.begin(), external.end(), follower);
 }
 
 // In one process a message is used up at once, and the further a vehicle is ahead the longer its state stays
-// in the cache. Not where one of them is somebody's own, and waited for.
+// in the cache. Not where one of them is external, and waited for.
 std::size_t RunOptions::longest_lead() const {
   constexpr std::size_t kOfProcesses = 128;
-  return hosting == Hosting::processes || !own.empty() ? kOfProcesses : followers;
+  return hosting == Hosting::processes || !external.empty() ? kOfProcesses : followers;
 }
 
 nlohmann::json to_json(const RunOptions& options) {
@@ -164,9 +164,10 @@ nlohmann::json to_json(const RunOptions& options) {
                              {"burn_in", options.burn_in}};
   if (options.number > 1) document["run_number"] = options.number;
   // Absent of others, so that their text stays what it was.
-  std::string own;
-  for (const std::size_t vehicle : options.own) own += (own.empty() ? "" : ",") + std::to_string(vehicle);
-  if (!own.empty()) document["own"] = own;
+  std::string external;
+  for (const std::size_t vehicle : options.external)
+    external += (external.empty() ? "" : ",") + std::to_string(vehicle);
+  if (!external.empty()) document["external"] = external;
   return document;
 }
 

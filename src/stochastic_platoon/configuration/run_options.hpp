@@ -37,14 +37,16 @@ struct RunOptions {
   double stall_timeout;   ///< [s]; 0 = wait for ever
   std::uint64_t
       number;  ///< which run of its launch it is: 1, and one more with every change of an endless run
-  std::int64_t burn_in;               ///< steps left out of the time averages of an endless run
-  std::vector<std::size_t> own = {};  ///< vehicles that somebody else provides, ascending
+  std::int64_t burn_in;                    ///< steps left out of the time averages of an endless run
+  std::vector<std::size_t> external = {};  ///< external vehicles, ascending
 
-  /// Whether follower i is somebody's own.
-  bool is_own(std::size_t follower) const;
+  /// Whether follower i is an external vehicle.
+  bool is_external(std::size_t follower) const;
 
-  /// The followers before the first that is somebody's own: those of which there is a theory.
-  std::size_t followers_before_own() const { return own.empty() ? followers : own.front() - 1; }
+  /// The followers before the first external vehicle: those that the theory covers.
+  std::size_t followers_before_external() const {
+    return external.empty() ? followers : external.front() - 1;
+  }
 
   /// Who has to acknowledge every step.
   std::vector<std::string> receivers() const;

@@ -32,7 +32,7 @@ std::string silence(const std::string& name, const std::optional<MessageId>& lat
 
 StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& latest,
                               const BatchSchedule& schedule, std::size_t longest_lead,
-                              const std::vector<std::size_t>& own,
+                              const std::vector<std::size_t>& external,
                               const std::vector<std::optional<MessageId>>& ever) {
   const auto silence_of = [&latest, &ever](std::size_t vehicle, const std::string& name) {
     return silence(name, latest[vehicle] || ever.empty() ? latest[vehicle] : ever[vehicle]);
@@ -40,7 +40,8 @@ StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& lates
   std::vector<std::size_t> stuck;
   const std::size_t followers = latest.size() - 1;
   for (std::size_t i = 1; i <= followers; ++i) {
-    const bool ahead = leads(i, followers, longest_lead) && !std::binary_search(own.begin(), own.end(), i);
+    const bool ahead =
+        leads(i, followers, longest_lead) && !std::binary_search(external.begin(), external.end(), i);
     if (latest[i - 1] && is_behind(latest[i], reachable(*latest[i - 1], ahead, schedule))) stuck.push_back(i);
   }
   if (stuck.empty()) return {0, silence_of(0, "vehicle_0 (leader)")};

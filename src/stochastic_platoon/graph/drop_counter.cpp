@@ -13,7 +13,7 @@ std::uint64_t DropCounter::faults() const {
 
 void DropCounter::count(Verdict verdict, const MessageId& id, std::size_t size) {
   ++counts_[static_cast<std::size_t>(verdict)];
-  if (!own_.empty() && broken_clause(verdict)) breach_ = verdict;
+  if (!external_.empty() && broken_clause(verdict)) breach_ = verdict;
   if (verdict == Verdict::stale || verdict == Verdict::missed_start || verdict == Verdict::in_turn) return;
   const double present = now();
   if (last_said_ && present - *last_said_ < 1.0) return;
@@ -25,7 +25,8 @@ void DropCounter::count(Verdict verdict, const MessageId& id, std::size_t size) 
              << " positions (so far " << of(Verdict::out_of_turn) << " out of turn, "
              << of(Verdict::wrong_size) << " of wrong size, " << of(Verdict::not_finite) << " not finite, "
              << of(Verdict::foreign_run) << " of another run)"
-             << (breach ? ". " + own_ + " is yours: it breaks " + named(*broken_clause(*breach)) : ""));
+             << (breach ? ". " + external_ + " is external: it violates " + named(*broken_clause(*breach))
+                        : ""));
 }
 
 }  // namespace platoon

@@ -16,9 +16,9 @@ namespace platoon {
 /// What is expected after a restart or while links come up is counted in silence.
 class DropCounter {
 public:
-  /// `own`: what is dropped breaks the vehicle contract of somebody's own vehicle, whose name this is; empty: none.
-  explicit DropCounter(std::string topic, std::string own = {})
-      : topic_(std::move(topic)), own_(std::move(own)) {}
+  /// `external`: name of the external vehicle that publishes the topic, whose contract a dropped message violates; empty: none.
+  explicit DropCounter(std::string topic, std::string external = {})
+      : topic_(std::move(topic)), external_(std::move(external)) {}
 
   void count(Verdict verdict, const MessageId& id, std::size_t size);
 
@@ -30,14 +30,14 @@ public:
   /// A message has counted: what the vehicle has broken before holds nobody up.
   void forget_breach() { breach_ = Verdict::in_turn; }
 
-  /// How the latest message broke the contract of somebody's own vehicle; none if it did not.
+  /// How the latest message of an external vehicle violated the contract; none if it did not.
   std::optional<Verdict> latest_breach() const {
     return breach_.get() == Verdict::in_turn ? std::nullopt : std::make_optional(breach_.get());
   }
 
 private:
   std::string topic_;
-  std::string own_;
+  std::string external_;
   Shown<Verdict> breach_{Verdict::in_turn};
   std::array<Shown<std::uint64_t>, kVerdicts> counts_{};
   std::optional<double> last_said_;  ///< [s]

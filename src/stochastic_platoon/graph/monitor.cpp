@@ -108,10 +108,11 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
 void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle) {
   const std::size_t followers = configuration_.run.followers;
   for (std::size_t i = 0; i <= followers; ++i) {
-    const bool own = configuration_.run.is_own(i);
+    const bool external = configuration_.run.is_external(i);
     const std::string topic = platoon.resolveName(position_topic(i));
-    vehicles_.emplace_back(topic, own ? "; it is yours: " + named(Clause::one_publisher) : "");
-    drops_.emplace_back(topic, own ? name_of(i) : "");
+    vehicles_.emplace_back(topic,
+                           external ? "; the vehicle is external: " + named(Clause::one_publisher) : "");
+    drops_.emplace_back(topic, external ? name_of(i) : "");
   }
   for (std::size_t i = 0; i <= followers; ++i) {
     const boost::function<void(const PositionEvent&)> callback = [this, i](const PositionEvent& event) {
@@ -346,20 +347,20 @@ std::string Monitor::culprit() const {
   if (!missing.empty()) return missing;
   const StallDiagnosis diagnosis = diagnose_stall(
       statistics_.arrivals().latest(), configuration_.run.schedule(), configuration_.run.longest_lead(),
-      configuration_.run.own, statistics_.arrivals().latest_of_any_attempt());
+      configuration_.run.external, statistics_.arrivals().latest_of_any_attempt());
   const auto note = notes_.find(name_of(diagnosis.vehicle.value_or(0)));
   const bool explained = diagnosis.vehicle && note != notes_.end();
   return diagnosis.text + (explained ? "; it says: " + note->second : "") +
          breach_of(diagnosis.vehicle.value_or(0));
 }
 
-// What somebody's own vehicle that holds the platoon up has broken.
+// The clause that an external vehicle violates which blocks the platoon.
 std::string Monitor::breach_of(std::size_t vehicle) const {
-  if (!configuration_.run.is_own(vehicle)) return "";
+  if (!configuration_.run.is_external(vehicle)) return "";
   const std::optional<Verdict> breach = drops_[vehicle].latest_breach();
   const std::string what =
       breach ? std::string("what it sent last was dropped, as ") + to_string(*breach) + "; " : "";
-  return "; it is yours: " + what + named(breach ? *broken_clause(*breach) : Clause::answer);
+  return "; the vehicle is external: " + what + named(breach ? *broken_clause(*breach) : Clause::answer);
 }
 
 std::vector<std::size_t> Monitor::missing_vehicles() const {
@@ -373,11 +374,12 @@ std::vector<std::size_t> Monitor::missing_vehicles() const {
 void Monitor::show_start(double present) {
   const RunOptions& run = configuration_.run;
   const std::vector<std::size_t> missing = missing_vehicles();
-  const auto is_own = [&run](std::size_t vehicle) { return run.is_own(vehicle); };
-  if (!missing.empty() && std::all_of(missing.begin(), missing.end(), is_own)) {
-    const std::string others =
-        missing.size() > 1 ? formatted(" (and %zu more of yours)", missing.size() - 1) : std::string();
-    return display_.prepare("waiting for " + name_of(missing[0]) + ": start it, it is yours" + others,
+  const auto is_external = [&run](std::size_t vehicle) { return run.is_external(vehicle); };
+  if (!missing.empty() && std::all_of(missing.begin(), missing.end(), is_external)) {
+    const std::string others = missing.size() > 1
+                                   ? formatted(" (and %zu more external vehicles)", missing.size() - 1)
+                                   : std::string();
+    return display_.prepare("waiting for external " + name_of(missing[0]) + ": start its node" + others,
                             present);
   }
   if (!missing.empty()) {
@@ -410,8 +412,8 @@ std::string Monitor::name_of_missing() const {
   const std::vector<std::size_t> missing = missing_vehicles();
   if (missing.empty()) return "";
   const std::string name = name_of(missing.front());
-  if (missing.size() == 1 && configuration_.run.is_own(missing[0]))
-    return name + " is not there: start it, it is yours (nobody publishes " +
+  if (missing.size() == 1 && configuration_.run.is_external(missing[0]))
+    return name + " is external and not there: start its node (nobody publishes " +
            positions_[missing[0]].getTopic() + ")";
   if (missing.size() == 1)
     return name + " is not there: nobody publishes " + positions_[missing[0]].getTopic();

@@ -20,7 +20,7 @@ constexpr double kIdlePeriod = 0.005;  // [s] between looks at the clock when no
 
 }  // namespace
 
-Player::Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration& configuration,
+Player::Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Configuration& configuration,
                const PlayerOptions& options)
     : run_(run_identity(configuration)),
       schedule_(configuration.run.schedule()),
@@ -47,7 +47,7 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration
         response.message = request.data ? "paused" : "playing";
         return true;
       };
-  pause_ = own.advertiseService("pause_playback", set_paused);
+  pause_ = private_node.advertiseService("pause_playback", set_paused);
   progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &Player::receive, this, no_delay());
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kIdlePeriod), [this](const auto&) { play(); });
 }

@@ -39,7 +39,7 @@ struct PlayerOptions {
 class Player {
 public:
   /// Throws BagError as recorded_platoon() does.
-  Player(ros::NodeHandle platoon, ros::NodeHandle own, const Configuration& configuration,
+  Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Configuration& configuration,
          const PlayerOptions& options);
 
 private:

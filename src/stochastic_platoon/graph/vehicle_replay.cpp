@@ -42,7 +42,7 @@ CreditLimits limits_of(const RunOptions& run) {
 }
 
 std::string its_clause(Clause clause) {
-  return "; it is yours: " + named(clause);
+  return "; the vehicle is external: " + named(clause);
 }
 
 constexpr double kSilentWait =
@@ -51,16 +51,17 @@ constexpr double kSilentWait =
 }  // namespace
 
 VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration,
-                             const BagSource& bags, std::size_t vehicle, bool own, double patience)
+                             const BagSource& bags, std::size_t vehicle, bool external, double patience)
     : name_("vehicle_" + std::to_string(vehicle)),
       run_(run_identity(configuration)),
-      own_(own),
+      external_(external),
       patience_(patience),
       bags_(bags),
       vehicle_(vehicle),
       credit_(limits_of(configuration.run)),
-      publisher_(platoon.resolveName(position_topic(vehicle)), own ? its_clause(Clause::one_publisher) : ""),
-      drops_(platoon.resolveName(position_topic(vehicle)), own ? name_ : ""),
+      publisher_(platoon.resolveName(position_topic(vehicle)),
+                 external ? its_clause(Clause::one_publisher) : ""),
+      drops_(platoon.resolveName(position_topic(vehicle)), external ? name_ : ""),
       predecessor_position_(
           platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
   if (!(patience > 0.0))
@@ -97,7 +98,8 @@ bool VehicleReplay::is_linked() {
   if (!began_) began_ = now();
   const bool linked = predecessor_position_.getNumSubscribers() > 0 && position_.getNumPublishers() > 0;
   if (!linked && !waiting_ && now() - *began_ > kSilentWait) {
-    ROS_INFO_STREAM("waiting for " << name_ << (own_ ? ": start it, it is yours" : "")
+    ROS_INFO_STREAM("waiting for " << (external_ ? "external " : "") << name_
+                                   << (external_ ? ": start its node" : "")
                                    << formatted(" (the replay ends after %g s)", patience_));
     waiting_ = true;
   }
@@ -188,12 +190,13 @@ void VehicleReplay::end_with(const std::string& reason) {
 
 // Why there is no verdict.
 std::string VehicleReplay::silence() const {
-  const std::string yours =
-      own_ ? "; it is yours: start it, and allow it more time with patience:=SECONDS" : "";
+  const std::string external_hint =
+      external_ ? "; the vehicle is external: start its node, and allow it more time with patience:=SECONDS"
+                : "";
   if (position_.getNumPublishers() == 0)
-    return name_ + " is not there: nobody publishes " + position_.getTopic() + yours;
+    return name_ + " is not there: nobody publishes " + position_.getTopic() + external_hint;
   if (predecessor_position_.getNumSubscribers() == 0)
-    return name_ + " is not there: nobody subscribes to " + predecessor_position_.getTopic() + yours;
+    return name_ + " is not there: nobody subscribes to " + predecessor_position_.getTopic() + external_hint;
   const MessageId due = expected_id();
   const std::optional<Verdict> breach = drops_.latest_breach();
   const std::string what =
@@ -211,7 +214,7 @@ void VehicleReplay::compare(const Position& live, const Position& recorded) {
                             id.step == due.step && live.position.size() == recorded.position.size();
   const std::size_t bytes = recorded.position.size() * sizeof(double);
   if (same_message && std::memcmp(live.position.data(), recorded.position.data(), bytes) == 0) return;
-  if (same_message && own_) {
+  if (same_message && external_) {
     for (std::size_t r = 0; r < recorded.position.size(); ++r) {
       const double apart = std::abs(live.position[r] - recorded.position[r]);
       if (apart > largest_ || std::isnan(apart)) largest_ = apart;  // a NaN stays

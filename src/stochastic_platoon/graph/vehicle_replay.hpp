@@ -30,12 +30,12 @@ class VehicleReplay {
 public:
   /// `patience` [s] > 0.
   VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags,
-                std::size_t vehicle, bool own, double patience);
+                std::size_t vehicle, bool external, double patience);
 
   /// There is a verdict, or a reason why there is none.
   bool done() const { return done_; }
 
-  /// "vehicle_3: 2020 messages equal the recorded ones to the bit", or the first that does not; of an own vehicle
+  /// "vehicle_3: 2020 messages equal the recorded ones to the bit", or the first that does not; of an external vehicle
   /// how far its positions are from them at most. Or why there is no verdict.
   std::string verdict() const;
   bool equal() const { return done_ && difference_.empty() && reason_.empty(); }
@@ -58,7 +58,7 @@ private:
 
   std::string name_;
   std::uint64_t run_;
-  bool own_;
+  bool external_;
   double patience_;  ///< [s]
   BagSource bags_;
   std::size_t vehicle_;
@@ -71,7 +71,7 @@ private:
   std::int64_t batch_start_ = 0;                ///< of them, before the batch in which answers are expected
   std::uint32_t attempts_ahead_ = 0;            ///< attempts of this replay, less those recorded
   std::uint32_t last_attempt_ = 0;              ///< that was sent
-  double largest_ = 0.0;    ///< [m], between an own vehicle's position and the recorded one
+  double largest_ = 0.0;    ///< [m], between an external vehicle's position and the recorded one
   std::string difference_;  ///< the first one
   std::string reason_;      ///< why there is no verdict
   bool done_ = false;

@@ -71,7 +71,7 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
 std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction,
                                           const RunResult& result);
 
-/// How many cells have a theory: those of the followers before the first that is somebody's own.
+/// How many cells have a theory: those of the followers before the first external vehicle.
 std::size_t cells_with_theory(const RunOptions& run, const Prediction& prediction);
 
 /// Positions that the committed realizations must have brought: (N + 1)(K + 1) each.

@@ -40,7 +40,7 @@ TEST(Prediction, TakesTheRecordedLeaderOfTheModel) {
 TEST(Prediction, IsVoidFromTheFirstOwnVehicleOn) {
   Configuration configuration = paper_run("");
   const Prediction whole = predict(configuration);
-  configuration.run.own = {2};
+  configuration.run.external = {2};
   for (const std::int64_t steps : {std::int64_t{3}, std::int64_t{0}}) {
     configuration.run.steps = steps;
     const Prediction prediction = predict(configuration);
@@ -66,7 +66,7 @@ TEST(Prediction, IsVoidFromTheFirstOwnVehicleOn) {
 
 TEST(Prediction, OfAStringBehindAnOwnVehicleIsNone) {
   Configuration configuration = paper_run("");
-  configuration.run.own = {1};
+  configuration.run.external = {1};
   const Prediction prediction = predict(configuration);
   EXPECT_EQ(prediction.theory, Theory::none);
   EXPECT_EQ(prediction.followers_with_theory, 0u);

@@ -128,21 +128,21 @@ TEST(RunOptions, NameTheSettingThatIsNotAllowed) {
 }
 
 TEST(RunOptions, KnowWhoseTheVehiclesAre) {
-  const RunOptions options = read({{"own", "7,3"}, {"followers", "8"}});
-  EXPECT_EQ(options.own, (std::vector<std::size_t>{3, 7}));
-  EXPECT_TRUE(options.is_own(3) && options.is_own(7));
-  EXPECT_FALSE(options.is_own(4) || options.is_own(0));
-  EXPECT_EQ(options.followers_before_own(), 2u);
-  EXPECT_EQ(to_json(options).at("own"), "3,7");
-  EXPECT_EQ(read({}).followers_before_own(), 20u);
-  EXPECT_FALSE(to_json(read({})).contains("own")) << "the identity of other runs stays what it was";
+  const RunOptions options = read({{"external", "7,3"}, {"followers", "8"}});
+  EXPECT_EQ(options.external, (std::vector<std::size_t>{3, 7}));
+  EXPECT_TRUE(options.is_external(3) && options.is_external(7));
+  EXPECT_FALSE(options.is_external(4) || options.is_external(0));
+  EXPECT_EQ(options.followers_before_external(), 2u);
+  EXPECT_EQ(to_json(options).at("external"), "3,7");
+  EXPECT_EQ(read({}).followers_before_external(), 20u);
+  EXPECT_FALSE(to_json(read({})).contains("external")) << "the identity of other runs stays what it was";
 }
 
 TEST(RunOptions, NameWhatIsNoListOfOwnVehicles) {
   for (const char* own :
        {"0", "21", "3,3", "three", "3,", ",3", "3, 4", "03", "-1", "3.0", "3;4", "99999999999999999999999"}) {
     EXPECT_EQ(
-        problems_with("own", own),
+        problems_with("external", own),
         Problems{std::string("run/own: ") + own +
                  ": must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"});
   }
@@ -150,7 +150,7 @@ TEST(RunOptions, NameWhatIsNoListOfOwnVehicles) {
 
 TEST(RunOptions, BoundTheLeadWhereAVehicleIsSomebodysOwn) {
   EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}}).longest_lead(), 500u);
-  EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}, {"own", "3"}}).longest_lead(), 128u);
+  EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}, {"external", "3"}}).longest_lead(), 128u);
 }
 
 TEST(RunOptions, WaitForEverWithoutAStallTimeout) {

@@ -291,7 +291,7 @@ TEST(WriteResults, LeavesTheTheoryEmptyFromTheFirstOwnVehicleOn) {
   Configuration configuration = paper_run(folder.path());
   const Prediction whole = predict(configuration);
   RunResult result = result_with(configuration, whole);
-  configuration.run.own = {2};
+  configuration.run.external = {2};
   for (std::int64_t k = 0; k < 3; ++k)
     result.moments[cell(2, k, 3)].mean += 1000.0;  // an own vehicle may do so
   const Prediction prediction = predict(configuration);

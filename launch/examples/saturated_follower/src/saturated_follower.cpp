@@ -2,7 +2,7 @@
 // (i of vehicle_<i>), ~limit [m per sample period squared], ~headway [sample periods].
 
 #include <ros/ros.h>
-#include <stochastic_platoon/graph/own_vehicle.hpp>
+#include <stochastic_platoon/graph/external_vehicle.hpp>
 
 #include <algorithm>
 #include <vector>
@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   Dynamics dynamics{own.param("limit", 1.0), own.param("headway", 3.2), {}, {}, {}, {}};
-  const platoon::OwnVehicle vehicle(
+  const platoon::ExternalVehicle vehicle(
       ros::NodeHandle("platoon"), static_cast<std::size_t>(index),
       [&](std::vector<double>& position) { dynamics.start(position); },
       [&](const std::vector<double>& received, std::vector<double>& position) {

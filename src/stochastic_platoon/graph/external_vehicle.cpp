@@ -1,4 +1,4 @@
-#include "stochastic_platoon/graph/own_vehicle.hpp"
+#include "stochastic_platoon/graph/external_vehicle.hpp"
 
 #include <boost/make_shared.hpp>
 #include <stdexcept>
@@ -21,15 +21,15 @@ std::string topic(std::size_t index, const std::string& name) {
 
 }  // namespace
 
-OwnVehicle::OwnVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move)
+ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move)
     : start_(std::move(start)),
       move_(std::move(move)),
       position_(platoon.advertise<Position>(topic(index, "position"), kUnbounded)),
       predecessor_position_(platoon.subscribe(topic(index, "predecessor_position"), kUnbounded,
-                                              &OwnVehicle::receive, this,
+                                              &ExternalVehicle::receive, this,
                                               ros::TransportHints().tcpNoDelay(true))) {}
 
-bool OwnVehicle::is_in_turn(const Position& message) const {
+bool ExternalVehicle::is_in_turn(const Position& message) const {
   const bool same_run = latest_ && message.run == latest_->run;
   if (message.step == -1) {
     return !same_run || std::tie(message.attempt, message.first_realization) >
@@ -39,7 +39,7 @@ bool OwnVehicle::is_in_turn(const Position& message) const {
          message.first_realization == latest_->first_realization && message.step == latest_->step + 1;
 }
 
-void OwnVehicle::receive(const Position::ConstPtr& message) {
+void ExternalVehicle::receive(const Position::ConstPtr& message) {
   if (!is_in_turn(*message)) return;
   if (message->step == -1) {
     own_.assign(message->position.size(), 0.0);

@@ -42,7 +42,7 @@ class OwnTest(LaunchTest):
         self.environment = dict(os.environ, ROS_MASTER_URI=self.master, ROS_HOSTNAME="localhost", ROS_HOME=self.folder)
 
     def start(self, *command):
-        """A node that is somebody's own."""
+        """Starts an external vehicle."""
         process = subprocess.Popen(command, env=self.environment)
         self.addCleanup(process.wait)
         self.addCleanup(process.terminate)
@@ -91,8 +91,8 @@ class Example(OwnTest):
 
     def test_the_rospy_follower_is_the_built_in_vehicle_within_rounding(self):
         bag = os.path.join(self.folder, "run.bag")
-        terminal = self.launch(master=self.master, own=2, record=bag, **self.SETTINGS)
-        terminal.wait_for_text("waiting for vehicle_2: start it, it is yours")
+        terminal = self.launch(master=self.master, external=2, record=bag, **self.SETTINGS)
+        terminal.wait_for_text("waiting for external vehicle_2: start its node")
         self.start_example(2)
         terminal.wait()
         summary = live_platoon.completed_summary(self.output)
@@ -125,12 +125,12 @@ class Example(OwnTest):
 
     def check_replay(self, bag):
         # The same node, behind what it received: no other vehicle is there.
-        terminal = self.launch("replay.launch", master=self.master, bag=bag, drive="vehicle_2", own=2, output="")
+        terminal = self.launch("replay.launch", master=self.master, bag=bag, drive="vehicle_2", external=2, output="")
         terminal.wait()
         self.assertIn("vehicle_2: 153 messages equal the recorded ones to the bit", terminal.text())
         # What was recorded of another vehicle is the built-in one's.
         self.start_example(3)
-        terminal = self.launch("replay.launch", master=self.master, bag=bag, drive="vehicle_3", own=3, output="")
+        terminal = self.launch("replay.launch", master=self.master, bag=bag, drive="vehicle_3", external=3, output="")
         terminal.wait()
         apart = re.search(r"vehicle_3: 153 messages as in the recording, positions at most (\S+) m apart", terminal.text())
         self.assertTrue(apart, terminal.text())
@@ -139,7 +139,7 @@ class Example(OwnTest):
     def test_it_stays_up_from_run_to_run_and_goes_with_one_process(self):
         self.start_example(3)
         self.assert_keeps_the_contract(3, "--headway", "2.4")
-        self.run_to_the_end(own=3, hosting="one_process", **self.SETTINGS)
+        self.run_to_the_end(external=3, hosting="one_process", **self.SETTINGS)
         self.assert_equal_within_rounding()
 
     def test_the_built_in_vehicle_keeps_it(self):
@@ -172,7 +172,7 @@ class Contract(OwnTest):
     def test_a_vehicle_that_is_not_there_or_no_number_is_named(self):
         self.assertIn("vehicle_4 is not there: it must publish /platoon/vehicle_4/position and subscribe to "
                       "/platoon/vehicle_4/predecessor_position", self.check_vehicle(4, "--wait", "0.1").stdout)
-        self.assertIn("waiting for vehicle_4: start it, it is yours", self.check_vehicle(4, "--wait", "0.1").stdout)
+        self.assertIn("waiting for external vehicle_4: start its node", self.check_vehicle(4, "--wait", "0.1").stdout)
         for word in ("0", "three", "3.0"):
             done = self.check_vehicle(word)
             self.assertEqual(done.returncode, 1)
@@ -180,14 +180,14 @@ class Contract(OwnTest):
 
     def test_the_monitor_names_it_with_the_clause_and_the_run_goes_on(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:each")
-        terminal = self.run_to_the_end(followers=3, own=2, steps=20, realizations=700, batch=100, stall_timeout=0.5)
+        terminal = self.run_to_the_end(followers=3, external=2, steps=20, realizations=700, batch=100, stall_timeout=0.5)
         said = terminal.text()
-        stands = r"the platoon stands still: vehicle_2 has sent nothing since step {} \(realizations from {}\); it is yours: {}clause {} of the"
+        stands = r"the platoon stands still: vehicle_2 has sent nothing since step {} \(realizations from {}\); the vehicle is external: {}clause {} of the"
         self.assertRegex(said, stands.format(4, 100, "", 2))
         for step, first, what, number in ((5, 200, "out of turn", 6), (4, 300, "wrong batch size", 3), (4, 400, "not finite", 4),
                                           (4, 500, "of another run", 11)):
             self.assertRegex(said, stands.format(step, first, "what it sent last was dropped, as {}; ".format(what), number))
-        self.assertRegex(said, r"/platoon/vehicle_2/position: dropped a message that is out of turn: .*vehicle_2 is yours: it breaks clause 6 of")
+        self.assertRegex(said, r"/platoon/vehicle_2/position: dropped a message that is out of turn: .*vehicle_2 is external: it violates clause 6 of")
         summary = live_platoon.completed_summary(self.output)
         self.assertEqual(summary["positions_lost"], 0)
         # One more for each breach from the second on, whatever it took to come up.
@@ -196,22 +196,22 @@ class Contract(OwnTest):
 
     def test_a_vehicle_that_never_answers_is_named_once_however_often_the_leader_retries(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:mute")
-        terminal = self.launch(master=self.master, followers=3, own=2, steps=20, realizations=100, rate=100, stall_timeout=0.5)
-        terminal.wait_for_text("the platoon stands still: vehicle_2 has sent nothing at all; it is yours: clause 2 of the vehicle contract", 40)
+        terminal = self.launch(master=self.master, followers=3, external=2, steps=20, realizations=100, rate=100, stall_timeout=0.5)
+        terminal.wait_for_text("the platoon stands still: vehicle_2 has sent nothing at all; the vehicle is external: clause 2 of the vehicle contract", 40)
         terminal.interrupt()
         self.assertEqual(terminal.text().count("the platoon stands still"), 1)
 
     def test_the_recorder_names_a_vehicle_without_stamps(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:unstamped")
-        terminal = self.launch(master=self.master, followers=2, own=2, realizations=10, record=os.path.join(self.folder, "run.bag"))
+        terminal = self.launch(master=self.master, followers=2, external=2, realizations=10, record=os.path.join(self.folder, "run.bag"))
         terminal.wait_for_text("/platoon/vehicle_2/position: dropped a message without a stamp, which a bag cannot hold; clause 5 of the vehicle")
         terminal.interrupt()
 
     def test_the_monitor_names_a_second_publisher(self):
         self.start_example(2)
         self.start(os.path.join(HERE, "broken_follower.py"), "2:none")
-        terminal = self.run_to_the_end(followers=2, own=2, steps=20, realizations=500, batch=10)
-        self.assertRegex(terminal.text(), r"/platoon/vehicle_2/position has two publishers: .*; it is yours: clause 1 of the vehicle contract: ")
+        terminal = self.run_to_the_end(followers=2, external=2, steps=20, realizations=500, batch=10)
+        self.assertRegex(terminal.text(), r"/platoon/vehicle_2/position has two publishers: .*; the vehicle is external: clause 1 of the vehicle contract: ")
 
 
 class Car(OwnTest):
@@ -235,9 +235,9 @@ class Car(OwnTest):
         model = self.model_with(sample_period=period, noise_variance=0.0001,
                                 leader="{{speed: [{{from_step: 0, value: {}}}]}}".format(self.SPEED))
         diagnostics, log, bag = (os.path.join(self.folder, name) for name in ("diagnostics", "car", "run.bag"))
-        terminal = self.launch(master=self.master, followers=4, own=2, realizations=1, steps=self.STEPS, model=model,
+        terminal = self.launch(master=self.master, followers=4, external=2, realizations=1, steps=self.STEPS, model=model,
                                rate=round(1.0 / period), stall_timeout=0, record=bag)
-        terminal.wait_for_text("waiting for vehicle_2: start it, it is yours")
+        terminal.wait_for_text("waiting for external vehicle_2: start its node")
         self.start(os.path.join(HERE, "car.py"), log, "__ns:=/car")
         self.start(os.path.join(live_platoon.shared("src", "nodes"), "odometry_vehicle"), "_index:=2", "~odometry:=/car/odom",
                    "~reference:=/car/reference")
@@ -290,7 +290,7 @@ class Car(OwnTest):
                                         "~odometry:=/car/odom"], env=self.environment, stderr=file)
         self.addCleanup(adapter.wait)
         self.addCleanup(adapter.terminate)
-        self.launch(master=self.master, followers=2, own=2, realizations=30, batch=10, stall_timeout=0)
+        self.launch(master=self.master, followers=2, external=2, realizations=30, batch=10, stall_timeout=0)
 
         def refused():
             with open(log) as file:
@@ -326,7 +326,7 @@ class OtherPackage(OwnTest):
             if not variances:
                 self.assert_keeps_the_contract(2)
             self.output = os.path.join(self.folder, limit)
-            self.run_to_the_end(followers=3, own=2, steps=40, realizations=1000, output=self.output)
+            self.run_to_the_end(followers=3, external=2, steps=40, realizations=1000, output=self.output)
             means.append(rows(self.output)[2, 39][0])
             variances.append([rows(self.output)[vehicle, 39][1] for vehicle in (1, 2, 3)])
             node.terminate()

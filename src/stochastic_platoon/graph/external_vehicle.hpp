@@ -11,14 +11,14 @@
 
 namespace platoon {
 
-/// A vehicle of one's own that keeps the vehicle contract (msg/README.md), around any dynamics. It needs nothing
+/// An external vehicle that keeps the vehicle contract (msg/README.md), around any dynamics. It needs nothing
 /// of this package but its messages, and is what other packages link.
 ///
 /// On its predecessor's step k, as received, it publishes its own step k, and then moves on to k + 1.
 ///
 /// Subscribes: vehicle_<i>/predecessor_position. Publishes: vehicle_<i>/position. Both
 /// stochastic_platoon/Position.
-class OwnVehicle {
+class ExternalVehicle {
 public:
   /// Step -1 of a batch: forgets everything, and writes the initial positions y(-1) [m]; the vector has the batch's
   /// size, one position per realization.
@@ -29,7 +29,7 @@ public:
 
   /// Vehicle `index` of the platoon in this namespace (mostly /platoon). Throws std::invalid_argument unless
   /// index >= 1.
-  OwnVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move);
+  ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move);
 
 private:
   bool is_in_turn(const stochastic_platoon::Position& message) const;
