@@ -13,8 +13,7 @@
 
 namespace {
 
-void run(ros::NodeHandle platoon, const platoon::Configuration& configuration,
-         platoon::Superseded& superseded) {
+void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
   std::unique_ptr<platoon::Recorder> recorder;
   if (!configuration.run.record.empty())
     recorder = std::make_unique<platoon::Recorder>(platoon, configuration, superseded.join());
@@ -22,10 +21,8 @@ void run(ros::NodeHandle platoon, const platoon::Configuration& configuration,
   platoon::ReceivingThread receiving_thread;
   platoon.setCallbackQueue(&receiving_thread);
   const auto followers = static_cast<std::uint32_t>(configuration.run.followers);
-  const auto told =
-      std::make_shared<platoon::Snapshots>(watched, platoon::kPredecessorSnapshotTopic, followers);
-  const platoon::Channel channel(platoon, configuration, 1, followers, platoon::MessagePool(), told,
-                                 superseded.join());
+  const auto told = std::make_shared<platoon::Snapshots>(watched, platoon::kPredecessorSnapshotTopic, followers);
+  const platoon::Channel channel(platoon, configuration, 1, followers, platoon::MessagePool(), told, superseded.join());
   platoon::Diagnostics diagnostics(watched);
   diagnostics.add("channel", platoon::vital_signs(channel.sources()));
   if (recorder) diagnostics.add("recorder", platoon::vital_signs(recorder->sources()));

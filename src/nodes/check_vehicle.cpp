@@ -76,9 +76,8 @@ void require_no_run(const ros::NodeHandle& platoon) {
   const std::string topic = platoon.resolveName(platoon::kConfigurationTopic);
   const std::vector<std::string> names = platoon::registered_publishers(topic);
   if (names.empty()) return;
-  throw std::runtime_error(
-      names.front() + " publishes " + topic +
-      ": a platoon is there; end it, or use another master or namespace (ROS_NAMESPACE)");
+  throw std::runtime_error(names.front() + " publishes " + topic +
+                           ": a platoon is there; end it, or use another master or namespace (ROS_NAMESPACE)");
 }
 
 // The parameter is what it was, when it is over.
@@ -110,16 +109,14 @@ void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
   require_no_run(platoon);
   const KeptConfiguration kept(platoon);
   platoon::VehicleCheck check(platoon, run_of(arguments, "check_vehicle"),
-                              run_of(arguments, "check_vehicle, another run"), arguments.vehicle,
-                              arguments.patience);
+                              run_of(arguments, "check_vehicle, another run"), arguments.vehicle, arguments.patience);
   const std::string name = "vehicle_" + std::to_string(arguments.vehicle);
   if (!check.wait_for_vehicle(0.5)) {
     std::printf("waiting for external %s: start its node\n", name.c_str());
     std::fflush(stdout);
     if (!check.wait_for_vehicle(arguments.wait)) {
       throw std::runtime_error(name + " is not there: it must publish " +
-                               platoon.resolveName(platoon::position_topic(arguments.vehicle)) +
-                               " and subscribe to " +
+                               platoon.resolveName(platoon::position_topic(arguments.vehicle)) + " and subscribe to " +
                                platoon.resolveName(platoon::predecessor_position_topic(arguments.vehicle)));
     }
   }

@@ -12,8 +12,8 @@ std::uint32_t read_index() {
   int index = 0;
   const bool given = ros::NodeHandle("~").getParam("index", index);
   if (given && index >= 1) return static_cast<std::uint32_t>(index);
-  throw platoon::ConfigurationError({"~index: " + (given ? std::to_string(index) : std::string("missing")) +
-                                     ": must be a whole number, 1 or more"});
+  throw platoon::ConfigurationError(
+      {"~index: " + (given ? std::to_string(index) : std::string("missing")) + ": must be a whole number, 1 or more"});
 }
 
 // The present run, if there is one that this vehicle can take part in.

@@ -4,8 +4,7 @@
 
 namespace {
 
-void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
-         platoon::Superseded& superseded) {
+void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
   const platoon::Leader leader(platoon, configuration, superseded.join());
   platoon::Diagnostics diagnostics(platoon);
   diagnostics.add("leader", leader.status());

@@ -4,8 +4,7 @@
 
 namespace {
 
-void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
-         platoon::Superseded& superseded) {
+void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
   const platoon::Markers markers(platoon, configuration, superseded.join());
   superseded.spin();
 }

@@ -4,8 +4,7 @@
 
 namespace {
 
-void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
-         platoon::Superseded& superseded) {
+void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
   const auto all_on_one = [&platoon](std::size_t) { return platoon; };
   platoon::Monitor monitor(platoon, configuration, all_on_one, superseded.join());
   platoon::Diagnostics diagnostics(platoon);

@@ -7,8 +7,7 @@
 
 namespace {
 
-void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
-         platoon::Superseded& superseded) {
+void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
   platoon::keep_freed_memory(configuration.run, configuration.run.followers + 1);
   platoon::OneProcess process(platoon, configuration, std::thread::hardware_concurrency(), superseded.join());
   process.start();

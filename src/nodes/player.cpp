@@ -7,8 +7,7 @@
 
 namespace {
 
-void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
-         platoon::Superseded& superseded) {
+void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
   const ros::NodeHandle private_node("~");
   platoon::PlayerOptions options;
   options.bags.files = platoon::bag_files(private_node.param<std::string>("bags", ""));

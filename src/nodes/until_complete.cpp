@@ -31,8 +31,8 @@ public:
     if (found == receivers_.end() || message->run != run_) return;
     Receiver& receiver = found->second;
     if (receiver.reporter.admits(event.getConnectionHeaderPtr(), run_)) receiver.finished = message->finished;
-    const bool all = std::all_of(receivers_.begin(), receivers_.end(),
-                                 [](const auto& entry) { return entry.second.finished; });
+    const bool all =
+        std::all_of(receivers_.begin(), receivers_.end(), [](const auto& entry) { return entry.second.finished; });
     if (all) ros::shutdown();
   }
 
@@ -45,11 +45,9 @@ private:
   std::map<std::string, Receiver> receivers_;
 };
 
-void run(ros::NodeHandle platoon, const platoon::Configuration& configuration,
-         platoon::Superseded& superseded) {
+void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
   Finished finished(platoon, configuration);
-  const ros::Subscriber progress =
-      platoon.subscribe(platoon::kProgressTopic, 100, &Finished::receive, &finished);
+  const ros::Subscriber progress = platoon.subscribe(platoon::kProgressTopic, 100, &Finished::receive, &finished);
   superseded.spin();
 }
 

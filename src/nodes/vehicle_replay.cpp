@@ -1,7 +1,7 @@
-// Puts one live follower behind what it was recorded with. Parameters: ~bags, ~unverified, ~vehicle, ~patience (60 [s] without a
-// new answer). Ends with status 0 when all that the follower publishes equals the recording to the bit, else with 1,
-// as it does with the reason why there is no verdict. With ~external the vehicle is an external one: its messages must be
-// those of the recording, its positions may be others.
+// Puts one live follower behind what it was recorded with. Parameters: ~bags, ~unverified, ~vehicle, ~patience (60 [s]
+// without a new answer). Ends with status 0 when all that the follower publishes equals the recording to the bit, else
+// with 1, as it does with the reason why there is no verdict. With ~external the vehicle is an external one: its
+// messages must be those of the recording, its positions may be others.
 
 #include "stochastic_platoon/graph/vehicle_replay.hpp"
 
@@ -22,8 +22,7 @@ void run(const ros::NodeHandle& platoon) {
                                       {platoon::bag_files(private_node.param<std::string>("bags", "")),
                                        platoon::Accept::whole, private_node.param("unverified", false)},
                                       static_cast<std::size_t>(private_node.param("vehicle", 0)),
-                                      private_node.param("external", false),
-                                      private_node.param("patience", 60.0));
+                                      private_node.param("external", false), private_node.param("patience", 60.0));
   while (ros::ok() && !replay.done()) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
   if (!replay.done()) return;
   std::printf("%s\n", replay.verdict().c_str());

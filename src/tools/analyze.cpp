@@ -33,8 +33,8 @@ const Range kProbability{0.0, 1.0, "0 <= FROM"};
 std::vector<double> values_of(const std::string& option, const std::string& text, const Range& range) {
   const std::optional<platoon::Spaced> spaced = platoon::parse_spaced(text);
   if (!spaced || !(spaced->from >= range.least) || !(spaced->to < range.below) || spaced->count > 1000000) {
-    throw platoon::ConfigurationError({option + ": " + text + ": must be FROM:TO:COUNT with " + range.text +
-                                       " <= TO" + (range.below == 1.0 ? " < 1" : "") + " and 1 <= COUNT"});
+    throw platoon::ConfigurationError({option + ": " + text + ": must be FROM:TO:COUNT with " + range.text + " <= TO" +
+                                       (range.below == 1.0 ? " < 1" : "") + " and 1 <= COUNT"});
   }
   std::vector<double> values;
   for (std::uint64_t i = 0; i < spaced->count; ++i) values.push_back(spaced->at(i));
@@ -127,9 +127,9 @@ int main(int argc, char** argv) {
       {"sweep_loss", "FROM:TO:COUNT: stability over loss probabilities, and headways where both are given"},
       {"csv", "file for the sweep, for plot map"},
   };
-  std::map<std::string, std::string> settings = platoon::parse_command_line(
-      argc, argv, "What the theory says of a platoon",
-      {"model", "followers", "headway", "noise_variance", "loss", "delay", "steps"}, extra);
+  std::map<std::string, std::string> settings =
+      platoon::parse_command_line(argc, argv, "What the theory says of a platoon",
+                                  {"model", "followers", "headway", "noise_variance", "loss", "delay", "steps"}, extra);
   std::map<std::string, std::string> own;
   for (const auto& entry : extra) {
     if (settings.count(entry.first) > 0) own[entry.first] = settings[entry.first];

@@ -38,15 +38,13 @@ Arguments parse(int argc, char** argv) {
        "folder for statistics.csv and summary.json; without it none")                              //
       ("csv", options::bool_switch(&arguments.csv), "print statistics.csv instead of the report")  //
       ("partial", options::bool_switch(&arguments.partial),
-       "use the whole batches of a recording that is not complete: not closed, or cut off; damage is "
-       "rejected all the same")  //
+       "use the whole batches of a recording that is not complete: not closed, or cut off; damage is rejected all the same")  //
       ("unverified", options::bool_switch(&arguments.bags.unverified),
        "read bags without checksums, too, as rosbag record writes them: a changed bit may go unnoticed");
   options::positional_options_description positional;
   positional.add("bag", -1);
   options::variables_map values;
-  options::store(options::command_line_parser(argc, argv).options(description).positional(positional).run(),
-                 values);
+  options::store(options::command_line_parser(argc, argv).options(description).positional(positional).run(), values);
   options::notify(values);
   if (values.count("version") > 0) {
     std::cout << "stochastic_platoon " << platoon::kVersion << "\n";
@@ -65,8 +63,7 @@ platoon::BagStatistics read(const Arguments& arguments) {
   const auto progress = [&](std::uint64_t done, std::uint64_t total) {
     if (arguments.csv) return;
     if (!display) display = std::make_unique<platoon::ProgressDisplay>(total, "bytes", 1.0, "bytes");
-    display->update(
-        done, std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count());
+    display->update(done, std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count());
   };
   platoon::BagStatistics statistics = platoon::statistics_of_bags(arguments.bags, progress);
   if (display) display->finish();
@@ -76,18 +73,16 @@ platoon::BagStatistics read(const Arguments& arguments) {
 // Whether the bag gives what was asked for; says on standard error what is wrong with it.
 bool is_usable(const platoon::BagStatistics& statistics, const Arguments& arguments) {
   if (arguments.bags.unverified)
-    std::cerr << arguments.bags.files.front()
-              << ": read without its checksums: a changed bit may go unnoticed\n";
+    std::cerr << arguments.bags.files.front() << ": read without its checksums: a changed bit may go unnoticed\n";
   for (const std::string& topic : statistics.foreign_topics) {
     std::cerr << platoon::printable(topic) << ": foreign: passed over\n";
   }
   for (const std::string& finding : statistics.findings) std::cerr << finding << "\n";
-  const bool whole = statistics.findings.empty() &&
-                     (statistics.result.complete ||
-                      statistics.configuration.run.averaging() == platoon::Averaging::over_time);
+  const bool whole =
+      statistics.findings.empty() &&
+      (statistics.result.complete || statistics.configuration.run.averaging() == platoon::Averaging::over_time);
   if (!whole && !arguments.partial) {
-    std::cerr << arguments.bags.files.front()
-              << ": the recording is not complete; --partial uses its whole batches\n";
+    std::cerr << arguments.bags.files.front() << ": the recording is not complete; --partial uses its whole batches\n";
   }
   if (statistics.result.realizations > 0) return whole || arguments.partial;
   std::cerr << arguments.bags.files.front() << ": holds no whole batch: there are no statistics\n";
@@ -98,7 +93,8 @@ bool is_usable(const platoon::BagStatistics& statistics, const Arguments& argume
 
 int main(int argc, char** argv) {
   try {
-    // Freed memory serves the next message: given back to the system and asked for again, it would cost its page faults.
+    // Freed memory serves the next message: given back to the system and asked for again, it would cost its page
+    // faults.
     mallopt(M_TRIM_THRESHOLD, 1 << 27);
     mallopt(M_TOP_PAD, 1 << 24);
     mallopt(M_MMAP_THRESHOLD, 1 << 25);

@@ -34,11 +34,9 @@ std::string new_output_folder(const std::string& launch) {
   const char* ros_home = std::getenv("ROS_HOME");
   const char* home = std::getenv("HOME");
   if (ros_home == nullptr && home == nullptr) {
-    throw platoon::ConfigurationError(
-        {"output: (empty): must be a folder, as neither ROS_HOME nor HOME is set"});
+    throw platoon::ConfigurationError({"output: (empty): must be a folder, as neither ROS_HOME nor HOME is set"});
   }
-  return (ros_home != nullptr ? std::string(ros_home) : std::string(home) + "/.ros") +
-         "/stochastic_platoon/" + launch;
+  return (ros_home != nullptr ? std::string(ros_home) : std::string(home) + "/.ros") + "/stochastic_platoon/" + launch;
 }
 
 // Where roslaunch and every node keep their logs. Without it they end with a riddle, one by one.
@@ -60,8 +58,7 @@ void require_log_folder() {
   } catch (const std::runtime_error& error) {
     throw platoon::ConfigurationError(
         {std::string("ROS_LOG_DIR: ") + error.what() +
-         ": must be a folder that can be written, as every node keeps its log there (unset: log under "
-         "ROS_HOME, or .ros/log under HOME)"});
+         ": must be a folder that can be written, as every node keeps its log there (unset: log under ROS_HOME, or .ros/log under HOME)"});
   }
 }
 
@@ -78,8 +75,7 @@ void require_free_recording(const platoon::RunOptions& run) {
   }
   for (const std::string& name : {run.record, stem + "_0.bag"}) {
     const std::string left = platoon::left_recording(name);
-    if (!left.empty())
-      throw platoon::ConfigurationError({"record: " + left + ": exists: must be a new file"});
+    if (!left.empty()) throw platoon::ConfigurationError({"record: " + left + ": exists: must be a new file"});
   }
   try {
     platoon::require_writable_folder(std::filesystem::path(run.record).parent_path().string());
@@ -128,9 +124,7 @@ int main(int argc, char** argv) {
   try {
     if (settings["quote_in_path"] == "true") {
       throw platoon::ConfigurationError(
-          {"model, output, record, bag: a path with a quote ('): must be without, as a launch file cannot "
-           "pass "
-           "it on (a symbolic link can give it another name)"});
+          {"model, output, record, bag: a path with a quote ('): must be without, as a launch file cannot pass it on (a symbolic link can give it another name)"});
     }
     settings.erase("quote_in_path");
     if (!settings["own"].empty()) {

@@ -18,8 +18,7 @@ int main(int argc, char** argv) {
   try {
     if (folders.empty() || options.count("output") == 0)
       throw platoon::ConfigurationError(
-          {"merge DIR... --output DIR: must be given the folders of the shards, "
-           "and one for the results"});
+          {"merge DIR... --output DIR: must be given the folders of the shards, and one for the results"});
     platoon::MergedRun merged = platoon::merge(folders);
     platoon::Configuration& configuration = merged.configuration;
     configuration.run.output = options.at("output");
@@ -29,8 +28,8 @@ int main(int argc, char** argv) {
     platoon::starting_point(configuration);  // refuses a folder that holds results
     const platoon::Prediction prediction = platoon::predict(configuration);
     platoon::write_results(configuration, prediction, merged.result);
-    std::cout << platoon::report(configuration, prediction, merged.result)
-              << "Results: " << configuration.run.output << "/statistics.csv and summary.json\n";
+    std::cout << platoon::report(configuration, prediction, merged.result) << "Results: " << configuration.run.output
+              << "/statistics.csv and summary.json\n";
     return 0;
   } catch (const std::exception& error) {
     std::cerr << argv[0] << ": " << error.what() << "\n";

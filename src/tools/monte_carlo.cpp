@@ -20,8 +20,8 @@ double now() {
 }
 
 platoon::ProgressDisplay display_of(const platoon::RunOptions& options, std::uint64_t realizations) {
-  return {realizations, "realizations",
-          static_cast<double>(options.followers) * static_cast<double>(options.steps), "vehicle-steps"};
+  return {realizations, "realizations", static_cast<double>(options.followers) * static_cast<double>(options.steps),
+          "vehicle-steps"};
 }
 
 platoon::RunResult run(const platoon::Configuration& configuration, unsigned threads) {
@@ -29,9 +29,8 @@ platoon::RunResult run(const platoon::Configuration& configuration, unsigned thr
   platoon::ProgressDisplay display = display_of(options, options.realizations);
   const double began = now();
   const platoon::MomentTable table = platoon::monte_carlo(
-      configuration.model,
-      {options.seed, options.followers, options.steps, options.realizations, options.batch}, threads,
-      [&display](std::uint64_t done) { display.update(done, now()); });
+      configuration.model, {options.seed, options.followers, options.steps, options.realizations, options.batch},
+      threads, [&display](std::uint64_t done) { display.update(done, now()); });
   display.finish();
   platoon::RunResult result;
   result.complete = true;
@@ -45,8 +44,7 @@ platoon::RunResult run(const platoon::Configuration& configuration, unsigned thr
 
 void run_whole(const platoon::Configuration& configuration, unsigned threads) {
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-  if (platoon::starting_point(configuration))
-    throw std::logic_error("a fresh folder cannot hold a checkpoint");
+  if (platoon::starting_point(configuration)) throw std::logic_error("a fresh folder cannot hold a checkpoint");
   const platoon::Prediction prediction = platoon::predict(configuration);
   const platoon::RunResult result = run(configuration, threads);
   platoon::write_results(configuration, prediction, result);
@@ -69,8 +67,8 @@ void run_shard(platoon::Configuration configuration, const std::string& text, co
   settings.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
   const std::uint64_t computed = platoon::compute_shard(part, settings);
   display.finish();
-  std::cout << platoon::name_of(shard) << ": complete: realizations " << range.first << " to "
-            << range.end - 1 << " of " << configuration.run.realizations << ", " << computed
+  std::cout << platoon::name_of(shard) << ": complete: realizations " << range.first << " to " << range.end - 1
+            << " of " << configuration.run.realizations << ", " << computed
             << " of them computed now: " << configuration.run.output << "\n";
 }
 
@@ -79,13 +77,12 @@ void run_shard(platoon::Configuration configuration, const std::string& text, co
 int main(int argc, char** argv) {
   const std::map<std::string, std::string> extra = {
       {"threads", "worker threads (one per core); the result does not depend on it"},
-      {"shard",
-       "I/N: only part I = 0 .. N - 1 of the realizations, for merge; goes on from what it has left"},
+      {"shard", "I/N: only part I = 0 .. N - 1 of the realizations, for merge; goes on from what it has left"},
       {"checkpoint_seconds", "seconds between checkpoints of a shard (10)"}};
   std::map<std::string, std::string> settings =
       platoon::parse_command_line(argc, argv, "Monte Carlo of the platoon in one process",
-                                  {"model", "headway", "noise_variance", "loss", "delay", "followers",
-                                   "steps", "realizations", "batch", "seed", "output"},
+                                  {"model", "headway", "noise_variance", "loss", "delay", "followers", "steps",
+                                   "realizations", "batch", "seed", "output"},
                                   extra);
   std::map<std::string, std::string> own;
   for (const auto& entry : extra) {
@@ -97,13 +94,11 @@ int main(int argc, char** argv) {
     const unsigned threads = platoon::threads_of(own["threads"]);
     settings.emplace("model", platoon::paper_model_file());
     settings.emplace("batch", platoon::kMonteCarloBatch);
-    platoon::Configuration configuration =
-        platoon::parse_configuration(platoon::configuration_document(settings));
+    platoon::Configuration configuration = platoon::parse_configuration(platoon::configuration_document(settings));
     configuration.run.hosting = platoon::Hosting::monte_carlo;
     if (configuration.run.averaging() == platoon::Averaging::over_time)
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
-    if (configuration.run.output.empty())
-      throw platoon::ConfigurationError({"output: (empty): must be a folder"});
+    if (configuration.run.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
     if (own.count("shard") > 0) {
       run_shard(configuration, own["shard"], own["checkpoint_seconds"], threads);
     } else if (own.count("checkpoint_seconds") > 0) {

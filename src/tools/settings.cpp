@@ -45,8 +45,7 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
   options::options_description description(purpose);
   description.add_options()("help", "print this")("version", "print the version");
   for (const auto& entry : help) {
-    description.add_options()(option_name(entry.first).c_str(), options::value<std::string>(),
-                              entry.second.c_str());
+    description.add_options()(option_name(entry.first).c_str(), options::value<std::string>(), entry.second.c_str());
   }
   std::map<std::string, std::string> given;
   try {
@@ -59,9 +58,8 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
       known.add_options()("word", options::value(words));
       positionals.add("word", -1);
     }
-    options::store(
-        options::command_line_parser(argc, argv).options(known).positional(positionals).style(style).run(),
-        values);
+    options::store(options::command_line_parser(argc, argv).options(known).positional(positionals).style(style).run(),
+                   values);
     if (values.count("help") > 0) {
       std::cout << description;
       std::exit(0);
@@ -103,8 +101,7 @@ double seconds_of(const std::string& option, const std::string& text) {
 
 std::string paper_model_file() {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
-  const std::filesystem::path installed =
-      program.parent_path() / "../../share/stochastic_platoon/config/paper.yaml";
+  const std::filesystem::path installed = program.parent_path() / "../../share/stochastic_platoon/config/paper.yaml";
   if (std::filesystem::exists(installed)) return installed.lexically_normal().string();
   return PLATOON_SOURCE_DIR "/config/paper.yaml";
 }

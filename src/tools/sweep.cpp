@@ -37,19 +37,18 @@ std::unique_ptr<platoon::FolderLock> lock_folder(const std::string& output) {
   return lock;
 }
 
-void compute(const platoon::Sweep& sweep, const std::vector<std::uint64_t>& points,
-             platoon::SweepSettings settings) {
+void compute(const platoon::Sweep& sweep, const std::vector<std::uint64_t>& points, platoon::SweepSettings settings) {
   std::uint64_t realizations = 0;
   double vehicle_steps = 0.0;
   for (const std::uint64_t point : points) {
     const platoon::RunOptions run = sweep.configuration(point).run;
     realizations += run.realizations;
-    vehicle_steps += static_cast<double>(run.realizations) * static_cast<double>(run.followers) *
-                     static_cast<double>(run.steps);
+    vehicle_steps +=
+        static_cast<double>(run.realizations) * static_cast<double>(run.followers) * static_cast<double>(run.steps);
   }
-  platoon::ProgressDisplay display(
-      std::max<std::uint64_t>(realizations, 1), "realizations",
-      vehicle_steps / static_cast<double>(std::max<std::uint64_t>(realizations, 1)), "vehicle-steps");
+  platoon::ProgressDisplay display(std::max<std::uint64_t>(realizations, 1), "realizations",
+                                   vehicle_steps / static_cast<double>(std::max<std::uint64_t>(realizations, 1)),
+                                   "vehicle-steps");
   settings.progress = [&](std::uint64_t done, const std::string& point) {
     display.set_note(point);
     display.update(done, now());
@@ -87,14 +86,11 @@ int main(int argc, char** argv) {
       {{"output", "folder for sweep.csv, and for what to go on from"},
        {"threads", "worker threads (one per core); the result does not depend on it"},
        {"task",
-        "as an array of jobs: number of the task to compute (point x shards + shard); count: print how many "
-        "there "
-        "are; merge: make the table of what they left"}},
+        "as an array of jobs: number of the task to compute (point x shards + shard); count: print how many there are; merge: make the table of what they left"}},
       &files);
   platoon::ignore_file_size_signal();
   try {
-    if (files.size() != 1)
-      throw platoon::ConfigurationError({"sweep FILE --output DIR: must be given one file"});
+    if (files.size() != 1) throw platoon::ConfigurationError({"sweep FILE --output DIR: must be given one file"});
     std::map<std::string, std::string> given;
     if (options.count("realizations") > 0) given["realizations"] = options["realizations"];
     const platoon::Sweep sweep = platoon::read_sweep(files.front(), given, platoon::paper_model_file());

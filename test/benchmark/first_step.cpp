@@ -11,7 +11,6 @@ int main(int argc, char** argv) {
       [](const stochastic_platoon::Progress::ConstPtr& message) {
         if (message->first_realization > 0 || message->step >= 0) ros::shutdown();
       };
-  const ros::Subscriber progress =
-      node.subscribe<stochastic_platoon::Progress>("platoon/progress", 0, receive);
+  const ros::Subscriber progress = node.subscribe<stochastic_platoon::Progress>("platoon/progress", 0, receive);
   ros::spin();
 }

@@ -23,10 +23,9 @@ int source(ros::NodeHandle node, std::size_t size, int count) {
   const boost::function<void(const Position::ConstPtr&)> receive = [&](const Position::ConstPtr& message) {
     acknowledged = static_cast<int>(message->step);
   };
-  const ros::Subscriber back = node.subscribe<Position>("flood_back", 0, receive, ros::VoidConstPtr(),
-                                                        ros::TransportHints().tcpNoDelay());
-  while (ros::ok() && (out.getNumSubscribers() == 0 || back.getNumPublishers() == 0))
-    ros::WallDuration(0.01).sleep();
+  const ros::Subscriber back =
+      node.subscribe<Position>("flood_back", 0, receive, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  while (ros::ok() && (out.getNumSubscribers() == 0 || back.getNumPublishers() == 0)) ros::WallDuration(0.01).sleep();
   for (int sent = 0; ros::ok() && sent < count;) {
     while (sent < count && sent - acknowledged < kWindow) {
       const auto message = boost::make_shared<Position>();
@@ -36,8 +35,7 @@ int source(ros::NodeHandle node, std::size_t size, int count) {
     }
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
   }
-  while (ros::ok() && acknowledged < count)
-    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+  while (ros::ok() && acknowledged < count) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
   return 0;
 }
 
@@ -75,10 +73,9 @@ int ping(ros::NodeHandle node, std::size_t size, int count) {
   const boost::function<void(const Position::ConstPtr&)> receive = [&](const Position::ConstPtr&) {
     if (++returned < count) out.publish(message);
   };
-  const ros::Subscriber back = node.subscribe<Position>("flood_back", 0, receive, ros::VoidConstPtr(),
-                                                        ros::TransportHints().tcpNoDelay());
-  while (ros::ok() && (out.getNumSubscribers() == 0 || back.getNumPublishers() == 0))
-    ros::WallDuration(0.01).sleep();
+  const ros::Subscriber back =
+      node.subscribe<Position>("flood_back", 0, receive, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  while (ros::ok() && (out.getNumSubscribers() == 0 || back.getNumPublishers() == 0)) ros::WallDuration(0.01).sleep();
   ros::WallDuration(0.2).sleep();  // the other side hears, too
   began = ros::SteadyTime::now();
   out.publish(message);
@@ -106,8 +103,7 @@ int pong(ros::NodeHandle node, int count) {
 int main(int argc, char** argv) {
   const std::string role = argc > 1 ? argv[1] : "";
   ros::init(argc, argv, "flood_" + role, ros::init_options::NoRosout);
-  if (role == "source" && argc == 4)
-    return source(ros::NodeHandle(), std::stoul(argv[2]), std::atoi(argv[3]));
+  if (role == "source" && argc == 4) return source(ros::NodeHandle(), std::stoul(argv[2]), std::atoi(argv[3]));
   if (role == "sink" && argc == 3) return sink(ros::NodeHandle(), std::atoi(argv[2]));
   if (role == "ping" && argc == 4) return ping(ros::NodeHandle(), std::stoul(argv[2]), std::atoi(argv[3]));
   if (role == "pong" && argc == 3) return pong(ros::NodeHandle(), std::atoi(argv[2]));

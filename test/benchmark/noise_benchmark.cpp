@@ -18,6 +18,6 @@ int main() {
     sum += normals[static_cast<std::size_t>(k) % kBatch];
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  std::printf("{\"normals_per_second\": %.6g, \"check\": %.3g}\n",
-              kRounds * static_cast<double>(kBatch) / seconds, sum);
+  std::printf("{\"normals_per_second\": %.6g, \"check\": %.3g}\n", kRounds * static_cast<double>(kBatch) / seconds,
+              sum);
 }

@@ -33,8 +33,7 @@ BENCHMARK(StringStability)->Unit(benchmark::kMillisecond);
 void CriticalHeadway(benchmark::State& state) {
   const platoon::LoopDesign design = paper_design();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        platoon::stable_headways([&](double h) { return platoon::close_loop(design, h); }));
+    benchmark::DoNotOptimize(platoon::stable_headways([&](double h) { return platoon::close_loop(design, h); }));
   }
 }
 BENCHMARK(CriticalHeadway)->Unit(benchmark::kMillisecond);
@@ -49,8 +48,7 @@ BENCHMARK(ErrorMoments)->Args({20, 100})->Args({10000, 1000})->Unit(benchmark::k
 void ErrorMomentsByLemmaOne(benchmark::State& state) {
   const platoon::PlatoonModel model = paper_model();
   const auto followers = static_cast<std::size_t>(state.range(0));
-  for (auto _ : state)
-    benchmark::DoNotOptimize(platoon::error_moments_by_lemma_one(model, followers, state.range(1)));
+  for (auto _ : state) benchmark::DoNotOptimize(platoon::error_moments_by_lemma_one(model, followers, state.range(1)));
 }
 BENCHMARK(ErrorMomentsByLemmaOne)->Args({20, 100})->Unit(benchmark::kMillisecond);
 
@@ -63,8 +61,8 @@ BENCHMARK(StationaryVariances)->Arg(20)->Arg(100)->Arg(1000000)->Unit(benchmark:
 
 void StationaryVariancesByDenseLyapunov(benchmark::State& state) {
   const platoon::PlatoonModel model = paper_model();
-  const platoon::StringMatrices matrices = platoon::string_matrices(model.loop.realization, model.headway,
-                                                                    static_cast<std::size_t>(state.range(0)));
+  const platoon::StringMatrices matrices =
+      platoon::string_matrices(model.loop.realization, model.headway, static_cast<std::size_t>(state.range(0)));
   for (auto _ : state) {
     benchmark::DoNotOptimize(platoon::stationary_covariance_by_lyapunov(matrices, model.noise_variance));
   }

@@ -1,6 +1,6 @@
-// Any bytes as a recording: read whole, without its end, up to its damage and without its checksums, all of its messages, and its end
-// alone: messages or a BagError. With checksums it is what it was recorded as, so that most inputs end there; without them every
-// record, index and message counts.
+// Any bytes as a recording: read whole, without its end, up to its damage and without its checksums, all of its
+// messages, and its end alone: messages or a BagError. With checksums it is what it was recorded as, so that most
+// inputs end there; without them every record, index and message counts.
 
 #include "fuzz/fuzz.hpp"
 #include "stochastic_platoon/bags/bag_reader.hpp"

@@ -19,8 +19,7 @@ void read(const std::string& bytes) {
     if (!found) std::abort();
     std::uint64_t end = 0, count = 0;
     for (const auto& entry : found->table.blocks()) {
-      if (entry.second.range.first < end || entry.second.range.end() <= entry.second.range.first)
-        std::abort();
+      if (entry.second.range.first < end || entry.second.range.end() <= entry.second.range.first) std::abort();
       end = entry.second.range.end();
       count += entry.second.range.size();
     }

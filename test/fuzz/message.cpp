@@ -1,5 +1,5 @@
-// Any bytes as messages on the wire, one after the other, each after a byte for the topic that it comes on: into a follower's, a
-// monitor's and a leader's side of the delivery contract. Nothing but what is in turn has an effect.
+// Any bytes as messages on the wire, one after the other, each after a byte for the topic that it comes on: into a
+// follower's, a monitor's and a leader's side of the delivery contract. Nothing but what is in turn has an effect.
 
 #include <stochastic_platoon/Progress.h>
 
@@ -45,20 +45,16 @@ public:
     stamp_ = platoon::later(message->header.stamp, platoon::platoon_period(0.1));
     const std::uint64_t before = statistics_.arrivals().messages();
     const platoon::Verdict verdict = statistics_.take(vehicle, heading, platoon::positions_of(message));
-    const bool counted =
-        statistics_.arrivals().messages() == before + 1 || statistics_.arrivals().messages() == 1;
+    const bool counted = statistics_.arrivals().messages() == before + 1 || statistics_.arrivals().messages() == 1;
     if (verdict == platoon::Verdict::in_turn && !counted) std::abort();
     if (verdict != platoon::Verdict::in_turn && statistics_.arrivals().messages() != before) std::abort();
     if (vehicle == 0 && order_.receive(heading) == platoon::Verdict::in_turn) {
       std::vector<double> out;
-      if (heading.id.step == platoon::kInitialStep)
-        vehicle_.start(heading.id.first_realization, heading.size, out);
-      if (!configuration().run.schedule().is_last_step(heading.id.step))
-        vehicle_.step(message->position, out);
+      if (heading.id.step == platoon::kInitialStep) vehicle_.start(heading.id.first_realization, heading.size, out);
+      if (!configuration().run.schedule().is_last_step(heading.id.step)) vehicle_.step(message->position, out);
     }
     statistics_.saw(platoon::platoon_time(message->header.stamp.toNSec()).toNSec());
-    diagnose_stall(statistics_.arrivals().latest(), configuration().run.schedule(),
-                   configuration().run.longest_lead());
+    diagnose_stall(statistics_.arrivals().latest(), configuration().run.schedule(), configuration().run.longest_lead());
   }
 
   void take(const Progress& message) {
@@ -85,8 +81,7 @@ private:
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::string bytes(reinterpret_cast<const char*>(data), size);
-  ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(&bytes[0]),
-                                     static_cast<std::uint32_t>(size));
+  ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(&bytes[0]), static_cast<std::uint32_t>(size));
   Receivers receivers;
   try {
     while (stream.getLength() > 0) {
@@ -99,8 +94,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       } else {
         const auto message = boost::make_shared<Position>();
         const std::string rest(reinterpret_cast<const char*>(stream.getData()), stream.getLength());
-        if (!platoon::holds_its_arrays<Position>(rest))
-          return 0;  // roscpp would take the memory that is announced
+        if (!platoon::holds_its_arrays<Position>(rest)) return 0;  // roscpp would take the memory that is announced
         ros::serialization::deserialize(stream, *message);
         receivers.take(topic % 4, message);
       }

@@ -28,8 +28,7 @@ Polynomial random_polynomial(int degree, Generator& generator) {
   std::vector<std::complex<double>> zeros;
   while (degree > 0) {
     const bool pair = degree > 1 && generator() % 2 == 0;
-    zeros.push_back(pair ? std::polar(modulus(generator), angle(generator))
-                         : std::complex<double>(real(generator)));
+    zeros.push_back(pair ? std::polar(modulus(generator), angle(generator)) : std::complex<double>(real(generator)));
     degree -= pair ? 2 : 1;
   }
   return polynomial_with_zeros(zeros);

@@ -21,15 +21,13 @@ namespace platoon {
 /// only `theory`.
 struct Analysis {
   StringStability stability;
-  std::optional<StableHeadways>
-      headways;  ///< none where the closed loop itself was given: it has no other headway
+  std::optional<StableHeadways> headways;   ///< none where the closed loop itself was given: it has no other headway
   std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN where there is none
   ErrorMoments moments;
-  ErrorNorms norms;  ///< L_2 of the means, L_infinity of the variances
-  std::optional<TheoremTwoBounds>
-      bounds;                    ///< none where the loop is unstable, or the platoon not the paper's
-  double rounding = 0.0;         ///< [m] to which the vehicles' own arithmetic keeps a position of 1 m
-  double integral_defect = 0.0;  ///< by how much T(1) = 1 and dT/dz(1) = -h are missed: no verdict is finer
+  ErrorNorms norms;                          ///< L_2 of the means, L_infinity of the variances
+  std::optional<TheoremTwoBounds> bounds;    ///< none where the loop is unstable, or the platoon not the paper's
+  double rounding = 0.0;                     ///< [m] to which the vehicles' own arithmetic keeps a position of 1 m
+  double integral_defect = 0.0;              ///< by how much T(1) = 1 and dT/dz(1) = -h are missed: no verdict is finer
   std::optional<StableLosses> losses = {};   ///< none without a loss stage
   std::vector<double> stationary_mean = {};  ///< [m], one per follower: what delays and losses leave
   Theory theory = Theory::exact;
@@ -45,8 +43,7 @@ Analysis analyze(
 /// One point of a sweep or a map over headway, gain and loss probability of the default vehicle.
 struct SweepPoint {
   double headway;
-  double
-      gain;  ///< leading coefficient of the controller's numerator, as the model file gives it; NaN without one
+  double gain;  ///< leading coefficient of the controller's numerator, as the model file gives it; NaN without one
   StringStability stability;
   std::optional<double> loss = {};  ///< probability, where the link has a loss stage
 };

@@ -65,33 +65,29 @@ void void_behind(const RunOptions& run, Prediction& prediction) {
     prediction.error_correlation[i] = {};
   prediction.stability.limit_variance.reset();
   const std::size_t last = prediction.followers_with_theory;
-  prediction.stability.reason +=
-      "; this speaks of " + std::string(last > 1 ? "followers 1 to " + std::to_string(last) : "follower 1") +
-      ", before vehicle_" + std::to_string(last + 1) + ", which is external";
+  prediction.stability.reason += "; this speaks of " +
+                                 std::string(last > 1 ? "followers 1 to " + std::to_string(last) : "follower 1") +
+                                 ", before vehicle_" + std::to_string(last + 1) + ", which is external";
 }
 
 }  // namespace
 
 Prediction predict(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
-  if (theory_of(configuration.model) == Theory::none)
-    return no_prediction(configuration, "losses come in bursts");
+  if (theory_of(configuration.model) == Theory::none) return no_prediction(configuration, "losses come in bursts");
   if (run.followers_before_external() == 0)
     return no_prediction(configuration, "vehicle_1, which the others follow, is external");
-  Prediction prediction{string_stability(configuration.model),
-                        stationary_variances(configuration.model, run.followers),
-                        {},
-                        {}};
+  Prediction prediction{
+      string_stability(configuration.model), stationary_variances(configuration.model, run.followers), {}, {}};
   if (run.averaging() == Averaging::over_time) {
     prediction.mean = is_papers(configuration.model) ? std::vector<double>(run.followers, 0.0)
                                                      : stationary_means(configuration.model, run.followers);
     prediction.variance = prediction.stationary_variance;
     prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
-    ErrorMoments moments =
-        loses(configuration.model)
-            ? linked_error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant)
-            : error_moments(configuration.model, run.followers, run.steps);
+    ErrorMoments moments = loses(configuration.model) ? linked_error_moments(configuration.model, run.followers,
+                                                                             run.steps, &prediction.fourth_cumulant)
+                                                      : error_moments(configuration.model, run.followers, run.steps);
     prediction.rounding = rounding_bounds(configuration.model, moments);
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);

@@ -70,8 +70,7 @@ void BagIndex::verify_summary(const Fields& header, std::string_view counts) {
   chunk.last_time = header.number<std::uint64_t>("end_time");
   const bool whole = counts.size() == std::uint64_t{kSummaryEntry} * header.number<std::uint32_t>("count");
   for (; whole && !counts.empty(); counts.remove_prefix(kSummaryEntry))
-    chunk.counts[little_endian<std::uint32_t>(counts.data())] =
-        little_endian<std::uint32_t>(counts.data() + 4);
+    chunk.counts[little_endian<std::uint32_t>(counts.data())] = little_endian<std::uint32_t>(counts.data() + 4);
   if (!whole || header.number<std::uint32_t>("ver") != 1 || without_summary() == 0 ||
       digest_of(chunk) != summaries_[verified_]) {
     throw BagDamage("the summary of a chunk is not that of its messages");

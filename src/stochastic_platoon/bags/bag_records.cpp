@@ -29,8 +29,8 @@ std::size_t fields_of(char kind) {
   return 0;
 }
 
-// Throws for a header that is not whole within `begin`. One that the end of the file cuts off has lost fields: where all
-// of them are there, its length is a changed one.
+// Throws for a header that is not whole within `begin`. One that the end of the file cuts off has lost fields: where
+// all of them are there, its length is a changed one.
 void require_plausible_header(std::uint32_t length, std::string_view begin) {
   if (length > kLongestHeader) throw BagDamage("a header is longer than any");
   if (length <= begin.size()) return;
@@ -125,8 +125,7 @@ std::uint32_t BagBytes::take_length() {
 std::string_view BagBytes::take(std::size_t count, std::string& buffer) {
   if (count > left()) throw BagCut("a record is cut off");
   if (buffer.size() < count) buffer.resize(count);
-  if (!stream_.read(buffer.data(), static_cast<std::streamsize>(count)))
-    throw BagCut("the file became shorter");
+  if (!stream_.read(buffer.data(), static_cast<std::streamsize>(count))) throw BagCut("the file became shorter");
   position_ += count;
   return std::string_view(buffer).substr(0, count);
 }

@@ -72,21 +72,19 @@ std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps)
     if (message->step == kInitialStep) positions.clear();
     const std::vector<double>& all = message->position;
     if (std::any_of(all.begin(), all.end(), [&all](double position) { return position != all.front(); })) {
-      throw BagError(file + ": is damaged: the leader is not at one place at step " +
-                     std::to_string(message->step));
+      throw BagError(file + ": is damaged: the leader is not at one place at step " + std::to_string(message->step));
     }
     const bool due = message->step + 1 == static_cast<std::int64_t>(positions.size());
     if (due && !all.empty()) positions.push_back(all.front());
   }
   if (positions.size() == static_cast<std::size_t>(steps + 1)) return positions;
-  throw BagError(file + ": holds " + std::to_string(positions.size()) +
-                 " steps of a leader: must hold steps -1 to " + std::to_string(steps - 1));
+  throw BagError(file + ": holds " + std::to_string(positions.size()) + " steps of a leader: must hold steps -1 to " +
+                 std::to_string(steps - 1));
 }
 
 RecordedPlatoon recorded_platoon(const BagSource& source) {
   RunFinder finder(source.files.front());
-  BagStream stream(source,
-                   [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::configuration; });
+  BagStream stream(source, [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::configuration; });
   if (const std::optional<RecordedMessage> message = stream.next())
     finder.take(message->topic, std::get<std::string>(message->content));
   return finder.require();
@@ -97,9 +95,7 @@ BagStatistics statistics_of_bags(const BagSource& source,
   RunFinder finder(source.files.front());
   RunReading reading(recorded_platoon(source));
   BagContent content;
-  content.configuration = [&finder](const PlatoonTopic& topic, const std::string& text) {
-    finder.take(topic, text);
-  };
+  content.configuration = [&finder](const PlatoonTopic& topic, const std::string& text) { finder.take(topic, text); };
   content.position = [&reading](const PlatoonTopic& topic, const Position::ConstPtr& message) {
     reading.take(topic, message);
   };

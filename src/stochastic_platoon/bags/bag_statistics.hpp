@@ -16,8 +16,8 @@ namespace platoon {
 BagStatistics statistics_of_bags(const BagSource& source,
                                  const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 
-/// What the bags were recorded with: their first configuration. Throws BagError when there is none, or one of another version
-/// of this package.
+/// What the bags were recorded with: their first configuration. Throws BagError when there is none, or one of another
+/// version of this package.
 RecordedPlatoon recorded_platoon(const BagSource& source);
 
 /// y_0(-1) .. y_0(steps - 1) [m] as recorded: the leader's positions in the first batch of the bags. Throws

@@ -11,8 +11,8 @@
 
 namespace platoon {
 
-/// The messages of a recording, one at a time, several files as one in the order of their first positions: for those who must
-/// not read ahead. Throws BagError as read_bags() does.
+/// The messages of a recording, one at a time, several files as one in the order of their first positions: for those
+/// who must not read ahead. Throws BagError as read_bags() does.
 class BagStream {
 public:
   /// Of the topics that `wanted` wants.

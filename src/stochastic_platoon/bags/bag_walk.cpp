@@ -30,8 +30,7 @@ std::vector<Chunk> whole_chunks(BagBytes& file) {
       const RecordKind kind = header.kind();
       if (kind == RecordKind::chunk && length == 0) break;  // its length is written when it is whole
       if (kind == RecordKind::chunk) chunks.push_back({begin});
-      if (kind == RecordKind::index && !chunks.empty() &&
-          known.insert(header.number<std::uint32_t>("conn")).second)
+      if (kind == RecordKind::index && !chunks.empty() && known.insert(header.number<std::uint32_t>("conn")).second)
         chunks.back().introduces = true;
       file.pass(length);
     }
@@ -135,8 +134,7 @@ void BagWalk::take_chunk(const Fields& header) {
   // The length of a chunk is written when it is whole.
   const bool open = length == 0 && index_position_ == 0;
   if (open) length = file_.left();
-  if (length > kLongestChunk || size > kLongestChunk || length == 0)
-    throw BagDamage("a chunk has no possible length");
+  if (length > kLongestChunk || size > kLongestChunk || length == 0) throw BagDamage("a chunk has no possible length");
   chunk_is_cut_ = open || length > file_.left();
   if (index_position_ != 0 && file_.position() + length > index_position_)
     throw BagDamage("a chunk reaches into the index");
@@ -162,8 +160,7 @@ std::string_view BagWalk::unpacked(std::string_view data, const std::string& com
   try {
     streams_.getStream(lz4 ? rosbag::compression::LZ4 : rosbag::compression::BZ2)
         ->decompress(reinterpret_cast<std::uint8_t*>(plain_bytes_.data()), static_cast<unsigned int>(size),
-                     reinterpret_cast<std::uint8_t*>(data_bytes_.data()),
-                     static_cast<unsigned int>(data.size()));
+                     reinterpret_cast<std::uint8_t*>(data_bytes_.data()), static_cast<unsigned int>(data.size()));
     return std::string_view(plain_bytes_).substr(0, size);
   } catch (const rosbag::BagException& error) {
     throw BagDamage(std::string("a chunk cannot be unpacked: ") + error.what());
@@ -212,10 +209,9 @@ void BagWalk::take_connection(const Fields& header, std::string_view data) {
   const Fields fields(data);
   const std::string topic(header.text("topic"));
   if (topic.empty()) throw BagDamage("a connection has no topic");
-  const auto [known, is_new] =
-      connections_.try_emplace(header.number<std::uint32_t>("conn"),
-                               BagConnection{topic, std::string(data), std::string(fields.text("type")),
-                                             std::string(fields.text("md5sum"))});
+  const auto [known, is_new] = connections_.try_emplace(
+      header.number<std::uint32_t>("conn"),
+      BagConnection{topic, std::string(data), std::string(fields.text("type")), std::string(fields.text("md5sum"))});
   if (!is_new && (known->second.topic != topic || Fields(known->second.fields) != fields))
     throw BagDamage("a connection has two meanings");
 }

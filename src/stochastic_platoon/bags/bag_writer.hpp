@@ -23,11 +23,10 @@ struct RecordedConfiguration {
 
 /// A bag that is being written. It bears its final name only once it is whole and synced.
 ///
-/// Recorded times are platoon time. Checksums (msg/Checksum.msg) cover all messages: one behind the configuration, one at the
-/// end of each batch and of a step where 16 kB have come together, the last one at the end of the file. Its time is behind that
-/// of the step, and before the next step's: programs that sort by time, as `rosbag compress` does, leave it in its place.
-/// Not thread-safe. Throws rosbag::BagException and std::runtime_error on
-/// what the disk refuses.
+/// Recorded times are platoon time. Checksums (msg/Checksum.msg) cover all messages: one behind the configuration, one
+/// at the end of each batch and of a step where 16 kB have come together, the last one at the end of the file. Its time
+/// is behind that of the step, and before the next step's: programs that sort by time, as `rosbag compress` does, leave
+/// it in its place. Not thread-safe. Throws rosbag::BagException and std::runtime_error on what the disk refuses.
 class BagWriter {
 public:
   /// Begins the file `name` + `suffix` anew. `compression` is "none" or "lz4".

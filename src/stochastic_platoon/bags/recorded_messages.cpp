@@ -48,9 +48,8 @@ boost::shared_ptr<Message> parsed(std::string_view bytes) {
   if (!holds_its_arrays<Message>(bytes)) throw BagDamage("a message is cut off");
   auto message = boost::make_shared<Message>();
   // Only read from, though its type allows more.
-  ros::serialization::IStream stream(
-      const_cast<std::uint8_t*>(reinterpret_cast<const std::uint8_t*>(bytes.data())),
-      static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(reinterpret_cast<const std::uint8_t*>(bytes.data())),
+                                     static_cast<std::uint32_t>(bytes.size()));
   ros::serialization::deserialize(stream, *message);
   return message;
 }
@@ -84,8 +83,7 @@ auto RecordedMessages::guarded(const Read& read) -> decltype(read()) {
     if (source_.accept == Accept::whole) {
       throw BagError(
           file_ + ": was not closed, or its end is missing (" + reason.what() +
-          "): its recorder was killed or is still running, or the file was cut off; --partial reads what is "
-          "whole of it");
+          "): its recorder was killed or is still running, or the file was cut off; --partial reads what is whole of it");
     }
     ending_ = std::string("ends early, ") + place() + ": " + reason.what();
     return {};
@@ -178,10 +176,9 @@ void RecordedMessages::begin_checksum() {
 // A recording has its first one behind its first message.
 void RecordedMessages::require_checksums() const {
   if (has_checksums_ || uncovered_messages_ < 2) return;
-  throw BagError(file_ +
-                 ": holds no checksums, so that a changed bit would not be noticed: rosbag record and "
-                 "versions before 0.2.0 "
-                 "write none; --unverified (replay.launch: unverified:=true) reads it nevertheless");
+  throw BagError(
+      file_ +
+      ": holds no checksums, so that a changed bit would not be noticed: rosbag record and versions before 0.2.0 write none; --unverified (replay.launch: unverified:=true) reads it nevertheless");
 }
 
 const RecordedMessages::Reading& RecordedMessages::reading_of(const RawMessage& message) {

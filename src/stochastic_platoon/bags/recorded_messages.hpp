@@ -22,8 +22,7 @@ namespace platoon {
 /// One recorded message, the reader's own: a configuration as JSON, a position or error statistics.
 struct RecordedMessage {
   PlatoonTopic topic;
-  std::variant<std::string, stochastic_platoon::Position::Ptr, stochastic_platoon::ErrorStatistics::Ptr>
-      content;
+  std::variant<std::string, stochastic_platoon::Position::Ptr, stochastic_platoon::ErrorStatistics::Ptr> content;
 };
 
 /// The messages of a platoon in one bag, in its order. All of them are verified by their checksums, wanted or not; a

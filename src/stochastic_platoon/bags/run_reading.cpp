@@ -18,16 +18,14 @@ namespace {
 constexpr std::size_t kFindingsPerTopic = 3;
 
 std::string named(const MessageId& id) {
-  return "step " + std::to_string(id.step) + " of the realizations from " +
-         std::to_string(id.first_realization);
+  return "step " + std::to_string(id.step) + " of the realizations from " + std::to_string(id.first_realization);
 }
 
 std::string described(Verdict verdict, const MessageId& id, const std::optional<MessageId>& before) {
   if (verdict != Verdict::out_of_turn || !before) return named(id) + " is " + to_string(verdict);
-  const bool again = std::make_pair(id.first_realization, id.step) <=
-                     std::make_pair(before->first_realization, before->step);
-  return again ? named(id) + " comes twice"
-               : named(id) + " follows " + named(*before) + ": what is between is missing";
+  const bool again =
+      std::make_pair(id.first_realization, id.step) <= std::make_pair(before->first_realization, before->step);
+  return again ? named(id) + " comes twice" : named(id) + " follows " + named(*before) + ": what is between is missing";
 }
 
 bool is_same(double a, double b) {
@@ -36,14 +34,12 @@ bool is_same(double a, double b) {
 
 }  // namespace
 
-RunReading::RunReading(const RecordedPlatoon& platoon)
-    : platoon_(platoon), run_(run_identity(platoon.configuration)) {}
+RunReading::RunReading(const RecordedPlatoon& platoon) : platoon_(platoon), run_(run_identity(platoon.configuration)) {}
 
 void RunReading::take(const PlatoonTopic& topic, const Position::ConstPtr& message) {
   if (topic.name_space != platoon_.name_space) return;
   const std::string name = position_topic(topic.vehicle);
-  if (topic.vehicle > platoon_.configuration.run.followers)
-    return find(name, "is no vehicle of the recorded platoon");
+  if (topic.vehicle > platoon_.configuration.run.followers) return find(name, "is no vehicle of the recorded platoon");
   const Heading heading = heading_of(*message);
   if (message->run != run_) return find(name, described(Verdict::foreign_run, heading.id, std::nullopt));
   if (!statistics_) {
@@ -53,14 +49,12 @@ void RunReading::take(const PlatoonTopic& topic, const Position::ConstPtr& messa
   statistics_->saw(message->header.stamp.toNSec());
   const std::optional<MessageId> before = statistics_->arrivals().latest(topic.vehicle);
   const Verdict verdict = statistics_->take(topic.vehicle, heading, positions_of(message));
-  if (verdict != Verdict::in_turn && verdict != Verdict::stale)
-    find(name, described(verdict, heading.id, before));
+  if (verdict != Verdict::in_turn && verdict != Verdict::stale) find(name, described(verdict, heading.id, before));
 }
 
 void RunReading::take(const PlatoonTopic& topic, const ErrorStatistics::ConstPtr& message) {
   const RunOptions& run = platoon_.configuration.run;
-  if (topic.name_space != platoon_.name_space || message->time_average ||
-      message->realizations != run.realizations)
+  if (topic.name_space != platoon_.name_space || message->time_average || message->realizations != run.realizations)
     return;
   figures_[message->step] = message;
 }
@@ -92,18 +86,15 @@ void RunReading::find_missing(const Arrivals& arrivals) {
 std::vector<std::string> RunReading::changed_figures() const {
   const RunOptions& run = platoon_.configuration.run;
   std::vector<std::string> changed;
-  if (!statistics_ || !statistics_->arrivals().complete() || run.averaging() == Averaging::over_time)
-    return changed;
+  if (!statistics_ || !statistics_->arrivals().complete() || run.averaging() == Averaging::over_time) return changed;
   const RunResult result = statistics_->result(true);
-  if (result.realizations != run.realizations)
-    return changed;  // resumed: the figures hold what came before, too
+  if (result.realizations != run.realizations) return changed;  // resumed: the figures hold what came before, too
   for (const auto& [step, figures] : figures_) {
     bool same = step >= 0 && step < run.steps && figures->mean.size() == run.followers &&
                 figures->variance.size() == run.followers;
     for (std::size_t i = 1; same && i <= run.followers; ++i) {
       const Moments& measured = result.moments[cell(i, step, run.steps)];
-      same = is_same(measured.mean, figures->mean[i - 1]) &&
-             is_same(measured.variance(), figures->variance[i - 1]);
+      same = is_same(measured.mean, figures->mean[i - 1]) && is_same(measured.variance(), figures->variance[i - 1]);
     }
     if (!same)
       changed.push_back("the figures of step " + std::to_string(step) +

@@ -54,8 +54,7 @@ private:
   RecordedPlatoon platoon_;
   std::uint64_t run_;
   std::unique_ptr<RunStatistics> statistics_;
-  std::map<std::int64_t, stochastic_platoon::ErrorStatistics::ConstPtr>
-      figures_;  ///< of all realizations, by step
+  std::map<std::int64_t, stochastic_platoon::ErrorStatistics::ConstPtr> figures_;  ///< of all realizations, by step
   std::map<std::string, std::size_t> counts_;
   std::vector<std::string> findings_;
 };

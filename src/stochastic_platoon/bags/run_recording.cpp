@@ -39,8 +39,7 @@ RunRecording::RunRecording(const Configuration& configuration, const std::string
 
 std::string topic_of_stream(std::size_t stream, const RunOptions& run, const std::string& name_space) {
   return name_space + "/" +
-         (stream > run.followers ? predecessor_position_topic(stream - run.followers)
-                                 : position_topic(stream));
+         (stream > run.followers ? predecessor_position_topic(stream - run.followers) : position_topic(stream));
 }
 
 std::string RunRecording::name_of_part(std::size_t part) const {
@@ -101,8 +100,7 @@ void RunRecording::batch_complete() {
 void RunRecording::receive(const ErrorStatistics& message) {
   if (finished_ || message.header.stamp.isZero()) return;
   if (recording_) recording_->write(name_space_ + "/error_statistics", message);
-  if (message.realizations == configuration_.run.realizations &&
-      message.step + 1 == configuration_.run.steps) {
+  if (message.realizations == configuration_.run.realizations && message.step + 1 == configuration_.run.steps) {
     final_statistics_ = true;
   }
 }
@@ -175,17 +173,15 @@ bool RunRecording::take_over(const std::string& file) {
   BagContent content;
   content.configuration = [&](const PlatoonTopic&, const std::string& text) {
     if (parse_configuration(text).run.launch_id == configuration_.run.launch_id) return;
-    throw ConfigurationError({"record: " + file +
-                              ": is the unfinished recording of another run: must be another name, or that "
-                              "file moved away"});
+    throw ConfigurationError(
+        {"record: " + file +
+         ": is the unfinished recording of another run: must be another name, or that file moved away"});
   };
   content.position = [&](const PlatoonTopic& topic, const Message& message) { saw(topic.vehicle, message); };
   content.predecessor_position = [&](const PlatoonTopic& topic, const Message& message) {
     saw(configuration_.run.followers + topic.vehicle, message);
   };
-  content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) {
-    receive(*message);
-  };
+  content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) { receive(*message); };
   const auto all = [&] {
     return std::all_of(latest.begin(), latest.end(), [](const auto& id) { return id.has_value(); });
   };
@@ -225,8 +221,7 @@ void RunRecording::rewrite() {
   recording_ = record_to(kRecoveredSuffix);
   Arrivals copied(schedule, streams(), part_begin_, 0);
   const auto copy = [&](std::size_t stream, const Message& message) {
-    if (stream >= streams() ||
-        (!schedule.endless() && last_attempt[message->first_realization] != message->attempt))
+    if (stream >= streams() || (!schedule.endless() && last_attempt[message->first_realization] != message->attempt))
       return;
     const Heading heading = heading_of(*message);
     if (copied.admit(stream, heading).verdict != Verdict::in_turn) return;

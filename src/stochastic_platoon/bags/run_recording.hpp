@@ -26,7 +26,8 @@ std::string topic_of_stream(std::size_t stream, const RunOptions& run, const std
 /// written once more without it. (An endless run has no batches: its steps stay as they came.)
 ///
 /// What a killed recorder left behind is put aside as FILE.active.1, .2, ...: of it only the end is read, so that
-/// the run goes on at once however much there is. It is put together with the rest when the file is finished or stopped.
+/// the run goes on at once however much there is. It is put together with the rest when the file is finished or
+/// stopped.
 class RunRecording {
 public:
   /// `name_space` is the platoon's, "/platoon". Goes on behind the whole batches of the unfinished file of the same
@@ -64,9 +65,7 @@ private:
     std::size_t arrived = 0;
   };
   std::size_t streams() const { return streams_of(configuration_.run); }
-  std::string topic(std::size_t stream) const {
-    return topic_of_stream(stream, configuration_.run, name_space_);
-  }
+  std::string topic(std::size_t stream) const { return topic_of_stream(stream, configuration_.run, name_space_); }
   void take(std::size_t stream, const Message& message);
   void restarted();
   void batch_complete();

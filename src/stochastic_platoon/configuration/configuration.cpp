@@ -33,15 +33,13 @@ bool has_independent_losses(const PlatoonModel& model) {
   });
 }
 
-void require_feasible_theory(const PlatoonModel& model, const RunOptions& run,
-                             std::vector<std::string>& problems) {
+void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, std::vector<std::string>& problems) {
   const double most =
       std::floor(std::sqrt(kMostLossResponses / static_cast<double>(std::max<std::int64_t>(run.steps, 1))));
   if (run.steps == 0 || static_cast<double>(run.followers) <= most || !has_independent_losses(model)) return;
-  problems.push_back(
-      formatted("run/followers: %zu: must be at most %.0f with losses and %lld steps, as every link's losses "
-                "act on every vehicle behind it (steps: 0 averages over time instead)",
-                run.followers, most, static_cast<long long>(run.steps)));
+  problems.push_back(formatted(
+      "run/followers: %zu: must be at most %.0f with losses and %lld steps, as every link's losses act on every vehicle behind it (steps: 0 averages over time instead)",
+      run.followers, most, static_cast<long long>(run.steps)));
 }
 
 }  // namespace
@@ -58,8 +56,7 @@ Configuration parse_configuration(const YAML::Node& document) {
     const auto needed = static_cast<std::size_t>(run.steps) + 1;
     if (run.averaging() == Averaging::over_time || model->recorded_leader.size() < needed) {
       problems.push_back("model/leader/positions: " + std::to_string(model->recorded_leader.size()) +
-                         " given: must be at least steps + 1 = " + std::to_string(needed) +
-                         ", and steps above 0");
+                         " given: must be at least steps + 1 = " + std::to_string(needed) + ", and steps above 0");
     }
   }
   if (model) require_feasible_theory(*model, run, problems);
@@ -78,8 +75,7 @@ Configuration parse_configuration(const std::string& text) {
 }
 
 nlohmann::json to_json(const Configuration& configuration) {
-  return {
-      {"version", kVersion}, {"model", to_json(configuration.model)}, {"run", to_json(configuration.run)}};
+  return {{"version", kVersion}, {"model", to_json(configuration.model)}, {"run", to_json(configuration.run)}};
 }
 
 namespace {
@@ -91,8 +87,7 @@ void require_known(const std::map<std::string, std::string>& given) {
   for (const std::string& name : known) allowed += (allowed.empty() ? "" : ", ") + name;
   std::vector<std::string> problems;
   for (const auto& entry : given) {
-    if (known.count(entry.first) == 0)
-      problems.push_back(entry.first + ": unknown setting: allowed are " + allowed);
+    if (known.count(entry.first) == 0) problems.push_back(entry.first + ": unknown setting: allowed are " + allowed);
   }
   if (!problems.empty()) throw ConfigurationError(problems);
 }
@@ -104,8 +99,7 @@ bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
   const std::string key = path.substr(0, slash);
   const bool leaf = slash == std::string::npos;
   if (node.IsSequence()) {
-    const bool is_index =
-        !key.empty() && key.size() < 9 && key.find_first_not_of("0123456789") == std::string::npos;
+    const bool is_index = !key.empty() && key.size() < 9 && key.find_first_not_of("0123456789") == std::string::npos;
     if (!is_index || std::stoul(key) >= node.size()) return false;
     if (!leaf) return put_at(path.substr(slash + 1), value, node[std::stoul(key)]);
     node[std::stoul(key)] = YAML::Clone(value);
@@ -143,12 +137,10 @@ YAML::Node configuration_document(const std::map<std::string, std::string>& give
   return document;
 }
 
-YAML::Node configuration_document(const Configuration& base,
-                                  const std::map<std::string, std::string>& given) {
+YAML::Node configuration_document(const Configuration& base, const std::map<std::string, std::string>& given) {
   require_known(given);
   YAML::Node document = YAML::Load(to_json(base).dump());
-  if (given.count("model") > 0 && !given.at("model").empty())
-    document["model"] = load_yaml(given.at("model"));
+  if (given.count("model") > 0 && !given.at("model").empty()) document["model"] = load_yaml(given.at("model"));
   for (const Setting& setting : settings()) {
     const auto value = given.find(setting.name);
     if (value != given.end()) put(setting, value->second, document);

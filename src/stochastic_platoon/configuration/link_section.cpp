@@ -22,15 +22,13 @@ TransferFunction read_noise_filter(Section& link) {
     link.reject("noise_filter", "more zeros than poles", "proper: no more zeros than poles");
   const double radius = spectral_radius(delta_form(filter.denominator()));
   if (radius >= 1.0)
-    link.reject("noise_filter", formatted("a pole of modulus %g", radius),
-                "stable: poles inside the unit circle");
+    link.reject("noise_filter", formatted("a pole of modulus %g", radius), "stable: poles inside the unit circle");
   return filter;
 }
 
 std::vector<double> read_predictor(Section& section) {
   if (!section.is_list("on_loss")) {
-    const std::string name =
-        section.choice("on_loss", {"hold", "extrapolate", "a list of coefficients of sum 1"});
+    const std::string name = section.choice("on_loss", {"hold", "extrapolate", "a list of coefficients of sum 1"});
     return name == "extrapolate" ? std::vector<double>{2.0, -1.0} : std::vector<double>{1.0};
   }
   const Eigen::VectorXd c = section.numbers("on_loss");
@@ -51,24 +49,23 @@ void check_burst(Section& section, const LossModel& loss) {
   if (*loss.mean_burst >= least) return;
   section.reject(
       "mean_burst", formatted("%g", *loss.mean_burst),
-      formatted("at least %g, the larger of 1 and q / (1 - q) for q = %g: no chain has shorter bursts; "
-                "independent losses have 1 / (1 - q) = %g",
-                least, q, loss.independent_burst()));
+      formatted(
+          "at least %g, the larger of 1 and q / (1 - q) for q = %g: no chain has shorter bursts; independent losses have 1 / (1 - q) = %g",
+          least, q, loss.independent_burst()));
 }
 
 void check_growth(Section& section, const LossModel& loss) {
   const double radius = second_moment_radius(loss);
   if (radius < 1.0) return;
   const double feedback = loss.is_independent() ? loss_feedback(loss) : std::nan("");
-  const std::string value =
-      std::isfinite(feedback)
-          ? formatted("predictions whose p q ||L F||^2 is %g", feedback)
-          : formatted("predictions whose variance grows by a factor of %g a step", radius);
+  const std::string value = std::isfinite(feedback)
+                                ? formatted("predictions whose p q ||L F||^2 is %g", feedback)
+                                : formatted("predictions whose variance grows by a factor of %g a step", radius);
   section.reject(
       "on_loss", value,
-      formatted("one whose variance settles, p q ||L F||^2 < 1 where losses are independent, for a "
-                "probability of %g (allow_unstable: true runs it all the same)",
-                loss.probability));
+      formatted(
+          "one whose variance settles, p q ||L F||^2 < 1 where losses are independent, for a probability of %g (allow_unstable: true runs it all the same)",
+          loss.probability));
 }
 
 LossModel read_loss(Section section, const std::optional<LossModel>& base, bool allow_unstable) {
@@ -95,8 +92,7 @@ nlohmann::json to_json(const LossModel& loss) {
 LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable) {
   LinkModel link = base;
   if (section.has("noise_filter")) link.noise_filter = read_noise_filter(section);
-  if (section.has("quantisation_step"))
-    link.quantisation_step = section.number("quantisation_step", kNotNegative);
+  if (section.has("quantisation_step")) link.quantisation_step = section.number("quantisation_step", kNotNegative);
   if (section.has("delay")) link.delay = section.integer("delay", 0, kLongestDelay);
   if (section.has("loss")) link.loss = read_loss(section.section("loss"), base.loss, allow_unstable);
   section.reject_unknown_keys();

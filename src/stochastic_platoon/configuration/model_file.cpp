@@ -107,8 +107,7 @@ std::optional<Loop> formed(const LoopDesign& design, double headway, const std::
   }
 }
 
-std::optional<Loop> read_designed_loop(Section& vehicle, double headway,
-                                       const std::optional<LoopDesign>& base,
+std::optional<Loop> read_designed_loop(Section& vehicle, double headway, const std::optional<LoopDesign>& base,
                                        std::vector<std::string>& problems) {
   const std::size_t before = problems.size();
   const auto plant = [&]() -> TransferFunction {
@@ -116,8 +115,8 @@ std::optional<Loop> read_designed_loop(Section& vehicle, double headway,
     Section section = vehicle.section("plant");
     return read_fraction(section);
   };
-  LoopDesign design = base.value_or(
-      LoopDesign{{Polynomial::Ones(1), Polynomial::Ones(1)}, {Polynomial::Ones(1), Polynomial::Ones(1)}});
+  LoopDesign design =
+      base.value_or(LoopDesign{{Polynomial::Ones(1), Polynomial::Ones(1)}, {Polynomial::Ones(1), Polynomial::Ones(1)}});
   design.plant = plant();
   if (!base || vehicle.has("controller")) {
     Section section = vehicle.section("controller");
@@ -135,8 +134,7 @@ std::optional<Loop> read_loop(Section& vehicle, double headway, const VehiclePar
   const bool designed = vehicle.has("plant") || vehicle.has("controller");
   if (vehicle.has("closed_loop")) {
     for (const char* key : {"plant", "controller"}) {
-      if (vehicle.has(key))
-        vehicle.reject(key, "given", "absent beside closed_loop, which stands in its place");
+      if (vehicle.has(key)) vehicle.reject(key, "given", "absent beside closed_loop, which stands in its place");
     }
     const std::optional<ClosedLoop> given =
         read_given_loop(vehicle.section("closed_loop"), vehicle.name("closed_loop"), problems);
@@ -177,8 +175,8 @@ struct TypeParts {
 
 Inherited inherited_by(Section& type, const LinkModel& base) {
   const bool own_loop = type.has("closed_loop");
-  Inherited inherited{!type.has("time_headway"), !own_loop && !type.has("plant"),
-                      !own_loop && !type.has("controller"), base.loss.has_value()};
+  Inherited inherited{!type.has("time_headway"), !own_loop && !type.has("plant"), !own_loop && !type.has("controller"),
+                      base.loss.has_value()};
   if (!base.loss || !type.has("channel")) return inherited;
   Section channel = type.section("channel");
   if (channel.has("loss")) inherited.loss_probability = !channel.section("loss").has("probability");
@@ -191,8 +189,7 @@ std::vector<TypeParts> read_types(Section types, const VehicleParts& base, bool 
   std::vector<std::string> names = types.keys();
   std::sort(names.begin(), names.end());  // as JSON has them
   for (const std::string& name : names) {
-    if (name == "default")
-      types.reject(name, "given", "of another name: default is the vehicle outside vehicle_types");
+    if (name == "default") types.reject(name, "given", "of another name: default is the vehicle outside vehicle_types");
     Section type = types.section(name);
     for (const char* key : {"sample_period", "leader", "allow_unstable"}) {
       if (type.has(key)) type.reject(key, "given", "absent, as all vehicles share it");
@@ -213,8 +210,7 @@ std::vector<std::size_t> read_string(Section& document, const std::vector<TypePa
     string.push_back(names[i] == "default" ? 0 : static_cast<std::size_t>(type - types.begin()) + 1);
     if (names[i] == "default" || type != types.end()) continue;
     std::string allowed = "default";
-    for (const TypeParts& candidate : types)
-      allowed += candidate.name == "default" ? "" : ", " + candidate.name;
+    for (const TypeParts& candidate : types) allowed += candidate.name == "default" ? "" : ", " + candidate.name;
     document.reject("string[" + std::to_string(i) + "]", names[i], "one of the vehicle types " + allowed);
   }
   return string;
@@ -247,9 +243,8 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
   const LeaderContent leader = read_leader(document.section("leader"), sample_period, problems);
   const VehicleParts own = read_vehicle(document, nullptr, allow_unstable, problems);
   const std::vector<TypeParts> types =
-      document.has("vehicle_types")
-          ? read_types(document.section("vehicle_types"), own, allow_unstable, problems)
-          : std::vector<TypeParts>();
+      document.has("vehicle_types") ? read_types(document.section("vehicle_types"), own, allow_unstable, problems)
+                                    : std::vector<TypeParts>();
   const std::vector<std::size_t> string =
       document.has("string") ? read_string(document, types) : std::vector<std::size_t>();
   document.reject_unknown_keys();
@@ -271,8 +266,7 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
                      own.link,
                      {},
                      string};
-  for (const TypeParts& type : types)
-    model.types.push_back({type.name, type.parts.vehicle(), type.inherited});
+  for (const TypeParts& type : types) model.types.push_back({type.name, type.parts.vehicle(), type.inherited});
   return model;
 }
 
@@ -304,12 +298,10 @@ bool holds_several_documents(const std::string& text) {
   std::istringstream stream(text);
   bool begun = false;
   for (std::string line; std::getline(stream, line);) {
-    const bool separates =
-        line.compare(0, 3, "---") == 0 && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
+    const bool separates = line.compare(0, 3, "---") == 0 && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
     if (separates && begun) return true;
     const std::size_t content = line.find_first_not_of(" \t\r");
-    begun =
-        begun || separates || (content != std::string::npos && line[content] != '#' && line[content] != '%');
+    begun = begun || separates || (content != std::string::npos && line[content] != '#' && line[content] != '%');
   }
   return false;
 }
@@ -337,8 +329,7 @@ nlohmann::json to_json(const VehicleModel& vehicle) {
       {"time_headway", vehicle.headway},
       {"standstill_distance", vehicle.standstill_distance},
       {"noise_variance", vehicle.noise_variance},
-      {"initial_position",
-       {{"mean", vehicle.initial_position.mean}, {"variance", vehicle.initial_position.variance}}}};
+      {"initial_position", {{"mean", vehicle.initial_position.mean}, {"variance", vehicle.initial_position.variance}}}};
   if (vehicle.design) {
     document["plant"] = to_json(vehicle.design->plant);
     document["controller"] = to_json(vehicle.design->controller);

@@ -37,9 +37,9 @@ std::vector<std::size_t> read_external(Section& section, std::size_t followers) 
     const bool is_one = read.ec == std::errc() && std::to_string(vehicle) == word && vehicle >= 1 &&
                         vehicle <= followers && external.insert(vehicle).second;
     if (is_one && (text.empty() || text.back() != ',')) continue;
-    section.reject("external", printable(shortened(text)),
-                   "numbers of followers from 1 to " + std::to_string(followers) +
-                       ", each once, separated by commas, as in 3,7");
+    section.reject(
+        "external", printable(shortened(text)),
+        "numbers of followers from 1 to " + std::to_string(followers) + ", each once, separated by commas, as in 3,7");
     return {};
   }
   return {external.begin(), external.end()};
@@ -89,8 +89,8 @@ RunOptions read_run_options(Section section) {
   if (options.rate > 0.0 && options.rate < kSlowestRate)
     section.reject("rate", formatted("%g", options.rate), formatted("0 or at least %g", kSlowestRate));
   options.seed = static_cast<std::uint64_t>(section.integer("seed", 0, INT64_MAX));
-  options.hosting = parsed_hosting(
-      section.choice("hosting", {to_string(Hosting::processes), to_string(Hosting::one_process)}));
+  options.hosting =
+      parsed_hosting(section.choice("hosting", {to_string(Hosting::processes), to_string(Hosting::one_process)}));
   options.output = section.text("output");
   options.resume = section.boolean("resume");
   options.first_realization = static_cast<std::uint64_t>(section.integer("first_realization", 0, kMaxCount));
@@ -113,8 +113,7 @@ RunOptions read_run_options(Section section) {
     section.reject("steps x followers", std::to_string(options.steps) + " x " + std::to_string(followers),
                    "at most " + std::to_string(kMaxCells) +
                        ", as statistics are kept for each (steps: 0 averages over time instead)");
-  } else if (options.realizations >
-             kMaxPositions / static_cast<std::uint64_t>((options.steps + 1) * (followers + 1))) {
+  } else if (options.realizations > kMaxPositions / static_cast<std::uint64_t>((options.steps + 1) * (followers + 1))) {
     section.reject("realizations x steps x followers",
                    std::to_string(options.realizations) + " x " + std::to_string(options.steps) + " x " +
                        std::to_string(followers),

@@ -32,21 +32,18 @@ struct RunOptions {
   std::string record;               ///< bag to record to; empty: none
   std::int64_t record_split_mb;     ///< begin another bag beyond this size [MiB]; 0: one bag
   std::string record_compression;   ///< "none" or "lz4"
-  std::string launch_id;  ///< names one launch: a checkpoint of the same launch is always gone on from
-  std::int64_t window;    ///< steps that may be unacknowledged, >= 1
-  double stall_timeout;   ///< [s]; 0 = wait for ever
-  std::uint64_t
-      number;  ///< which run of its launch it is: 1, and one more with every change of an endless run
-  std::int64_t burn_in;                    ///< steps left out of the time averages of an endless run
+  std::string launch_id;            ///< names one launch: a checkpoint of the same launch is always gone on from
+  std::int64_t window;              ///< steps that may be unacknowledged, >= 1
+  double stall_timeout;             ///< [s]; 0 = wait for ever
+  std::uint64_t number;  ///< which run of its launch it is: 1, and one more with every change of an endless run
+  std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
   std::vector<std::size_t> external = {};  ///< external vehicles, ascending
 
   /// Whether follower i is an external vehicle.
   bool is_external(std::size_t follower) const;
 
   /// The followers before the first external vehicle: those that the theory covers.
-  std::size_t followers_before_external() const {
-    return external.empty() ? followers : external.front() - 1;
-  }
+  std::size_t followers_before_external() const { return external.empty() ? followers : external.front() - 1; }
 
   /// Who has to acknowledge every step.
   std::vector<std::string> receivers() const;

@@ -57,8 +57,7 @@ std::optional<std::int64_t> parsed_integer(const YAML::Node& node) {
   if (node.Scalar().find_first_of("eE") == std::string::npos) return std::nullopt;
   const std::optional<double> number = parsed_number(node);
   constexpr double kEveryWholeNumberBelow = 9007199254740992.0;
-  if (!number || std::abs(*number) >= kEveryWholeNumberBelow || *number != std::floor(*number))
-    return std::nullopt;
+  if (!number || std::abs(*number) >= kEveryWholeNumberBelow || *number != std::floor(*number)) return std::nullopt;
   return static_cast<std::int64_t>(*number);
 }
 
@@ -98,8 +97,7 @@ Section::Section(const YAML::Node& node, const std::string& path, std::vector<st
     : node_(node), path_(path), problems_(problems) {
   if (node_.IsNull() && !path.empty()) return;  // missing, and reported as such
   if (!node_.IsMap()) {
-    problems_.push_back((path.empty() ? "the document" : path) + ": " + shown(node) +
-                        ": must be a mapping of keys");
+    problems_.push_back((path.empty() ? "the document" : path) + ": " + shown(node) + ": must be a mapping of keys");
   }
 }
 
@@ -285,8 +283,7 @@ void Section::reject_unknown_keys() {
   std::set<std::string> seen;
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
-    if (known_.count(key) == 0)
-      problems_.push_back(name(shown(entry.first)) + ": unknown key: allowed are " + allowed);
+    if (known_.count(key) == 0) problems_.push_back(name(shown(entry.first)) + ": unknown key: allowed are " + allowed);
     if (!seen.insert(key).second) problems_.push_back(name(key) + ": given twice: must stand once");
   }
 }

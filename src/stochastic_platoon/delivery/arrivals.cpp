@@ -5,8 +5,7 @@
 
 namespace platoon {
 
-Arrivals::Arrivals(const BatchSchedule& schedule, std::size_t streams, std::uint64_t committed,
-                   std::uint32_t attempt)
+Arrivals::Arrivals(const BatchSchedule& schedule, std::size_t streams, std::uint64_t committed, std::uint32_t attempt)
     : schedule_(schedule),
       attempt_(attempt),
       start_(committed),

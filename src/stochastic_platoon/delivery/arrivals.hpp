@@ -31,8 +31,7 @@ public:
   };
 
   /// Realizations before `committed` are done with. `attempt` is the latest attempt known from before.
-  Arrivals(const BatchSchedule& schedule, std::size_t streams, std::uint64_t committed,
-           std::uint32_t attempt);
+  Arrivals(const BatchSchedule& schedule, std::size_t streams, std::uint64_t committed, std::uint32_t attempt);
 
   /// Judges a message of a stream. Only those in turn have any effect. Throws std::out_of_range for a stream
   /// beyond the last.

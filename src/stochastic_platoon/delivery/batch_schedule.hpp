@@ -60,8 +60,7 @@ inline bool may_be_reported(const BatchSchedule& schedule, const Acknowledgement
 
 /// Steps that a report covers of an attempt that began at realization `start`; 0 for an earlier one. All
 /// batches but the last have equal size, so whole ones can be counted.
-inline std::int64_t steps_covered(const BatchSchedule& schedule, std::uint64_t start,
-                                  const Acknowledgement& report) {
+inline std::int64_t steps_covered(const BatchSchedule& schedule, std::uint64_t start, const Acknowledgement& report) {
   if (report.first_realization < start) return 0;
   const auto batches =
       static_cast<std::int64_t>((report.first_realization - start + schedule.batch - 1) / schedule.batch);

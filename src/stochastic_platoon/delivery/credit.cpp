@@ -12,8 +12,7 @@ constexpr double kLongestStart = 3.0;  // [s] between attempts to start, where t
 
 }  // namespace
 
-Credit::Credit(const BatchSchedule& schedule, const CreditLimits& limits,
-               const std::vector<std::string>& receivers)
+Credit::Credit(const BatchSchedule& schedule, const CreditLimits& limits, const std::vector<std::string>& receivers)
     : schedule_(schedule),
       limits_(limits),
       first_step_patience_(limits.first_step_timeout),
@@ -31,8 +30,7 @@ std::int64_t Credit::acknowledged() const {
 }
 
 bool Credit::all_reported() const {
-  return std::all_of(receivers_.begin(), receivers_.end(),
-                     [](const auto& entry) { return entry.second.latest; });
+  return std::all_of(receivers_.begin(), receivers_.end(), [](const auto& entry) { return entry.second.latest; });
 }
 
 bool Credit::complete() const {
@@ -52,8 +50,7 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
   const auto extent = [](const Acknowledgement& of, const std::uint64_t& count) {
     return std::tie(of.attempt, of.first_realization, of.step, count);
   };
-  const bool lost =
-      attempt_ > 0 && sender.latest && extent(report, messages) < extent(*sender.latest, sender.messages);
+  const bool lost = attempt_ > 0 && sender.latest && extent(report, messages) < extent(*sender.latest, sender.messages);
   const bool through_a_batch = sender.latest && report.first_realization > sender.latest->first_realization;
   sender.latest = report;
   const bool more = of_this_attempt && messages > (sender.in_attempt ? sender.messages : 0);
@@ -103,8 +100,7 @@ std::optional<MessageId> Credit::next(double now) {
   if (attempt_ == 0) begin_attempt(now);
   if (!may_publish()) return std::nullopt;
   const MessageId id = upcoming_;
-  if (published_ == acknowledged())
-    last_activity_ = now;  // idle until now: the wait for an answer begins here
+  if (published_ == acknowledged()) last_activity_ = now;  // idle until now: the wait for an answer begins here
   ++published_;
   if (schedule_.is_last_step(id.step)) {
     upcoming_ = {attempt_, schedule_.next(id.first_realization), kInitialStep};
@@ -115,8 +111,7 @@ std::optional<MessageId> Credit::next(double now) {
 }
 
 void Credit::give_up(std::uint32_t attempt, double now) {
-  if (attempt == attempt_ && attempt_ > 0 && acknowledged() > 0 && !complete() && may_begin())
-    begin_attempt(now);
+  if (attempt == attempt_ && attempt_ > 0 && acknowledged() > 0 && !complete() && may_begin()) begin_attempt(now);
 }
 
 bool Credit::retry_if_stalled(double now) {

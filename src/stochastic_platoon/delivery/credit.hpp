@@ -28,14 +28,12 @@ struct CreditLimits {
 /// world cannot go back.
 class Credit {
 public:
-  Credit(const BatchSchedule& schedule, const CreditLimits& limits,
-         const std::vector<std::string>& receivers);
+  Credit(const BatchSchedule& schedule, const CreditLimits& limits, const std::vector<std::string>& receivers);
 
   /// Takes a report; `messages` are those that the receiver has counted in the attempt: progress, too, as the
   /// first step of a batch alone takes many of them, but not while steps are published that bring messages
   /// of their own whoever else is gone. Unknown receivers are ignored; returns false for them.
-  bool acknowledge(const std::string& receiver, const Acknowledgement& report, double now,
-                   std::uint64_t messages = 0);
+  bool acknowledge(const std::string& receiver, const Acknowledgement& report, double now, std::uint64_t messages = 0);
 
   /// The next message to publish, if credit allows one now; counts it as published.
   std::optional<MessageId> next(double now);

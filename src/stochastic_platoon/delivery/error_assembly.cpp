@@ -8,8 +8,7 @@ ErrorAssembly::ErrorAssembly(const BatchSchedule& schedule, std::size_t follower
                              std::uint32_t attempt)
     : vehicles_(followers + 1), arrivals_(schedule, followers + 1, first, attempt) {}
 
-ErrorAssembly::Receipt ErrorAssembly::receive(std::size_t vehicle, const Heading& heading,
-                                              const Positions& positions) {
+ErrorAssembly::Receipt ErrorAssembly::receive(std::size_t vehicle, const Heading& heading, const Positions& positions) {
   const Arrivals::Admission admission = arrivals_.admit(vehicle, heading);
   Receipt receipt{admission.verdict, admission.restarted, {}};
   if (receipt.verdict != Verdict::in_turn) return receipt;

@@ -37,8 +37,7 @@ public:
 
   /// Starts at realization `first`: those before are committed. `attempt` is the latest attempt known from
   /// before.
-  ErrorAssembly(const BatchSchedule& schedule, std::size_t followers, std::uint64_t first,
-                std::uint32_t attempt);
+  ErrorAssembly(const BatchSchedule& schedule, std::size_t followers, std::uint64_t first, std::uint32_t attempt);
 
   /// Takes the positions of vehicle 0 .. followers. Only those in turn have any effect. Throws
   /// std::out_of_range for a vehicle beyond the last.
@@ -58,9 +57,7 @@ private:
     std::int64_t first_kept = 0;
     std::int64_t handed_out = 0;  ///< steps whose error, as a follower, was handed out
     std::int64_t end() const { return first_kept + static_cast<std::int64_t>(positions.size()); }
-    const Positions& at(std::int64_t step) const {
-      return positions[static_cast<std::size_t>(step - first_kept)];
-    }
+    const Positions& at(std::int64_t step) const { return positions[static_cast<std::size_t>(step - first_kept)]; }
   };
   void find_due(std::size_t follower, std::vector<DueErrors>& due);
   void let_go(std::size_t vehicle);

@@ -11,10 +11,10 @@ namespace platoon {
 /// when to begin again. Knows no clock and no topic: the time is an argument [s].
 ///
 /// Recorded messages are numbered from 0. As Credit does for the leader, it allows one message until the first answer
-/// of an attempt, and then `window` unanswered ones. An attempt that is not answered in time is followed by another one, which
-/// begins with the batch of the first unanswered message. The timeouts grow by a factor of 1.5 with each attempt in a
-/// row; an answer that no attempt before has got brings the first ones back. With a stall_timeout of 0 nothing is
-/// begun again once an answer came.
+/// of an attempt, and then `window` unanswered ones. An attempt that is not answered in time is followed by another
+/// one, which begins with the batch of the first unanswered message. The timeouts grow by a factor of 1.5 with each
+/// attempt in a row; an answer that no attempt before has got brings the first ones back. With a stall_timeout of 0
+/// nothing is begun again once an answer came.
 class ReplayCredit {
 public:
   explicit ReplayCredit(const CreditLimits& limits);

@@ -15,10 +15,8 @@ public:
   bool is_due(const Acknowledgement& present) const {
     if (present.attempt != reported_.attempt) return true;
     const std::uint64_t start = reported_.first_realization;
-    const std::int64_t steps =
-        steps_covered(schedule_, start, present) - steps_covered(schedule_, start, reported_);
-    const bool leader_may_wait =
-        reported_.step == kNothingYet || schedule_.is_complete(present.first_realization);
+    const std::int64_t steps = steps_covered(schedule_, start, present) - steps_covered(schedule_, start, reported_);
+    const bool leader_may_wait = reported_.step == kNothingYet || schedule_.is_complete(present.first_realization);
     return steps >= (leader_may_wait ? 1 : stride_);
   }
 

@@ -18,8 +18,7 @@ void SnapshotAssembly::clear() {
   open_.clear();
 }
 
-std::optional<Snapshot> SnapshotAssembly::take(std::size_t stream, const MessageId& id, double position,
-                                               double now) {
+std::optional<Snapshot> SnapshotAssembly::take(std::size_t stream, const MessageId& id, double position, double now) {
   if (id.attempt < attempt_) return std::nullopt;
   if (id.attempt > attempt_) {
     clear();
@@ -46,8 +45,7 @@ std::optional<Snapshot> SnapshotAssembly::take(std::size_t stream, const Message
 void SnapshotAssembly::begin_if_due(const Place& place, double now) {
   const bool has_error = place.second >= 0 && place.second % stride_ == 0;
   const bool is_room = 2 * streams_ * (open_.size() + 1) <= kMostPositions || open_.empty();
-  constexpr double kEarly =
-      0.2;  // of a period: steps that come once in a period do not come to the millisecond
+  constexpr double kEarly = 0.2;  // of a period: steps that come once in a period do not come to the millisecond
   if (!has_error || !is_room || now < due_ - kEarly * period_) return;
   due_ = std::max(due_, now - period_) + period_;
   open_.emplace(place, Open{0, std::vector<double>(streams_), std::vector<double>(streams_)});

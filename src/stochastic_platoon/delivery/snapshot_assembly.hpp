@@ -18,9 +18,9 @@ struct Snapshot {
   std::vector<double> position_before;  ///< [m] one step earlier
 };
 
-/// Puts snapshots together for those who watch, while streams are steps apart: a snapshot is begun where the stream that
-/// is furthest ahead comes to a new step, if one is due, and is complete when every stream has passed there. Any message
-/// may be missing: then a snapshot is, too. Knows no clock: the time is an argument [s].
+/// Puts snapshots together for those who watch, while streams are steps apart: a snapshot is begun where the stream
+/// that is furthest ahead comes to a new step, if one is due, and is complete when every stream has passed there. Any
+/// message may be missing: then a snapshot is, too. Knows no clock: the time is an argument [s].
 class SnapshotAssembly {
 public:
   /// Begins one per `period` [s] at most, on average.

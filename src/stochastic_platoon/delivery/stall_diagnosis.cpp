@@ -18,8 +18,7 @@ MessageId reachable(const MessageId& id, bool leads, const BatchSchedule& schedu
 
 bool is_behind(const std::optional<MessageId>& own, const MessageId& reachable_id) {
   if (!own) return true;
-  return std::tie(own->first_realization, own->step) <
-         std::tie(reachable_id.first_realization, reachable_id.step);
+  return std::tie(own->first_realization, own->step) < std::tie(reachable_id.first_realization, reachable_id.step);
 }
 
 std::string silence(const std::string& name, const std::optional<MessageId>& latest) {
@@ -30,9 +29,8 @@ std::string silence(const std::string& name, const std::optional<MessageId>& lat
 
 }  // namespace
 
-StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& latest,
-                              const BatchSchedule& schedule, std::size_t longest_lead,
-                              const std::vector<std::size_t>& external,
+StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& latest, const BatchSchedule& schedule,
+                              std::size_t longest_lead, const std::vector<std::size_t>& external,
                               const std::vector<std::optional<MessageId>>& ever) {
   const auto silence_of = [&latest, &ever](std::size_t vehicle, const std::string& name) {
     return silence(name, latest[vehicle] || ever.empty() ? latest[vehicle] : ever[vehicle]);
@@ -40,14 +38,12 @@ StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& lates
   std::vector<std::size_t> stuck;
   const std::size_t followers = latest.size() - 1;
   for (std::size_t i = 1; i <= followers; ++i) {
-    const bool ahead =
-        leads(i, followers, longest_lead) && !std::binary_search(external.begin(), external.end(), i);
+    const bool ahead = leads(i, followers, longest_lead) && !std::binary_search(external.begin(), external.end(), i);
     if (latest[i - 1] && is_behind(latest[i], reachable(*latest[i - 1], ahead, schedule))) stuck.push_back(i);
   }
   if (stuck.empty()) return {0, silence_of(0, "vehicle_0 (leader)")};
   const std::string first = silence_of(stuck.front(), "vehicle_" + std::to_string(stuck.front()));
-  if (stuck.size() == 1)
-    return {stuck.front(), first + (latest.size() == 2 ? ": it or the channel is down" : "")};
+  if (stuck.size() == 1) return {stuck.front(), first + (latest.size() == 2 ? ": it or the channel is down" : "")};
   if (stuck.size() + 1 == latest.size())
     return {std::nullopt, "channel has passed nothing on: all followers wait, " + first};
   return {stuck.front(), first + "; the same holds for " + std::to_string(stuck.size() - 1) + " more"};

@@ -9,9 +9,7 @@ const char* to_string(Clause clause) {
     case Clause::answer:
       return "It answers every message in turn with its own position at that step.";
     case Clause::run:
-      return "Its answer carries the message's run; a step -1 of another run begins that run, and nothing "
-             "else of "
-             "another run is answered.";
+      return "Its answer carries the message's run; a step -1 of another run begins that run, and nothing else of another run is answered.";
     case Clause::turn:
       return "It publishes every step of a batch once, from -1 on, and nothing on a message out of turn.";
     case Clause::size:
@@ -23,9 +21,7 @@ const char* to_string(Clause clause) {
     case Clause::attempt:
       return "A newer attempt begins at its step -1, and nothing of an older one is answered.";
     case Clause::start_anew:
-      return "On step -1 it stands at its initial position and has forgotten everything: the same messages, "
-             "the same "
-             "positions.";
+      return "On step -1 it stands at its initial position and has forgotten everything: the same messages, the same positions.";
     case Clause::causal:
       return "Its position at a step depends on the messages before that step only.";
     case Clause::queues:
@@ -35,8 +31,7 @@ const char* to_string(Clause clause) {
 }
 
 std::string named(Clause clause) {
-  return "clause " + std::to_string(static_cast<int>(clause) + 1) +
-         " of the vehicle contract: " + to_string(clause);
+  return "clause " + std::to_string(static_cast<int>(clause) + 1) + " of the vehicle contract: " + to_string(clause);
 }
 
 std::optional<Clause> broken_clause(Verdict verdict) {

@@ -10,19 +10,17 @@ namespace platoon {
 
 using stochastic_platoon::Position;
 
-Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first,
-                 std::uint32_t last, const MessagePool& messages, std::shared_ptr<Snapshots> told,
-                 RunMembership::Join superseded)
+Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
+                 const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded)
     : superseded_(std::move(superseded)),
       run_(configuration.run),
       membership_(platoon, "channel", 0, [this](const Configuration& joined) { begin(joined); }),
       messages_(messages),
       told_(std::move(told)) {
   for (std::uint32_t i = first; i <= last; ++i) {
-    wires_.push_back(
-        {i, std::nullopt, std::nullopt, SolePublisher(platoon.resolveName(position_topic(i - 1))),
-         DropCounter(platoon.resolveName(position_topic(i - 1)) + " (channel)"), Activity(),
-         platoon.advertise<Position>(predecessor_position_topic(i), kUnboundedQueue), ros::Subscriber()});
+    wires_.push_back({i, std::nullopt, std::nullopt, SolePublisher(platoon.resolveName(position_topic(i - 1))),
+                      DropCounter(platoon.resolveName(position_topic(i - 1)) + " (channel)"), Activity(),
+                      platoon.advertise<Position>(predecessor_position_topic(i), kUnboundedQueue), ros::Subscriber()});
   }
   membership_.join(configuration);
   for (std::uint32_t i = first; i <= last; ++i) {
@@ -30,8 +28,8 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
     const boost::function<void(const PositionEvent&)> receive = [this, &wire](const PositionEvent& event) {
       transmit(wire, event);
     };
-    wire.sent = platoon.subscribe<Position, const PositionEvent&>(position_topic(i - 1), kUnboundedQueue,
-                                                                  receive, ros::VoidConstPtr(), no_delay());
+    wire.sent = platoon.subscribe<Position, const PositionEvent&>(position_topic(i - 1), kUnboundedQueue, receive,
+                                                                  ros::VoidConstPtr(), no_delay());
   }
 }
 
@@ -59,8 +57,7 @@ VitalSigns::Sources Channel::sources() const {
 void Channel::transmit(Wire& wire, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
   const MessageId id = id_of(*message);
-  if (!membership_.admits(message->run))
-    return wire.drops.count(Verdict::foreign_run, id, message->position.size());
+  if (!membership_.admits(message->run)) return wire.drops.count(Verdict::foreign_run, id, message->position.size());
   if (over_ || !wire.sender.admits(event.getConnectionHeaderPtr(), message->run)) return;
   if (wire.order) {
     const Verdict verdict = wire.order->receive(heading_of(*message));
@@ -70,8 +67,7 @@ void Channel::transmit(Wire& wire, const PositionEvent& event) {
   const auto received = messages_.take();
   received->header = message->header;
   set_id(message->run, id, *received);
-  wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), message->position,
-                      received->position);
+  wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), message->position, received->position);
   if (told_->wanted()) told_->take(wire.follower - 1, *received);
   publish(wire.received, received);
 }

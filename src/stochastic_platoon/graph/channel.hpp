@@ -33,9 +33,8 @@ class Channel {
 public:
   /// `told` takes what the followers are told, stream i - 1 of follower i. `superseded` is called with a configuration
   /// that has taken the present one's place and is of another string, or of another recording.
-  Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first,
-          std::uint32_t last, const MessagePool& messages, std::shared_ptr<Snapshots> told,
-          RunMembership::Join superseded);
+  Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
+          const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded);
 
   /// What it has passed on and dropped, of each of its links.
   VitalSigns::Sources sources() const;

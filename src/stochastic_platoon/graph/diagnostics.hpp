@@ -22,8 +22,8 @@ public:
 
   explicit VitalSigns(Sources sources) : sources_(std::move(sources)) {}
 
-  /// Adds step, rate, attempts and messages dropped by reason; a warning where messages were dropped since the last time
-  /// that should not have come.
+  /// Adds step, rate, attempts and messages dropped by reason; a warning where messages were dropped since the last
+  /// time that should not have come.
   void add_to(diagnostic_updater::DiagnosticStatusWrapper& status);
 
 private:
@@ -56,8 +56,9 @@ private:
 
 /// A status of these figures alone.
 inline Diagnostics::Fill vital_signs(VitalSigns::Sources sources) {
-  return [signs = VitalSigns(std::move(sources))](
-             diagnostic_updater::DiagnosticStatusWrapper& status) mutable { signs.add_to(status); };
+  return [signs = VitalSigns(std::move(sources))](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
+    signs.add_to(status);
+  };
 }
 
 }  // namespace platoon

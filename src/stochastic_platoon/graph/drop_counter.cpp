@@ -7,8 +7,7 @@
 namespace platoon {
 
 std::uint64_t DropCounter::faults() const {
-  return of(Verdict::out_of_turn) + of(Verdict::wrong_size) + of(Verdict::not_finite) +
-         of(Verdict::foreign_run);
+  return of(Verdict::out_of_turn) + of(Verdict::wrong_size) + of(Verdict::not_finite) + of(Verdict::foreign_run);
 }
 
 void DropCounter::count(Verdict verdict, const MessageId& id, std::size_t size) {
@@ -22,11 +21,10 @@ void DropCounter::count(Verdict verdict, const MessageId& id, std::size_t size) 
   ROS_WARN_STREAM(
       topic_ << ": dropped a message that is " << to_string(verdict) << ": attempt " << id.attempt
              << ", realizations from " << id.first_realization << ", step " << id.step << ", " << size
-             << " positions (so far " << of(Verdict::out_of_turn) << " out of turn, "
-             << of(Verdict::wrong_size) << " of wrong size, " << of(Verdict::not_finite) << " not finite, "
-             << of(Verdict::foreign_run) << " of another run)"
-             << (breach ? ". " + external_ + " is external: it violates " + named(*broken_clause(*breach))
-                        : ""));
+             << " positions (so far " << of(Verdict::out_of_turn) << " out of turn, " << of(Verdict::wrong_size)
+             << " of wrong size, " << of(Verdict::not_finite) << " not finite, " << of(Verdict::foreign_run)
+             << " of another run)"
+             << (breach ? ". " + external_ + " is external: it violates " + named(*broken_clause(*breach)) : ""));
 }
 
 }  // namespace platoon

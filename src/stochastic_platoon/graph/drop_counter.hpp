@@ -16,7 +16,8 @@ namespace platoon {
 /// What is expected after a restart or while links come up is counted in silence.
 class DropCounter {
 public:
-  /// `external`: name of the external vehicle that publishes the topic, whose contract a dropped message violates; empty: none.
+  /// `external`: name of the external vehicle that publishes the topic, whose contract a dropped message violates;
+  /// empty: none.
   explicit DropCounter(std::string topic, std::string external = {})
       : topic_(std::move(topic)), external_(std::move(external)) {}
 

@@ -35,8 +35,8 @@ bool ExternalVehicle::is_in_turn(const Position& message) const {
     return !same_run || std::tie(message.attempt, message.first_realization) >
                             std::tie(latest_->attempt, latest_->first_realization);
   }
-  return same_run && message.attempt == latest_->attempt &&
-         message.first_realization == latest_->first_realization && message.step == latest_->step + 1;
+  return same_run && message.attempt == latest_->attempt && message.first_realization == latest_->first_realization &&
+         message.step == latest_->step + 1;
 }
 
 void ExternalVehicle::receive(const Position::ConstPtr& message) {

@@ -23,8 +23,8 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
       position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)) {
   if (present) membership_.join(*present);
   // Last: its thread may be ahead of this one.
-  predecessor_position_ = platoon.subscribe(predecessor_position_topic(index), kUnboundedQueue,
-                                            &Follower::receive, this, no_delay());
+  predecessor_position_ =
+      platoon.subscribe(predecessor_position_topic(index), kUnboundedQueue, &Follower::receive, this, no_delay());
 }
 
 void Follower::begin(const Configuration& configuration) {
@@ -36,8 +36,7 @@ void Follower::begin(const Configuration& configuration) {
   const BatchSchedule schedule = configuration.run.schedule();
   part_.emplace(Part{schedule, leads(index_, followers, configuration.run.longest_lead()),
                      platoon_period(configuration.model.sample_period),
-                     FollowerVehicle(configuration.model, configuration.run.seed, index_),
-                     MessageOrder(schedule)});
+                     FollowerVehicle(configuration.model, configuration.run.seed, index_), MessageOrder(schedule)});
   if (joined_) joined_(configuration);
 }
 

@@ -46,8 +46,7 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunM
   progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &Leader::receive, this, no_delay());
   stall_timer_ = platoon.createSteadyTimer(ros::WallDuration(kWatchPeriod), [this](const auto&) { watch(); });
   if (paced_) {
-    pace_timer_ =
-        platoon.createSteadyTimer(ros::WallDuration(1.0 / run_.rate), [this](const auto&) { publish_one(); });
+    pace_timer_ = platoon.createSteadyTimer(ros::WallDuration(1.0 / run_.rate), [this](const auto&) { publish_one(); });
   }
 }
 
@@ -59,12 +58,11 @@ void Leader::begin(const Configuration& configuration) {
   }
   run_ = run;
   schedule_ = run.schedule();
-  part_.emplace(
-      Part{Credit(schedule_, {run.window, run.stall_timeout, first_step_timeout(run)}, run.receivers()),
-           LeaderVehicle(configuration.model),
-           platoon_period(configuration.model.sample_period),
-           paced_ && run.number == 1,
-           {}});
+  part_.emplace(Part{Credit(schedule_, {run.window, run.stall_timeout, first_step_timeout(run)}, run.receivers()),
+                     LeaderVehicle(configuration.model),
+                     platoon_period(configuration.model.sample_period),
+                     paced_ && run.number == 1,
+                     {}});
   for (const std::string& name : run.receivers())
     part_->reporters.emplace(name, SolePublisher(platoon_.resolveName(kProgressTopic) + " of " + name));
 }
@@ -72,8 +70,7 @@ void Leader::begin(const Configuration& configuration) {
 std::string Leader::obey(const LeaderOrders::Order& order) {
   if (run_.averaging() == Averaging::over_realizations) {
     throw std::runtime_error(
-        "refused: in a run of many realizations the leader drives by the model file (leader/speed there); an "
-        "endless run (live.launch, steps:=0) takes orders");
+        "refused: in a run of many realizations the leader drives by the model file (leader/speed there); an endless run (live.launch, steps:=0) takes orders");
   }
   return order(part_->vehicle.manoeuvre());
 }
@@ -88,8 +85,8 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
     if (!may_be_reported(schedule_, report)) {
       ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report of \""
                                         << reporter->first << "\" of what this run does not have: attempt "
-                                        << report.attempt << ", realizations from "
-                                        << report.first_realization << ", step " << report.step);
+                                        << report.attempt << ", realizations from " << report.first_realization
+                                        << ", step " << report.step);
       return;
     }
   }
@@ -100,9 +97,8 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
     }
     const bool notice = !message->note.empty();  // of a vehicle that cannot take part: the monitor's business
     if (notice) return;
-    ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report from \""
-                                      << printable(shortened(message->receiver))
-                                      << "\": it is no receiver of this run");
+    ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report from \"" << printable(shortened(message->receiver))
+                                                                       << "\": it is no receiver of this run");
     return;
   }
   if (message->note.rfind(kHoldsUp, 0) == 0) {
@@ -132,13 +128,13 @@ void Leader::watch() {
 }
 
 Diagnostics::Fill Leader::status() const {
-  return [this, signs = VitalSigns({{&activity_, nullptr}})](
-             diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
-    signs.add_to(status);
-    status.add("credit", std::to_string(window_.get() - unacknowledged_.get()) + " of " +
-                             std::to_string(window_.get()) + " steps");
-    status.add("unacknowledged steps", unacknowledged_.get());
-  };
+  return
+      [this, signs = VitalSigns({{&activity_, nullptr}})](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
+        signs.add_to(status);
+        status.add("credit", std::to_string(window_.get() - unacknowledged_.get()) + " of " +
+                                 std::to_string(window_.get()) + " steps");
+        status.add("unacknowledged steps", unacknowledged_.get());
+      };
 }
 
 void Leader::publish_allowed() {

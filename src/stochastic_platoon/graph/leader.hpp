@@ -31,8 +31,8 @@ namespace platoon {
 /// (stochastic_platoon/Position).
 class Leader {
 public:
-  /// `superseded` is called with a configuration that has taken the present one's place and is of other batches, another
-  /// pace or other receivers.
+  /// `superseded` is called with a configuration that has taken the present one's place and is of other batches,
+  /// another pace or other receivers.
   Leader(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
   /// A status of what it has published and of its credit.

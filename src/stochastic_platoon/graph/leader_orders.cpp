@@ -27,8 +27,7 @@ LeaderOrders::LeaderOrders(ros::NodeHandle platoon, Obey obey) : obey_(std::move
   advertise(platoon, "leader/cruise", [](Manoeuvre& manoeuvre) {
     if (!manoeuvre.is_under_way()) return std::string("the leader drives by the model file already");
     manoeuvre.cruise();
-    return formatted("the leader goes back, by %g m/s^2, to the speed of the model file",
-                     Manoeuvre::kAcceleration);
+    return formatted("the leader goes back, by %g m/s^2, to the speed of the model file", Manoeuvre::kAcceleration);
   });
   speed_ = platoon.subscribe("leader/speed", 10, &LeaderOrders::receive_speed, this);
 }
@@ -36,8 +35,7 @@ LeaderOrders::LeaderOrders(ros::NodeHandle platoon, Obey obey) : obey_(std::move
 void LeaderOrders::advertise(ros::NodeHandle platoon, const std::string& service, const Order& order) {
   using Request = std_srvs::Trigger::Request;
   using Response = std_srvs::Trigger::Response;
-  const boost::function<bool(Request&, Response&)> serve = [this, service, order](Request&,
-                                                                                  Response& response) {
+  const boost::function<bool(Request&, Response&)> serve = [this, service, order](Request&, Response& response) {
     try {
       response.message = obey_(order);
       response.success = 1;

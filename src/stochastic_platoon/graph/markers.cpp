@@ -15,9 +15,8 @@ namespace platoon {
 namespace {
 
 constexpr std::size_t kMostLabels = 30;
-constexpr double kSmoothing =
-    0.05;                        // of the view, a snapshot: the last vehicle swings, the camera should not
-constexpr double kClosed = 0.5;  // of the distance that should be
+constexpr double kSmoothing = 0.05;  // of the view, a snapshot: the last vehicle swings, the camera should not
+constexpr double kClosed = 0.5;      // of the distance that should be
 
 geometry_msgs::TransformStamped frame(const std::string& name, double x, const ros::Time& time) {
   geometry_msgs::TransformStamped made;

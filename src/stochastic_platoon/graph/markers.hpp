@@ -11,9 +11,9 @@
 namespace platoon {
 
 /// The platoon for RViz: a road, a vehicle per position, dark blue for the first follower to dark red for the last as
-/// in the paper's figures, its tracking error above it, and on the road the place that it should be at, plus and minus two
-/// standard deviations by theory. Red between two vehicles whose gap closes. A spectator of one realization, that costs
-/// the platoon one subscription.
+/// in the paper's figures, its tracking error above it, and on the road the place that it should be at, plus and minus
+/// two standard deviations by theory. Red between two vehicles whose gap closes. A spectator of one realization, that
+/// costs the platoon one subscription.
 ///
 /// Subscribes: snapshot (stochastic_platoon/Snapshot). Publishes: markers (visualization_msgs/MarkerArray) in the frame
 /// "platoon", whose origin is the leader, and /tf: "platoon" -> "vehicle_0" .. "vehicle_N" and, where the string ends,

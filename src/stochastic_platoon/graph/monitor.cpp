@@ -34,13 +34,11 @@ namespace {
 
 using Locked = std::lock_guard<SpinLock>;
 
-constexpr double kCheckpointPeriod = 1.0;  // [s]
-constexpr double kStartTime = 0.05;        // [s] a vehicle, from launch to its first message
-constexpr double kStallWithoutTimeout =
-    2.0;                          // [s] until the monitor says so, where the leader waits for ever
-constexpr double kSettled = 0.3;  // [s] without a message until what an attempt got to is looked at
-constexpr double kStatisticsPeriod =
-    1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
+constexpr double kCheckpointPeriod = 1.0;     // [s]
+constexpr double kStartTime = 0.05;           // [s] a vehicle, from launch to its first message
+constexpr double kStallWithoutTimeout = 2.0;  // [s] until the monitor says so, where the leader waits for ever
+constexpr double kSettled = 0.3;              // [s] without a message until what an attempt got to is looked at
+constexpr double kStatisticsPeriod = 1.0;     // [s] of an ensemble; an endless run publishes with every heartbeat
 
 std::string name_of(std::size_t vehicle) {
   return "vehicle_" + std::to_string(vehicle);
@@ -72,8 +70,8 @@ std::vector<TrackingError> errors_of(const Configuration& configuration) {
 
 }  // namespace
 
-Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
-                 const NodeOfVehicle& node_of_vehicle, RunMembership::Join superseded)
+Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration, const NodeOfVehicle& node_of_vehicle,
+                 RunMembership::Join superseded)
     : configuration_(configuration),
       output_(lock_output(configuration.run)),
       membership_(platoon, "monitor", run_identity(configuration), std::move(superseded)),
@@ -81,10 +79,9 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
       statistics_(configuration, checkpoint_of(configuration)),
       activity_(configuration.run.followers + 1),
       reports_(platoon, "monitor", configuration),
-      display_(
-          configuration.run.realizations, "realizations",
-          static_cast<double>(configuration.run.followers) * static_cast<double>(configuration.run.steps),
-          "vehicle-steps"),
+      display_(configuration.run.realizations, "realizations",
+               static_cast<double>(configuration.run.followers) * static_cast<double>(configuration.run.steps),
+               "vehicle-steps"),
       checkpointed_(statistics_.tally().positions_received),
       error_statistics_(platoon.advertise<ErrorStatistics>(kErrorStatisticsTopic, 1000, true)),
       overview_(platoon.advertise<Overview>(kOverviewTopic, 1, true)),
@@ -98,8 +95,7 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration,
   ignore_file_size_signal();
   text.data = to_json(configuration).dump();
   configuration_text_.publish(text);
-  if (endless())
-    headways_ = std::async(std::launch::async, flat_stable_headways, configuration.model).share();
+  if (endless()) headways_ = std::async(std::launch::async, flat_stable_headways, configuration.model).share();
   publish_overview({});  // the verdict need not wait for the first figures
   subscribe(platoon, node_of_vehicle);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
@@ -110,8 +106,7 @@ void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_ve
   for (std::size_t i = 0; i <= followers; ++i) {
     const bool external = configuration_.run.is_external(i);
     const std::string topic = platoon.resolveName(position_topic(i));
-    vehicles_.emplace_back(topic,
-                           external ? "; the vehicle is external: " + named(Clause::one_publisher) : "");
+    vehicles_.emplace_back(topic, external ? "; the vehicle is external: " + named(Clause::one_publisher) : "");
     drops_.emplace_back(topic, external ? name_of(i) : "");
   }
   for (std::size_t i = 0; i <= followers; ++i) {
@@ -138,8 +133,7 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
       reports_.saw(message->header.stamp.toNSec());
       receipt = statistics_.receive(vehicle, heading, positions_of(message));
     }
-    if (receipt.verdict != Verdict::in_turn)
-      return drops_[vehicle].count(receipt.verdict, heading.id, heading.size);
+    if (receipt.verdict != Verdict::in_turn) return drops_[vehicle].count(receipt.verdict, heading.id, heading.size);
   }
   drops_[vehicle].forget_breach();
   activity_[vehicle].count(heading.id);
@@ -241,8 +235,8 @@ void Monitor::finish() {
   display_.finish();
   for (std::int64_t k = 0; k < configuration_.run.steps; ++k) publish_statistics(k, result);
   publish_overview(result);
-  std::printf("%sResults: %s/statistics.csv and summary.json\n",
-              report(configuration_, prediction_, result).c_str(), configuration_.run.output.c_str());
+  std::printf("%sResults: %s/statistics.csv and summary.json\n", report(configuration_, prediction_, result).c_str(),
+              configuration_.run.output.c_str());
   std::fflush(stdout);
   finished_ = true;
   const Locked lock(lock_);
@@ -255,23 +249,20 @@ void Monitor::stop() {
   display_.finish();
   if (endless() && began_) statistics_.set_wall_seconds(wall_seconds_before_ + now() - *began_);
   const Checkpoint checkpoint = statistics_.checkpoint();
-  if (checkpoint.tally.positions_received > checkpointed_)
-    write_checkpoint(configuration_.run.output, checkpoint);
+  if (checkpoint.tally.positions_received > checkpointed_) write_checkpoint(configuration_.run.output, checkpoint);
   const RunResult partial = statistics_.result(false);
   write_results(configuration_, prediction_, partial);
   std::printf("%s", report(configuration_, prediction_, partial).c_str());
   if (!endless()) {
-    std::printf("Stopped after %llu of %llu realizations. ",
-                static_cast<unsigned long long>(partial.realizations),
+    std::printf("Stopped after %llu of %llu realizations. ", static_cast<unsigned long long>(partial.realizations),
                 static_cast<unsigned long long>(configuration_.run.realizations));
   }
-  std::printf("The same launch with output:=%s resume:=true goes on from there.\n",
-              configuration_.run.output.c_str());
+  std::printf("The same launch with output:=%s resume:=true goes on from there.\n", configuration_.run.output.c_str());
   std::fflush(stdout);
 }
 
-// An attempt that gets no further brings messages, too: only more of them than in any since the latest complete step are
-// progress.
+// An attempt that gets no further brings messages, too: only more of them than in any since the latest complete step
+// are progress.
 void Monitor::note_arrival(double present) {
   last_message_ = present;
   const std::uint64_t messages = statistics_.arrivals().messages();
@@ -319,8 +310,7 @@ void Monitor::check_for_stall(double present) {
 Diagnostics::Fill Monitor::status() {
   VitalSigns::Sources sources;
   for (std::size_t i = 0; i < activity_.size(); ++i) sources.emplace_back(&activity_[i], &drops_[i]);
-  return [this, signs = VitalSigns(std::move(sources))](
-             diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
+  return [this, signs = VitalSigns(std::move(sources))](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
     signs.add_to(status);
     std::string who;
     std::uint64_t committed;
@@ -331,8 +321,7 @@ Diagnostics::Fill Monitor::status() {
       if (stall_.stalled()) repeated = retries();
       committed = statistics_.arrivals().committed();
     }
-    if (!who.empty())
-      status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, "the platoon stands still: " + who);
+    if (!who.empty()) status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, "the platoon stands still: " + who);
     status.add("culprit", who);
     status.add("retries", repeated);
     status.add("realizations", endless() ? 1 : committed);
@@ -345,21 +334,19 @@ std::string Monitor::culprit() const {
   }
   std::string missing = name_of_missing();
   if (!missing.empty()) return missing;
-  const StallDiagnosis diagnosis = diagnose_stall(
-      statistics_.arrivals().latest(), configuration_.run.schedule(), configuration_.run.longest_lead(),
-      configuration_.run.external, statistics_.arrivals().latest_of_any_attempt());
+  const StallDiagnosis diagnosis =
+      diagnose_stall(statistics_.arrivals().latest(), configuration_.run.schedule(), configuration_.run.longest_lead(),
+                     configuration_.run.external, statistics_.arrivals().latest_of_any_attempt());
   const auto note = notes_.find(name_of(diagnosis.vehicle.value_or(0)));
   const bool explained = diagnosis.vehicle && note != notes_.end();
-  return diagnosis.text + (explained ? "; it says: " + note->second : "") +
-         breach_of(diagnosis.vehicle.value_or(0));
+  return diagnosis.text + (explained ? "; it says: " + note->second : "") + breach_of(diagnosis.vehicle.value_or(0));
 }
 
 // The clause that an external vehicle violates which blocks the platoon.
 std::string Monitor::breach_of(std::size_t vehicle) const {
   if (!configuration_.run.is_external(vehicle)) return "";
   const std::optional<Verdict> breach = drops_[vehicle].latest_breach();
-  const std::string what =
-      breach ? std::string("what it sent last was dropped, as ") + to_string(*breach) + "; " : "";
+  const std::string what = breach ? std::string("what it sent last was dropped, as ") + to_string(*breach) + "; " : "";
   return "; the vehicle is external: " + what + named(breach ? *broken_clause(*breach) : Clause::answer);
 }
 
@@ -376,23 +363,20 @@ void Monitor::show_start(double present) {
   const std::vector<std::size_t> missing = missing_vehicles();
   const auto is_external = [&run](std::size_t vehicle) { return run.is_external(vehicle); };
   if (!missing.empty() && std::all_of(missing.begin(), missing.end(), is_external)) {
-    const std::string others = missing.size() > 1
-                                   ? formatted(" (and %zu more external vehicles)", missing.size() - 1)
-                                   : std::string();
-    return display_.prepare("waiting for external " + name_of(missing[0]) + ": start its node" + others,
-                            present);
+    const std::string others =
+        missing.size() > 1 ? formatted(" (and %zu more external vehicles)", missing.size() - 1) : std::string();
+    return display_.prepare("waiting for external " + name_of(missing[0]) + ": start its node" + others, present);
   }
   if (!missing.empty()) {
-    return display_.prepare(formatted("waiting for %zu of %zu vehicles", missing.size(), run.followers + 1),
-                            present);
+    return display_.prepare(formatted("waiting for %zu of %zu vehicles", missing.size(), run.followers + 1), present);
   }
   std::uint64_t messages;
   {
     const Locked lock(lock_);
     messages = statistics_.arrivals().messages();
   }
-  const auto share = static_cast<double>(messages) / static_cast<double>(messages_of_first_step(
-                                                         run.followers, run.longest_lead(), run.steps));
+  const auto share = static_cast<double>(messages) /
+                     static_cast<double>(messages_of_first_step(run.followers, run.longest_lead(), run.steps));
   display_.prepare(formatted("first step: %.0f %%", 100.0 * std::min(share, 1.0)), present);
 }
 
@@ -402,8 +386,8 @@ void Monitor::show_manoeuvre(bool departs) {
   if (departs) {
     ROS_INFO("the leader manoeuvres: averages leave out what it causes");
   } else {
-    ROS_INFO_STREAM("the leader drives by the model file again: averages go on in "
-                    << configuration_.run.burn_in << " steps");
+    ROS_INFO_STREAM("the leader drives by the model file again: averages go on in " << configuration_.run.burn_in
+                                                                                    << " steps");
   }
 }
 
@@ -413,10 +397,9 @@ std::string Monitor::name_of_missing() const {
   if (missing.empty()) return "";
   const std::string name = name_of(missing.front());
   if (missing.size() == 1 && configuration_.run.is_external(missing[0]))
-    return name + " is external and not there: start its node (nobody publishes " +
-           positions_[missing[0]].getTopic() + ")";
-  if (missing.size() == 1)
-    return name + " is not there: nobody publishes " + positions_[missing[0]].getTopic();
+    return name + " is external and not there: start its node (nobody publishes " + positions_[missing[0]].getTopic() +
+           ")";
+  if (missing.size() == 1) return name + " is not there: nobody publishes " + positions_[missing[0]].getTopic();
   return std::to_string(missing.size()) + " of " + std::to_string(positions_.size()) +
          " vehicles are not there, the first of them " + name;
 }

@@ -41,8 +41,9 @@ namespace platoon {
 ///
 /// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), i = 0 .. N; progress
 /// (stochastic_platoon/Progress, of others). Publishes: progress, error_statistics
-/// (stochastic_platoon/ErrorStatistics), overview (stochastic_platoon/Overview, latched), configuration (std_msgs/String,
-/// latched: model and run as JSON), snapshot (stochastic_platoon/Snapshot). Service: change_run (see RunChange).
+/// (stochastic_platoon/ErrorStatistics), overview (stochastic_platoon/Overview, latched), configuration
+/// (std_msgs/String, latched: model and run as JSON), snapshot (stochastic_platoon/Snapshot). Service: change_run (see
+/// RunChange).
 class Monitor {
 public:
   /// Gives the node whose queue receives the positions of a vehicle: several threads may serve these queues.
@@ -53,8 +54,8 @@ public:
   Monitor(ros::NodeHandle platoon, const Configuration& configuration, const NodeOfVehicle& node_of_vehicle,
           RunMembership::Join superseded);
 
-  /// A status of what has arrived, and of who holds the platoon up: "culprit", empty while nothing does, and the "retries"
-  /// since it stands still.
+  /// A status of what has arrived, and of who holds the platoon up: "culprit", empty while nothing does, and the
+  /// "retries" since it stands still.
   Diagnostics::Fill status();
 
   /// Writes down what there is of an unfinished run. Call it when the callbacks have ended.
@@ -110,11 +111,10 @@ private:
 
   ProgressDisplay display_;
   RetryPause disk_;
-  std::uint64_t checkpointed_;             ///< positions in the latest checkpoint
-  std::optional<double> last_checkpoint_;  ///< [s]
-  std::optional<double> last_statistics_;  ///< [s]
-  std::shared_future<std::vector<double>>
-      headways_;  ///< of an endless run, as another may follow: takes a while
+  std::uint64_t checkpointed_;                        ///< positions in the latest checkpoint
+  std::optional<double> last_checkpoint_;             ///< [s]
+  std::optional<double> last_statistics_;             ///< [s]
+  std::shared_future<std::vector<double>> headways_;  ///< of an endless run, as another may follow: takes a while
   bool finished_ = false;
   bool departs_ = false;  ///< the leader, as last said
 

@@ -64,8 +64,7 @@ void add_verdict(const Prediction& prediction, Overview& message) {
 void add_cells(const Columns& columns, Overview& message) {
   const std::size_t width = columns.steps.size(), cells = columns.run.followers * width;
   message.step = columns.steps;
-  for (auto* values :
-       {&message.mean, &message.variance, &message.theoretical_mean, &message.theoretical_variance})
+  for (auto* values : {&message.mean, &message.variance, &message.theoretical_mean, &message.theoretical_variance})
     values->resize(cells);
   for (std::size_t j = 0; j < width; ++j) {
     const bool last = j + 1 == width;
@@ -78,9 +77,9 @@ void add_cells(const Columns& columns, Overview& message) {
       message.theoretical_variance[at] = of.theoretical_variance;
       if (!last) continue;
       message.standard_error.push_back(standard_error_of_variance(of));
-      message.variance_score.push_back(scores(of.measured, of.theoretical_mean, of.theoretical_variance,
-                                              of.rounding, of.share, of.fourth_moment)
-                                           .variance);
+      message.variance_score.push_back(
+          scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share, of.fourth_moment)
+              .variance);
     }
   }
 }
@@ -108,18 +107,16 @@ Overview overview_of(const RunOptions& run, const Prediction& prediction, const 
   add_cells(columns, message);
   // All of a run of millions of cells would take longer than the second until the next message.
   const bool all = result.complete || result.moments.size() <= kMostCells;
-  const std::optional<Agreement> found =
-      all ? measured_agreement(run, prediction, result)
-          : measured_agreement(columns.run, columns.prediction, columns.result);
+  const std::optional<Agreement> found = all ? measured_agreement(run, prediction, result)
+                                             : measured_agreement(columns.run, columns.prediction, columns.result);
   message.max_abs_z_mean = found ? found->max_abs_z_mean : kNone;
   message.max_abs_z_variance = found ? found->max_abs_z_variance : kNone;
   message.plausible_z = found ? found->plausible_z : kNone;
-  message.realizations_needed =
-      found || result.realizations == 0
-          ? kNone
-          : (all ? realizations_needed(run, prediction, result)
-                 : realizations_needed(columns.run, columns.prediction, columns.result))
-                .value_or(kNone);
+  message.realizations_needed = found || result.realizations == 0
+                                    ? kNone
+                                    : (all ? realizations_needed(run, prediction, result)
+                                           : realizations_needed(columns.run, columns.prediction, columns.result))
+                                          .value_or(kNone);
   return message;
 }
 

@@ -28,8 +28,7 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Conf
       options_(options),
       stream_(options.bags,
               [](const PlatoonTopic& topic) {
-                return topic.kind == PlatoonTopic::Kind::position ||
-                       topic.kind == PlatoonTopic::Kind::error_statistics;
+                return topic.kind == PlatoonTopic::Kind::position || topic.kind == PlatoonTopic::Kind::error_statistics;
               }),
       reading_(recorded_platoon(options.bags)),
       upcoming_(next()),
@@ -75,8 +74,7 @@ bool Player::may_publish(const Position& message) const {
     const double due = since_first(message) - options_.start;
     if (now() - *began_ < due / options_.rate) return false;
   }
-  return steps_covered(schedule_, 0, id_of(message)) <= acknowledged_ + window_ ||
-         now() - last_progress_ > 1.0;
+  return steps_covered(schedule_, 0, id_of(message)) <= acknowledged_ + window_ || now() - last_progress_ > 1.0;
 }
 
 void Player::play() {
@@ -106,8 +104,7 @@ std::optional<RecordedPosition> Player::next() {
 
 void Player::require_as_recorded() const {
   const std::vector<std::string> changed = reading_.changed_figures();
-  if (!changed.empty())
-    throw BagError(options_.bags.files.front() + ": error_statistics: " + changed.front());
+  if (!changed.empty()) throw BagError(options_.bags.files.front() + ": error_statistics: " + changed.front());
 }
 
 }  // namespace platoon

@@ -19,9 +19,8 @@ ProgressReports::ProgressReports(ros::NodeHandle platoon, const std::string& rec
 }
 
 bool ProgressReports::is_linked(const std::vector<ros::Subscriber>& subscribers) {
-  linked_ = linked_ ||
-            std::all_of(subscribers.begin(), subscribers.end(),
-                        [](const ros::Subscriber& subscriber) { return subscriber.getNumPublishers() > 0; });
+  linked_ = linked_ || std::all_of(subscribers.begin(), subscribers.end(),
+                                   [](const ros::Subscriber& subscriber) { return subscriber.getNumPublishers() > 0; });
   return linked_;
 }
 

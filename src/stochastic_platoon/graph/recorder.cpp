@@ -46,13 +46,11 @@ void Recorder::write(const Work& work) {
   }
 }
 
-Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration,
-                   RunMembership::Join superseded)
+Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded)
     : configuration_(configuration),
       membership_(platoon, "recorder", run_identity(configuration), std::move(superseded)),
       name_space_(parent_of(platoon.resolveName(kConfigurationTopic))),
-      reported_(configuration.run.schedule(), streams_of(configuration.run),
-                configuration.run.first_realization, 0),
+      reported_(configuration.run.schedule(), streams_of(configuration.run), configuration.run.first_realization, 0),
       activity_(streams_of(configuration.run)),
       reports_(platoon, "recorder", configuration) {
   ignore_file_size_signal();
@@ -66,12 +64,12 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration,
     const boost::function<void(const PositionEvent&)> callback = [this, s](const PositionEvent& event) {
       receive(s, event);
     };
-    positions_.push_back(platoon.subscribe<Position, const PositionEvent&>(
-        topic_of_stream(s, configuration.run, name_space_), kUnboundedQueue, callback, ros::VoidConstPtr(),
-        no_delay()));
+    positions_.push_back(
+        platoon.subscribe<Position, const PositionEvent&>(topic_of_stream(s, configuration.run, name_space_),
+                                                          kUnboundedQueue, callback, ros::VoidConstPtr(), no_delay()));
   }
-  error_statistics_ = platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics,
-                                        this, no_delay());
+  error_statistics_ =
+      platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics, this, no_delay());
   // The leader of a run that a change begins waits for the recorder's first report: no position would tell of it.
   progress_ = platoon.subscribe<stochastic_platoon::Progress>(
       kProgressTopic, kUnboundedQueue,
@@ -137,13 +135,11 @@ void Recorder::receive_statistics(const ErrorStatistics::ConstPtr& message) {
 
 void Recorder::finish() {
   if (!recording_->ready_to_finish()) return;
-  if (recording_->needs_rewriting())
-    ROS_INFO("writing the bag once more, without the attempts that were given up");
+  if (recording_->needs_rewriting()) ROS_INFO("writing the bag once more, without the attempts that were given up");
   recording_->finish();
   if (!recording_->finished()) {
-    ROS_WARN_STREAM(
-        configuration_.run.record
-        << ": a part of what was recorded cannot be read any more: what follows it is recorded again");
+    ROS_WARN_STREAM(configuration_.run.record
+                    << ": a part of what was recorded cannot be read any more: what follows it is recorded again");
     return report();
   }
   pause_.succeeded();
@@ -166,8 +162,7 @@ void Recorder::report() {
   }
   const double megabytes = static_cast<double>(recording_->bytes()) * 1e-6;
   const double seconds = began_ ? now() - *began_ : 0.0;
-  reports_.set_note(
-      formatted("bag %.0f MB, %.0f MB/s", megabytes, seconds > 0.0 ? megabytes / seconds : 0.0));
+  reports_.set_note(formatted("bag %.0f MB, %.0f MB/s", megabytes, seconds > 0.0 ? megabytes / seconds : 0.0));
   reports_.report(recording_->arrivals());
 }
 

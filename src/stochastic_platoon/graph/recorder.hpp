@@ -26,7 +26,8 @@ namespace platoon {
 /// grows, and goes on with the whole batches of the file as a recorder does that was killed.
 ///
 /// Subscribes: vehicle_<i>/position, vehicle_<i>/predecessor_position (stochastic_platoon/Position),
-/// error_statistics (stochastic_platoon/ErrorStatistics), progress (of others). Publishes: progress (stochastic_platoon/Progress).
+/// error_statistics (stochastic_platoon/ErrorStatistics), progress (of others). Publishes: progress
+/// (stochastic_platoon/Progress).
 class Recorder {
 public:
   /// Throws ConfigurationError as RunRecording does. `superseded` is called with a configuration that has

@@ -103,8 +103,7 @@ void add_road(Scene& scene, double from, double to, double travelled) {
   for (const double y : {-0.5 * kLane, 1.5 * kLane}) add_line(edges, from, to, y, 0.0);
   // Of the marks at whole periods of the way travelled those that are in sight.
   const auto each = [&](double period, const auto& place) {
-    for (double mark = std::ceil((from + travelled) / period) * period; mark - travelled <= to;
-         mark += period)
+    for (double mark = std::ceil((from + travelled) / period) * period; mark - travelled <= to; mark += period)
       place(mark - travelled);
   };
   Marker& dashes = add_lines(scene, "dashes", 0.18, white);
@@ -122,8 +121,7 @@ void add_places(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   for (std::size_t i = 1; i < vehicles.size(); ++i) {
     const SceneVehicle& vehicle = vehicles[i];
     if (!std::isfinite(vehicle.place) || !std::isfinite(vehicle.deviation)) continue;
-    Marker& band =
-        add_lines(scene, "two_sigma", 0.3, mixed(colour_of(i, vehicles.size()), rgba(1, 1, 1), 0.3F));
+    Marker& band = add_lines(scene, "two_sigma", 0.3, mixed(colour_of(i, vehicles.size()), rgba(1, 1, 1), 0.3F));
     band.id = ++id;
     // In two rows, as neighbours' overlap; no shorter than a vehicle's mark.
     const double y = -0.5 * kLane - (i % 2 == 0 ? 0.55 : 1.05), half = std::max(2.0 * vehicle.deviation, 0.1);
@@ -142,8 +140,7 @@ void add_places(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
 void add_vehicles(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   const auto list = [&](const std::string& name, int type, double x, double y, double z, const auto& each) {
     Marker& made = scene.add(name, type, x, y, z);
-    for (std::size_t i = 0; i < vehicles.size(); ++i)
-      each(made, vehicles[i].x, colour_of(i, vehicles.size()));
+    for (std::size_t i = 0; i < vehicles.size(); ++i) each(made, vehicles[i].x, colour_of(i, vehicles.size()));
   };
   const auto put = [](Marker& made, double x, double y, double z, const ColorRGBA& painted) {
     made.points.push_back(point(x, y, z));
@@ -151,10 +148,9 @@ void add_vehicles(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   };
   list("bodies", Marker::CUBE_LIST, kLength, kWidth, 0.65,
        [&](Marker& made, double x, const ColorRGBA& own) { put(made, x, 0.0, 0.62, own); });
-  list("windows", Marker::CUBE_LIST, 0.56 * kLength, 0.9 * kWidth, 0.42,
-       [&](Marker& made, double x, const ColorRGBA&) {
-         put(made, x - 0.1 * kLength, 0.0, 1.12, rgba(0.13, 0.16, 0.20));
-       });
+  list("windows", Marker::CUBE_LIST, 0.56 * kLength, 0.9 * kWidth, 0.42, [&](Marker& made, double x, const ColorRGBA&) {
+    put(made, x - 0.1 * kLength, 0.0, 1.12, rgba(0.13, 0.16, 0.20));
+  });
   list("roofs", Marker::CUBE_LIST, 0.5 * kLength, 0.88 * kWidth, 0.1,
        [&](Marker& made, double x, const ColorRGBA& own) {
          put(made, x - 0.1 * kLength, 0.0, 1.37, mixed(own, rgba(1, 1, 1), 0.15F));
@@ -167,8 +163,7 @@ void add_vehicles(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   });
   list("wheels", Marker::SPHERE_LIST, 0.66, 0.3, 0.66, [&](Marker& made, double x, const ColorRGBA&) {
     for (const double along : {-0.31 * kLength, 0.31 * kLength}) {
-      for (const double y : {-0.47 * kWidth, 0.47 * kWidth})
-        put(made, x + along, y, 0.33, rgba(0.06, 0.06, 0.07));
+      for (const double y : {-0.47 * kWidth, 0.47 * kWidth}) put(made, x + along, y, 0.33, rgba(0.06, 0.06, 0.07));
     }
   });
 }
@@ -191,8 +186,8 @@ void add_labels(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
 visualization_msgs::MarkerArray road_scene(const std::vector<SceneVehicle>& vehicles, double travelled,
                                            const ros::Time& time) {
   Scene scene(time);
-  const auto [last, first] = std::minmax_element(vehicles.begin(), vehicles.end(),
-                                                 [](const auto& a, const auto& b) { return a.x < b.x; });
+  const auto [last, first] =
+      std::minmax_element(vehicles.begin(), vehicles.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
   add_road(scene, last->x - kBehind, first->x + kBefore, travelled);
   add_places(scene, vehicles);
   add_vehicles(scene, vehicles);

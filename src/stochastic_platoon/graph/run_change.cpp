@@ -27,8 +27,7 @@ std::string suffix_of(std::uint64_t number) {
 // "/tmp/live", "/tmp/live-run2", ...: that of another run of the same launch.
 std::string renamed(std::string stem, std::uint64_t from, std::uint64_t to, const std::string& extension) {
   const auto drop = [&stem](const std::string& end) {
-    const bool there =
-        stem.size() > end.size() && stem.compare(stem.size() - end.size(), end.size(), end) == 0;
+    const bool there = stem.size() > end.size() && stem.compare(stem.size() - end.size(), end.size(), end) == 0;
     if (there) stem.resize(stem.size() - end.size());
   };
   drop(extension);
@@ -45,10 +44,9 @@ bool is_taken(const RunOptions& run) {
 
 Configuration changed(const Configuration& present, const std::map<std::string, std::string>& given) {
   if (present.run.averaging() == Averaging::over_realizations) {
-    throw ConfigurationError({"steps: " + std::to_string(present.run.steps) +
-                              ": must be 0 (an endless run, as live.launch's) for a change: statistics over "
-                              "realizations are of one "
-                              "configuration; launch another run instead"});
+    throw ConfigurationError(
+        {"steps: " + std::to_string(present.run.steps) +
+         ": must be 0 (an endless run, as live.launch's) for a change: statistics over realizations are of one configuration; launch another run instead"});
   }
   Configuration next = parse_configuration(configuration_document(present, given));
   RunOptions& run = next.run;

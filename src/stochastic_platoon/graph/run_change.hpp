@@ -13,8 +13,8 @@
 namespace platoon {
 
 /// What becomes of an endless run's configuration when some settings change: the next run of its launch, with a folder
-/// and a bag of its own beside those of this one, which stay as they are. Throws ConfigurationError as the launch file's
-/// arguments do, and for a run over realizations.
+/// and a bag of its own beside those of this one, which stay as they are. Throws ConfigurationError as the launch
+/// file's arguments do, and for a run over realizations.
 Configuration changed(const Configuration& present, const std::map<std::string, std::string>& given);
 
 /// The service change_run (stochastic_platoon/ChangeRun): headway, noise and loss of an endless run. A new run begins
@@ -33,8 +33,7 @@ public:
   void begin_if_asked();
 
 private:
-  bool serve(stochastic_platoon::ChangeRun::Request& request,
-             stochastic_platoon::ChangeRun::Response& response);
+  bool serve(stochastic_platoon::ChangeRun::Request& request, stochastic_platoon::ChangeRun::Response& response);
 
   ros::NodeHandle platoon_;
   Configuration present_;

@@ -45,8 +45,8 @@ std::optional<Configuration> read_configuration(const ros::NodeHandle& platoon) 
   std::string text;
   if (!platoon.hasParam("configuration")) return std::nullopt;
   if (!platoon.getParam("configuration", text)) {
-    throw ConfigurationError({platoon.resolveName("configuration") +
-                              ": must be a text, the output of configure (platoon.launch sets it)"});
+    throw ConfigurationError(
+        {platoon.resolveName("configuration") + ": must be a text, the output of configure (platoon.launch sets it)"});
   }
   return parse_configuration(text);
 }
@@ -55,21 +55,17 @@ std::optional<Configuration> wait_for_configuration(const ros::NodeHandle& plato
   while (ros::ok()) {
     std::optional<Configuration> found = read_configuration(platoon);
     if (found) return found;
-    ROS_WARN_STREAM_THROTTLE(10.0, "waiting for the parameter "
-                                       << platoon.resolveName("configuration")
-                                       << ": platoon.launch sets it, and is to be started again where the "
-                                          "master has been");
+    ROS_WARN_STREAM_THROTTLE(10.0,
+                             "waiting for the parameter "
+                                 << platoon.resolveName("configuration")
+                                 << ": platoon.launch sets it, and is to be started again where the master has been");
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
   }
   return std::nullopt;
 }
 
 RunMembership::RunMembership(const ros::NodeHandle& platoon, std::string name, std::uint64_t run, Join join)
-    : platoon_(platoon),
-      name_(std::move(name)),
-      join_(std::move(join)),
-      lives_for_one_(run != 0),
-      run_(run) {}
+    : platoon_(platoon), name_(std::move(name)), join_(std::move(join)), lives_for_one_(run != 0), run_(run) {}
 
 RunMembership::~RunMembership() {
   ros::getGlobalCallbackQueue()->removeByID(reinterpret_cast<std::uint64_t>(this));
@@ -100,8 +96,7 @@ bool RunMembership::looks_and_admits(std::uint64_t run) {
     } else if (run_identity(*configuration) != run) {
       refuse(run, run_identity(*configuration) == run_
                       ? "the platoon's run is " + shown(run_)
-                      : "the configuration that " + name_ + " reads is of run " +
-                            shown(run_identity(*configuration)));
+                      : "the configuration that " + name_ + " reads is of run " + shown(run_identity(*configuration)));
     } else {
       join(*configuration);
       last_reason_.clear();
@@ -139,8 +134,7 @@ void RunMembership::tell(std::uint64_t run, std::uint32_t attempt, const std::st
     if (!notices_) notices_ = platoon_.advertise<stochastic_platoon::Progress>(kProgressTopic, 10, true);
     notices_.publish(notice);
   };
-  ros::getGlobalCallbackQueue()->addCallback(boost::make_shared<Call>(publish),
-                                             reinterpret_cast<std::uint64_t>(this));
+  ros::getGlobalCallbackQueue()->addCallback(boost::make_shared<Call>(publish), reinterpret_cast<std::uint64_t>(this));
 }
 
 }  // namespace platoon

@@ -36,9 +36,7 @@ public:
 
   /// Whether a message of this run counts. Looks at the parameter server for a run that it does not know, at
   /// most five times a second for the same, twenty for any.
-  bool admits(std::uint64_t run) {
-    return run == run_.load(std::memory_order_relaxed) || looks_and_admits(run);
-  }
+  bool admits(std::uint64_t run) { return run == run_.load(std::memory_order_relaxed) || looks_and_admits(run); }
 
   /// Takes part in the run of this configuration from now on, by Join.
   void join(const Configuration& configuration);

@@ -25,8 +25,7 @@ Snapshots::Snapshots(ros::NodeHandle platoon, const std::string& topic, std::siz
 void Snapshots::set_rate(double rate) {
   paced_ = rate > 0.0;
   const std::lock_guard<SpinLock> lock(lock_);
-  assembly_.set_stride(
-      std::max<std::int64_t>(1, std::llround(std::ceil(std::min(rate, 1e9) * kSnapshotPeriod))));
+  assembly_.set_stride(std::max<std::int64_t>(1, std::llround(std::ceil(std::min(rate, 1e9) * kSnapshotPeriod))));
 }
 
 void Snapshots::take(std::size_t stream, const stochastic_platoon::Position& message) {
@@ -35,8 +34,7 @@ void Snapshots::take(std::size_t stream, const stochastic_platoon::Position& mes
   const std::lock_guard<SpinLock> lock(lock_);
   if (message.run != run_) assembly_.clear();
   run_ = message.run;
-  std::optional<Snapshot> complete =
-      assembly_.take(stream, id_of(message), message.position.front(), present);
+  std::optional<Snapshot> complete = assembly_.take(stream, id_of(message), message.position.front(), present);
   if (!complete) return;
   complete_ = std::move(complete);
   stamp_ = message.header.stamp;

@@ -32,8 +32,7 @@ double predecessor_at(std::int64_t step, std::uint64_t realization) {
 }
 
 bool same_bits(const std::vector<double>& one, const std::vector<double>& other) {
-  return one.size() == other.size() &&
-         std::memcmp(one.data(), other.data(), one.size() * sizeof(double)) == 0;
+  return one.size() == other.size() && std::memcmp(one.data(), other.data(), one.size() * sizeof(double)) == 0;
 }
 
 }  // namespace
@@ -48,13 +47,12 @@ VehicleCheck::VehicleCheck(ros::NodeHandle platoon, const Configuration& present
       patience_(patience),
       schedule_(present.run.schedule()),
       period_(platoon_period(present.model.sample_period)),
-      predecessor_position_(
-          platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
+      predecessor_position_(platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
   const boost::function<void(const PositionEvent&)> callback = [this](const PositionEvent& event) {
     received_.push_back({event.getMessage(), event.getPublisherName()});
   };
-  position_ = platoon.subscribe<Position, const PositionEvent&>(position_topic(vehicle), kUnboundedQueue,
-                                                                callback, ros::VoidConstPtr(), no_delay());
+  position_ = platoon.subscribe<Position, const PositionEvent&>(position_topic(vehicle), kUnboundedQueue, callback,
+                                                                ros::VoidConstPtr(), no_delay());
 }
 
 bool VehicleCheck::wait_for_vehicle(double seconds) {
@@ -225,8 +223,7 @@ void VehicleCheck::wait_for_answer(std::int64_t step) {
   while (answered_ < step) {
     const std::optional<Received> answer = next(patience_);
     if (!answer) {
-      broken(tested_.value_or(Clause::answer),
-             here(answered_ + 1) + formatted(": no answer within %g s", patience_));
+      broken(tested_.value_or(Clause::answer), here(answered_ + 1) + formatted(": no answer within %g s", patience_));
     }
     judge(*answer);
   }
@@ -248,8 +245,8 @@ void VehicleCheck::judge(const Received& received) {
   if (publishers_.size() > 1)
     broken(Clause::one_publisher,
            *publishers_.begin() + " and " + *publishers_.rbegin() + " publish " + position_.getTopic());
-  const bool is_first = message.run == run_ && message.attempt == sent_.attempt &&
-                        message.first_realization == sent_.first_realization;
+  const bool is_first =
+      message.run == run_ && message.attempt == sent_.attempt && message.first_realization == sent_.first_realization;
   if (starting_ && !is_first) return;
   judge_name(message);
   starting_ = false;
@@ -262,8 +259,7 @@ void VehicleCheck::judge(const Received& received) {
   ros::Time due = start_;
   for (std::int64_t k = kInitialStep; k < message.step; ++k) due = later(due, period_);
   if (message.header.stamp != due)
-    broken(Clause::stamp,
-           step + formatted(": stamp %.9f s, of %.9f s", message.header.stamp.toSec(), due.toSec()));
+    broken(Clause::stamp, step + formatted(": stamp %.9f s, of %.9f s", message.header.stamp.toSec(), due.toSec()));
   answered_ = message.step;
   answers_[message.step] = message.position;
 }
@@ -272,16 +268,15 @@ void VehicleCheck::judge(const Received& received) {
 void VehicleCheck::judge_name(const Position& message) const {
   const std::string due = here(answered_ + 1) + " was due, and came: ";
   if (message.run != run_)
-    broken(tested_.value_or(Clause::run), due + formatted("a message of run %016llx instead of %016llx",
-                                                          static_cast<unsigned long long>(message.run),
-                                                          static_cast<unsigned long long>(run_)));
+    broken(tested_.value_or(Clause::run),
+           due + formatted("a message of run %016llx instead of %016llx", static_cast<unsigned long long>(message.run),
+                           static_cast<unsigned long long>(run_)));
   if (message.attempt != sent_.attempt)
-    broken(tested_.value_or(Clause::attempt), due + "attempt " + std::to_string(message.attempt) +
-                                                  " instead of " + std::to_string(sent_.attempt));
+    broken(tested_.value_or(Clause::attempt),
+           due + "attempt " + std::to_string(message.attempt) + " instead of " + std::to_string(sent_.attempt));
   const bool is_due = message.first_realization == sent_.first_realization && message.step == answered_ + 1;
   if (!is_due || message.step > sent_.step + 1)
-    broken(tested_.value_or(Clause::turn), due + "step " + std::to_string(message.step) +
-                                               " of the realizations from " +
+    broken(tested_.value_or(Clause::turn), due + "step " + std::to_string(message.step) + " of the realizations from " +
                                                std::to_string(message.first_realization));
 }
 
@@ -290,8 +285,8 @@ void VehicleCheck::broken(Clause clause, const std::string& what) const {
 }
 
 std::string VehicleCheck::here(std::int64_t step) const {
-  return "step " + std::to_string(step) + " of the realizations from " +
-         std::to_string(sent_.first_realization) + ", attempt " + std::to_string(sent_.attempt);
+  return "step " + std::to_string(step) + " of the realizations from " + std::to_string(sent_.first_realization) +
+         ", attempt " + std::to_string(sent_.attempt);
 }
 
 }  // namespace platoon

@@ -35,8 +35,8 @@ public:
 
   /// `present` and `next` are two runs of one vehicle more than 1000 realizations in batches of 1000. `patience` [s]
   /// for an answer.
-  VehicleCheck(ros::NodeHandle platoon, const Configuration& present, const Configuration& next,
-               std::size_t vehicle, double patience);
+  VehicleCheck(ros::NodeHandle platoon, const Configuration& present, const Configuration& next, std::size_t vehicle,
+               double patience);
 
   /// Whether the vehicle is there; waits for at most so long [s].
   bool wait_for_vehicle(double seconds);

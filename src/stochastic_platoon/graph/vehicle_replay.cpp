@@ -22,8 +22,7 @@ using stochastic_platoon::Progress;
 namespace {
 
 std::function<bool(const PlatoonTopic&)> only(PlatoonTopic::Kind kind, std::size_t vehicle) {
-  return
-      [kind, vehicle](const PlatoonTopic& topic) { return topic.kind == kind && topic.vehicle == vehicle; };
+  return [kind, vehicle](const PlatoonTopic& topic) { return topic.kind == kind && topic.vehicle == vehicle; };
 }
 
 // None at the end.
@@ -37,21 +36,19 @@ CreditLimits limits_of(const RunOptions& run) {
   constexpr double kFirstStep = 0.1;     // [s]
   constexpr double kPerPosition = 5e-7;  // [s]
   const double sought = kFirstStep + kPerPosition * static_cast<double>(run.batch);
-  return {run.window, run.stall_timeout,
-          run.stall_timeout > 0.0 ? std::min(sought, run.stall_timeout) : sought};
+  return {run.window, run.stall_timeout, run.stall_timeout > 0.0 ? std::min(sought, run.stall_timeout) : sought};
 }
 
 std::string its_clause(Clause clause) {
   return "; the vehicle is external: " + named(clause);
 }
 
-constexpr double kSilentWait =
-    1.0;  // [s] for the vehicle to be there before the terminal shows that it is not
+constexpr double kSilentWait = 1.0;  // [s] for the vehicle to be there before the terminal shows that it is not
 
 }  // namespace
 
-VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration,
-                             const BagSource& bags, std::size_t vehicle, bool external, double patience)
+VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags,
+                             std::size_t vehicle, bool external, double patience)
     : name_("vehicle_" + std::to_string(vehicle)),
       run_(run_identity(configuration)),
       external_(external),
@@ -59,17 +56,13 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
       bags_(bags),
       vehicle_(vehicle),
       credit_(limits_of(configuration.run)),
-      publisher_(platoon.resolveName(position_topic(vehicle)),
-                 external ? its_clause(Clause::one_publisher) : ""),
+      publisher_(platoon.resolveName(position_topic(vehicle)), external ? its_clause(Clause::one_publisher) : ""),
       drops_(platoon.resolveName(position_topic(vehicle)), external ? name_ : ""),
-      predecessor_position_(
-          platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
-  if (!(patience > 0.0))
-    throw std::invalid_argument("patience: " + std::to_string(patience) + ": must be above 0 [s]");
+      predecessor_position_(platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
+  if (!(patience > 0.0)) throw std::invalid_argument("patience: " + std::to_string(patience) + ": must be above 0 [s]");
   open();
   done_ = !expected_;
-  position_ =
-      platoon.subscribe(position_topic(vehicle), kUnboundedQueue, &VehicleReplay::receive, this, no_delay());
+  position_ = platoon.subscribe(position_topic(vehicle), kUnboundedQueue, &VehicleReplay::receive, this, no_delay());
   progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &VehicleReplay::receive_note, this);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(0.02), [this](const auto&) { play(); });
 }
@@ -98,8 +91,7 @@ bool VehicleReplay::is_linked() {
   if (!began_) began_ = now();
   const bool linked = predecessor_position_.getNumSubscribers() > 0 && position_.getNumPublishers() > 0;
   if (!linked && !waiting_ && now() - *began_ > kSilentWait) {
-    ROS_INFO_STREAM("waiting for " << (external_ ? "external " : "") << name_
-                                   << (external_ ? ": start its node" : "")
+    ROS_INFO_STREAM("waiting for " << (external_ ? "external " : "") << name_ << (external_ ? ": start its node" : "")
                                    << formatted(" (the replay ends after %g s)", patience_));
     waiting_ = true;
   }
@@ -176,8 +168,8 @@ void VehicleReplay::drop(Verdict verdict, const Position& live) {
 }
 
 void VehicleReplay::receive_note(const Progress::ConstPtr& message) {
-  const bool missed = message->receiver == name_ && message->run == run_ &&
-                      message->attempt == last_attempt_ && message->note.rfind(kMissed, 0) == 0;
+  const bool missed = message->receiver == name_ && message->run == run_ && message->attempt == last_attempt_ &&
+                      message->note.rfind(kMissed, 0) == 0;
   if (!missed || done_) return;
   if (credit_.give_up(now())) begin_again();
   send_allowed();
@@ -191,8 +183,7 @@ void VehicleReplay::end_with(const std::string& reason) {
 // Why there is no verdict.
 std::string VehicleReplay::silence() const {
   const std::string external_hint =
-      external_ ? "; the vehicle is external: start its node, and allow it more time with patience:=SECONDS"
-                : "";
+      external_ ? "; the vehicle is external: start its node, and allow it more time with patience:=SECONDS" : "";
   if (position_.getNumPublishers() == 0)
     return name_ + " is not there: nobody publishes " + position_.getTopic() + external_hint;
   if (predecessor_position_.getNumSubscribers() == 0)
@@ -203,8 +194,8 @@ std::string VehicleReplay::silence() const {
       breach ? std::string("; what it sent last was dropped, as ") + to_string(*breach) : std::string();
   return name_ +
          formatted(" has not answered step %lld of the realizations from %llu within %g s, in %u attempts",
-                   static_cast<long long>(due.step), static_cast<unsigned long long>(due.first_realization),
-                   patience_, credit_.repetitions() + 1) +
+                   static_cast<long long>(due.step), static_cast<unsigned long long>(due.first_realization), patience_,
+                   credit_.repetitions() + 1) +
          what + "; " + named(breach ? *broken_clause(*breach) : Clause::answer);
 }
 
@@ -225,8 +216,8 @@ void VehicleReplay::compare(const Position& live, const Position& recorded) {
                           static_cast<unsigned long long>(recorded.first_realization));
   for (std::size_t r = 0; same_message && r < recorded.position.size(); ++r) {
     if (live.position[r] == recorded.position[r]) continue;
-    difference_ += formatted(": realization %zu is at %.17g m, was at %.17g m", r, live.position[r],
-                             recorded.position[r]);
+    difference_ +=
+        formatted(": realization %zu is at %.17g m, was at %.17g m", r, live.position[r], recorded.position[r]);
     break;
   }
 }
@@ -238,8 +229,7 @@ std::string VehicleReplay::verdict() const {
     return name_ + formatted(": %lld messages as in the recording, positions at most %.3g m apart",
                              static_cast<long long>(compared_), largest_);
   }
-  return name_ +
-         formatted(": %lld messages equal the recorded ones to the bit", static_cast<long long>(compared_));
+  return name_ + formatted(": %lld messages equal the recorded ones to the bit", static_cast<long long>(compared_));
 }
 
 }  // namespace platoon

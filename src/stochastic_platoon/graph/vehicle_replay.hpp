@@ -21,16 +21,16 @@ namespace platoon {
 /// The messages are those of the present run.
 ///
 /// What is not answered is repeated from the beginning of its batch under a newer attempt, as the leader does (see
-/// ReplayCredit): a link may be up at one of its ends only, and a vehicle may be killed. The replay ends with a verdict,
-/// or with the reason why there is none once `patience` has passed without a new answer.
+/// ReplayCredit): a link may be up at one of its ends only, and a vehicle may be killed. The replay ends with a
+/// verdict, or with the reason why there is none once `patience` has passed without a new answer.
 ///
 /// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), progress (stochastic_platoon/Progress: what the
 /// vehicle has missed). Publishes: vehicle_<i>/predecessor_position (stochastic_platoon/Position).
 class VehicleReplay {
 public:
   /// `patience` [s] > 0.
-  VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags,
-                std::size_t vehicle, bool external, double patience);
+  VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags, std::size_t vehicle,
+                bool external, double patience);
 
   /// There is a verdict, or a reason why there is none.
   bool done() const { return done_; }
@@ -71,9 +71,9 @@ private:
   std::int64_t batch_start_ = 0;                ///< of them, before the batch in which answers are expected
   std::uint32_t attempts_ahead_ = 0;            ///< attempts of this replay, less those recorded
   std::uint32_t last_attempt_ = 0;              ///< that was sent
-  double largest_ = 0.0;    ///< [m], between an external vehicle's position and the recorded one
-  std::string difference_;  ///< the first one
-  std::string reason_;      ///< why there is no verdict
+  double largest_ = 0.0;                        ///< [m], between an external vehicle's position and the recorded one
+  std::string difference_;                      ///< the first one
+  std::string reason_;                          ///< why there is no verdict
   bool done_ = false;
   bool waiting_ = false;         ///< for the vehicle, as last said
   std::optional<double> began_;  ///< [s] when the links were looked for first

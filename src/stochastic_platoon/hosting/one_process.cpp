@@ -64,15 +64,14 @@ VitalSigns::Sources all_sources(const std::vector<std::unique_ptr<Component>>& c
 
 }  // namespace
 
-OneProcess::OneProcess(const ros::NodeHandle& platoon, const Configuration& configuration,
-                       std::size_t threads, const RunMembership::Join& superseded)
+OneProcess::OneProcess(const ros::NodeHandle& platoon, const Configuration& configuration, std::size_t threads,
+                       const RunMembership::Join& superseded)
     : segments_(configuration.run.followers, threads) {
   for (std::size_t t = 0; t < segments_.threads(); ++t) workers_.push_back(std::make_unique<Worker>(platoon));
   const ros::NodeHandle& last = workers_.back()->node();
   monitor_ = std::make_unique<Monitor>(
       last, configuration, [this](std::size_t vehicle) { return worker_of(vehicle).node(); }, superseded);
-  if (!configuration.run.record.empty())
-    recorder_ = std::make_unique<Recorder>(last, configuration, superseded);
+  if (!configuration.run.record.empty()) recorder_ = std::make_unique<Recorder>(last, configuration, superseded);
   const auto told = std::make_shared<Snapshots>(last, kPredecessorSnapshotTopic, configuration.run.followers);
   for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
     const Worker& worker = worker_of(i);

@@ -39,8 +39,8 @@ std::string registered_address() {
   return address;
 }
 
-// The system hands out a port again once in some ten thousand starts. Those who were connected to a node that was killed
-// know it by its address: under the same one they would never connect to what is there in its place.
+// The system hands out a port again once in some ten thousand starts. Those who were connected to a node that was
+// killed know it by its address: under the same one they would never connect to what is there in its place.
 void require_other_address(const std::string& before, const std::vector<char*>& arguments) {
   if (before.empty() || before != ros::XMLRPCManager::instance()->getServerURI()) return;
   ROS_INFO_STREAM(ros::this_node::getName() << ": has come back at the address it had, and takes another");
@@ -54,8 +54,7 @@ void require_other_address(const std::string& before, const std::vector<char*>& 
 
 }  // namespace
 
-int run_node(int argc, char** argv, const NodeTraits& traits,
-             const std::function<void(const ros::NodeHandle&)>& run) {
+int run_node(int argc, char** argv, const NodeTraits& traits, const std::function<void(const ros::NodeHandle&)>& run) {
   if (traits.arenas > 0) mallopt(M_ARENA_MAX, traits.arenas);
   std::vector<char*> arguments(argv, argv + argc);  // before roscpp takes its own out
   arguments.push_back(nullptr);
@@ -97,8 +96,7 @@ int run_component(int argc, char** argv, const NodeTraits& traits,
 }
 
 void keep_freed_memory(const RunOptions& run, std::size_t vehicles) {
-  const std::size_t kept =
-      std::clamp<std::size_t>(24 * vehicles * run.batch * sizeof(double), 1 << 20, 1 << 30);
+  const std::size_t kept = std::clamp<std::size_t>(24 * vehicles * run.batch * sizeof(double), 1 << 20, 1 << 30);
   mallopt(M_TOP_PAD, static_cast<int>(kept));
   mallopt(M_TRIM_THRESHOLD, static_cast<int>(kept + kept / 2));
   mallopt(M_MMAP_THRESHOLD, 1 << 25);  // the most that older versions of glibc take

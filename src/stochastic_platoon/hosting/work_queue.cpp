@@ -14,9 +14,9 @@ void WorkQueue::addCallback(const ros::CallbackInterfacePtr& callback, std::uint
 
 void WorkQueue::removeByID(std::uint64_t owner) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  waiting_.erase(std::remove_if(waiting_.begin(), waiting_.end(),
-                                [owner](const Entry& entry) { return entry.owner == owner; }),
-                 waiting_.end());
+  waiting_.erase(
+      std::remove_if(waiting_.begin(), waiting_.end(), [owner](const Entry& entry) { return entry.owner == owner; }),
+      waiting_.end());
 }
 
 void WorkQueue::run(WorkQueue& at_once, const std::function<bool()>& going_on) {

@@ -102,16 +102,13 @@ FolderLock::FolderLock(const std::string& folder, const std::string& holder, pid
     throw std::runtime_error(why);
   };
   const bool free = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
-  if (!free && errno != EWOULDBLOCK)
-    refuse(file_ + ": cannot be locked: " + std::generic_category().message(errno));
+  if (!free && errno != EWOULDBLOCK) refuse(file_ + ": cannot be locked: " + std::generic_category().message(errno));
   const Entry entry = entry_in(descriptor_);
-  const std::string in_use =
-      folder + ": is in use by " + (entry.holder.empty() ? "another process" : entry.holder);
+  const std::string in_use = folder + ": is in use by " + (entry.holder.empty() ? "another process" : entry.holder);
   if (!free) {
     const bool here = entry.process && lives(*entry.process);
-    refuse(in_use +
-           (here ? formatted("; it is free when process %ld ends", static_cast<long>(entry.process->number))
-                 : std::string("; it is free when that ends")));
+    refuse(in_use + (here ? formatted("; it is free when process %ld ends", static_cast<long>(entry.process->number))
+                          : std::string("; it is free when that ends")));
   }
   if (!entry.holder.empty() && entry.holder != holder) {
     const std::string claim = claim_of(entry, descriptor_, file_);

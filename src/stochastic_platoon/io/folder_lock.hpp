@@ -10,9 +10,9 @@ namespace platoon {
 /// this object or its process ends, however that ends.
 ///
 /// Behind a process that was killed its name may keep others out while another process lives: the guardian that starts
-/// it again (roslaunch, for its monitor), known by its number and its start. A holder may also claim the folder before the
-/// process that will hold it is there: a claim ends with its guardian, too, and after kClaimSeconds at the latest. No
-/// clock of the day counts, only the time since the machine was started. What another machine has left in a shared
+/// it again (roslaunch, for its monitor), known by its number and its start. A holder may also claim the folder before
+/// the process that will hold it is there: a claim ends with its guardian, too, and after kClaimSeconds at the latest.
+/// No clock of the day counts, only the time since the machine was started. What another machine has left in a shared
 /// folder keeps others out for kClaimSeconds by the clock of the file system; while its process lives, flock does.
 class FolderLock {
 public:
@@ -25,7 +25,8 @@ public:
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  /// Ends it, but keeps others out for a while, as long as the guardian lives: a process that comes with this holder's name takes it.
+  /// Ends it, but keeps others out for a while, as long as the guardian lives: a process that comes with this holder's
+  /// name takes it.
   void leave_claim(pid_t guardian);
 
 private:

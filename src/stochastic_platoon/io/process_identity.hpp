@@ -7,7 +7,8 @@
 
 namespace platoon {
 
-/// A process by its number, its start and the kernel that it runs on: numbers are used again, and another machine has its own.
+/// A process by its number, its start and the kernel that it runs on: numbers are used again, and another machine has
+/// its own.
 struct ProcessIdentity {
   pid_t number = 0;
   unsigned long long start = 0;  ///< clock ticks since the kernel's start

@@ -7,8 +7,7 @@
 
 namespace platoon {
 
-ProgressDisplay::ProgressDisplay(std::uint64_t total, std::string unit, double work_per_unit,
-                                 std::string work_unit)
+ProgressDisplay::ProgressDisplay(std::uint64_t total, std::string unit, double work_per_unit, std::string work_unit)
     : total_(total),
       unit_(std::move(unit)),
       work_per_unit_(work_per_unit),
@@ -23,9 +22,9 @@ std::string ProgressDisplay::line(std::uint64_t done, double now) const {
   std::string bar(30, '.');
   for (std::size_t i = 0; i < static_cast<std::size_t>(30.0 * share); ++i) bar[i] = '#';
   char text[200];
-  std::snprintf(text, sizeof text, "[%s] %3.0f %%  %llu/%llu %s  %.3g %s/s  %.0f s left", bar.c_str(),
-                100.0 * share, static_cast<unsigned long long>(done), static_cast<unsigned long long>(total_),
-                unit_.c_str(), rate * work_per_unit_, work_unit_.c_str(), left);
+  std::snprintf(text, sizeof text, "[%s] %3.0f %%  %llu/%llu %s  %.3g %s/s  %.0f s left", bar.c_str(), 100.0 * share,
+                static_cast<unsigned long long>(done), static_cast<unsigned long long>(total_), unit_.c_str(),
+                rate * work_per_unit_, work_unit_.c_str(), left);
   return note_.empty() ? text : text + ("  " + note_);
 }
 
@@ -49,8 +48,7 @@ void ProgressDisplay::update(std::uint64_t done, double now) {
     last_tenth_ = 10 * done / total_;
   }
   const std::uint64_t tenth = 10 * done / total_;
-  const bool due =
-      terminal_ ? now - last_ >= 0.1 || done == total_ : tenth > last_tenth_ || now - last_ >= 10.0;
+  const bool due = terminal_ ? now - last_ >= 0.1 || done == total_ : tenth > last_tenth_ || now - last_ >= 10.0;
   if (!due) return;
   last_ = now;
   last_tenth_ = tenth;

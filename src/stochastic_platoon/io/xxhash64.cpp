@@ -7,9 +7,8 @@ namespace platoon {
 
 namespace {
 
-constexpr std::uint64_t kPrime1 = 0x9e3779b185ebca87, kPrime2 = 0xc2b2ae3d27d4eb4f,
-                        kPrime3 = 0x165667b19e3779f9, kPrime4 = 0x85ebca77c2b2ae63,
-                        kPrime5 = 0x27d4eb2f165667c5;
+constexpr std::uint64_t kPrime1 = 0x9e3779b185ebca87, kPrime2 = 0xc2b2ae3d27d4eb4f, kPrime3 = 0x165667b19e3779f9,
+                        kPrime4 = 0x85ebca77c2b2ae63, kPrime5 = 0x27d4eb2f165667c5;
 
 std::uint64_t rotated(std::uint64_t value, int bits) {
   return (value << bits) | (value >> (64 - bits));

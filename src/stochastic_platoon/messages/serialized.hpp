@@ -13,8 +13,8 @@ namespace platoon {
 
 namespace detail {
 
-/// Bytes of a message of a std_msgs/Header, `fixed` bytes and `arrays` arrays of doubles, by the lengths in it; none where
-/// it ends before the last of these.
+/// Bytes of a message of a std_msgs/Header, `fixed` bytes and `arrays` arrays of doubles, by the lengths in it; none
+/// where it ends before the last of these.
 std::optional<std::size_t> announced_size(std::string_view bytes, std::size_t fixed, std::size_t arrays);
 
 constexpr std::size_t kFixedOfPosition = 8 + 4 + 8 + 8, kFixedOfErrorStatistics = 8 + 8 + 1;

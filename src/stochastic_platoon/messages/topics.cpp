@@ -17,8 +17,7 @@ std::optional<PlatoonTopic> parse_topic(const std::string& topic) {
   static const std::regex other_topic("(.*)/(error_statistics|configuration|checksum)");
   std::smatch match;
   if (std::regex_match(topic, match, vehicle_topic)) {
-    const auto kind =
-        match[3].matched ? PlatoonTopic::Kind::predecessor_position : PlatoonTopic::Kind::position;
+    const auto kind = match[3].matched ? PlatoonTopic::Kind::predecessor_position : PlatoonTopic::Kind::position;
     return PlatoonTopic{kind, match[1], std::stoul(match[2])};
   }
   if (std::regex_match(topic, match, other_topic)) {

@@ -41,8 +41,7 @@ AdditiveNoise::AdditiveNoise(double noise_variance, const TransferFunction& filt
                              std::uint32_t receiver)
     : deviation_(noise_deviation(noise_variance)), draws_(seed), receiver_(receiver) {
   const Polynomial &n = filter.numerator(), &d = filter.denominator();
-  if (n.size() > d.size())
-    throw std::invalid_argument("noise filter: must be proper: no more zeros than poles");
+  if (n.size() > d.size()) throw std::invalid_argument("noise filter: must be proper: no more zeros than poles");
   const Eigen::Index order = d.size() - 1, lead = d.size() - n.size();
   const auto b = [&](Eigen::Index j) { return j < lead ? 0.0 : n(j - lead); };
   gain_ = b(0);
@@ -57,8 +56,7 @@ void AdditiveNoise::start(std::uint64_t, std::size_t count, const double*) {
   for (AlignedValues& v : registers_) v.assign(count, 0.0);
 }
 
-void AdditiveNoise::step(std::int64_t step, std::uint64_t first_realization, std::size_t count,
-                         double* positions) {
+void AdditiveNoise::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
   if (deviation_ == 0.0) return;
   std::array<double, kTile> normals, noise;
   const std::size_t order = registers_.size();
@@ -72,8 +70,7 @@ void AdditiveNoise::step(std::int64_t step, std::uint64_t first_realization, std
     const auto v = [&](std::size_t j) { return j < order ? &registers_[j][r] : nullptr; };
     detail::filter_output(gain_, normals.data(), v(0), size, noise.data());
     for (std::size_t j = 0; j < order; ++j) {
-      detail::filter_register(numerator_[j], normals.data(), denominator_[j], noise.data(), v(j + 1), size,
-                              v(j));
+      detail::filter_register(numerator_[j], normals.data(), denominator_[j], noise.data(), v(j + 1), size, v(j));
     }
     detail::add_noise(deviation_, noise.data(), size, positions + r);
   }

@@ -44,8 +44,8 @@ ExactPolynomial delayed(ExactPolynomial p, std::size_t count) {
 }
 
 /// With G K = (n / d) / divisor and H = (1 + h) - h / z: T = n z / (d z divisor + n ((1 + h) z - h)).
-DeltaFraction exact_closed_loop(const TransferFunction& plant, const TransferFunction& controller,
-                                const Exact& divisor, double headway) {
+DeltaFraction exact_closed_loop(const TransferFunction& plant, const TransferFunction& controller, const Exact& divisor,
+                                double headway) {
   std::size_t zeros = 0, poles = 0;  // of G K at z = 0
   const ExactPolynomial n = multiply(shifted_to_one(without_zeros_at_origin(plant.numerator(), zeros)),
                                      shifted_to_one(without_zeros_at_origin(controller.numerator(), zeros)));
@@ -55,8 +55,7 @@ DeltaFraction exact_closed_loop(const TransferFunction& plant, const TransferFun
   const std::size_t common = std::min(zeros, poles + 1);
   const ExactPolynomial numerator = delayed(n, zeros + 1 - common);
   ExactPolynomial denominator = delayed(d, poles + 1 - common);
-  const ExactPolynomial fed_back =
-      multiply(delayed(n, zeros - common), {Exact(1), Exact(1) + Exact(headway)});
+  const ExactPolynomial fed_back = multiply(delayed(n, zeros - common), {Exact(1), Exact(1) + Exact(headway)});
   if (denominator.size() < fed_back.size()) denominator.resize(fed_back.size(), Exact(0));
   for (std::size_t j = 0; j < fed_back.size(); ++j) denominator[j] += fed_back[j];
   const Exact leading = denominator.back();
@@ -72,20 +71,17 @@ bool is_inside_unit_circle(std::complex<double> mode) {
 }
 
 /// `divide`: the controller is to be divided by 1 + h.
-ClosedLoop form_loop(const TransferFunction& plant, const TransferFunction& controller, bool divide,
-                     double headway) {
+ClosedLoop form_loop(const TransferFunction& plant, const TransferFunction& controller, bool divide, double headway) {
   for (const TransferFunction* part : {&plant, &controller}) {
     if (part->numerator()(0) == 0.0)
       throw std::invalid_argument("G(z) K(z) = 0: neither plant nor controller may be zero");
   }
   require_order(plant.denominator().size() + controller.denominator().size() - 1);
   const double divisor = divide ? 1.0 + headway : 1.0;
-  const TransferFunction open_loop =
-      series(plant, {controller.numerator() / divisor, controller.denominator()});
+  const TransferFunction open_loop = series(plant, {controller.numerator() / divisor, controller.denominator()});
   const Reduction t = reduce(feedback(open_loop, headway_policy(headway)));
-  const int integrators =
-      multiplicity_at_one(plant.denominator()) + multiplicity_at_one(controller.denominator()) -
-      multiplicity_at_one(plant.numerator()) - multiplicity_at_one(controller.numerator());
+  const int integrators = multiplicity_at_one(plant.denominator()) + multiplicity_at_one(controller.denominator()) -
+                          multiplicity_at_one(plant.numerator()) - multiplicity_at_one(controller.numerator());
   ClosedLoop loop{t.minimal, observable_canonical(t.minimal), roots(t.common_factor), integrators, {}};
   if (std::all_of(loop.hidden_modes.begin(), loop.hidden_modes.end(), is_inside_unit_circle)) {
     loop.delta = exact_closed_loop(plant, controller, divide ? Exact(1) + Exact(headway) : Exact(1), headway);
@@ -159,8 +155,7 @@ bool tracks_a_ramp(const RampGain& gain, double headway) {
 std::string missing_integral_action(const ClosedLoop& loop, const RampGain& gain, double headway) {
   std::ostringstream text;
   text
-      << "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and dT/dz(1) = "
-         "-h for h = "
+      << "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and dT/dz(1) = -h for h = "
       << headway << "; here T(1) = " << gain.value << " and dT/dz(1) = " << gain.slope;
   if (loop.integrators) {
     text << ", as G(z) K(z) has " << std::max(*loop.integrators, 0)
@@ -172,16 +167,14 @@ std::string missing_integral_action(const ClosedLoop& loop, const RampGain& gain
 /// What stands between T as it is and T as the vehicles compute it, which have its coefficients in double;
 /// empty where nothing does.
 std::string rounded_away(const ClosedLoop& loop, double headway) {
-  const RampGain gain =
-      ramp_gain({delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())});
-  if (tracks_a_ramp(gain, headway) &&
-      (spectral_radius(loop) >= 1.0 || spectral_radius(loop.realization) < 1.0))
+  const RampGain gain = ramp_gain({delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())});
+  if (tracks_a_ramp(gain, headway) && (spectral_radius(loop) >= 1.0 || spectral_radius(loop.realization) < 1.0))
     return {};
   std::ostringstream text;
-  text << "the closed loop is too slow for its sample period: its poles lie so close to z = 1 that in double "
-          "its coefficients have T(1) = "
-       << gain.value << " and dT/dz(1) = " << gain.slope << " instead of 1 and -h for h = " << headway
-       << ": it must be sampled more slowly";
+  text
+      << "the closed loop is too slow for its sample period: its poles lie so close to z = 1 that in double its coefficients have T(1) = "
+      << gain.value << " and dT/dz(1) = " << gain.slope << " instead of 1 and -h for h = " << headway
+      << ": it must be sampled more slowly";
   return text.str();
 }
 
@@ -196,8 +189,7 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
   std::vector<std::string> found;
   const auto report = [&found](const std::ostringstream& text) { found.push_back(text.str()); };
   if (!loop.transfer.is_strictly_proper()) {
-    found.push_back(
-        "T(z) is not strictly proper: it must have more poles than zeros (relative degree of G K >= 1)");
+    found.push_back("T(z) is not strictly proper: it must have more poles than zeros (relative degree of G K >= 1)");
   }
   const RampGain gain = ramp_gain(delta_fraction(loop));
   if ((loop.integrators && *loop.integrators < 2) || !tracks_a_ramp(gain, headway)) {
@@ -216,8 +208,7 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
   for (const std::complex<double>& mode : loop.hidden_modes) {
     if (is_inside_unit_circle(mode) || allow_unstable || mode.imag() < 0.0) continue;
     std::ostringstream text;
-    text << "G(z) K(z) cancels an unstable mode at z = " << mode.real()
-         << (mode.imag() > 0.0 ? " +- i " : "");
+    text << "G(z) K(z) cancels an unstable mode at z = " << mode.real() << (mode.imag() > 0.0 ? " +- i " : "");
     if (mode.imag() > 0.0) text << mode.imag();
     text << ": cancelled modes must lie inside the unit circle (allow_unstable: true runs it all the same)";
     report(text);

@@ -16,8 +16,7 @@ using Complex = std::complex<long double>;
 /// a / b without the care for overflow and infinities that std::complex takes, and that takes its time.
 Complex quotient(Complex a, Complex b) {
   const long double size = std::norm(b);
-  return {(a.real() * b.real() + a.imag() * b.imag()) / size,
-          (a.imag() * b.real() - a.real() * b.imag()) / size};
+  return {(a.real() * b.real() + a.imag() * b.imag()) / size, (a.imag() * b.real() - a.real() * b.imag()) / size};
 }
 
 Complex product(Complex a, Complex b) {
@@ -51,8 +50,7 @@ NewtonStep newton_step(const DeltaPolynomial& p, Complex s) {
   const bool rounding = std::norm(value) <= kRounding * kRounding * sum * sum;
   if (!outside) return {quotient(value, slope), rounding, doubt};
   // p(s) = s^n q(1/s): p'/p = n/s - q'(1/s) / (q(1/s) s^2).
-  const Complex inverse =
-      product(x, static_cast<long double>(p.size() - 1) - quotient(product(x, slope), value));
+  const Complex inverse = product(x, static_cast<long double>(p.size() - 1) - quotient(product(x, slope), value));
   return {quotient(1.0L, inverse), rounding, doubt};
 }
 
@@ -101,9 +99,7 @@ void settle_cluster(const DeltaPolynomial& q, std::vector<Complex>& s) {
     Real real, imag;
     Pair operator-(const Pair& b) const { return {real - b.real, imag - b.imag}; }
     Pair operator+(const Pair& b) const { return {real + b.real, imag + b.imag}; }
-    Pair operator*(const Pair& b) const {
-      return {real * b.real - imag * b.imag, real * b.imag + imag * b.real};
-    }
+    Pair operator*(const Pair& b) const { return {real * b.real - imag * b.imag, real * b.imag + imag * b.real}; }
     Real norm() const { return real * real + imag * imag; }
     Pair operator/(const Pair& b) const {
       const Real size = b.norm();
@@ -153,8 +149,7 @@ Polynomial z_form(const DeltaPolynomial& p) {
     for (std::size_t i = n - 1; i-- > j;) b[i] -= b[i + 1];
   }
   Polynomial result(static_cast<Eigen::Index>(n));
-  for (std::size_t i = 0; i < n; ++i)
-    result(static_cast<Eigen::Index>(n - 1 - i)) = static_cast<double>(b[i]);
+  for (std::size_t i = 0; i < n; ++i) result(static_cast<Eigen::Index>(n - 1 - i)) = static_cast<double>(b[i]);
   return result;
 }
 
@@ -171,8 +166,8 @@ std::vector<std::complex<long double>> zeros(const DeltaPolynomial& p) {
   const int scale = scale_of_zeros(q);
   if (scale != 0) q = in_units_of(q, scale);
   Polynomial descending(static_cast<Eigen::Index>(q.size()));
-  const long double largest = std::abs(*std::max_element(
-      q.begin(), q.end(), [](long double a, long double b) { return std::abs(a) < std::abs(b); }));
+  const long double largest = std::abs(
+      *std::max_element(q.begin(), q.end(), [](long double a, long double b) { return std::abs(a) < std::abs(b); }));
   for (std::size_t i = 0; i < q.size(); ++i) {
     descending(static_cast<Eigen::Index>(q.size() - 1 - i)) = static_cast<double>(q[i] / largest);
   }
@@ -199,8 +194,7 @@ std::vector<std::complex<long double>> zeros(const DeltaPolynomial& p) {
   }
   constexpr long double kClustered = 1e-7L;
   if (!(doubt < kClustered)) settle_cluster(q, s);
-  for (const Complex& zero : s)
-    found.emplace_back(std::ldexp(zero.real(), scale), std::ldexp(zero.imag(), scale));
+  for (const Complex& zero : s) found.emplace_back(std::ldexp(zero.real(), scale), std::ldexp(zero.imag(), scale));
   return found;
 }
 

@@ -9,8 +9,7 @@ namespace platoon {
 LeaderProfile::LeaderProfile(const std::vector<SpeedChange>& changes, double sample_period)
     : changes_(changes), sample_period_(sample_period) {
   if (!(sample_period > 0.0) || !std::isfinite(sample_period)) {
-    throw std::invalid_argument("sample_period: " + std::to_string(sample_period) +
-                                ": must be finite and > 0 [s]");
+    throw std::invalid_argument("sample_period: " + std::to_string(sample_period) + ": must be finite and > 0 [s]");
   }
   double position = 0.0;
   for (std::size_t i = 0; i < changes.size(); ++i) {
@@ -31,8 +30,7 @@ LeaderProfile::LeaderProfile(const std::vector<SpeedChange>& changes, double sam
 
 double LeaderProfile::speed(std::int64_t step) const {
   double present = 0.0;
-  for (std::size_t i = 0; i < changes_.size() && changes_[i].from_step <= step; ++i)
-    present = changes_[i].value;
+  for (std::size_t i = 0; i < changes_.size() && changes_[i].from_step <= step; ++i) present = changes_[i].value;
   return present;
 }
 

@@ -13,8 +13,8 @@ namespace platoon {
 namespace {
 
 // The one place where the order of the stages stands.
-std::vector<std::unique_ptr<LinkStage>> stages_of(const LinkModel& link, double noise_variance,
-                                                  std::uint64_t seed, std::uint32_t receiver) {
+std::vector<std::unique_ptr<LinkStage>> stages_of(const LinkModel& link, double noise_variance, std::uint64_t seed,
+                                                  std::uint32_t receiver) {
   std::vector<std::unique_ptr<LinkStage>> stages;
   if (link.quantisation_step > 0.0)
     stages.push_back(std::make_unique<Quantiser>(link.quantisation_step, seed, receiver));

@@ -69,22 +69,19 @@ bool LinkModel::is_white_noise_only() const {
 namespace {
 
 bool same(const TransferFunction& one, const TransferFunction& other) {
-  const auto same_polynomial = [](const Polynomial& p, const Polynomial& q) {
-    return p.size() == q.size() && p == q;
-  };
-  return same_polynomial(one.numerator(), other.numerator()) &&
-         same_polynomial(one.denominator(), other.denominator());
+  const auto same_polynomial = [](const Polynomial& p, const Polynomial& q) { return p.size() == q.size() && p == q; };
+  return same_polynomial(one.numerator(), other.numerator()) && same_polynomial(one.denominator(), other.denominator());
 }
 
 }  // namespace
 
 bool operator==(const LinkModel& one, const LinkModel& other) {
-  const bool same_loss = one.loss.has_value() == other.loss.has_value() &&
-                         (!one.loss || (one.loss->probability == other.loss->probability &&
-                                        one.loss->mean_burst == other.loss->mean_burst &&
-                                        one.loss->predictor == other.loss->predictor));
-  return same_loss && same(one.noise_filter, other.noise_filter) &&
-         one.quantisation_step == other.quantisation_step && one.delay == other.delay;
+  const bool same_loss =
+      one.loss.has_value() == other.loss.has_value() &&
+      (!one.loss || (one.loss->probability == other.loss->probability &&
+                     one.loss->mean_burst == other.loss->mean_burst && one.loss->predictor == other.loss->predictor));
+  return same_loss && same(one.noise_filter, other.noise_filter) && one.quantisation_step == other.quantisation_step &&
+         one.delay == other.delay;
 }
 
 }  // namespace platoon

@@ -24,9 +24,7 @@ struct LossModel {
   /// The chance of a loss after a loss, 1 - 1 / b, and after an arrival, q / (b (1 - q)); q and q where they
   /// are independent. The chain is stationary: a position is lost with probability q at every step.
   double after_loss() const { return mean_burst ? 1.0 - 1.0 / *mean_burst : probability; }
-  double after_arrival() const {
-    return mean_burst ? probability / (*mean_burst * (1.0 - probability)) : probability;
-  }
+  double after_arrival() const { return mean_burst ? probability / (*mean_burst * (1.0 - probability)) : probability; }
 };
 
 /// How often a growing prediction may be used, squared: the spectral radius of the second moments of what a

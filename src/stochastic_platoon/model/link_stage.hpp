@@ -19,8 +19,7 @@ public:
   virtual void start(std::uint64_t first_realization, std::size_t count, const double* positions) = 0;
 
   /// Step k >= 0 of the same realizations.
-  virtual void step(std::int64_t step, std::uint64_t first_realization, std::size_t count,
-                    double* positions) = 0;
+  virtual void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) = 0;
 };
 
 }  // namespace platoon

@@ -4,8 +4,8 @@
 
 namespace platoon {
 
-/// What the virtual leader is told while it drives: a speed v(k) in place of its profile's, r_0(k+1) = r_0(k) + T_s v(k).
-/// A manoeuvre begins at the speed of the step before and takes the place of the one under way.
+/// What the virtual leader is told while it drives: a speed v(k) in place of its profile's, r_0(k+1) = r_0(k) + T_s
+/// v(k). A manoeuvre begins at the speed of the step before and takes the place of the one under way.
 class Manoeuvre {
 public:
   static constexpr double kBraking = 4.0;       ///< [m/s^2]

@@ -22,8 +22,8 @@ void add_multiple(double c, const double* in, std::size_t size, double* out) {
 
 // Where u is below the chance, the prediction takes the position's place; and the chance of the next loss.
 PLATOON_VECTOR_CLONES
-void lose(const double* uniforms, const double* predicted, double after_loss, double after_arrival,
-          std::size_t size, double* chance, double* positions) {
+void lose(const double* uniforms, const double* predicted, double after_loss, double after_arrival, std::size_t size,
+          double* chance, double* positions) {
   for (std::size_t r = 0; r < size; ++r) {
     const bool lost = uniforms[r] < chance[r];
     positions[r] = lost ? predicted[r] : positions[r];
@@ -55,8 +55,7 @@ void PacketLoss::start(std::uint64_t, std::size_t count, const double* positions
   newest_ = 0;
 }
 
-void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::size_t count,
-                      double* positions) {
+void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
   std::array<double, kTile> uniforms, predicted;
   const std::size_t n = used_.size(), oldest = (newest_ + n - 1) % n;
   for (std::size_t r = 0; r < count; r += kTile) {
@@ -71,8 +70,7 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
         detail::add_multiple(loss_.predictor[j], &used_[(newest_ + j) % n][r], size, predicted.data());
     }
     if (loss_.mean_burst) {
-      detail::lose(uniforms.data(), guess, loss_.after_loss(), loss_.after_arrival(), size, &chance_[r],
-                   positions + r);
+      detail::lose(uniforms.data(), guess, loss_.after_loss(), loss_.after_arrival(), size, &chance_[r], positions + r);
     } else {
       detail::lose_independently(uniforms.data(), guess, loss_.probability, size, positions + r);
     }

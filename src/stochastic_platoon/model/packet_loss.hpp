@@ -18,8 +18,7 @@ public:
 
   bool keeps_state() const override { return true; }
   void start(std::uint64_t first_realization, std::size_t count, const double* positions) override;
-  void step(std::int64_t step, std::uint64_t first_realization, std::size_t count,
-            double* positions) override;
+  void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) override;
 
 private:
   LossModel loss_;

@@ -13,8 +13,7 @@ std::size_t type_of(const PlatoonModel& model, std::size_t follower) {
 
 ClosedLoop closed_again(const std::optional<LoopDesign>& design, double headway, const std::string& name) {
   if (!design)
-    throw std::invalid_argument("closed_loop of " + name +
-                                ": given: must be plant and controller to vary it");
+    throw std::invalid_argument("closed_loop of " + name + ": given: must be plant and controller to vary it");
   return close_loop(*design, headway);
 }
 
@@ -22,9 +21,8 @@ ClosedLoop closed_again(const std::optional<LoopDesign>& design, double headway,
 
 VehicleModel vehicle_of_type(const PlatoonModel& model, std::size_t type) {
   if (type > 0) return model.types.at(type - 1).vehicle;
-  return {
-      model.loop,   model.headway, model.standstill_distance, model.noise_variance, model.initial_position,
-      model.design, model.link};
+  return {model.loop,   model.headway, model.standstill_distance, model.noise_variance, model.initial_position,
+          model.design, model.link};
 }
 
 std::vector<std::size_t> type_order(const PlatoonModel& model) {
@@ -54,11 +52,9 @@ PlatoonModel with_headway(PlatoonModel model, double headway) {
 }
 
 PlatoonModel with_gain(PlatoonModel model, double gain) {
-  if (!model.design)
-    throw std::invalid_argument("closed_loop: given: must be plant and controller to vary its gain");
+  if (!model.design) throw std::invalid_argument("closed_loop: given: must be plant and controller to vary its gain");
   const TransferFunction& controller = model.design->controller;
-  const TransferFunction scaled{controller.numerator() * (gain / controller.numerator()(0)),
-                                controller.denominator()};
+  const TransferFunction scaled{controller.numerator() * (gain / controller.numerator()(0)), controller.denominator()};
   model.design->controller = scaled;
   model.loop = close_loop(*model.design, model.headway);
   for (VehicleType& type : model.types) {
@@ -70,8 +66,7 @@ PlatoonModel with_gain(PlatoonModel model, double gain) {
 }
 
 PlatoonModel with_loss(PlatoonModel model, double probability) {
-  if (!model.link.loss)
-    throw std::invalid_argument("channel/loss: absent: must be given to vary its probability");
+  if (!model.link.loss) throw std::invalid_argument("channel/loss: absent: must be given to vary its probability");
   const auto vary = [probability](LinkModel& link) {
     link.loss->probability = probability;
     link.loss->mean_burst.reset();
@@ -115,8 +110,7 @@ double place_in_formation(const PlatoonModel& model, std::size_t follower) {
     double distance = 0.0;
     for (std::size_t i = 1; i <= last; ++i) {
       const std::size_t type = type_of(model, i);
-      distance +=
-          type == 0 ? model.standstill_distance : model.types.at(type - 1).vehicle.standstill_distance;
+      distance += type == 0 ? model.standstill_distance : model.types.at(type - 1).vehicle.standstill_distance;
     }
     return distance;
   };

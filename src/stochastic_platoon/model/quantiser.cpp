@@ -26,12 +26,10 @@ void quantise(double step_size, const double* uniforms, std::size_t size, double
 Quantiser::Quantiser(double step_size, std::uint64_t seed, std::uint32_t receiver)
     : step_size_(step_size), draws_(seed), receiver_(receiver) {
   if (step_size > 0.0 && std::isfinite(step_size)) return;
-  throw std::invalid_argument("quantisation step: " + std::to_string(step_size) +
-                              ": must be finite and > 0 [m]");
+  throw std::invalid_argument("quantisation step: " + std::to_string(step_size) + ": must be finite and > 0 [m]");
 }
 
-void Quantiser::step(std::int64_t step, std::uint64_t first_realization, std::size_t count,
-                     double* positions) {
+void Quantiser::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
   std::array<double, kTile> uniforms;
   for (std::size_t r = 0; r < count; r += kTile) {
     const std::size_t size = std::min(kTile, count - r);

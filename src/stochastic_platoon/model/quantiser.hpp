@@ -15,8 +15,7 @@ public:
 
   bool keeps_state() const override { return false; }
   void start(std::uint64_t, std::size_t, const double*) override {}
-  void step(std::int64_t step, std::uint64_t first_realization, std::size_t count,
-            double* positions) override;
+  void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) override;
 
 private:
   double step_size_;

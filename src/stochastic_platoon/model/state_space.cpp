@@ -34,8 +34,7 @@ double spectral_radius(const StateSpace& system) {
 Eigen::VectorXd unit_equilibrium(const StateSpace& system) {
   const Eigen::Index n = system.order();
   const Eigen::FullPivLU<Eigen::MatrixXd> resolvent(Eigen::MatrixXd::Identity(n, n) - system.a());
-  if (!resolvent.isInvertible())
-    throw std::invalid_argument("A: has an eigenvalue at 1: no equilibrium exists");
+  if (!resolvent.isInvertible()) throw std::invalid_argument("A: has an eigenvalue at 1: no equilibrium exists");
   const Eigen::VectorXd state = resolvent.solve(system.b());
   const double output = system.c() * state;
   if (output == 0.0) throw std::invalid_argument("T(1) = 0: no equilibrium with output 1 exists");

@@ -44,8 +44,8 @@ StateSpace observable_canonical(const TransferFunction& transfer);
 /// By the Faddeev-LeVerrier recursion in a hundred digits, which loses in coordinates of condition kappa up
 /// to kappa^n: every coefficient is that of the A, B and C given, rounded once.
 struct Resolvent {
-  std::vector<Polynomial> numerators;  ///< of the n entries, those of C adj(zI - A), by powers of z
-  Polynomial denominator;              ///< det(zI - A), by powers of z
+  std::vector<Polynomial> numerators;             ///< of the n entries, those of C adj(zI - A), by powers of z
+  Polynomial denominator;                         ///< det(zI - A), by powers of z
   std::vector<DeltaPolynomial> delta_numerators;  ///< the same by powers of s = z - 1
   DeltaPolynomial delta_denominator;
   Polynomial transfer_numerator;  ///< of T = N / det(zI - A), by powers of z

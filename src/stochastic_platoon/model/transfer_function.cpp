@@ -166,8 +166,7 @@ Reduction reduce(const TransferFunction& fraction, double tolerance) {
   const Polynomial unit_n = n / n_size;
   const Polynomial unit_d = d / d_size;
   // The map of the largest degree holds those of all smaller ones.
-  if (d.size() < 2 || !null_vector(cofactor_map(unit_n, unit_d, d.size() - 2), tolerance))
-    return {stripped, common};
+  if (d.size() < 2 || !null_vector(cofactor_map(unit_n, unit_d, d.size() - 2), tolerance)) return {stripped, common};
   const Eigen::Index relative_degree = d.size() - n.size();  // that of u / v, too: v has no smaller degree
   for (Eigen::Index degree = relative_degree; degree + 1 < d.size(); ++degree) {
     const std::optional<Eigen::VectorXd> null = null_vector(cofactor_map(unit_n, unit_d, degree), tolerance);
@@ -188,8 +187,7 @@ TransferFunction headway_policy(double headway) {
 }
 
 TransferFunction series(const TransferFunction& first, const TransferFunction& second) {
-  return {multiply(first.numerator(), second.numerator()),
-          multiply(first.denominator(), second.denominator())};
+  return {multiply(first.numerator(), second.numerator()), multiply(first.denominator(), second.denominator())};
 }
 
 TransferFunction feedback(const TransferFunction& forward, const TransferFunction& return_path) {

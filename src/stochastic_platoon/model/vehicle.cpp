@@ -42,8 +42,8 @@ PLATOON_INLINE void shift_lanes(const double* a, const double* b, std::size_t or
 namespace detail {
 
 PLATOON_VECTOR_CLONES
-void shift_tile(const double* a, const double* b, std::size_t order, std::size_t output_place,
-                std::size_t size, double* state, const double* input, double offset, double* positions) {
+void shift_tile(const double* a, const double* b, std::size_t order, std::size_t output_place, std::size_t size,
+                double* state, const double* input, double offset, double* positions) {
   std::size_t r = 0;
   for (; r + kLanes <= size; r += kLanes)
     shift_lanes(a, b, order, output_place, kLanes, state + r, input + r, offset, positions + r);
@@ -155,8 +155,7 @@ double root_of(const char* name, double variance) {
 FollowerVehicle::FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index)
     : FollowerVehicle(vehicle(model, index), place_in_formation(model, index), seed, index) {}
 
-FollowerVehicle::FollowerVehicle(const VehicleModel& own, double place, std::uint64_t seed,
-                                 std::uint32_t index)
+FollowerVehicle::FollowerVehicle(const VehicleModel& own, double place, std::uint64_t seed, std::uint32_t index)
     : loop_(own.loop.realization),
       noise_(seed),
       initial_place_(own.initial_position.mean + place),
@@ -164,8 +163,7 @@ FollowerVehicle::FollowerVehicle(const VehicleModel& own, double place, std::uin
       standstill_distance_(own.standstill_distance),
       index_(index) {}
 
-void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count,
-                            std::vector<double>& positions) {
+void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions) {
   positions.resize(count);
   if (initial_deviation_ > 0.0) {
     noise_.fill({index_, -1}, first_realization, count, positions.data());
@@ -215,8 +213,8 @@ double noise_deviation(double noise_variance) {
 NoisyChannel::NoisyChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver)
     : noise_(seed), deviation_(noise_deviation(noise_variance)), receiver_(receiver) {}
 
-void NoisyChannel::transmit(std::int64_t step, std::uint64_t first_realization, const double* sent,
-                            std::size_t count, double* received) const {
+void NoisyChannel::transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,
+                            double* received) const {
   if (step < 0 || deviation_ == 0.0) {
     std::copy_n(sent, count, received);
     return;

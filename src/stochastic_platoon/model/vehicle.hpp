@@ -63,8 +63,8 @@ private:
   AlignedValues next_;               ///< of one tile, which is then copied; empty for a shift register
 };
 
-/// Vehicle i >= 1. Starts at its place in formation + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by the
-/// received position of its predecessor minus delta.
+/// Vehicle i >= 1. Starts at its place in formation + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by
+/// the received position of its predecessor minus delta.
 class FollowerVehicle {
 public:
   /// Throws std::invalid_argument unless the variance of the initial positions is finite and >= 0.
@@ -74,9 +74,7 @@ public:
   void start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions);
 
   /// From the predecessor's step k, as received, to the own step k + 1. Both have the size of the batch.
-  void step(const double* received, double* positions) {
-    loop_.step(received, standstill_distance_, positions);
-  }
+  void step(const double* received, double* positions) { loop_.step(received, standstill_distance_, positions); }
   void step(const std::vector<double>& received, std::vector<double>& positions) {
     loop_.step(received, standstill_distance_, positions);
   }

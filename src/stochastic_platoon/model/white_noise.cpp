@@ -96,8 +96,7 @@ constexpr std::uint64_t kSign = 1ULL << 63;
 // 2 cos and 2 sin of 2 pi u2 up to a sign that both share, the leading bit of the word. The next bit is set
 // in every other quadrant, and the 52 below are u2 within the quadrant: exact reduction.
 PLATOON_INLINE Pair twice_cos_sin(std::uint64_t word) {
-  const double fraction =
-      in_one_to_two(word << 2) - 1.5;  // in [-1/2, 1/2): quarter turns from the quadrant's middle
+  const double fraction = in_one_to_two(word << 2) - 1.5;  // in [-1/2, 1/2): quarter turns from the quadrant's middle
   const double x = fraction * 1.57079632679489661923132169164;
   const double c = cos_polynomial(x);
   const double s = sin_polynomial(x);
@@ -137,8 +136,7 @@ inline Lanes multiply_low(Lanes a, Lanes b) {
 namespace avx2 {
 typedef std::uint64_t Lanes __attribute__((vector_size(32)));
 inline Lanes multiply_low(Lanes a, Lanes b) {
-  return reinterpret_cast<Lanes>(
-      _mm256_mul_epu32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
+  return reinterpret_cast<Lanes>(_mm256_mul_epu32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
 }
 #include "stochastic_platoon/model/philox_lanes.inc"
 }  // namespace avx2
@@ -180,8 +178,7 @@ void box_muller(const std::uint64_t* radius, const std::uint64_t* angle, std::si
 }
 
 PLATOON_VECTOR_CLONES
-void uniform_pairs(const std::uint64_t* first, const std::uint64_t* second, std::size_t pairs,
-                   double* uniforms) {
+void uniform_pairs(const std::uint64_t* first, const std::uint64_t* second, std::size_t pairs, double* uniforms) {
   for (std::size_t j = 0; j < pairs; ++j) {
     uniforms[2 * j] = in_one_to_two(first[j]) - 1.0;
     uniforms[2 * j + 1] = in_one_to_two(second[j]) - 1.0;
@@ -221,8 +218,7 @@ void fill_by(const Transform& transform, std::uint64_t seed, DrawName name, std:
 
 }  // namespace
 
-void WhiteNoise::fill(DrawName name, std::uint64_t first_realization, std::size_t count,
-                      double* normals) const {
+void WhiteNoise::fill(DrawName name, std::uint64_t first_realization, std::size_t count, double* normals) const {
   fill_by(detail::box_muller, seed_, name, first_realization, count, normals);
 }
 

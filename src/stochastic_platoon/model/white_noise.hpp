@@ -40,8 +40,7 @@ public:
 
   /// Writes values of the uniform distribution over [0, 1), multiples of 2^-52: u(2b) = 1 - u1 and u(2b + 1),
   /// the leading bits of the two words of block b.
-  void fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count,
-                    double* uniforms) const;
+  void fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count, double* uniforms) const;
 
 private:
   std::uint64_t seed_;

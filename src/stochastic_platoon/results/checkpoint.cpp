@@ -108,9 +108,9 @@ std::string identity_differences(const nlohmann::json& there, const nlohmann::js
 void require_no_results(const std::string& output) {
   for (const char* name : {"/statistics.csv", "/summary.json"}) {
     if (!std::filesystem::exists(output + name)) continue;
-    throw ConfigurationError({"output: " + output +
-                              ": holds results already, which are never written over, and "
-                              "no checkpoint to go on from: must be another folder"});
+    throw ConfigurationError(
+        {"output: " + output +
+         ": holds results already, which are never written over, and no checkpoint to go on from: must be another folder"});
   }
 }
 
@@ -196,8 +196,7 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
   try {
     require_writable_folder(run.output);
   } catch (const std::runtime_error& error) {
-    throw ConfigurationError(
-        {std::string("output: ") + error.what() + ": must be a folder that can be written"});
+    throw ConfigurationError({std::string("output: ") + error.what() + ": must be a folder that can be written"});
   }
   std::optional<Checkpoint> found;
   try {
@@ -218,17 +217,15 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
   }
   const std::string differing = identity_differences(found->identity, statistics_identity(configuration));
   if (!differing.empty()) {
-    throw ConfigurationError(
-        {"output: " + run.output + ": holds a run of another configuration: " + differing});
+    throw ConfigurationError({"output: " + run.output + ": holds a run of another configuration: " + differing});
   }
   if (!has_no_gap(found->table)) {
     throw ConfigurationError({"output: " + checkpoint_file(run.output) +
                               ": must hold realizations 0, 1, ... without a gap: must be another folder"});
   }
   if (found->table.count() > run.realizations) {
-    throw ConfigurationError({"realizations: " + std::to_string(run.realizations) +
-                              ": must be at least the " + std::to_string(found->table.count()) + " that " +
-                              run.output + " holds already"});
+    throw ConfigurationError({"realizations: " + std::to_string(run.realizations) + ": must be at least the " +
+                              std::to_string(found->table.count()) + " that " + run.output + " holds already"});
   }
   return found;
 }
@@ -236,12 +233,10 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
 std::unique_ptr<FolderLock> lock_output(const RunOptions& run) {
   try {
     require_writable_folder(run.output);
-    if (run.launch_id.empty())
-      return std::make_unique<FolderLock>(run.output, "process " + std::to_string(::getpid()));
+    if (run.launch_id.empty()) return std::make_unique<FolderLock>(run.output, "process " + std::to_string(::getpid()));
     // roslaunch starts a monitor again that is killed.
     const bool started_again = std::getenv(kEndsWithLaunch) != nullptr;
-    return std::make_unique<FolderLock>(run.output, "launch " + run.launch_id,
-                                        started_again ? ::getppid() : 0);
+    return std::make_unique<FolderLock>(run.output, "launch " + run.launch_id, started_again ? ::getppid() : 0);
   } catch (const std::runtime_error& error) {
     throw ConfigurationError(
         {std::string("output: ") + error.what() + ": must be a folder that can be written, and of one run"});

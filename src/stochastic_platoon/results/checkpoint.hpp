@@ -23,7 +23,7 @@ struct Checkpoint {
   MomentTable table;                        ///< of averages over time: of no cells
   std::vector<Moments> time_averages = {};  ///< of these, one per follower
   std::string damage = {};                  ///< of one that was read: why it is not the latest; empty: it is
-  nlohmann::json shard = {};  ///< of a part of a run: of which (see ShardRun); null: of a whole one
+  nlohmann::json shard = {};                ///< of a part of a run: of which (see ShardRun); null: of a whole one
 };
 
 /// "1000 realizations", or over how many steps it averages.

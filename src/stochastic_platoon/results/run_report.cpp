@@ -16,9 +16,7 @@ bool is_shown(std::size_t follower, std::size_t followers) {
 std::string heading(const RunOptions& run, const RunResult& result) {
   if (run.averaging() == Averaging::over_time) {
     std::string text = formatted(
-        "time averages up to step %lld (variance over time; standard errors by the theory's correlation of "
-        "successive "
-        "errors)\n",
+        "time averages up to step %lld (variance over time; standard errors by the theory's correlation of successive errors)\n",
         static_cast<long long>(result.last_step));
     if (result.tally.attempts > 1) {
       text += formatted("the run was begun %u times, each time left out up to step %lld and with new noise\n",
@@ -33,11 +31,10 @@ std::string heading(const RunOptions& run, const RunResult& result) {
 std::string row(const ResultCell& of, bool has_theory) {
   std::string text = formatted("%8zu %16.6g ", of.follower, of.measured.variance());
   if (!has_theory) return text + formatted("%16s %14s %9s\n", "-", "-", "-");
-  if (std::isnan(of.share.variance))
-    return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
+  if (std::isnan(of.share.variance)) return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
   return text + formatted("%16.2g %14.6g %9.2f\n", standard_error_of_variance(of), of.theoretical_variance,
-                          scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding,
-                                 of.share, of.fourth_moment)
+                          scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share,
+                                 of.fourth_moment)
                               .variance);
 }
 
@@ -56,8 +53,7 @@ std::string table(const RunOptions& run, const Prediction& prediction, const Run
 std::string comparison(const Agreement& found, std::size_t cells, const char* of, bool papers) {
   const bool agrees = found.agrees();
   return formatted(
-      "%s: over all %zu %s the largest |z| is %.2f for the means and %.2f for the variances "
-      "(chance alone exceeds %.2f at most once in 1000 runs)\n",
+      "%s: over all %zu %s the largest |z| is %.2f for the means and %.2f for the variances (chance alone exceeds %.2f at most once in 1000 runs)\n",
       (std::string(agrees ? "Measurement agrees with " : "MEASUREMENT AND ") +
        (papers   ? agrees ? "Lemma 1" : "LEMMA 1"
         : agrees ? "the theory"
@@ -75,9 +71,7 @@ std::string about(double number) {
 
 std::string no_verdict(std::uint64_t realizations, double needed) {
   return formatted(
-             "No verdict: the tracking errors are not normal, and %llu realizations are too few to tell a "
-             "difference "
-             "from chance: ",
+             "No verdict: the tracking errors are not normal, and %llu realizations are too few to tell a difference from chance: ",
              static_cast<unsigned long long>(realizations)) +
          (std::isfinite(needed) ? "about " + about(needed) + " are needed, as far as these tell\n"
                                 : "no number is enough, as a fourth moment leaves the range of double\n");
@@ -85,8 +79,7 @@ std::string no_verdict(std::uint64_t realizations, double needed) {
 
 }  // namespace
 
-std::string report(const Configuration& configuration, const Prediction& prediction,
-                   const RunResult& result) {
+std::string report(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
   const StringStability& stability = prediction.stability;
   std::string text = formatted("\nPlatoon of %zu followers, h = %g, P_d = %g m^2: ", run.followers,
@@ -94,9 +87,9 @@ std::string report(const Configuration& configuration, const Prediction& predict
   text += heading(run, result) + table(run, prediction, result);
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
   if (found) {
-    text += comparison(*found, cells_with_theory(run, prediction),
-                       run.averaging() == Averaging::over_time ? "followers" : "(i, k)",
-                       is_papers(configuration.model));
+    text +=
+        comparison(*found, cells_with_theory(run, prediction),
+                   run.averaging() == Averaging::over_time ? "followers" : "(i, k)", is_papers(configuration.model));
   }
   const std::optional<double> needed = realizations_needed(run, prediction, result);
   if (!found && needed) text += no_verdict(result.realizations, *needed);

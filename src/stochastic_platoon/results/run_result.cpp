@@ -45,8 +45,7 @@ nlohmann::json theory_json(const Prediction& prediction) {
 
 nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
   if (!agreement) return {{"max_abs_z_mean", nullptr}, {"max_abs_z_variance", nullptr}};
-  return {{"max_abs_z_mean", agreement->max_abs_z_mean},
-          {"max_abs_z_variance", agreement->max_abs_z_variance}};
+  return {{"max_abs_z_mean", agreement->max_abs_z_mean}, {"max_abs_z_variance", agreement->max_abs_z_variance}};
 }
 
 // Infinity, which JSON has not, as null.
@@ -55,21 +54,18 @@ nlohmann::json needed_json(std::optional<double> needed) {
 }
 
 // Of every follower's variance at the last step: what statistics.csv cannot tell where errors are not normal.
-nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& prediction,
-                                    const RunResult& result) {
+nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   nlohmann::json errors = nlohmann::json::array();
   for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result)) {
     const Moments& measured = of.measured;
-    errors.push_back(
-        !std::isnan(of.fourth_moment) || !std::isnan(measured.fourth_deviations)
-            ? standard_error_of_variance(of)
-            : standard_error_of_variance(measured.variance(), measured.count, of.share.variance));
+    errors.push_back(!std::isnan(of.fourth_moment) || !std::isnan(measured.fourth_deviations)
+                         ? standard_error_of_variance(of)
+                         : standard_error_of_variance(measured.variance(), measured.count, of.share.variance));
   }
   return errors;
 }
 
-nlohmann::json summary_json(const Configuration& configuration, const Prediction& prediction,
-                            const RunResult& result) {
+nlohmann::json summary_json(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
   const bool over_time = run.averaging() == Averaging::over_time;
   const std::uint64_t received = result.tally.positions_received;
@@ -99,8 +95,7 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
 
 }  // namespace
 
-std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction,
-                                   const RunResult& result) {
+std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   if (prediction.fourth_cumulant.empty() || result.moments.empty()) return {};
   const auto steps = static_cast<std::size_t>(run.steps);
   std::vector<double> moments;
@@ -117,8 +112,7 @@ std::vector<double> fourth_moments(const RunOptions& run, const Prediction& pred
     for (std::size_t c = row; c < row + steps; ++c) {
       const double square = prediction.variance[c] * prediction.variance[c];
       const double first_order = 3.0 * square + prediction.fourth_cumulant[c];
-      moments.push_back(kurtosis * square > first_order ? kurtosis * square
-                                                        : first_order);  // a NaN counts not
+      moments.push_back(kurtosis * square > first_order ? kurtosis * square : first_order);  // a NaN counts not
     }
   }
   return moments;
@@ -153,13 +147,12 @@ double standard_error_of_variance(const ResultCell& of) {
 namespace {
 
 // Of each follower that has a theory; none where the averages are worth too few independent errors.
-std::optional<std::vector<IndependentShare>> shares_over_time(const Prediction& prediction,
-                                                              const RunResult& result) {
+std::optional<std::vector<IndependentShare>> shares_over_time(const Prediction& prediction, const RunResult& result) {
   std::vector<IndependentShare> shares;
   for (std::size_t i = 1; i <= std::min(prediction.followers_with_theory, result.moments.size()); ++i) {
     shares.push_back(share_of(prediction, result, i));
-    const double worth = static_cast<double>(result.moments[i - 1].count) *
-                         std::min(shares.back().mean, shares.back().variance);
+    const double worth =
+        static_cast<double>(result.moments[i - 1].count) * std::min(shares.back().mean, shares.back().variance);
     if (!(worth >= static_cast<double>(kEnoughForAnyDistribution))) return std::nullopt;
   }
   if (shares.empty()) return std::nullopt;
@@ -183,14 +176,13 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
   const std::size_t judged = cells_with_theory(run, prediction);
   const std::vector<double> fourth = fourth_moments(run, prediction, result);
   if (judged == result.moments.size())
-    return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding, shares,
-                     fourth);
+    return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding, shares, fourth);
   const auto of = [judged](const auto& values) {
     return std::decay_t<decltype(values)>(
         values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(judged, values.size())));
   };
-  return agreement(of(result.moments), of(prediction.mean), of(prediction.variance), of(prediction.rounding),
-                   shares, of(fourth));
+  return agreement(of(result.moments), of(prediction.mean), of(prediction.variance), of(prediction.rounding), shares,
+                   of(fourth));
 }
 
 std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction,
@@ -218,8 +210,7 @@ std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizatio
   return (run.followers + 1) * static_cast<std::uint64_t>(run.steps + 1) * realizations;
 }
 
-std::string statistics_csv(const Configuration& configuration, const Prediction& prediction,
-                           const RunResult& result) {
+std::string statistics_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
   std::string text = "vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance\n";
   const auto add = [&](const ResultCell& of) {
@@ -257,13 +248,11 @@ std::string summary_text(nlohmann::json summary, const std::string& statistics) 
 
 }  // namespace
 
-void write_results(const Configuration& configuration, const Prediction& prediction,
-                   const RunResult& result) {
+void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const std::string& output = configuration.run.output;
   const std::string statistics = statistics_csv(configuration, prediction, result);
   write_atomically(output + "/statistics.csv", statistics);
-  write_atomically(output + "/summary.json",
-                   summary_text(summary_json(configuration, prediction, result), statistics));
+  write_atomically(output + "/summary.json", summary_text(summary_json(configuration, prediction, result), statistics));
 }
 
 }  // namespace platoon

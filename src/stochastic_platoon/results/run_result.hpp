@@ -44,19 +44,19 @@ struct ResultCell {
 };
 
 /// The fourth moment of each cell's error, about its mean [m^4], where packets are lost and the theory has it; else
-/// empty. The larger of two: what the theory knows to first order (see linked_error_moments()), all there is where losses
-/// are so rare that a run may not have met one; and v^2 times the kurtosis that was measured, of all steps of the follower
-/// together, which has what losses in a row do. That kurtosis nears the number of realizations where most of a variance
-/// is due to what hardly ever happens.
-std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction,
-                                   const RunResult& result);
+/// empty. The larger of two: what the theory knows to first order (see linked_error_moments()), all there is where
+/// losses are so rare that a run may not have met one; and v^2 times the kurtosis that was measured, of all steps of
+/// the follower together, which has what losses in a row do. That kurtosis nears the number of realizations where most
+/// of a variance is due to what hardly ever happens.
+std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction, const RunResult& result);
 
 /// The result's cells of step k, one per follower; of averages over time, whatever k, all there are.
 std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
                                  const RunResult& result);
 
 /// Standard error of the cell's variance [m^2]: of normal errors sqrt(2 / (n - 1)) times the theoretical variance
-/// (over time with n - 1 times the share, NaN where that is not known), of others sqrt((m_4 - v^2) / n) by the cell's fourth moment, else as it was measured.
+/// (over time with n - 1 times the share, NaN where that is not known), of others sqrt((m_4 - v^2) / n) by the cell's
+/// fourth moment, else as it was measured.
 double standard_error_of_variance(const ResultCell& of);
 
 /// How far measurement and theory are apart. None where it cannot be said: no theory, fewer than two realizations
@@ -65,11 +65,10 @@ double standard_error_of_variance(const ResultCell& of);
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result);
 
-/// How many realizations it takes until that can be said of errors that are not normal, as far as is known by now: by all
-/// cells' fourth moments where packets are lost (infinite where one leaves the range of double), a thousand of errors that
-/// are quantised. None of normal errors, over time, or without a theory.
-std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction,
-                                          const RunResult& result);
+/// How many realizations it takes until that can be said of errors that are not normal, as far as is known by now: by
+/// all cells' fourth moments where packets are lost (infinite where one leaves the range of double), a thousand of
+/// errors that are quantised. None of normal errors, over time, or without a theory.
+std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction, const RunResult& result);
 
 /// How many cells have a theory: those of the followers before the first external vehicle.
 std::size_t cells_with_theory(const RunOptions& run, const Prediction& prediction);
@@ -78,11 +77,11 @@ std::size_t cells_with_theory(const RunOptions& run, const Prediction& predictio
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations);
 
 /// Writes output/statistics.csv and output/summary.json, each atomically. The summary's "crc32" holds the
-/// checksum() of both, its own that of its text with "00000000" in its place: who reads them recognizes damage. Throws std::runtime_error.
+/// checksum() of both, its own that of its text with "00000000" in its place: who reads them recognizes damage. Throws
+/// std::runtime_error.
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
 /// The content of statistics.csv.
-std::string statistics_csv(const Configuration& configuration, const Prediction& prediction,
-                           const RunResult& result);
+std::string statistics_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
 }  // namespace platoon

@@ -11,8 +11,7 @@ namespace {
 Tally tally_of(const std::optional<Checkpoint>& start, const RunOptions& run) {
   if (!start) return {};
   Tally tally = start->tally;
-  if (start->launch_id != run.launch_id && run.averaging() == Averaging::over_realizations)
-    tally.attempts = 0;
+  if (start->launch_id != run.launch_id && run.averaging() == Averaging::over_realizations) tally.attempts = 0;
   return tally;
 }
 
@@ -30,15 +29,14 @@ RunStatistics::RunStatistics(const Configuration& configuration, const std::opti
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization)
     : RunStatistics(configuration, first_realization, Tally{}, EarlierAverages{}) {}
 
-RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization,
-                             const Tally& start, const EarlierAverages& earlier)
+RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization, const Tally& start,
+                             const EarlierAverages& earlier)
     : configuration_(configuration),
       kept_(has_normal_errors(configuration.model) ? KeptMoments::two : KeptMoments::four),
       tally_(start),
-      averages_(error_averages(configuration.run.followers, configuration.run.steps,
-                               configuration.run.burn_in, earlier, kept_)),
-      assembly_(configuration.run.schedule(), configuration.run.followers, first_realization,
-                start.attempts) {
+      averages_(error_averages(configuration.run.followers, configuration.run.steps, configuration.run.burn_in, earlier,
+                               kept_)),
+      assembly_(configuration.run.schedule(), configuration.run.followers, first_realization, start.attempts) {
   for (std::size_t i = 1; i <= configuration.run.followers; ++i)
     error_.push_back(tracking_error(configuration.model, i));
   if (configuration.run.averaging() == Averaging::over_realizations) return;
@@ -46,8 +44,7 @@ RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t f
   averages_->saw_leader(kNothingYet, true);
 }
 
-RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const Heading& heading,
-                                              const Positions& positions) {
+RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const Heading& heading, const Positions& positions) {
   ErrorAssembly::Receipt receipt = assembly_.receive(vehicle, heading, positions);
   if (receipt.restarted) averages_->restart();
   if (leader_ && vehicle == 0 && receipt.verdict == Verdict::in_turn)
@@ -108,14 +105,12 @@ void RunStatistics::saw(std::uint64_t platoon_time) {
 RunResult RunStatistics::result(bool complete) const {
   RunResult result{complete, averages_->realizations(), std::max<std::int64_t>(averages_->last_step(), 0),
                    tally_,   averages_->moments(),      {}};
-  for (std::size_t i = 1; i <= configuration_.run.followers; ++i)
-    result.last_steps.push_back(averages_->last_step(i));
+  for (std::size_t i = 1; i <= configuration_.run.followers; ++i) result.last_steps.push_back(averages_->last_step(i));
   return result;
 }
 
 Checkpoint RunStatistics::checkpoint() const {
-  Checkpoint checkpoint{statistics_identity(configuration_), configuration_.run.launch_id, tally_,
-                        MomentTable(0)};
+  Checkpoint checkpoint{statistics_identity(configuration_), configuration_.run.launch_id, tally_, MomentTable(0)};
   if (const MomentTable* totals = averages_->totals()) {
     checkpoint.table = *totals;
   } else {

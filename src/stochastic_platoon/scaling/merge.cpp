@@ -40,8 +40,7 @@ private:
     try {
       const std::optional<Checkpoint> found = read_checkpoint(folder);
       if (!found) return refuse(folder, "holds no shard: must be the output of monte_carlo --shard");
-      if (found->shard.is_null())
-        return refuse(folder, "holds a run of " + extent_of(*found) + " and no shard");
+      if (found->shard.is_null()) return refuse(folder, "holds a run of " + extent_of(*found) + " and no shard");
       take(folder, *found);
     } catch (const ConfigurationError& error) {
       refuse(folder, error.problems().front());
@@ -57,27 +56,24 @@ private:
     if (!first_) {
       // Another machine's arithmetic would give the same model another closed loop.
       const std::string own = identity_differences(found.identity, statistics_identity(run.configuration));
-      if (!own.empty())
-        return refuse(folder, "is of a run that this machine would compute otherwise: " + own);
+      if (!own.empty()) return refuse(folder, "is of a run that this machine would compute otherwise: " + own);
       first_ = run;
       first_folder_ = folder;
       identity_ = found.identity;
     }
     const std::string differing = differences(found, run);
-    if (!differing.empty())
-      return refuse(folder, "is of another run than " + first_folder_ + ": " + differing);
+    if (!differing.empty()) return refuse(folder, "is of another run than " + first_folder_ + ": " + differing);
     const RealizationRange range = run.range();
     std::uint64_t gaps = 0;
     for (const RealizationRange& gap : found.table.missing(range)) gaps += gap.size();
     if (gaps > 0 || found.table.count() != range.size()) {
-      return refuse(folder, name_of(run.shard) + " is not complete: " + std::to_string(range.size() - gaps) +
-                                " of " + std::to_string(range.size()) + " realizations" +
+      return refuse(folder, name_of(run.shard) + " is not complete: " + std::to_string(range.size() - gaps) + " of " +
+                                std::to_string(range.size()) + " realizations" +
                                 (found.damage.empty() ? "" : " (" + found.damage + ")"));
     }
     const auto place = places_.emplace(run.shard.index, folder);
     if (!place.second)
-      refuse(folder,
-             "holds " + name_of(run.shard) + ", as does " + place.first->second + ": must be given once");
+      refuse(folder, "holds " + name_of(run.shard) + ", as does " + place.first->second + ": must be given once");
   }
 
   std::string differences(const Checkpoint& found, const ShardRun& run) const {
@@ -110,10 +106,7 @@ std::vector<std::string> with_missing(const std::vector<std::uint64_t>& missing,
 
 IncompleteRun::IncompleteRun(const std::vector<std::uint64_t>& missing, std::uint64_t of,
                              std::vector<std::string> others)
-    : ConfigurationError(with_missing(missing, of, others)),
-      missing_(missing),
-      of_(of),
-      others_(std::move(others)) {}
+    : ConfigurationError(with_missing(missing, of, others)), missing_(missing), of_(of), others_(std::move(others)) {}
 
 std::vector<std::uint64_t> IncompleteRun::missing(std::uint64_t of) const {
   if (of_ > 0) return missing_;

@@ -23,8 +23,8 @@ double now() {
 void require_same_shard(const Checkpoint& found, const ShardRun& run) {
   const std::string& output = run.configuration.run.output;
   if (found.shard.is_null())
-    throw ConfigurationError({"output: " + output + ": holds a run of " + extent_of(found) +
-                              " and no shard: must be another folder"});
+    throw ConfigurationError(
+        {"output: " + output + ": holds a run of " + extent_of(found) + " and no shard: must be another folder"});
   const std::string differing = identity_differences(found.identity, statistics_identity(run.configuration));
   if (!differing.empty())
     throw ConfigurationError({"output: " + output + ": holds a shard of another run: " + differing});
@@ -34,9 +34,8 @@ void require_same_shard(const Checkpoint& found, const ShardRun& run) {
       realizations == run.configuration.run.realizations)
     return;
   throw ConfigurationError({"output: " + output + ": holds " + name_of(there.shard) + " of " +
-                            std::to_string(realizations) + " realizations, and this is " +
-                            name_of(run.shard) + " of " + std::to_string(run.configuration.run.realizations) +
-                            ": must be another folder"});
+                            std::to_string(realizations) + " realizations, and this is " + name_of(run.shard) + " of " +
+                            std::to_string(run.configuration.run.realizations) + ": must be another folder"});
 }
 
 // What the folder holds of the shard; none where it is empty, or what was there is damaged.
@@ -72,8 +71,7 @@ Shard parse_shard(const std::string& text, std::uint64_t realizations) {
     if (shard.of <= realizations && shard.of <= kMostShards) return shard;
   }
   throw ConfigurationError({"shard: " + shortened(text) + ": must be I/N, I from 0 to N - 1, N at most the " +
-                            std::to_string(realizations) + " realizations and " +
-                            std::to_string(kMostShards)});
+                            std::to_string(realizations) + " realizations and " + std::to_string(kMostShards)});
 }
 
 std::string name_of(const Shard& shard) {
@@ -107,11 +105,10 @@ std::uint64_t compute_shard(const ShardRun& run, const ShardSettings& settings) 
   const double began = now();
   const std::optional<Checkpoint> found = held(run, settings);
   const double earlier_seconds = found ? found->tally.wall_seconds : 0.0;
-  EnsembleRun work(
-      run.configuration.model,
-      {options.seed, options.followers, options.steps, options.realizations, options.batch}, run.range(),
-      found ? found->table : MomentTable(options.followers * static_cast<std::size_t>(options.steps)),
-      settings.checkpoint_seconds);
+  EnsembleRun work(run.configuration.model,
+                   {options.seed, options.followers, options.steps, options.realizations, options.batch}, run.range(),
+                   found ? found->table : MomentTable(options.followers * static_cast<std::size_t>(options.steps)),
+                   settings.checkpoint_seconds);
   const std::uint64_t held_before = work.done();
   if (work.is_complete()) return 0;
   const auto handed_over = [&work] {
@@ -126,9 +123,8 @@ std::uint64_t compute_shard(const ShardRun& run, const ShardSettings& settings) 
     work.read([&](const MomentTable& table) {
       count = table.count();
       const Tally tally{positions_expected(options, table.count()), 1, earlier_seconds + now() - began, 0};
-      write_checkpoint(
-          options.output,
-          {statistics_identity(run.configuration), options.launch_id, tally, table, {}, {}, to_json(run)});
+      write_checkpoint(options.output,
+                       {statistics_identity(run.configuration), options.launch_id, tally, table, {}, {}, to_json(run)});
     });
     return count;
   };

@@ -31,7 +31,8 @@ std::string name_of(const Shard& shard);
 /// What a checkpoint says of the shard that it is of: I, N and the configuration.
 nlohmann::json to_json(const ShardRun& run);
 
-/// From a checkpoint's word. Throws std::runtime_error when it is none, ConfigurationError when it is another version's.
+/// From a checkpoint's word. Throws std::runtime_error when it is none, ConfigurationError when it is another
+/// version's.
 ShardRun shard_run_of(const nlohmann::json& record);
 
 /// How a shard is computed.

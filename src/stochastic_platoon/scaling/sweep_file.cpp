@@ -65,9 +65,9 @@ void check_size(const Sweep& sweep, std::vector<std::string>& problems) {
     product += (product.empty() ? "" : " x ") + std::to_string(axis.size());
     points *= static_cast<double>(axis.size());
     if (sweep.paired && axis.size() != sweep.axes.front().size()) {
-      problems.push_back("combine: paired: " + axis.name + " has " + std::to_string(axis.size()) +
-                         " values and " + sweep.axes.front().name + " " +
-                         std::to_string(sweep.axes.front().size()) + ": must have as many");
+      problems.push_back("combine: paired: " + axis.name + " has " + std::to_string(axis.size()) + " values and " +
+                         sweep.axes.front().name + " " + std::to_string(sweep.axes.front().size()) +
+                         ": must have as many");
       return;
     }
   }
@@ -102,8 +102,8 @@ void check_points(const Sweep& sweep, std::vector<std::string>& problems) {
   of_points = abbreviated(of_points);
   problems.insert(problems.end(), of_points.begin(), of_points.end());
   if (rows > static_cast<double>(Sweep::kMostRows)) {
-    problems.push_back(formatted("keep: %.10g rows: must be at most ", rows) +
-                       std::to_string(Sweep::kMostRows) + " (keep fewer followers or steps)");
+    problems.push_back(formatted("keep: %.10g rows: must be at most ", rows) + std::to_string(Sweep::kMostRows) +
+                       " (keep fewer followers or steps)");
   }
 }
 
@@ -173,8 +173,7 @@ std::string word_of(const YAML::Node& value) {
   return printable(text);
 }
 
-Sweep read_sweep(const std::string& file, const std::map<std::string, std::string>& given,
-                 const std::string& model) {
+Sweep read_sweep(const std::string& file, const std::map<std::string, std::string>& given, const std::string& model) {
   const YAML::Node node = load_yaml(file, "sweep");
   std::vector<std::string> problems;
   Section document(node, "", problems);
@@ -190,8 +189,7 @@ Sweep read_sweep(const std::string& file, const std::map<std::string, std::strin
   Section vary = document.section("vary");
   if (varies) sweep.axes = read_axes(node["vary"], vary);
   sweep.paired = document.has("combine") && document.choice("combine", {"grid", "paired"}) == "paired";
-  if (document.has("shards"))
-    sweep.shards = static_cast<std::uint64_t>(document.integer("shards", 1, kMostShards));
+  if (document.has("shards")) sweep.shards = static_cast<std::uint64_t>(document.integer("shards", 1, kMostShards));
   if (document.has("keep")) {
     Section keep = document.section("keep");
     sweep.all_followers = !keep.has("followers") || keep.choice("followers", {"all", "last"}) == "all";

@@ -55,7 +55,6 @@ std::string word_of(const YAML::Node& value);
 ///
 /// The number of points is counted before anything is made of them, and the configuration of every point is
 /// checked. Throws ConfigurationError with all that is wrong.
-Sweep read_sweep(const std::string& file, const std::map<std::string, std::string>& given,
-                 const std::string& model);
+Sweep read_sweep(const std::string& file, const std::map<std::string, std::string>& given, const std::string& model);
 
 }  // namespace platoon

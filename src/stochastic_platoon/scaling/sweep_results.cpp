@@ -42,12 +42,11 @@ std::string measured_columns(const Moments& measured, double theoretical_varianc
   const double variance = measured.variance();
   const double of_fourth =
       std::sqrt((fourth - theoretical_variance * theoretical_variance) / static_cast<double>(measured.count));
-  return formatted("%llu,%.17g,%.17g,%.17g,%.17g,", static_cast<unsigned long long>(measured.count),
-                   measured.mean, standard_error_of_mean(variance, measured.count), variance,
-                   !std::isnan(fourth) ? of_fourth
-                   : std::isnan(measured.fourth_deviations)
-                       ? standard_error_of_variance(variance, measured.count)
-                       : standard_error_of_variance(measured));
+  return formatted("%llu,%.17g,%.17g,%.17g,%.17g,", static_cast<unsigned long long>(measured.count), measured.mean,
+                   standard_error_of_mean(variance, measured.count), variance,
+                   !std::isnan(fourth)                      ? of_fourth
+                   : std::isnan(measured.fourth_deviations) ? standard_error_of_variance(variance, measured.count)
+                                                            : standard_error_of_variance(measured));
 }
 
 }  // namespace
@@ -56,8 +55,7 @@ std::string sweep_heading(const Sweep& sweep) {
   std::string text = "point";
   for (const SweepAxis& axis : sweep.axes) text += "," + axis.name;
   return text +
-         ",vehicle,step,count,mean,mean_standard_error,variance,variance_standard_error,theoretical_mean,"
-         "theoretical_variance,string_stable,agrees\n";
+         ",vehicle,step,count,mean,mean_standard_error,variance,variance_standard_error,theoretical_mean,theoretical_variance,string_stable,agrees\n";
 }
 
 std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configuration& configuration,
@@ -68,18 +66,16 @@ std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configurat
   for (const YAML::Node& value : sweep.values(point)) begin += "," + word_of(value);
   std::optional<bool> stable, agrees;
   if (known) stable = prediction.stability.decision();
-  if (const std::optional<Agreement> found = measured_agreement(run, prediction, result))
-    agrees = found->agrees();
+  if (const std::optional<Agreement> found = measured_agreement(run, prediction, result)) agrees = found->agrees();
   const std::vector<double> fourth = fourth_moments(run, prediction, result);
   std::string text;
   for (std::size_t i = sweep.all_followers ? 1 : run.followers; i <= run.followers; ++i) {
     for (std::int64_t k = sweep.all_steps ? 0 : run.steps - 1; k < run.steps; ++k) {
       const std::size_t c = cell(i, k, run.steps);
       text += begin + formatted(",%zu,%lld,", i, static_cast<long long>(k)) +
-              measured_columns(result.moments[c], prediction.variance[c],
-                               fourth.empty() ? std::nan("") : fourth[c]) +
-              (known ? formatted("%.17g,%.17g,", prediction.mean[c], prediction.variance[c]) : ",,") +
-              truth(stable) + "," + truth(agrees) + "\n";
+              measured_columns(result.moments[c], prediction.variance[c], fourth.empty() ? std::nan("") : fourth[c]) +
+              (known ? formatted("%.17g,%.17g,", prediction.mean[c], prediction.variance[c]) : ",,") + truth(stable) +
+              "," + truth(agrees) + "\n";
     }
   }
   return text;
@@ -113,9 +109,8 @@ std::optional<std::string> read_point(const Sweep& sweep, const std::string& out
     return std::nullopt;
   }
   if (content.compare(0, any_line.size(), line_of(identity_of(sweep, point))) != 0) {
-    throw ConfigurationError({"output: " + file + ": is of another sweep than point " +
-                              std::to_string(point) + " (" + sweep.name_of(point) +
-                              ") of this one: must be another folder"});
+    throw ConfigurationError({"output: " + file + ": is of another sweep than point " + std::to_string(point) + " (" +
+                              sweep.name_of(point) + ") of this one: must be another folder"});
   }
   return content.substr(any_line.size());
 }

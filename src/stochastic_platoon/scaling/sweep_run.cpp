@@ -84,8 +84,7 @@ private:
     if (!active_.empty() && !active_.back()->run.all_begun()) return active_.back();
     if (next_ == points_.size()) return nullptr;
     const std::uint64_t point = points_[next_++];
-    active_.push_back(
-        std::make_shared<ActivePoint>(point, sweep_.name_of(point), sweep_.configuration(point)));
+    active_.push_back(std::make_shared<ActivePoint>(point, sweep_.name_of(point), sweep_.configuration(point)));
     return active_.back();
   }
 
@@ -127,8 +126,7 @@ std::vector<std::uint64_t> missing_points(const Sweep& sweep, const SweepSetting
   return missing;
 }
 
-void compute_points(const Sweep& sweep, const std::vector<std::uint64_t>& points,
-                    const SweepSettings& settings) {
+void compute_points(const Sweep& sweep, const std::vector<std::uint64_t>& points, const SweepSettings& settings) {
   if (points.empty()) return;
   PointQueue queue(sweep, points);
   std::vector<std::future<void>> workers;
@@ -151,29 +149,25 @@ void compute_points(const Sweep& sweep, const std::vector<std::uint64_t>& points
   }
 }
 
-void merge_points(const Sweep& sweep, const std::vector<std::uint64_t>& points,
-                  const SweepSettings& settings) {
+void merge_points(const Sweep& sweep, const std::vector<std::uint64_t>& points, const SweepSettings& settings) {
   std::vector<std::uint64_t> tasks;
   std::vector<std::string> problems;
   for (const std::uint64_t point : points) {
     std::vector<std::string> folders;
-    for (std::uint64_t i = 0; i < sweep.shards; ++i)
-      folders.push_back(shard_folder(settings.output, point, i));
+    for (std::uint64_t i = 0; i < sweep.shards; ++i) folders.push_back(shard_folder(settings.output, point, i));
     const Configuration configuration = sweep.configuration(point);
     try {
       const MergedRun merged = merge(folders);
       const std::string differing =
           identity_differences(statistics_identity(merged.configuration), statistics_identity(configuration));
       if (!differing.empty() || merged.result.realizations != configuration.run.realizations) {
-        throw ConfigurationError({folders.front() + ": is of another sweep than point " +
-                                  std::to_string(point) + " (" + sweep.name_of(point) +
-                                  ") of this one: " + differing});
+        throw ConfigurationError({folders.front() + ": is of another sweep than point " + std::to_string(point) + " (" +
+                                  sweep.name_of(point) + ") of this one: " + differing});
       }
       const std::string rows = sweep_rows(sweep, point, configuration, predict(configuration), merged.result);
       write_atomically(point_file(settings.output, point), point_content(sweep, point, rows));
     } catch (const IncompleteRun& error) {
-      for (const std::uint64_t shard : error.missing(sweep.shards))
-        tasks.push_back(point * sweep.shards + shard);
+      for (const std::uint64_t shard : error.missing(sweep.shards)) tasks.push_back(point * sweep.shards + shard);
       problems.insert(problems.end(), error.others().begin(), error.others().end());
     } catch (const ConfigurationError& error) {
       problems.push_back(error.problems().front());

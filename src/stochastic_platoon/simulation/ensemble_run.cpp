@@ -13,7 +13,8 @@ namespace platoon {
 
 namespace {
 
-// Of blocks that a thread holds: their siblings may be another thread's, and only what was handed over is joined with these.
+// Of blocks that a thread holds: their siblings may be another thread's, and only what was handed over is joined with
+// these.
 constexpr std::size_t kMostOwnCells = 1u << 21;  // 32 MB
 
 std::size_t cells_of(const Ensemble& ensemble) {

@@ -27,8 +27,8 @@ class EnsembleRun {
 public:
   /// Goes on from `earlier`, which holds some of the realizations. A thread hands over what it has after so many
   /// seconds, or when it has become much: see read().
-  EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range,
-              MomentTable earlier, double hand_over_seconds = std::numeric_limits<double>::infinity());
+  EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range, MomentTable earlier,
+              double hand_over_seconds = std::numeric_limits<double>::infinity());
   /// From nothing.
   EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range);
 

@@ -17,8 +17,7 @@ class PlatoonString {
 public:
   PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers);
 
-  using ErrorSink =
-      std::function<void(std::size_t follower, std::int64_t step, const std::vector<double>& errors)>;
+  using ErrorSink = std::function<void(std::size_t follower, std::int64_t step, const std::vector<double>& errors)>;
 
   /// Runs realizations first .. first + count - 1 through steps -1 .. steps - 1 and tells zeta_i(k) for every
   /// k >= 0.

@@ -77,8 +77,7 @@ bool is_of_any(double variance, double fourth_moment) {
   return variance > 0.0 && !std::isnan(fourth_moment);
 }
 
-Scores scores_of_any(const Moments& measured, double mean, double variance, double rounding,
-                     double fourth_moment) {
+Scores scores_of_any(const Moments& measured, double mean, double variance, double rounding, double fourth_moment) {
   if (measured.count == 0) return {kNaN, kNaN};
   const auto n = static_cast<double>(measured.count);
   // Powers of deviations from the theoretical mean.
@@ -88,8 +87,7 @@ Scores scores_of_any(const Moments& measured, double mean, double variance, doub
                         6.0 * square * measured.squared_deviations + n * square * square;
   const double of_mean = self_normalized_score(n * beyond(shift, rounding), squared, n * variance);
   if (measured.count < 2) return {of_mean, kNaN};
-  const double difference =
-      n * beyond(squared / n - variance, rounding * (2.0 * std::sqrt(variance) + rounding));
+  const double difference = n * beyond(squared / n - variance, rounding * (2.0 * std::sqrt(variance) + rounding));
   const double squares = fourth - 2.0 * variance * squared + n * variance * variance;
   return {of_mean, self_normalized_score(difference, squares, n * (fourth_moment - variance * variance))};
 }
@@ -100,8 +98,7 @@ bool is_judged(double measured, double variance) {
 
 // Of values of any distribution, whose fourth moment was measured.
 double measured_variance_score(const Moments& measured, double variance, double rounding) {
-  const double difference =
-      beyond(measured.variance() - variance, rounding * (2.0 * std::sqrt(variance) + rounding));
+  const double difference = beyond(measured.variance() - variance, rounding * (2.0 * std::sqrt(variance) + rounding));
   return difference == 0.0 ? 0.0 : difference / standard_error_of_variance(measured);
 }
 
@@ -109,8 +106,7 @@ double degrees_of_freedom(const Moments& measured, const IndependentShare& share
   return static_cast<double>(measured.count - 1) * share.variance * share.expected * share.expected;
 }
 
-double variance_score(const Moments& measured, double variance, double rounding,
-                      const IndependentShare& share = {}) {
+double variance_score(const Moments& measured, double variance, double rounding, const IndependentShare& share = {}) {
   if (!is_judged(measured.variance(), variance)) return kNaN;
   if (!std::isnan(measured.fourth_deviations)) return measured_variance_score(measured, variance, rounding);
   const double ratio = variance_ratio(measured.variance(), variance * share.expected, rounding);
@@ -163,10 +159,8 @@ Agreement agreement(const std::vector<Moments>& measured, const std::vector<doub
     const IndependentShare of = share.empty() ? IndependentShare{} : share[c];
     const double mean = mean_score(measured[c], theoretical_mean[c], theoretical_variance[c], allowed, of);
     worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(mean));
-    if (std::isnan(measured[c].fourth_deviations) &&
-        is_judged(measured[c].variance(), theoretical_variance[c])) {
-      const double ratio =
-          variance_ratio(measured[c].variance(), theoretical_variance[c] * of.expected, allowed);
+    if (std::isnan(measured[c].fourth_deviations) && is_judged(measured[c].variance(), theoretical_variance[c])) {
+      const double ratio = variance_ratio(measured[c].variance(), theoretical_variance[c] * of.expected, allowed);
       const double freedom_here = degrees_of_freedom(measured[c], of);
       if (freedom_here != freedom) lowest = kInfinity, highest = -kInfinity;
       freedom = freedom_here;

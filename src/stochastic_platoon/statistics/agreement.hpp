@@ -15,8 +15,8 @@ struct Scores {
   double variance;
 };
 
-/// What one of several correlated values is worth, in independent ones, for their mean and for their variance, and the mean of
-/// their unbiased variance over what it is of independent ones.
+/// What one of several correlated values is worth, in independent ones, for their mean and for their variance, and the
+/// mean of their unbiased variance over what it is of independent ones.
 struct IndependentShare {
   double mean = 1.0;
   double variance = 1.0;
@@ -36,8 +36,8 @@ struct IndependentShare {
 /// number n of them: with d = x - mean of the theory, or d = (x - mean)^2 - v, D = E d^2, which is v or m_4 - v^2, and
 /// y = (sum d^2 + 2 n D) / 3,
 ///     P((sum d)^2 / (y + b) > 2 ln(1 / a) + ln((y + b) / b)) <= a    for every b > 0,
-/// as E exp(l sum d - l^2 y / 2) <= 1 for every l (B. Delyon, Electronic J. Probability 14, 2009), averaged over normal l
-/// of variance 1 / b (V. de la Pena, M. Klass, T. L. Lai, Annals of Probability 32, 2004). What is measured, sum d^2,
+/// as E exp(l sum d - l^2 y / 2) <= 1 for every l (B. Delyon, Electronic J. Probability 14, 2009), averaged over normal
+/// l of variance 1 / b (V. de la Pena, M. Klass, T. L. Lai, Annals of Probability 32, 2004). What is measured, sum d^2,
 /// does not make much of a rare event that is among the values, and what is known, D, not little of one that is not.
 /// With b = n D / 32 the score is the root of (33 / 32) ((sum d)^2 / (y + b) - ln((y + b) / (33 b))): a distance in
 /// standard errors where sum d^2 is near n D. Its bound is plausible_score_of_any().
@@ -46,12 +46,11 @@ struct IndependentShare {
 /// within it, count as equal to the theory. Beyond it a score is infinite where v = 0. NaN where a value is,
 /// and for the variance of fewer than two values.
 ///
-/// Of n correlated values the mean is normal and counts for n share.mean; their variance, over v share.expected, counts as
-/// chi-squared with as many degrees of freedom as give it its own variance, (n - 1) share.variance share.expected^2, which holds
-/// where these are many (R. B. Blackman, J. W. Tukey, The Measurement of Power Spectra, 1958).
-Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance,
-              double rounding = 0.0, const IndependentShare& share = {},
-              double fourth_moment = std::numeric_limits<double>::quiet_NaN());
+/// Of n correlated values the mean is normal and counts for n share.mean; their variance, over v share.expected, counts
+/// as chi-squared with as many degrees of freedom as give it its own variance, (n - 1) share.variance share.expected^2,
+/// which holds where these are many (R. B. Blackman, J. W. Tukey, The Measurement of Power Spectra, 1958).
+Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance, double rounding = 0.0,
+              const IndependentShare& share = {}, double fourth_moment = std::numeric_limits<double>::quiet_NaN());
 
 /// The largest scores in modulus over many cells, and what they may be by chance.
 struct Agreement {
@@ -66,8 +65,7 @@ struct Agreement {
 /// values, and for normal ones. Throws std::invalid_argument when the sizes differ.
 Agreement agreement(const std::vector<Moments>& measured, const std::vector<double>& theoretical_mean,
                     const std::vector<double>& theoretical_variance, const std::vector<double>& rounding = {},
-                    const std::vector<IndependentShare>& share = {},
-                    const std::vector<double>& fourth_moment = {});
+                    const std::vector<IndependentShare>& share = {}, const std::vector<double>& fourth_moment = {});
 
 /// The score that the largest of `comparisons` scores, however they depend on each other, exceeds in modulus
 /// with probability of at most 0.001 (Bonferroni): beyond it measurement and theory disagree.

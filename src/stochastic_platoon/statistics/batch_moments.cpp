@@ -12,16 +12,15 @@ namespace platoon {
 namespace {
 
 // Halves a level: node j of the next one joins nodes 2j and 2j + 1, of 2 half_count values each.
-PLATOON_INLINE void join_pairs(const double* mean, const double* deviations, std::size_t pairs,
-                               double half_count, double* mean_out, double* deviations_out) {
+PLATOON_INLINE void join_pairs(const double* mean, const double* deviations, std::size_t pairs, double half_count,
+                               double* mean_out, double* deviations_out) {
   for (std::size_t j = 0; j < pairs; ++j) {
-    merge_equal(mean[2 * j], deviations[2 * j], mean[2 * j + 1], deviations[2 * j + 1], half_count,
-                &mean_out[j], &deviations_out[j]);
+    merge_equal(mean[2 * j], deviations[2 * j], mean[2 * j + 1], deviations[2 * j + 1], half_count, &mean_out[j],
+                &deviations_out[j]);
   }
 }
 
-PLATOON_INLINE void pair_values(const double* values, std::size_t pairs, double* mean_out,
-                                double* deviations_out) {
+PLATOON_INLINE void pair_values(const double* values, std::size_t pairs, double* mean_out, double* deviations_out) {
   for (std::size_t j = 0; j < pairs; ++j) {
     const double shift = values[2 * j + 1] - values[2 * j];
     mean_out[j] = 0.5 * (values[2 * j] + values[2 * j + 1]);
@@ -53,8 +52,7 @@ PLATOON_INLINE void join_powers(const PowerTile& in, std::size_t pairs, double h
     const std::size_t l = 2 * j, r = 2 * j + 1;
     merge_equal_powers(in.mean[r] - in.mean[l], {in.squared[l], in.cubed[l], in.fourth[l]},
                        {in.squared[r], in.cubed[r], in.fourth[r]}, half_count, &out.cubed[j], &out.fourth[j]);
-    merge_equal(in.mean[l], in.squared[l], in.mean[r], in.squared[r], half_count, &out.mean[j],
-                &out.squared[j]);
+    merge_equal(in.mean[l], in.squared[l], in.mean[r], in.squared[r], half_count, &out.mean[j], &out.squared[j]);
   }
 }
 
@@ -107,18 +105,16 @@ MomentNode reduce(const ValuesInTurn& values, std::size_t offset, unsigned level
   if (level <= kMomentTileLevel) {
     std::array<double, kMomentTile> buffer;
     const double* const tile = values(offset, std::size_t{1} << level, buffer.data());
-    return kept == KeptMoments::four ? detail::reduce_tile_to_four(tile, level)
-                                     : detail::reduce_tile(tile, level);
+    return kept == KeptMoments::four ? detail::reduce_tile_to_four(tile, level) : detail::reduce_tile(tile, level);
   }
   const std::size_t half = std::size_t{1} << (level - 1);
   const MomentNode left = reduce(values, offset, level - 1, kept);
   const MomentNode right = reduce(values, offset + half, level - 1, kept);
   MomentNode joined;
-  merge_equal(left.mean, left.squared_deviations, right.mean, right.squared_deviations,
-              0.5 * static_cast<double>(half), &joined.mean, &joined.squared_deviations);
+  merge_equal(left.mean, left.squared_deviations, right.mean, right.squared_deviations, 0.5 * static_cast<double>(half),
+              &joined.mean, &joined.squared_deviations);
   if (kept == KeptMoments::four) {
-    merge_equal_powers(right.mean - left.mean,
-                       {left.squared_deviations, left.cubed_deviations, left.fourth_deviations},
+    merge_equal_powers(right.mean - left.mean, {left.squared_deviations, left.cubed_deviations, left.fourth_deviations},
                        {right.squared_deviations, right.cubed_deviations, right.fourth_deviations},
                        0.5 * static_cast<double>(half), &joined.cubed_deviations, &joined.fourth_deviations);
   }
@@ -127,8 +123,8 @@ MomentNode reduce(const ValuesInTurn& values, std::size_t offset, unsigned level
 
 }  // namespace
 
-std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_t count,
-                                     const ValuesInTurn& values, KeptMoments kept) {
+std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_t count, const ValuesInTurn& values,
+                                     KeptMoments kept) {
   std::vector<MomentNode> nodes;
   std::size_t offset = 0;
   for (const DyadicRange& range : dyadic_cover(first_realization, count)) {
@@ -138,13 +134,12 @@ std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_
   return nodes;
 }
 
-BatchMoments::BatchMoments(std::uint64_t first_realization, std::size_t count, std::size_t cells,
-                           KeptMoments kept)
+BatchMoments::BatchMoments(std::uint64_t first_realization, std::size_t count, std::size_t cells, KeptMoments kept)
     : first_(first_realization), count_(count), kept_(kept) {
   const std::size_t of_powers = kept == KeptMoments::four ? cells : 0;
   for (const DyadicRange& range : dyadic_cover(first_realization, count)) {
-    blocks_.push_back({range, std::vector<double>(cells), std::vector<double>(cells),
-                       std::vector<double>(of_powers), std::vector<double>(of_powers)});
+    blocks_.push_back({range, std::vector<double>(cells), std::vector<double>(cells), std::vector<double>(of_powers),
+                       std::vector<double>(of_powers)});
   }
 }
 
@@ -164,9 +159,7 @@ void BatchMoments::require_cell(std::size_t cell) const {
 
 void BatchMoments::set(std::size_t cell, const double* values) {
   require_cell(cell);
-  const ValuesInTurn in_place = [&values](std::size_t offset, std::size_t, double*) {
-    return values + offset;
-  };
+  const ValuesInTurn in_place = [&values](std::size_t offset, std::size_t, double*) { return values + offset; };
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     put(b, cell, reduce(in_place, 0, blocks_[b].range.level, kept_));
     values += blocks_[b].range.size();

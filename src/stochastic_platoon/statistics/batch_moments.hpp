@@ -42,8 +42,8 @@ using ValuesInTurn =
 ///
 /// Values are paired by realization number, level by level, so a node's bits depend on its range alone and not
 /// on the batch in which it was formed. They are asked for in ascending tiles of at most 512.
-std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_t count,
-                                     const ValuesInTurn& values, KeptMoments kept = KeptMoments::two);
+std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_t count, const ValuesInTurn& values,
+                                     KeptMoments kept = KeptMoments::two);
 
 /// Moments of one batch of realizations, cell by cell, as blocks of the tree that MomentTable keeps.
 class BatchMoments {

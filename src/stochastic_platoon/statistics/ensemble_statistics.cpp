@@ -17,8 +17,7 @@ void EnsembleStatistics::add(const ReducedErrors& errors) {
 void EnsembleStatistics::commit(std::uint64_t first_realization) {
   const auto batch = open_.find(first_realization);
   if (batch == open_.end()) {
-    throw std::invalid_argument("batch at realization " + std::to_string(first_realization) +
-                                ": must be open");
+    throw std::invalid_argument("batch at realization " + std::to_string(first_realization) + ": must be open");
   }
   table_.add(std::move(batch->second));
   open_.erase(batch);

@@ -74,7 +74,6 @@ struct EarlierAverages {
 
 /// For a run of these steps; 0: endless, averaged over time from step `burn_in` on.
 std::unique_ptr<ErrorAverages> error_averages(std::size_t followers, std::int64_t steps, std::int64_t burn_in,
-                                              const EarlierAverages& earlier,
-                                              KeptMoments kept = KeptMoments::two);
+                                              const EarlierAverages& earlier, KeptMoments kept = KeptMoments::two);
 
 }  // namespace platoon

@@ -18,8 +18,8 @@ void join(MomentBlock& left, const MomentBlock& right) {
                        &left.cubed_deviations[c], &left.fourth_deviations[c]);
   }
   for (std::size_t c = 0; c < left.mean.size(); ++c) {
-    merge_equal(left.mean[c], left.squared_deviations[c], right.mean[c], right.squared_deviations[c],
-                half_count, &left.mean[c], &left.squared_deviations[c]);
+    merge_equal(left.mean[c], left.squared_deviations[c], right.mean[c], right.squared_deviations[c], half_count,
+                &left.mean[c], &left.squared_deviations[c]);
   }
   ++left.range.level;
 }
@@ -52,8 +52,7 @@ void MomentTable::add(MomentBlock block) {
   }
   const auto after = blocks_.lower_bound(block.range.first);
   const bool overlaps_next = after != blocks_.end() && after->first < block.range.end();
-  const bool overlaps_previous =
-      after != blocks_.begin() && std::prev(after)->second.range.end() > block.range.first;
+  const bool overlaps_previous = after != blocks_.begin() && std::prev(after)->second.range.end() > block.range.first;
   if (overlaps_next || overlaps_previous) {
     throw std::invalid_argument("realizations from " + std::to_string(block.range.first) + " to " +
                                 std::to_string(block.range.end() - 1) + ": must not be counted twice");

@@ -31,8 +31,7 @@ Moments merge(const Moments& left, const Moments& right) {
           left.squared_deviations + right.squared_deviations + shift * shift * (n_left * n_right / n),
           left.cubed_deviations + right.cubed_deviations + square * shift * (n_left * b) * (a - b) +
               3.0 * shift * (a * right.squared_deviations - b * left.squared_deviations),
-          left.fourth_deviations + right.fourth_deviations +
-              square * square * (n_left * b) * (a * a - a * b + b * b) +
+          left.fourth_deviations + right.fourth_deviations + square * square * (n_left * b) * (a * a - a * b + b * b) +
               6.0 * square * (a * a * right.squared_deviations + b * b * left.squared_deviations) +
               4.0 * shift * (a * right.cubed_deviations - b * left.cubed_deviations)};
 }

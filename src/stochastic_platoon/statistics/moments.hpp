@@ -30,9 +30,8 @@ struct Moments {
 /// Mean and sum of squared deviations of the union of two samples of n values each, with half_count = n / 2
 /// (Chan, Golub and LeVeque, 1983, for equal counts: M = M_left + M_right + (mean_right - mean_left)^2 n /
 /// 2).
-PLATOON_INLINE void merge_equal(double left_mean, double left_deviations, double right_mean,
-                                double right_deviations, double half_count, double* mean,
-                                double* squared_deviations) {
+PLATOON_INLINE void merge_equal(double left_mean, double left_deviations, double right_mean, double right_deviations,
+                                double half_count, double* mean, double* squared_deviations) {
   const double shift = right_mean - left_mean;
   *mean = 0.5 * (left_mean + right_mean);
   *squared_deviations = (left_deviations + right_deviations) + (shift * shift) * half_count;
@@ -47,8 +46,8 @@ struct Deviations {
 /// covariances and arbitrary-order statistical moments, SAND2008-6212, for equal counts n, shift =
 /// mean_right - mean_left): M3 = M3_left + M3_right + 3/2 shift (M2_right - M2_left),
 /// M4 = M4_left + M4_right + shift^4 n / 8 + 3/2 shift^2 (M2_left + M2_right) + 2 shift (M3_right - M3_left).
-PLATOON_INLINE void merge_equal_powers(double shift, const Deviations& left, const Deviations& right,
-                                       double half_count, double* cubed, double* fourth) {
+PLATOON_INLINE void merge_equal_powers(double shift, const Deviations& left, const Deviations& right, double half_count,
+                                       double* cubed, double* fourth) {
   const double square = shift * shift;
   *cubed = (left.cubed + right.cubed) + (1.5 * shift) * (right.squared - left.squared);
   *fourth = ((left.fourth + right.fourth) + (square * square) * (0.25 * half_count)) +

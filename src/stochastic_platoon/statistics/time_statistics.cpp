@@ -57,8 +57,8 @@ void TimeStatistics::count_due(std::size_t index) {
 }
 
 bool TimeStatistics::empty() const {
-  return last_step() < 0 && std::all_of(earlier_.begin(), earlier_.end(),
-                                        [](const Moments& moments) { return moments.count == 0; });
+  return last_step() < 0 &&
+         std::all_of(earlier_.begin(), earlier_.end(), [](const Moments& moments) { return moments.count == 0; });
 }
 
 std::int64_t TimeStatistics::last_step() const {
@@ -69,8 +69,7 @@ std::int64_t TimeStatistics::last_step() const {
 
 std::vector<Moments> TimeStatistics::moments() const {
   std::vector<Moments> all;
-  for (std::size_t i = 0; i < followers_.size(); ++i)
-    all.push_back(merge(earlier_[i], followers_[i].moments));
+  for (std::size_t i = 0; i < followers_.size(); ++i) all.push_back(merge(earlier_[i], followers_[i].moments));
   return all;
 }
 

@@ -16,8 +16,8 @@ namespace platoon {
 /// counts from its own burn_in on.
 ///
 /// A manoeuvre of the leader, which departs from the model in steps a .. b, leaves out the errors that it reaches,
-/// zeta_i(k) for k >= a + i - 1, up to a burn-in behind it, k <= b + i - 1 + burn_in. What counts is decided when the leader's
-/// step k - i + 1 is known, the latest that zeta_i(k) depends on.
+/// zeta_i(k) for k >= a + i - 1, up to a burn-in behind it, k <= b + i - 1 + burn_in. What counts is decided when the
+/// leader's step k - i + 1 is known, the latest that zeta_i(k) depends on.
 ///
 /// The errors of a follower count in the order of their steps, whatever order they come in, so that the sums
 /// have the same bits. Successive errors are correlated: the standard errors of independent values do not hold.
@@ -35,9 +35,7 @@ public:
   std::uint64_t realizations() const override { return 1; }
   bool empty() const override;
   std::int64_t last_step() const override;
-  std::int64_t last_step(std::size_t follower) const override {
-    return followers_[follower - 1].next_step - 1;
-  }
+  std::int64_t last_step(std::size_t follower) const override { return followers_[follower - 1].next_step - 1; }
   /// One per follower; count is the number of steps behind it.
   std::vector<Moments> moments() const override;
   const MomentTable* totals() const override { return nullptr; }

@@ -28,8 +28,7 @@ struct QuotientMinimum {
   long double x, value;
 };
 
-QuotientMinimum least_quotient(long double v, long double s, long double k, long double c, long double r,
-                               int order) {
+QuotientMinimum least_quotient(long double v, long double s, long double k, long double c, long double r, int order) {
   const auto value_at = [&](long double x) { return (v + x * (s + 0.5L * k * x)) / power_of(c + x, order); };
   QuotientMinimum least{-r, value_at(-r)};
   const auto consider = [&](long double x) {
@@ -79,8 +78,7 @@ Attenuation::Attenuation(const std::vector<GainFactor>& factors) {
       weight_ += std::abs(weight);
       Complex power = 1.0L;
       for (std::size_t m = 1; m <= kSeriesTerms; ++m) {
-        power = {power.real() * u.real() - power.imag() * u.imag(),
-                 power.real() * u.imag() + power.imag() * u.real()};
+        power = {power.real() * u.real() - power.imag() * u.imag(), power.real() * u.imag() + power.imag() * u.real()};
         series_[m] -= weight * power.real() / static_cast<long double>(m);
       }
     }
@@ -126,8 +124,7 @@ Attenuation::Value Attenuation::at(long double t) const {
 long double Attenuation::quotient(long double t, int order) const {
   if (t < series_end_) {
     long double sum = 0.0L;
-    for (std::size_t m = kSeriesTerms; m >= static_cast<std::size_t>(order) && m >= 1; --m)
-      sum = sum * t + series_[m];
+    for (std::size_t m = kSeriesTerms; m >= static_cast<std::size_t>(order) && m >= 1; --m) sum = sum * t + series_[m];
     return order == 0 ? sum * t : sum;
   }
   return at(t).value / power_of(std::min(t, 1.0L), order);
@@ -142,16 +139,16 @@ Attenuation::Bounds Attenuation::bounds_at_zero(const Piece& piece, int order) c
   for (const Group& group : groups_) {
     for (; k < group.end; ++k) {
       const long double step = terms_[k].size * end;
-      rest += std::abs(group.weight) * power_of(step, order + 3) /
-              (static_cast<long double>(order + 3) * (1.0L - step));
+      rest +=
+          std::abs(group.weight) * power_of(step, order + 3) / (static_cast<long double>(order + 3) * (1.0L - step));
     }
   }
   rest /= power_of(end, order);
   const long double c = order == 0 ? 0.0L : series_[static_cast<std::size_t>(order)];
   const long double slope = series_[known - 1], half_curvature = series_[known];
-  const QuotientMinimum least = least_quotient(c + piece.centre * (slope + half_curvature * piece.centre),
-                                               slope + 2.0L * half_curvature * piece.centre,
-                                               2.0L * half_curvature, 1.0L, piece.radius, 0);
+  const QuotientMinimum least =
+      least_quotient(c + piece.centre * (slope + half_curvature * piece.centre),
+                     slope + 2.0L * half_curvature * piece.centre, 2.0L * half_curvature, 1.0L, piece.radius, 0);
   return {least.value - rest, piece.centre + least.x};
 }
 
@@ -164,8 +161,7 @@ Attenuation::Bounds Attenuation::bounds(const Piece& piece, int order) const {
     for (; k < group.end; ++k) {
       const Term& u = terms_[k];
       const long double real = 1.0L - u.real * piece.centre, imag = -u.imag * piece.centre;
-      const long double size = real * real + imag * imag, length = std::sqrt(size),
-                        reach = u.size * piece.radius;
+      const long double size = real * real + imag * imag, length = std::sqrt(size), reach = u.size * piece.radius;
       if (reach > kSmooth * length) {  // by the farthest, or the nearest, that the factor may be from 0
         const long double bound = group.weight < 0.0L ? length + reach : length - reach;
         if (bound <= 0.0L) return {-kInfinite, piece.centre};
@@ -212,8 +208,7 @@ Attenuation::Minimum Attenuation::least(int order, int most_pieces) const {
     const Bounds found = bounds(piece, power);
     const long double noise = 8.0L * kRounding * weight_ / power_of(std::min(piece.centre, 1.0L), power);
     const auto spent = [&] {
-      return found.lower >=
-             best.value - std::max(1e-12L * std::abs(best.value), piece.at_zero ? 0.0L : noise);
+      return found.lower >= best.value - std::max(1e-12L * std::abs(best.value), piece.at_zero ? 0.0L : noise);
     };
     if (spent()) continue;
     consider(piece.centre, power);

@@ -13,8 +13,7 @@ constexpr double kDigits = 1e-12;          // of a row, relative
 constexpr double kTransformError = 4e-16;  // of a convolution, relative to the product of the 2-norms
 constexpr double kDecades = 5.0;           // that r^k falls by over all steps, from one tilt to the next
 constexpr int kMostTilts = 50;             // r^k stays a normal number
-constexpr double kTransformCost =
-    16.0;  // of a product's share in a tilted sum, in multiplications of direct()
+constexpr double kTransformCost = 16.0;    // of a product's share in a tilted sum, in multiplications of direct()
 
 double norm(const std::vector<double>& values) {
   double sum = 0.0;
@@ -42,8 +41,7 @@ CausalConvolution::CausalConvolution(std::size_t steps) : steps_(steps) {
 const CausalConvolution::Values& CausalConvolution::weights(int tilt) {
   Values& weights = weights_[tilt];
   for (std::size_t k = weights.size(); k < steps_; ++k)
-    weights.push_back(
-        std::pow(10.0, -kDecades * tilt * static_cast<double>(k) / static_cast<double>(steps_)));
+    weights.push_back(std::pow(10.0, -kDecades * tilt * static_cast<double>(k) / static_cast<double>(steps_)));
   return weights;
 }
 

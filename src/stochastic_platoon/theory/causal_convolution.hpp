@@ -53,8 +53,7 @@ private:
   const Values& weights(int tilt);
   int next_tilt(const Values& row, std::size_t last_open) const;
   const Prepared::Transform& transform(Prepared& sequence, int tilt);
-  void add_tilted(const std::vector<Product>& products, int tilt, Values& row,
-                  std::vector<std::size_t>& open);
+  void add_tilted(const std::vector<Product>& products, int tilt, Values& row, std::vector<std::size_t>& open);
 
   std::size_t steps_, length_ = 1;
   Eigen::FFT<double> fft_;

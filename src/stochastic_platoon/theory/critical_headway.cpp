@@ -51,8 +51,8 @@ HeadwayRange headways_about(double headway) {
 
 StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range) {
   if (!(range.from > 0.0 && range.from < range.to && std::isfinite(range.to))) {
-    throw std::invalid_argument("headway range: " + std::to_string(range.from) + " to " +
-                                std::to_string(range.to) + ": must be 0 < from < to, finite");
+    throw std::invalid_argument("headway range: " + std::to_string(range.from) + " to " + std::to_string(range.to) +
+                                ": must be 0 < from < to, finite");
   }
   if (range.samples < 2) {
     throw std::invalid_argument("samples: " + std::to_string(range.samples) + ": must be >= 2");

@@ -31,7 +31,7 @@ using HeadwayInterval = StableInterval;
 /// Which headways make the platoon string stable, within a range.
 struct StableHeadways {
   std::vector<HeadwayInterval> intervals;  ///< in ascending order; ends to 1e-12 relative
-  std::optional<double> critical;  ///< from here to the end of the range every h is stable; else empty
+  std::optional<double> critical;          ///< from here to the end of the range every h is stable; else empty
   HeadwayRange searched;
   std::vector<std::string> types = {};  ///< of vehicle whose headway is varied, of a platoon
 };
@@ -48,12 +48,14 @@ StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range 
 StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range);
 
 /// Of the default vehicle and of the types that inherit its headway, about the model's own. None where the closed loop
-/// of one of these was given, which has no other headway, and where no vehicle of the string is one. Throws std::invalid_argument for losses in bursts.
+/// of one of these was given, which has no other headway, and where no vehicle of the string is one. Throws
+/// std::invalid_argument for losses in bursts.
 std::optional<StableHeadways> stable_headways(const PlatoonModel& model);
 
 /// Positive just when string_stability finds the platoon string stable, zero at the border, and continuous in
 /// the coefficients of T but for their rounding: the smaller of 1 - rho(A) and the minimum of -ln |T|^2 over
-/// w in [0, pi], divided by 1 - cos w up to w = pi/2; 1 - rho(A) where that is not positive. Throws as string_stability does.
+/// w in [0, pi], divided by 1 - cos w up to w = pi/2; 1 - rho(A) where that is not positive. Throws as string_stability
+/// does.
 double string_margin(const ClosedLoop& loop, double headway);
 
 }  // namespace platoon

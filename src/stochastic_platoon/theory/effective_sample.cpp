@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kHalfTurn = 3.14159265358979323846;
 constexpr double kEndOfCorrelation = 1e-15;  // of an autocorrelation
-constexpr double kResolved = 1e-13;  // of one at the end of a transform, whose rounding grows with its peaks
+constexpr double kResolved = 1e-13;          // of one at the end of a transform, whose rounding grows with its peaks
 constexpr std::size_t kFirstLength = 1024, kMostLength = std::size_t{1} << 20;
 constexpr std::size_t kMostValues = std::size_t{1} << 28;  // followers times length
 constexpr std::size_t kMostKept = std::size_t{1} << 22;    // 32 MB
@@ -85,8 +85,8 @@ private:
 
 bool is_resolved(const std::vector<double>& covariance) {
   const auto beyond = [&](double value) { return std::abs(value) > kResolved * covariance.front(); };
-  return std::none_of(covariance.begin() + static_cast<std::ptrdiff_t>(covariance.size() / 2),
-                      covariance.end(), beyond);
+  return std::none_of(covariance.begin() + static_cast<std::ptrdiff_t>(covariance.size() / 2), covariance.end(),
+                      beyond);
 }
 
 ErrorCorrelation correlation_of(std::vector<double> covariance, double at_zero, std::size_t* kept) {
@@ -157,8 +157,7 @@ std::vector<ErrorCorrelation> error_correlations(const PlatoonModel& model, std:
   const LinkedPattern pattern = linked_pattern(model);
   const auto is_unstable = [](const LinkedVehicle& vehicle) { return vehicle.spectral_radius() >= 1.0; };
   if (std::any_of(pattern.types.begin(), pattern.types.end(), is_unstable)) return correlations;
-  for (std::size_t length = kFirstLength; length <= kMostLength && length * followers <= kMostValues;
-       length *= 2) {
+  for (std::size_t length = kFirstLength; length <= kMostLength && length * followers <= kMostValues; length *= 2) {
     const Spectra spectra(pattern, length);
     Transform transform(length);
     // The correlation is longest at the end of the string.

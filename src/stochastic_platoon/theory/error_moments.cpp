@@ -37,9 +37,7 @@ public:
                          .solve(loop_.b())) {}
 
   Sequence operator()(const Sequence& input) const { return filter_(input); }
-  Sequence free_response(std::size_t count) const {
-    return filter_.free_response(unit_equilibrium(loop_), count);
-  }
+  Sequence free_response(std::size_t count) const { return filter_.free_response(unit_equilibrium(loop_), count); }
   Scalar gain() const { return integrates_ ? 1.0 : static_cast<double>(loop_.c() * equilibrium_); }
   Sequence lag(const Sequence& moved) const {
     Eigen::VectorXd g = Eigen::VectorXd::Zero(loop_.order());
@@ -142,8 +140,7 @@ std::vector<double> leader_displacements(const PlatoonModel& model, std::size_t 
 /// With x = e r_0 + g, e = (I - A)^-1 B, the large positions drop out: g(k+1) = A g(k) - e (r_0(k+1) -
 /// r_0(k)) and y_0 = T(1) r_0 + C g, where T(1) = 1 up to the digits the model was given with.
 template <class Filter>
-typename Filter::Sequence leader_error_by(const Filter& filter, const PlatoonModel& model,
-                                          std::size_t count) {
+typename Filter::Sequence leader_error_by(const Filter& filter, const PlatoonModel& model, std::size_t count) {
   using Scalar = typename Filter::Scalar;
   const Scalar gain = filter.gain();
   const Scalar h = model.headway;
@@ -187,8 +184,7 @@ ErrorMoments error_moments_by(const Filter& filter, const PlatoonModel& model, s
     noise.advance();
     if (placed) position.advance();
   }
-  if (!model.recorded_leader.empty())
-    moments.mean = mean_errors_behind_recorded_leader(model, followers, steps);
+  if (!model.recorded_leader.empty()) moments.mean = mean_errors_behind_recorded_leader(model, followers, steps);
   return moments;
 }
 
@@ -207,8 +203,7 @@ ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std
   if (!is_papers(model)) return linked_error_moments(model, followers, steps);
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   unit_equilibrium(model.loop.realization);
-  if (has_digits_in_double(model.loop))
-    return error_moments_by(DoubleFilter(model.loop), model, followers, steps);
+  if (has_digits_in_double(model.loop)) return error_moments_by(DoubleFilter(model.loop), model, followers, steps);
   return error_moments_by(DeltaFilter(delta_fraction(model.loop)), model, followers, steps);
 }
 

@@ -18,9 +18,7 @@ struct ErrorMoments {
   std::vector<double> variance;  ///< [m^2]
 
   double mean_at(std::size_t follower, std::int64_t step) const { return mean[index(follower, step)]; }
-  double variance_at(std::size_t follower, std::int64_t step) const {
-    return variance[index(follower, step)];
-  }
+  double variance_at(std::size_t follower, std::int64_t step) const { return variance[index(follower, step)]; }
 
 private:
   std::size_t index(std::size_t follower, std::int64_t step) const {

@@ -48,12 +48,11 @@ InitialString initial_string(const PlatoonModel& model, std::size_t followers) {
 
 Eigen::MatrixXd noise_covariance(const StringMatrices& string, double noise_variance) {
   const Eigen::MatrixXd cross = string.a * string.b_a * string.b_b.transpose();
-  return noise_variance * (string.b_a * string.b_a.transpose() + string.b_b * string.b_b.transpose() + cross +
-                           cross.transpose());
+  return noise_variance *
+         (string.b_a * string.b_a.transpose() + string.b_b * string.b_b.transpose() + cross + cross.transpose());
 }
 
-ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers,
-                                        std::int64_t steps) {
+ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   const std::vector<double> leader = leader_error(model, steps);
   const StringMatrices string = string_matrices(model.loop.realization, model.headway, followers);
   const InitialString initial = initial_string(model, followers);
@@ -109,8 +108,7 @@ Eigen::MatrixXd solve_discrete_lyapunov(const Eigen::MatrixXd& a, const Eigen::M
 }
 
 Eigen::MatrixXd stationary_covariance_by_lyapunov(const StringMatrices& string, double noise_variance) {
-  const Eigen::MatrixXd covariance =
-      solve_discrete_lyapunov(string.a, noise_covariance(string, noise_variance));
+  const Eigen::MatrixXd covariance = solve_discrete_lyapunov(string.a, noise_covariance(string, noise_variance));
   return string.c * covariance * string.c.transpose();
 }
 

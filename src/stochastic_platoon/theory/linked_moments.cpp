@@ -39,10 +39,7 @@ struct Responses {
 class LinkedString {
 public:
   LinkedString(const PlatoonModel& model, std::size_t followers, std::int64_t steps)
-      : model_(model),
-        followers_(followers),
-        steps_(static_cast<std::size_t>(steps)),
-        vehicles_(pattern(model)) {
+      : model_(model), followers_(followers), steps_(static_cast<std::size_t>(steps)), vehicles_(pattern(model)) {
     for (const VehicleModel& vehicle : vehicles_) mean_vehicles_.emplace_back(vehicle);
   }
 
@@ -64,8 +61,7 @@ public:
 
   // Of every cell, from the E e^2 that moments() has left.
   Values fourth_cumulants() {
-    LossResponses responses =
-        loss_responses([](const Values& squared) { return products(squared, squared); });
+    LossResponses responses = loss_responses([](const Values& squared) { return products(squared, squared); });
     CausalConvolution convolution(steps_);
     Values result;
     sources_.clear();
@@ -138,8 +134,7 @@ private:
       const Sequence of_noise = white ? impulse() : filtered_impulse(vehicle.link.noise_filter);
       add_white(place, of_noise, vehicle.noise_variance + (white ? quantisation : 0.0));
     }
-    if (quantisation > 0.0 && !(white && vehicle.noise_variance > 0.0))
-      add_white(place, impulse(), quantisation);
+    if (quantisation > 0.0 && !(white && vehicle.noise_variance > 0.0)) add_white(place, impulse(), quantisation);
     if (vehicle.initial_position.variance > 0.0) {
       add_repeated(place, downstream(place, mean_vehicle(place).free_motion(steps_)), {},
                    vehicle.initial_position.variance);
@@ -158,8 +153,7 @@ private:
     add_repeated(place, responses, own_innovation, variance);
   }
 
-  void add_repeated(std::size_t place, const Responses& responses, const Values& own_innovation,
-                    double variance) {
+  void add_repeated(std::size_t place, const Responses& responses, const Values& own_innovation, double variance) {
     const auto add = [&](const Values& from, Values& to) {
       for (std::size_t k = 0; k < from.size(); ++k) to[k] += variance * from[k];
     };
@@ -193,8 +187,7 @@ private:
     for (std::size_t k = 0; k < steps_; ++k) {
       const auto at = static_cast<Eigen::Index>(k);
       long double value = at >= lead && at - lead < b.size() ? b(at - lead) : 0.0;
-      for (Eigen::Index j = 1; j < a.size() && j <= at; ++j)
-        value -= a(j) * w[k + 1 - static_cast<std::size_t>(j)];
+      for (Eigen::Index j = 1; j < a.size() && j <= at; ++j) value -= a(j) * w[k + 1 - static_cast<std::size_t>(j)];
       w[k + 1] = value;
     }
     return w;
@@ -203,8 +196,8 @@ private:
   using Kernels = std::vector<CausalConvolution::Prepared>;
 
   // What the losses of the links up to `last` add to follower i's row, by these responses.
-  void add_losses_to(CausalConvolution& convolution, std::vector<Kernels>& kernels, std::size_t i,
-                     std::size_t last, Values& row) {
+  void add_losses_to(CausalConvolution& convolution, std::vector<Kernels>& kernels, std::size_t i, std::size_t last,
+                     Values& row) {
     std::vector<CausalConvolution::Product> products;
     for (std::size_t j = 0; j <= last; ++j) {
       if (!sources_[j].is_zero()) products.push_back({kernels[j % vehicles_.size()][i - j], sources_[j]});
@@ -277,8 +270,7 @@ private:
     for (std::size_t k = 0; k < steps_; ++k) {
       const double square = innovation_[i][k], mean = innovation_means_[i][k];
       const double fourth = 3.0 * square * square - 2.0 * mean * mean * mean * mean + of_innovation[k];
-      result.push_back(
-          std::max(factor * (1.0 - 3.0 * factor) * fourth - 3.0 * factor * factor * square * square, 0.0));
+      result.push_back(std::max(factor * (1.0 - 3.0 * factor) * fourth - 3.0 * factor * factor * square * square, 0.0));
     }
     return result;
   }

@@ -18,11 +18,11 @@ namespace platoon {
 /// digits of the variance, and direct elsewhere. O(followers^2 steps) time for the losses, O(followers steps) a
 /// pattern's vehicle for all else. 1e-11 relative, of a mean relative to the positions.
 ///
-/// `fourth_cumulants`, where given, gets E (zeta - E zeta)^4 - 3 variance^2 of every cell [m^4] to first order, as if the
-/// w(k) were independent:
+/// `fourth_cumulants`, where given, gets E (zeta - E zeta)^4 - 3 variance^2 of every cell [m^4] to first order, as if
+/// the w(k) were independent:
 ///     sum_j sum_{l<=k} g_ij(k-l)^4 c_j(l),   c_j = p q (1 - 3 p q) E e_j^4 - 3 (p q E e_j^2)^2 >= 0,
-/// with E e_j^4 of a normal e_j and of what comes from the links before in the same way. That is all there is where losses are
-/// rare; where they are frequent, it leaves out what losses in a row do.
+/// with E e_j^4 of a normal e_j and of what comes from the links before in the same way. That is all there is where
+/// losses are rare; where they are frequent, it leaves out what losses in a row do.
 ///
 /// Throws std::invalid_argument unless followers >= 1 and steps >= 1, for losses in bursts, and when a loop has
 /// no equilibrium.

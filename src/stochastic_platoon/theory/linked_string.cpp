@@ -42,9 +42,8 @@ std::vector<double> variances_by(const PatternSpectra& spectra, const LinkedPatt
     const double sigma =
         !vehicle.has_losses()
             ? 0.0
-            : vehicle.loss_factor() *
-                  (spectra.mean(spectra.innovation[type] * (spectrum + spectra.noise[type])) +
-                   squared_mean_innovation(vehicle, speed));
+            : vehicle.loss_factor() * (spectra.mean(spectra.innovation[type] * (spectrum + spectra.noise[type])) +
+                                       squared_mean_innovation(vehicle, speed));
     const Eigen::ArrayXd added = spectra.gain[type] * spectra.noise[type] + spectra.loss_gain[type] * sigma;
     const double variance = spectra.error_variance(type, spectrum, added);
     spectrum = spectra.gain[type] * spectrum + added;
@@ -103,16 +102,15 @@ private:
 std::vector<double> limits_by(const PatternSpectra& spectra, const LinkedPattern& pattern, double speed) {
   const std::size_t m = pattern.size();
   std::vector<Eigen::ArrayXd> added;
-  for (std::size_t j = 0; j < m; ++j)
-    added.push_back(spectra.gain[pattern.type(j)] * spectra.noise[pattern.type(j)]);
+  for (std::size_t j = 0; j < m; ++j) added.push_back(spectra.gain[pattern.type(j)] * spectra.noise[pattern.type(j)]);
   const LossGains gains(spectra, pattern);
   if (!gains.lossy().empty()) {
     Eigen::VectorXd given = gains.arriving(added);
     for (std::size_t k = 0; k < gains.lossy().size(); ++k) {
       const std::size_t j = gains.lossy()[k], type = pattern.type(j);
       given(static_cast<Eigen::Index>(k)) +=
-          pattern[j].loss_factor() * (spectra.mean(spectra.innovation[type] * spectra.noise[type]) +
-                                      squared_mean_innovation(pattern[j], speed));
+          pattern[j].loss_factor() *
+          (spectra.mean(spectra.innovation[type] * spectra.noise[type]) + squared_mean_innovation(pattern[j], speed));
     }
     const Eigen::VectorXd sigma = solve_one_minus(gains, given);
     for (std::size_t k = 0; k < gains.lossy().size(); ++k) {
@@ -135,8 +133,7 @@ double loss_gain_by(const PatternSpectra& spectra, const LinkedPattern& pattern)
 }
 
 bool any_losses(const LinkedPattern& pattern) {
-  return std::any_of(pattern.types.begin(), pattern.types.end(),
-                     [](const LinkedVehicle& v) { return v.has_losses(); });
+  return std::any_of(pattern.types.begin(), pattern.types.end(), [](const LinkedVehicle& v) { return v.has_losses(); });
 }
 
 /// Whether 1 - |prod T^|^2 vanishes faster at w = 0 than what it divides in a variance: the noises, and behind them
@@ -181,35 +178,29 @@ void judge(const LinkedPattern& pattern, double speed, StringStability& verdict)
   if (!judge_gain(gain, gain_name, verdict)) return;
   if (grows_at_zero(pattern, gain)) {
     verdict.reason = formatted(
-        "not string stable: 1 - %s^2 vanishes so fast at w = 0 that the variances grow without bound",
-        gain_name);
+        "not string stable: 1 - %s^2 vanishes so fast at w = 0 that the variances grow without bound", gain_name);
     return;
   }
   const double loss_gain = loss_gain_of(pattern, gain);
-  const bool has_stage = std::any_of(pattern.types.begin(), pattern.types.end(), [](const LinkedVehicle& v) {
-    return v.vehicle().link.loss.has_value();
-  });
+  const bool has_stage = std::any_of(pattern.types.begin(), pattern.types.end(),
+                                     [](const LinkedVehicle& v) { return v.vehicle().link.loss.has_value(); });
   if (has_stage) verdict.loss_gain = loss_gain;
   if (std::abs(loss_gain - 1.0) <= kLossGainDoubt) {
     verdict.undecided = true;
     verdict.reason = formatted(
-        "undecided: the loss gain is 1 to %.0e, so that rounding decides whether the variance that losses "
-        "add grows "
-        "along the string",
+        "undecided: the loss gain is 1 to %.0e, so that rounding decides whether the variance that losses add grows along the string",
         kLossGainDoubt);
     return;
   }
   if (!(loss_gain < 1.0)) {
     verdict.reason = formatted(
-        "not string stable: the loss gain is %s, above 1: the variance that losses add grows along the "
-        "string",
+        "not string stable: the loss gain is %s, above 1: the variance that losses add grows along the string",
         beside_one(loss_gain).c_str());
     return;
   }
   verdict.string_stable = true;
-  const std::vector<double> limits = refined([&](int refinement) {
-    return limits_by(PatternSpectra(pattern, gain, true, refinement), pattern, speed);
-  });
+  const std::vector<double> limits = refined(
+      [&](int refinement) { return limits_by(PatternSpectra(pattern, gain, true, refinement), pattern, speed); });
   verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
   verdict.reason = formatted("string stable: rho(A) = %s is below 1, %s is below 1 for all w > 0",
                              beside_one(verdict.spectral_radius).c_str(), gain_name);
@@ -225,8 +216,7 @@ std::vector<double> linked_stationary_variances(const PlatoonModel& model, std::
   if (!mean_square(pattern).stable()) return std::vector<double>(followers, kNaN);
   const PatternGain gain = pattern.gain();
   return refined([&](int refinement) {
-    return variances_by(PatternSpectra(pattern, gain, false, refinement), pattern, metres_per_step(model),
-                        followers);
+    return variances_by(PatternSpectra(pattern, gain, false, refinement), pattern, metres_per_step(model), followers);
   });
 }
 
@@ -247,12 +237,11 @@ StringStability linked_string_stability(const PlatoonModel& model) {
   if (worst.stable()) {
     judge(pattern, metres_per_step(model), verdict);
   } else if (worst.spectral_radius >= 1.0) {
-    verdict.reason = formatted("not mean square stable: rho(A) = %s is not below 1",
-                               beside_one(worst.spectral_radius).c_str());
+    verdict.reason =
+        formatted("not mean square stable: rho(A) = %s is not below 1", beside_one(worst.spectral_radius).c_str());
   } else {
     verdict.reason = formatted(
-        "not mean square stable: p q ||L F||^2 = %s is not below 1, so that predictions from predictions "
-        "grow",
+        "not mean square stable: p q ||L F||^2 = %s is not below 1, so that predictions from predictions grow",
         beside_one(worst.loss_feedback).c_str());
   }
   return verdict;
@@ -265,8 +254,7 @@ double linked_string_margin(const LinkedPattern& pattern) {
   const double least = gain.least().value;
   if (!(least > 0.0) || grows_at_zero(pattern, gain)) return std::min(least, 0.0);
   // Panels resolve the integrand: far from the border their first cut says enough.
-  double loss_gain =
-      any_losses(pattern) ? loss_gain_by(PatternSpectra(pattern, gain, true, 0), pattern) : 0.0;
+  double loss_gain = any_losses(pattern) ? loss_gain_by(PatternSpectra(pattern, gain, true, 0), pattern) : 0.0;
   if (std::abs(loss_gain - 1.0) < 1e-3) loss_gain = loss_gain_of(pattern, gain);
   return std::min(
       {1.0 - worst.spectral_radius, 1.0 - worst.loss_feedback, least, 1.0 / std::max(loss_gain, 1e-3) - 1.0});

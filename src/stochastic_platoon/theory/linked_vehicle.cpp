@@ -61,20 +61,17 @@ int leading_zeros(const CirclePolynomial& p, const CirclePolynomial& sizes, int 
 
 LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle)
     : vehicle_(vehicle), loss_(vehicle.link.loss.value_or(LossModel())) {
-  if (!loss_.is_independent())
-    throw std::invalid_argument("mean_burst: given: must be absent for this theory");
+  if (!loss_.is_independent()) throw std::invalid_argument("mean_burst: given: must be absent for this theory");
   spectral_radius_ = platoon::spectral_radius(vehicle.loop);
   loss_feedback_ = platoon::loss_feedback(loss_);
   const DeltaFraction t = delta_fraction(vehicle.loop);
   near_ = {t.numerator, t.denominator, register_polynomial(loss_.predictor, loss_.probability),
            register_polynomial(loss_.predictor, 1.0)};
-  far_ = {recentred(t.numerator), recentred(t.denominator), recentred(near_.registers),
-          recentred(near_.surprise)};
+  far_ = {recentred(t.numerator), recentred(t.denominator), recentred(near_.registers), recentred(near_.surprise)};
   const long double p = 1.0L - static_cast<long double>(loss_.probability);
-  const CirclePolynomial arriving = multiply(squared_modulus(near_.denominator, Centre::kOne),
-                                             squared_modulus(near_.registers, Centre::kOne));
-  margin_ = without_zero_at_origin(
-      subtract(arriving, scaled(squared_modulus(near_.numerator, Centre::kOne), p * p)));
+  const CirclePolynomial arriving =
+      multiply(squared_modulus(near_.denominator, Centre::kOne), squared_modulus(near_.registers, Centre::kOne));
+  margin_ = without_zero_at_origin(subtract(arriving, scaled(squared_modulus(near_.numerator, Centre::kOne), p * p)));
   factor_ = rated_factor(t);
   if (has_losses()) {
     for (const std::complex<long double>& s : zeros(near_.registers)) factor_.factor.poles.push_back(s);
@@ -136,8 +133,7 @@ ZerosAtZero LinkedVehicle::zeros_at_zero() const {
     CirclePolynomial open = multiply({1.0L, 1.0L}, multiply(near_.denominator, near_.registers));
     CirclePolynomial closed = scaled(multiply({1.0L, 1.0L + h}, near_.numerator), p);
     for (std::size_t j = 0; j < loss_.predictor.size(); ++j) closed = multiply({1.0L, 1.0L}, closed);
-    zeros.complement =
-        leading_zeros(subtract(open, closed), subtract(moduli(open), scaled(moduli(closed), -1.0L)), 2);
+    zeros.complement = leading_zeros(subtract(open, closed), subtract(moduli(open), scaled(moduli(closed), -1.0L)), 2);
   }
   if (has_losses()) {
     const Polynomial surprise = z_form(near_.surprise);
@@ -145,9 +141,8 @@ ZerosAtZero LinkedVehicle::zeros_at_zero() const {
   }
   if (vehicle_.link.quantisation_step == 0.0) {
     const Polynomial& filter = vehicle_.link.noise_filter.numerator();
-    zeros.noise = vehicle_.noise_variance == 0.0
-                      ? ZerosAtZero::kNone
-                      : leading_zeros(delta_form(filter), delta_form(filter.cwiseAbs()), 0);
+    zeros.noise = vehicle_.noise_variance == 0.0 ? ZerosAtZero::kNone
+                                                 : leading_zeros(delta_form(filter), delta_form(filter.cwiseAbs()), 0);
   }
   return zeros;
 }
@@ -172,8 +167,7 @@ double LinkedVehicle::loss_factor() const {
 double LinkedVehicle::mean_innovation() const {
   if (!has_losses()) return 0.0;
   double sum = 0.0;
-  for (std::size_t j = 0; j < loss_.predictor.size(); ++j)
-    sum += static_cast<double>(j + 1) * loss_.predictor[j];
+  for (std::size_t j = 0; j < loss_.predictor.size(); ++j) sum += static_cast<double>(j + 1) * loss_.predictor[j];
   return sum / (1.0 - loss_.probability);
 }
 
@@ -197,8 +191,7 @@ LinkedPattern linked_pattern(const PlatoonModel& model, const LinkedPattern& kno
     const auto inserted = place.emplace(type, found.types.size());
     if (inserted.second) {
       const VehicleModel vehicle = vehicle_of_type(model, type);
-      const bool is_known =
-          found.types.size() < known.types.size() && known.types[found.types.size()].is_of(vehicle);
+      const bool is_known = found.types.size() < known.types.size() && known.types[found.types.size()].is_of(vehicle);
       found.types.push_back(is_known ? known.types[found.types.size()] : LinkedVehicle(vehicle));
     }
     found.order.push_back(inserted.first->second);

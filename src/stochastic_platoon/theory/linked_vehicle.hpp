@@ -12,13 +12,13 @@ namespace platoon {
 /// What one frequency passes through one follower and the link into it. With p = 1 - q, the predictor
 /// L = c_1 z^-1 + c_2 z^-2 + ..., F = 1 / (1 - q L) and H = (1 + h) - h / z:
 struct LinkedVehicleValue {
-  double gain;        ///< |T^|^2, T^ = p z^-m F T: from the predecessor's position to the own, on average
-  double margin;      ///< 1 - |T^|^2, given that T^(1) = 1 exactly
-  double loss_gain;   ///< |T F|^2: from what the losses add, w, to the own position
-  double innovation;  ///< |(1 - L) F|^2: from what arrives to its difference e from what was predicted
-  double noise;       ///< |W|^2 P_d + D^2 / 12 [m^2]
-  double complement;  ///< |1 - H T^|^2
-  double headway;     ///< |H|^2
+  double gain;                     ///< |T^|^2, T^ = p z^-m F T: from the predecessor's position to the own, on average
+  double margin;                   ///< 1 - |T^|^2, given that T^(1) = 1 exactly
+  double loss_gain;                ///< |T F|^2: from what the losses add, w, to the own position
+  double innovation;               ///< |(1 - L) F|^2: from what arrives to its difference e from what was predicted
+  double noise;                    ///< |W|^2 P_d + D^2 / 12 [m^2]
+  double complement;               ///< |1 - H T^|^2
+  double headway;                  ///< |H|^2
   std::complex<double> undelayed;  ///< H p F T, that is H T^ without its delay z^-m
 };
 

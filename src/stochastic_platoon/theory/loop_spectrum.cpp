@@ -38,8 +38,7 @@ LoopSpectrumHalf half(const CirclePolynomial& numerator, const CirclePolynomial&
 bool has_two_zeros(const CirclePolynomial& s, const CirclePolynomial& d, double headway) {
   if (s.size() < 3 || d.size() < 2) return false;
   const long double size = std::abs(d[0]);
-  return std::abs(s[0]) <= 2e-4L * size &&
-         std::abs(s[1]) <= 2e-4L * std::abs(d[1]) + 2e-3L * (1.0L + headway) * size;
+  return std::abs(s[0]) <= 2e-4L * size && std::abs(s[1]) <= 2e-4L * std::abs(d[1]) + 2e-3L * (1.0L + headway) * size;
 }
 
 /// p(t) or the other value, which is the same number, whichever is less in doubt.
@@ -54,8 +53,7 @@ std::vector<std::complex<double>> frequencies_of(const std::vector<std::complex<
   for (const std::complex<long double>& s : places) {
     const long double excess = modulus_minus_one(s);
     if (excess <= -1.0L) continue;  // z = 0 is infinitely far from the circle
-    frequencies.emplace_back(static_cast<double>(std::arg(1.0L + s)),
-                             static_cast<double>(-std::log1p(excess)));
+    frequencies.emplace_back(static_cast<double>(std::arg(1.0L + s)), static_cast<double>(-std::log1p(excess)));
   }
   return frequencies;
 }
@@ -71,30 +69,26 @@ LoopSpectrum::LoopSpectrum(const ClosedLoop& loop, double headway) : headway_(he
   const DeltaFraction t = delta_fraction(loop);
   const CirclePolynomial s = sensitivity_taylor(t.numerator, t.denominator, headway);
   if (!has_two_zeros(s, t.denominator, headway)) {
-    throw std::invalid_argument(
-        "S(z): has fewer than two zeros at z = 1: G(z) K(z) must have two poles there");
+    throw std::invalid_argument("S(z): has fewer than two zeros at z = 1: G(z) K(z) must have two poles there");
   }
   numerator_ = z_form(t.numerator);
   denominator_ = z_form(t.denominator);
   const CirclePolynomial q(s.begin() + 2, s.end());
   near_ = half(t.numerator, t.denominator, s, q, Centre::kOne);
-  far_ =
-      half(recentred(t.numerator), recentred(t.denominator), recentred(s), recentred(q), Centre::kMinusOne);
+  far_ = half(recentred(t.numerator), recentred(t.denominator), recentred(s), recentred(q), Centre::kMinusOne);
   near_.stripped_margin = without_zero_at_origin(near_.margin);
   strip_flat_zeros();
 }
 
 void LoopSpectrum::strip_flat_zeros() {
-  while (near_.stripped_margin.size() > 1 &&
-         std::abs(near_.stripped_margin.front()) <= margin_uncertainty(0.0)) {
+  while (near_.stripped_margin.size() > 1 && std::abs(near_.stripped_margin.front()) <= margin_uncertainty(0.0)) {
     near_.stripped_margin = without_zero_at_origin(near_.stripped_margin);
     ++margin_zeros_;
   }
   const CirclePolynomial& q = near_.sensitivity_factor;
   long double scale = 0.0L;
   for (const long double b : q) scale += std::abs(b);
-  for (std::size_t j = 0; j + 1 < q.size() && std::abs(q[j]) <= kCoefficientRounding * scale; ++j)
-    ++sensitivity_zeros_;
+  for (std::size_t j = 0; j + 1 < q.size() && std::abs(q[j]) <= kCoefficientRounding * scale; ++j) ++sensitivity_zeros_;
 }
 
 double LoopSpectrum::margin_uncertainty(double frequency) const {
@@ -122,12 +116,11 @@ LoopSpectrumValue LoopSpectrum::at(double frequency) const {
   const long double d = modulus(part.denominator);
   const long double n = modulus(part.numerator);
   const long double size = std::sqrt(2.0L * t);  // |z - centre|
-  const long double doubt = 2.0L * (std::sqrt(d) * magnitude(part.denominator, size) +
-                                    std::sqrt(n) * magnitude(part.numerator, size));
+  const long double doubt =
+      2.0L * (std::sqrt(d) * magnitude(part.denominator, size) + std::sqrt(n) * magnitude(part.numerator, size));
   const long double margin = surer(part.margin, t, d - n, doubt);
   const long double divisor = centre == Centre::kOne ? std::pow(x, margin_zeros_) : 1.0L;
-  const long double offset =
-      centre == Centre::kOne ? part.margin.front() : 0.0L;  // T(1) = 1 but for rounding
+  const long double offset = centre == Centre::kOne ? part.margin.front() : 0.0L;  // T(1) = 1 but for rounding
   const long double stripped = surer(part.stripped_margin, t, (d - n - offset) / divisor, doubt / divisor);
   const long double zeros_left = std::pow(x, 2 - (centre == Centre::kOne ? margin_zeros_ : 0));
   const long double ratio = 4.0L * zeros_left * modulus(part.sensitivity_factor) / stripped;

@@ -9,8 +9,7 @@ MeanVehicle::MeanVehicle(const VehicleModel& vehicle)
       headway_(vehicle.headway),
       delay_(static_cast<std::size_t>(vehicle.link.delay)),
       loss_(vehicle.link.loss.value_or(LossModel())) {
-  if (!loss_.is_independent())
-    throw std::invalid_argument("mean_burst: given: must be absent for this theory");
+  if (!loss_.is_independent()) throw std::invalid_argument("mean_burst: given: must be absent for this theory");
 }
 
 MeanVehicle::Passed MeanVehicle::operator()(const Sequence& predecessor) const {

@@ -14,8 +14,8 @@ constexpr std::int64_t kResolvedDelay = 8;  // steps, whose z^m the longest pane
 
 }  // namespace
 
-PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& pattern_gain,
-                               bool with_margin, int refinement)
+PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& pattern_gain, bool with_margin,
+                               int refinement)
     : order_(pattern.order) {
   std::vector<std::complex<double>> singular;
   for (const LinkedVehicle& vehicle : pattern.types) {
@@ -25,9 +25,9 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
     for (const std::complex<double>& w : pattern_gain.margin_frequencies()) singular.push_back(w);
   }
   // Towards w = 0 spectra narrow along the string, and the panels must, where delays oscillate.
-  const bool delayed_much =
-      std::any_of(pattern.types.begin(), pattern.types.end(),
-                  [](const LinkedVehicle& vehicle) { return vehicle.vehicle().link.delay > kResolvedDelay; });
+  const bool delayed_much = std::any_of(pattern.types.begin(), pattern.types.end(), [](const LinkedVehicle& vehicle) {
+    return vehicle.vehicle().link.delay > kResolvedDelay;
+  });
   std::vector<double> peaks = with_margin ? std::vector<double>() : pattern_gain.maxima();
   if (!with_margin || delayed_much) peaks.push_back(0.0);
   const Quadrature rule = half_circle_quadrature(singular, peaks, refinement);

@@ -30,8 +30,8 @@ public:
   /// Over the circle, of values at the nodes.
   double mean(const Eigen::ArrayXd& values) const { return (weight * values).sum(); }
 
-  /// Mean of zeta's spectrum behind a predecessor of this spectrum, where the vehicle, of this type, adds `added` to it:
-  /// |1 - H T^|^2 Phi + |H|^2 added.
+  /// Mean of zeta's spectrum behind a predecessor of this spectrum, where the vehicle, of this type, adds `added` to
+  /// it: |1 - H T^|^2 Phi + |H|^2 added.
   double error_variance(std::size_t type, const Eigen::ArrayXd& spectrum, const Eigen::ArrayXd& added) const;
 
   /// 1 - prod |T^|^2, as a sum without cancellation where no vehicle's gain is above 1.

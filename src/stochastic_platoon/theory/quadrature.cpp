@@ -42,8 +42,7 @@ std::vector<std::complex<double>> images(const std::vector<std::complex<double>>
 }
 
 /// Halves a panel until every singularity is at least its length away.
-void add_resolved(std::vector<Panel>& panels, const Panel& panel,
-                  const std::vector<std::complex<double>>& singular) {
+void add_resolved(std::vector<Panel>& panels, const Panel& panel, const std::vector<std::complex<double>>& singular) {
   double clearance = 0.25;
   for (const std::complex<double>& w : singular) clearance = std::min(clearance, squared_distance(panel, w));
   if (panel.length() * panel.length() <= clearance || panel.length() <= kShortest) {
@@ -106,8 +105,7 @@ bool is_converged(double change, double change_before) {
 
 OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
   constexpr double kResolved = 4.0;  // of theta: 16 Gauss nodes integrate e^{-j theta x} to the last digit
-  if (rule.half_length.empty() ||
-      m * *std::max_element(rule.half_length.begin(), rule.half_length.end()) <= kResolved)
+  if (rule.half_length.empty() || m * *std::max_element(rule.half_length.begin(), rule.half_length.end()) <= kResolved)
     return;
   per_panel_ = rule.node.size() / rule.half_length.size();
   weights_.resize(rule.node.size());
@@ -136,8 +134,8 @@ OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
   }
 }
 
-Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular,
-                                  const std::vector<double>& peaks, int refinement) {
+Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular, const std::vector<double>& peaks,
+                                  int refinement) {
   static const Quadrature gauss = gauss_legendre(16);
   const std::vector<std::complex<double>> around = images(singular);
   const std::vector<double> cuts = graded_cuts(peaks);

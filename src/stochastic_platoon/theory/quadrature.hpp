@@ -16,9 +16,10 @@ struct Quadrature {
 /// Gauss-Legendre rule on [-1, 1]. Throws std::invalid_argument unless count >= 1.
 Quadrature gauss_legendre(int count);
 
-/// Weights of the rule's nodes for integrals of f(w) e^{-j m w}, f smooth on each panel: exact for polynomials of degree
-/// 15 there, however often e^{-j m w} turns (L. N. G. Filon, Proc. R. Soc. Edinburgh 49, 1928, with Legendre polynomials:
-/// the integral of P_l(x) e^{-j theta x} over [-1, 1] is 2 (-j)^l j_l(theta), j_l the spherical Bessel function).
+/// Weights of the rule's nodes for integrals of f(w) e^{-j m w}, f smooth on each panel: exact for polynomials of
+/// degree 15 there, however often e^{-j m w} turns (L. N. G. Filon, Proc. R. Soc. Edinburgh 49, 1928, with Legendre
+/// polynomials: the integral of P_l(x) e^{-j theta x} over [-1, 1] is 2 (-j)^l j_l(theta), j_l the spherical Bessel
+/// function).
 class OscillatingWeights {
 public:
   OscillatingWeights(const Quadrature& rule, double m);
@@ -45,7 +46,7 @@ bool is_converged(double change, double change_before);
 /// lies; towards the real frequencies in `peaks` panels halve 26 times, for functions that narrow there.
 /// Every panel is cut in 2^refinement. Throws std::invalid_argument for a singular frequency on the real
 /// axis.
-Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular,
-                                  const std::vector<double>& peaks, int refinement = 0);
+Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular, const std::vector<double>& peaks,
+                                  int refinement = 0);
 
 }  // namespace platoon

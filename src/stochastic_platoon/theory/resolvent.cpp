@@ -20,8 +20,7 @@ Resolvent stable_resolvent(const StateSpace& system) {
   for (const std::complex<long double>& s : zeros(r.delta_denominator)) {
     const long double excess = modulus_minus_one(s);
     if (!(excess < 0.0L)) {
-      throw std::invalid_argument("rho(A): " + std::to_string(static_cast<double>(1.0L + excess)) +
-                                  ": must be < 1");
+      throw std::invalid_argument("rho(A): " + std::to_string(static_cast<double>(1.0L + excess)) + ": must be < 1");
     }
   }
   return r;

@@ -25,8 +25,7 @@ RoundingGains rounding_gains(const StateSpace& vehicle, double headway, std::siz
   const Extended unsettled = vehicle.a().cast<long double>() * equilibrium.cast<long double>() +
                              vehicle.b().cast<long double>() - equilibrium.cast<long double>();
   const Eigen::VectorXd weights =
-      (static_cast<double>(n) + 6.0) *
-          (vehicle.a().cwiseAbs() * equilibrium.cwiseAbs() + vehicle.b().cwiseAbs()) +
+      (static_cast<double>(n) + 6.0) * (vehicle.a().cwiseAbs() * equilibrium.cwiseAbs() + vehicle.b().cwiseAbs()) +
       unsettled.cwiseAbs().cast<double>() / kRoundoff;
   const LoopFilter filter(vehicle);
   RoundingGains gains{std::vector<double>(steps, 0.0), std::vector<double>(steps, 0.0)};
@@ -53,9 +52,8 @@ std::vector<double> largest_positions(const PlatoonModel& model, std::size_t fol
   std::vector<double> largest;
   double farthest = 0.0;
   for (std::size_t k = 0; k < steps; ++k) {
-    const double leader = k + 1 < model.recorded_leader.size()
-                              ? model.recorded_leader[k + 1]
-                              : model.leader.position(static_cast<std::int64_t>(k));
+    const double leader = k + 1 < model.recorded_leader.size() ? model.recorded_leader[k + 1]
+                                                               : model.leader.position(static_cast<std::int64_t>(k));
     farthest = std::max(farthest, std::abs(leader));
     largest.push_back(spread + 1.5 * farthest);
   }
@@ -84,8 +82,7 @@ std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const Erro
     if (vehicle.link.loss) {
       for (const double c : vehicle.link.loss->predictor) predicted += std::abs(c);
     }
-    const std::vector<double> bounds =
-        rounding_bounds(alike, error_moments(alike, moments.followers, moments.steps));
+    const std::vector<double> bounds = rounding_bounds(alike, error_moments(alike, moments.followers, moments.steps));
     for (std::size_t c = 0; c < bounds.size(); ++c) largest[c] = std::max(largest[c], predicted * bounds[c]);
   }
   return largest;
@@ -111,8 +108,7 @@ std::vector<double> rounding_bounds(const PlatoonModel& model, const ErrorMoment
   for (std::size_t i = 1; i <= moments.followers; ++i) {
     for (std::size_t k = 0; k < steps; ++k) {
       const std::size_t c = (i - 1) * steps + k;
-      const double unit =
-          unit_variance.empty() ? moments.variance[c] / model.noise_variance : unit_variance[c];
+      const double unit = unit_variance.empty() ? moments.variance[c] / model.noise_variance : unit_variance[c];
       const double ahead = 1.0 + std::sqrt(static_cast<double>(i) * static_cast<double>(k + 1) * unit);
       bounds.push_back(kRoundoff * largest[k] *
                        (4.0 * (1.0 + 2.0 * model.headway) + gains.error[k] + ahead * gains.position[k]));

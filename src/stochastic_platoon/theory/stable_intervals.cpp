@@ -54,9 +54,9 @@ public:
     };
     const auto close = [](double from, double to) { return to - from <= 1e-13 * to; };
     std::uintmax_t evaluations = 200;
-    const std::pair<double, double> bracket = boost::math::tools::toms748_solve(
-        [&](double place) { return signed_margin(margin_(place)); }, a.place, b.place,
-        signed_margin(a.margin), signed_margin(b.margin), close, evaluations);
+    const std::pair<double, double> bracket =
+        boost::math::tools::toms748_solve([&](double place) { return signed_margin(margin_(place)); }, a.place, b.place,
+                                          signed_margin(a.margin), signed_margin(b.margin), close, evaluations);
     return a.stable() ? bracket.first : bracket.second;
   }
 
@@ -81,15 +81,13 @@ std::vector<Sample> samples_of(const MarginCurve& curve, const std::vector<doubl
     if (extreme.stable() != here.stable()) found.push_back(extreme);
   }
   samples.insert(samples.end(), found.begin(), found.end());
-  std::sort(samples.begin(), samples.end(),
-            [](const Sample& a, const Sample& b) { return a.place < b.place; });
+  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.place < b.place; });
   return samples;
 }
 
 }  // namespace
 
-std::vector<StableInterval> stable_intervals(const StabilityMargin& margin,
-                                             const std::vector<double>& places) {
+std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places) {
   const MarginCurve curve(margin);
   const std::vector<Sample> samples = samples_of(curve, places);
   std::vector<StableInterval> intervals;

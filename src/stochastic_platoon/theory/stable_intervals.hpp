@@ -17,7 +17,6 @@ struct StableInterval {
 /// it is sampled. It is followed to its extremes where it turns near zero between samples without changing sign,
 /// and every change of sign is found to 1e-13 relative. A stretch is missed only if the margin turns more than
 /// once between two samples.
-std::vector<StableInterval> stable_intervals(const StabilityMargin& margin,
-                                             const std::vector<double>& places);
+std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places);
 
 }  // namespace platoon

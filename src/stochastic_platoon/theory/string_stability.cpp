@@ -45,24 +45,21 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
     const PatternGain::Peak peak = gain.peak();
     verdict.peak_gain = 1.0 + peak.excess;
     verdict.peak_frequency = peak.frequency;
-    verdict.reason = formatted("not string stable: %s exceeds 1 by %.6g at %.6g rad/sample", name.c_str(),
-                               peak.excess, peak.frequency);
+    verdict.reason = formatted("not string stable: %s exceeds 1 by %.6g at %.6g rad/sample", name.c_str(), peak.excess,
+                               peak.frequency);
     return false;
   }
   verdict.mean_bounded = true;
   if (least.sign == Sign::kAbove) return true;
   if (gain.is_one()) {
-    verdict.reason =
-        "not string stable: " + name +
-        " = 1 at every frequency, where the variances grow without bound, though the means stay bounded";
+    verdict.reason = "not string stable: " + name +
+                     " = 1 at every frequency, where the variances grow without bound, though the means stay bounded";
     return false;
   }
   verdict.peak_frequency = least.frequency;
   verdict.undecided = true;
   verdict.reason = formatted(
-      "undecided: %s is 1 at %.6g rad/sample to the rounding of the model's coefficients, so that they do "
-      "not determine "
-      "whether it stays below 1",
+      "undecided: %s is 1 at %.6g rad/sample to the rounding of the model's coefficients, so that they do not determine whether it stays below 1",
       name.c_str(), least.frequency);
   return false;
 }
@@ -74,23 +71,20 @@ StringStability string_stability(const PlatoonModel& model) {
   verdict.spectral_radius = spectral_radius(model.loop);
   verdict.mean_square_stable = verdict.spectral_radius < 1.0;
   if (!verdict.mean_square_stable) {
-    verdict.reason =
-        "not mean square stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is not below 1";
+    verdict.reason = "not mean square stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is not below 1";
     return verdict;
   }
   const PatternGain gain({rated_factor(delta_fraction(model.loop))});
   if (!judge_gain(gain, "|T|", verdict)) return verdict;
   if (spectrum.margin_zeros() > spectrum.sensitivity_zeros()) {
     verdict.reason =
-        "not string stable: |T| < 1 for all w > 0, but 1 - |T|^2 vanishes so fast at w = 0 that the "
-        "variances grow "
-        "without bound";
+        "not string stable: |T| < 1 for all w > 0, but 1 - |T|^2 vanishes so fast at w = 0 that the variances grow without bound";
     return verdict;
   }
   verdict.string_stable = true;
   verdict.limit_variance = mean_limit_spectrum(spectrum, gain) * model.noise_variance;
-  verdict.reason = "string stable: rho(A) = " + beside_one(verdict.spectral_radius) +
-                   " is below 1 and |T| is below 1 for all w > 0";
+  verdict.reason =
+      "string stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is below 1 and |T| is below 1 for all w > 0";
   if (model.link.loss) verdict.loss_gain = 0.0;  // nothing is lost
   return verdict;
 }

@@ -11,21 +11,18 @@ namespace platoon {
 
 /// What Theorems 1 and 2 say about a platoon.
 struct StringStability {
-  double spectral_radius = 0.0;  ///< rho(A)
-  double peak_gain =
-      std::numeric_limits<double>::quiet_NaN();  ///< norm of T at infinity; NaN when rho(A) >= 1
-  double peak_frequency = std::numeric_limits<
-      double>::quiet_NaN();         ///< where it is reached [rad/sample], in [0, pi]; NaN when rho(A) >= 1
-  bool mean_square_stable = false;  ///< rho(A) < 1, paper eq. (MSS_all)
+  double spectral_radius = 0.0;                                 ///< rho(A)
+  double peak_gain = std::numeric_limits<double>::quiet_NaN();  ///< norm of T at infinity; NaN when rho(A) >= 1
+  double peak_frequency =
+      std::numeric_limits<double>::quiet_NaN();  ///< where it is reached [rad/sample], in [0, pi]; NaN when rho(A) >= 1
+  bool mean_square_stable = false;               ///< rho(A) < 1, paper eq. (MSS_all)
   bool mean_bounded = false;   ///< and |T(e^{jw})| <= 1 for all w: the means stay bounded along the string
   bool string_stable = false;  ///< and the variances stay bounded along the string
   bool undecided = false;      ///< the digits of the model do not tell whether the string is stable
   std::optional<double> limit_variance = {};  ///< their limit [m^2]; empty when they have none
   std::string reason = {};                    ///< one sentence: why, or why not
   /// string_stable where it is decided.
-  std::optional<bool> decision() const {
-    return undecided ? std::nullopt : std::optional<bool>(string_stable);
-  }
+  std::optional<bool> decision() const { return undecided ? std::nullopt : std::optional<bool>(string_stable); }
   std::optional<double> loss_gain = {};  ///< of links that lose positions: see linked_string_stability()
 };
 

@@ -60,9 +60,7 @@ double initial_response_gain(const InitialString& three) {
   const double c0 = column.squaredNorm();
   const double c1 = own.dot(next) + next.dot(second);
   const double c2 = own.dot(second);
-  const auto symbol = [&](double cosine) {
-    return c0 + 2.0 * c1 * cosine + 2.0 * c2 * (2.0 * cosine * cosine - 1.0);
-  };
+  const auto symbol = [&](double cosine) { return c0 + 2.0 * c1 * cosine + 2.0 * c2 * (2.0 * cosine * cosine - 1.0); };
   double largest = std::max(symbol(1.0), symbol(-1.0));
   if (c2 != 0.0 && std::abs(c1) < std::abs(4.0 * c2)) largest = std::max(largest, symbol(-c1 / (4.0 * c2)));
   return largest;
@@ -109,8 +107,7 @@ double initial_mean_gain_of_any_length(const StateSpace& vehicle) {
   return resolvent_peak(vehicle);
 }
 
-GainEnclosure initial_covariance_gain_within(const StateSpace& vehicle, std::size_t followers,
-                                             double operations) {
+GainEnclosure initial_covariance_gain_within(const StateSpace& vehicle, std::size_t followers, double operations) {
   const double energy = resolvent_energy(vehicle, followers);
   const auto n = static_cast<double>(vehicle.order());
   double seen = 0.0;
@@ -149,9 +146,8 @@ TheoremTwoBounds theorem_two_bounds(const PlatoonModel& model, std::size_t follo
   }
   if (stability.string_stable) {
     bounds.alpha_2 = stability.limit_variance;
-    bounds.beta_2 = bounds.initial_covariance > 0.0
-                        ? bounds.initial_covariance * covariance_gain(vehicle, followers)
-                        : 0.0;
+    bounds.beta_2 =
+        bounds.initial_covariance > 0.0 ? bounds.initial_covariance * covariance_gain(vehicle, followers) : 0.0;
     bounds.stated_beta_2 = bounds.initial_covariance * vehicle.c().squaredNorm();
     bounds.variance_bound = *bounds.alpha_2 + *bounds.beta_2;
   }

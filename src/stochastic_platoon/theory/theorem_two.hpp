@@ -17,10 +17,10 @@ struct TheoremTwoBounds {
   double initial_mean;        ///< ||mu_xi(0)||_2
   double initial_covariance;  ///< sigma_max(P_xi(0)), its supremum over all lengths
 
-  std::optional<double> alpha_1;  ///< ||T||_infinity ||zeta_0||_{L_2}; any length; empty unless ||T|| <= 1
-  std::optional<double> beta_1;   ///< ||mu_xi(0)||_2 times initial_mean_gain; empty as alpha_1
-  std::optional<double> alpha_2;  ///< the limit variance; any length; empty unless string stable
-  std::optional<double> beta_2;   ///< sigma_max(P_xi(0)) times initial_covariance_gain; empty as alpha_2
+  std::optional<double> alpha_1;         ///< ||T||_infinity ||zeta_0||_{L_2}; any length; empty unless ||T|| <= 1
+  std::optional<double> beta_1;          ///< ||mu_xi(0)||_2 times initial_mean_gain; empty as alpha_1
+  std::optional<double> alpha_2;         ///< the limit variance; any length; empty unless string stable
+  std::optional<double> beta_2;          ///< sigma_max(P_xi(0)) times initial_covariance_gain; empty as alpha_2
   std::optional<double> stated_beta_2;   ///< sigma_max(P_xi(0)) ||C||_2^2, the paper's: no bound in general
   std::optional<double> mean_bound;      ///< alpha_1 + beta_1 [m]
   std::optional<double> variance_bound;  ///< alpha_2 + beta_2 [m^2]
@@ -57,8 +57,7 @@ struct GainEnclosure {
 /// initial_covariance_gain from as many steps as `operations` additions and multiplications allow: a number
 /// where these do, else from the largest value found to what the energy left allows. Throws as
 /// initial_covariance_gain does.
-GainEnclosure initial_covariance_gain_within(const StateSpace& vehicle, std::size_t followers,
-                                             double operations);
+GainEnclosure initial_covariance_gain_within(const StateSpace& vehicle, std::size_t followers, double operations);
 
 /// sup over k and i <= followers of ||eta_i C A^k||_2^2 over the string's A and C: the most that a variance
 /// due to P_xi(0) can be over sigma_max(P_xi(0)). The paper takes k = 0, ||C||_2^2, arguing that rho(A^k P

@@ -25,8 +25,7 @@ PlatoonModel model_at(double headway) {
 TEST(Analysis, HasEveryKeyWithItsShape) {
   const PlatoonModel model = model_at(3.2);
   const nlohmann::json document = to_json(model, analyze(model, 7, 30));
-  for (const char* key :
-       {"spectral_radius", "peak_gain", "peak_frequency", "critical_headway", "limit_variance"}) {
+  for (const char* key : {"spectral_radius", "peak_gain", "peak_frequency", "critical_headway", "limit_variance"}) {
     EXPECT_TRUE(document.at(key).is_number()) << key;
   }
   EXPECT_EQ(document.at("mean_square_stable"), true);
@@ -52,8 +51,7 @@ TEST(Analysis, WarnsWhereTheCoefficientsDoNotDetermineAFineVerdict) {
   model.loop = closed_loop_from(exact);
   const std::string warning = "Warning: A, B and C have T(1) = 1";
   EXPECT_EQ(report(model, analyze(model, 2, 10)).find(warning), std::string::npos);
-  EXPECT_NE(report(model, analyze(model, 2, 10)).find("of one follower sqrt(sum of mean(k)^2)"),
-            std::string::npos);
+  EXPECT_NE(report(model, analyze(model, 2, 10)).find("of one follower sqrt(sum of mean(k)^2)"), std::string::npos);
   model.loop = closed_loop_from(StateSpace(exact.a(), exact.b() * (1.0 + 1e-6), exact.c()));
   const Analysis analysis = analyze(model, 2, 10);
   EXPECT_NEAR(analysis.integral_defect, 1e-6 * (1.0 + 3.2 / 4.2), 1e-12);

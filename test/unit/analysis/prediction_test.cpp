@@ -58,9 +58,8 @@ TEST(Prediction, IsVoidFromTheFirstOwnVehicleOn) {
     EXPECT_EQ(prediction.stationary_variance[0], whole.stationary_variance[0]);
     EXPECT_TRUE(std::isnan(prediction.stationary_variance[1]));
     EXPECT_FALSE(prediction.stability.limit_variance) << "the string does not go on so";
-    EXPECT_NE(
-        prediction.stability.reason.find("; this speaks of follower 1, before vehicle_2, which is your own"),
-        std::string::npos);
+    EXPECT_NE(prediction.stability.reason.find("; this speaks of follower 1, before vehicle_2, which is your own"),
+              std::string::npos);
   }
 }
 

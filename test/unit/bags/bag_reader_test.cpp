@@ -18,8 +18,7 @@ using stochastic_platoon::ErrorStatistics;
 using stochastic_platoon::Position;
 
 constexpr std::int64_t kSteps = 12;
-const std::string kPosition = "/platoon/vehicle_1/position",
-                  kReceived = "/platoon/vehicle_1/predecessor_position",
+const std::string kPosition = "/platoon/vehicle_1/position", kReceived = "/platoon/vehicle_1/predecessor_position",
                   kConfiguration = "/platoon/configuration";
 
 /// Recordings of a vehicle's positions and of what it received, in batches of three steps.

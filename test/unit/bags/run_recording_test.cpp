@@ -76,8 +76,7 @@ protected:
     BagContent content;
     content.position = [&](const PlatoonTopic& topic, const Position::ConstPtr& message) {
       ++messages;
-      if (topic.vehicle == 0)
-        places.emplace_back(message->attempt, message->first_realization, message->step);
+      if (topic.vehicle == 0) places.emplace_back(message->attempt, message->first_realization, message->step);
     };
     content.predecessor_position = [&](const PlatoonTopic&, const Position::ConstPtr&) { ++messages; };
     read_bags({{file}, Accept::damaged}, content);
@@ -282,8 +281,7 @@ TEST_F(RunRecordingTest, RecordsAgainWhatCannotBeReadAnyMore) {
   ASSERT_TRUE(recorder.ready_to_finish());
   recorder.finish();
   EXPECT_TRUE(recorder.finished());
-  EXPECT_EQ(places_in(bag_),
-            joined(joined(whole_batch(1, 0), whole_batch(3, kSome)), whole_batch(3, 2 * kSome)));
+  EXPECT_EQ(places_in(bag_), joined(joined(whole_batch(1, 0), whole_batch(3, kSome)), whole_batch(3, 2 * kSome)));
 }
 
 TEST_F(RunRecordingTest, KilledWhileItPutTogetherLeavesNothingTwice) {
@@ -306,8 +304,7 @@ TEST_F(RunRecordingTest, KilledWhileItPutTogetherLeavesNothingTwice) {
   send(&recorder, 3, 2 * kSome, kSome);
   send_final_statistics(&recorder, configuration);
   recorder.finish();
-  EXPECT_EQ(places_in(bag_),
-            joined(joined(whole_batch(1, 0), whole_batch(2, kSome)), whole_batch(3, 2 * kSome)));
+  EXPECT_EQ(places_in(bag_), joined(joined(whole_batch(1, 0), whole_batch(2, kSome)), whole_batch(3, 2 * kSome)));
 }
 
 TEST_F(RunRecordingTest, StoppedInAnEndlessRunPutsAllAttemptsTogether) {

@@ -54,8 +54,7 @@ TEST_F(ConfigurationTest, IsNotOverriddenByEmptySettings) {
 }
 
 TEST_F(ConfigurationTest, NamesWhatIsWrongWithAnOverride) {
-  EXPECT_EQ(problems_with({{"headway", "-1"}}),
-            Problems{"model/time_headway: -1: must be a finite number > 0"});
+  EXPECT_EQ(problems_with({{"headway", "-1"}}), Problems{"model/time_headway: -1: must be a finite number > 0"});
   EXPECT_EQ(problems_with({{"noise_variance", "x"}}),
             Problems{"model/noise_variance: x: must be a finite number >= 0"});
 }
@@ -65,8 +64,7 @@ TEST_F(ConfigurationTest, ReportsTheErrorsOfModelAndRunAtOnce) {
   EXPECT_EQ(problems.size(), 3u);
   EXPECT_NE(std::find(problems.begin(), problems.end(), "model/time_headway: 0: must be a finite number > 0"),
             problems.end());
-  EXPECT_NE(std::find(problems.begin(), problems.end(),
-                      "run/followers: 0: must be a whole number from 1 to 1000000"),
+  EXPECT_NE(std::find(problems.begin(), problems.end(), "run/followers: 0: must be a whole number from 1 to 1000000"),
             problems.end());
 }
 
@@ -112,8 +110,7 @@ TEST_F(ConfigurationTest, OfAnotherVersionIsRefusedByName) {
   YAML::Node document = configuration_document({{"model", model_}});
   document["version"] = "9.9.9";
   const std::string own = std::string(kVersion) + ", this program's";
-  EXPECT_EQ(problems_of([&document] { parse_configuration(document); }),
-            Problems{"version: 9.9.9: must be " + own});
+  EXPECT_EQ(problems_of([&document] { parse_configuration(document); }), Problems{"version: 9.9.9: must be " + own});
   document.remove("version");
   EXPECT_EQ(problems_of([&document] { parse_configuration(document); }),
             Problems{"version: missing: must be " + own + " (version 0.1.0 wrote none)"});
@@ -123,12 +120,10 @@ TEST_F(ConfigurationTest, OfAnotherVersionIsRefusedByName) {
 TEST_F(ConfigurationTest, OfARecordedLeaderNeedsItsPositionsForEveryStep) {
   const auto with_positions = [this](const std::string& positions, const std::string& steps) {
     const std::string file = folder_.file(
-        "recorded.yaml",
-        model_text_with("{speed: [{from_step: 0, value: 20.0}]}", "{positions: " + positions + "}"));
+        "recorded.yaml", model_text_with("{speed: [{from_step: 0, value: 20.0}]}", "{positions: " + positions + "}"));
     return configured({{"model", file}, {"steps", steps}});
   };
-  EXPECT_EQ(with_positions("[0.0, 0.0, 1.5]", "2").model.recorded_leader,
-            (std::vector<double>{0.0, 0.0, 1.5}));
+  EXPECT_EQ(with_positions("[0.0, 0.0, 1.5]", "2").model.recorded_leader, (std::vector<double>{0.0, 0.0, 1.5}));
   EXPECT_EQ(problems_of([&] { with_positions("[0.0, 0.0, 1.5]", "3"); }),
             Problems{"model/leader/positions: 3 given: must be at least steps + 1 = 4, and steps above 0"});
   EXPECT_EQ(problems_of([&] { with_positions("[0.0, 0.0, 1.5]", "0"); }).size(), 1u);
@@ -141,9 +136,8 @@ TEST_F(ConfigurationTest, IdentifiesARunByAllThatIsInItAndByItsLaunch) {
   EXPECT_NE(run, 0u);
   EXPECT_EQ(run_identity(parse_configuration(to_json(configuration).dump())), run);
   for (const Settings& settings :
-       {Settings{{"headway", "3.3"}}, Settings{{"seed", "2"}}, Settings{{"steps", "99"}},
-        Settings{{"batch", "7"}}, Settings{{"launch_id", "tuesday"}}, Settings{{"realizations", "9999"}},
-        Settings{{"output", "x"}}}) {
+       {Settings{{"headway", "3.3"}}, Settings{{"seed", "2"}}, Settings{{"steps", "99"}}, Settings{{"batch", "7"}},
+        Settings{{"launch_id", "tuesday"}}, Settings{{"realizations", "9999"}}, Settings{{"output", "x"}}}) {
     Settings changed = settings;
     changed.emplace("launch_id", "monday");
     EXPECT_NE(run_identity(configured(changed)), run) << settings.begin()->first;
@@ -158,8 +152,7 @@ TEST_F(ConfigurationTest, StatisticsDependOnARecordedLeader) {
 }
 
 TEST_F(ConfigurationTest, IsTheSameWhenWrittenAndReadAgain) {
-  const Configuration configuration =
-      configured({{"seed", "9223372036854775807"}, {"noise_variance", "0.1"}});
+  const Configuration configuration = configured({{"seed", "9223372036854775807"}, {"noise_variance", "0.1"}});
   const Configuration again = parse_configuration(YAML::Load(to_json(configuration).dump()));
   EXPECT_EQ(to_json(again), to_json(configuration));
   EXPECT_EQ(again.model.loop.realization.a(), configuration.model.loop.realization.a());
@@ -168,8 +161,8 @@ TEST_F(ConfigurationTest, IsTheSameWhenWrittenAndReadAgain) {
 
 TEST_F(ConfigurationTest, ChangesOnlyWhatIsGivenBesideAnotherOne) {
   const Configuration base = configured({{"seed", "5"}, {"followers", "3"}, {"noise_variance", "0.1"}});
-  const Configuration changed = parse_configuration(
-      configuration_document(base, {{"headway", "2.4"}, {"followers", "4"}, {"model", ""}}));
+  const Configuration changed =
+      parse_configuration(configuration_document(base, {{"headway", "2.4"}, {"followers", "4"}, {"model", ""}}));
   EXPECT_EQ(changed.model.headway, 2.4);
   EXPECT_EQ(changed.model.loop.realization.a(), paper_platoon(2.4).loop.realization.a());
   EXPECT_EQ(changed.model.noise_variance, 0.1);
@@ -218,14 +211,11 @@ TEST(Configuration, TakesLossAndDelayAsItTakesTheHeadway) {
 TEST(ParseConfiguration, RefusesALossyStringWhoseTheoryWouldTakeHours) {
   const std::string model = PLATOON_SOURCE_DIR "/config/paper.yaml";
   const auto document = [&](const char* followers, const char* loss) {
-    return configuration_document(
-        {{"model", model}, {"loss", loss}, {"followers", followers}, {"steps", "100"}});
+    return configuration_document({{"model", model}, {"loss", loss}, {"followers", followers}, {"steps", "100"}});
   };
-  EXPECT_EQ(
-      problems_of([&] { parse_configuration(document("10001", "0.1")); }),
-      Problems{
-          "run/followers: 10001: must be at most 10000 with losses and 100 steps, as every link's losses "
-          "act on every vehicle behind it (steps: 0 averages over time instead)"});
+  EXPECT_EQ(problems_of([&] { parse_configuration(document("10001", "0.1")); }),
+            Problems{"run/followers: 10001: must be at most 10000 with losses and 100 steps, as every link's losses "
+                     "act on every vehicle behind it (steps: 0 averages over time instead)"});
   EXPECT_EQ(parse_configuration(document("10000", "0.1")).run.followers, 10000u);
   EXPECT_EQ(parse_configuration(document("10001", "0")).run.followers, 10001u);
   EXPECT_EQ(parse_configuration(document("10001", "")).run.followers, 10001u);

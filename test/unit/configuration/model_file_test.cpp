@@ -42,8 +42,7 @@ TEST(ModelFile, LoadsEveryShippedFile) {
   for (const auto& entry : std::filesystem::directory_iterator(PLATOON_SOURCE_DIR "/config")) {
     if (entry.path().extension() != ".yaml") continue;
     ++files;
-    EXPECT_EQ(problems_of([&entry] { parse_model(load_yaml(entry.path().string())); }), Problems{})
-        << entry.path();
+    EXPECT_EQ(problems_of([&entry] { parse_model(load_yaml(entry.path().string())); }), Problems{}) << entry.path();
   }
   EXPECT_GE(files, 1);
 }
@@ -141,12 +140,10 @@ TEST(ModelFile, IsTheSameToTheBitWhenWrittenAndReadAgain) {
 }
 
 TEST(ModelFile, NamesTheQuantityThatIsOutOfRange) {
-  const std::string positive = ": must be a finite number > 0",
-                    not_negative = ": must be a finite number >= 0";
+  const std::string positive = ": must be a finite number > 0", not_negative = ": must be a finite number >= 0";
   const std::string number = ": must be a finite number";
   EXPECT_EQ(problems_when("time_headway: 3.2", "time_headway: 0"), Problems{"time_headway: 0" + positive});
-  EXPECT_EQ(problems_when("time_headway: 3.2", "time_headway: -3.2"),
-            Problems{"time_headway: -3.2" + positive});
+  EXPECT_EQ(problems_when("time_headway: 3.2", "time_headway: -3.2"), Problems{"time_headway: -3.2" + positive});
   EXPECT_EQ(problems_when("standstill_distance: 0.0", "standstill_distance: -1"),
             Problems{"standstill_distance: -1" + not_negative});
   EXPECT_EQ(problems_when("sample_period: 0.1", "sample_period: 0"),
@@ -170,8 +167,7 @@ TEST(ModelFile, RejectsWhatIsNotFinite) {
     EXPECT_EQ(problems_when("noise_variance: 0.6", std::string("noise_variance: ") + bad),
               Problems{std::string("noise_variance: ") + bad + ": must be a finite number >= 0"});
     EXPECT_EQ(problems_when("[1.0, 0.89]", std::string("[1.0, ") + bad + "]"),
-              Problems{std::string("controller/denominator: [1.0, ") + bad +
-                       "]: must be a list of finite numbers"});
+              Problems{std::string("controller/denominator: [1.0, ") + bad + "]: must be a list of finite numbers"});
   }
 }
 
@@ -226,10 +222,9 @@ TEST(ModelFile, ReportsAllErrorsAtOnce) {
       "time_headway: -1\nstandstill_distance: -2\nsample_period: -3\nnoise_variance: -4\ncolour: red\n"
       "leader: {speed: [{from_step: 0, value: inf}]}\n"
       "initial_position: {mean: nan, variance: -5}\n");
-  for (const char* key :
-       {"plant/denominator: all zero: must be a polynomial other than 0", "controller/numerator",
-        "time_headway", "standstill_distance", "sample_period", "noise_variance", "colour",
-        "leader/speed[0]/value", "initial_position/mean", "initial_position/variance"}) {
+  for (const char* key : {"plant/denominator: all zero: must be a polynomial other than 0", "controller/numerator",
+                          "time_headway", "standstill_distance", "sample_period", "noise_variance", "colour",
+                          "leader/speed[0]/value", "initial_position/mean", "initial_position/variance"}) {
     EXPECT_TRUE(any_begins_with(problems, key)) << key;
   }
   EXPECT_EQ(problems.size(), 10u);
@@ -238,8 +233,7 @@ TEST(ModelFile, ReportsAllErrorsAtOnce) {
 // An error must not bring others with it that are none.
 TEST(ModelFile, ReportsNothingThatOnlyFollowsFromAnotherError) {
   EXPECT_EQ(problems_in("hello").size(), 1u);
-  EXPECT_EQ(problems_when("[{from_step: 0, value: 20.0}]",
-                          "[{from_step: x, value: 20.0}, {from_step: 0, value: 1}]"),
+  EXPECT_EQ(problems_when("[{from_step: 0, value: 20.0}]", "[{from_step: x, value: 20.0}, {from_step: 0, value: 1}]"),
             Problems{"leader/speed[0]/from_step: x: must be a whole number from 0 to 70368744177664"});
 }
 
@@ -250,12 +244,11 @@ TEST(ModelFile, RejectsASpeedOfNothing) {
 }
 
 TEST(ModelFile, NamesTheStepThatIsOutOfOrder) {
-  const Problems problems = problems_when("[{from_step: 0, value: 20.0}]",
-                                          "[{from_step: 5, value: 20.0}, {from_step: 5, value: 10.0}]");
+  const Problems problems =
+      problems_when("[{from_step: 0, value: 20.0}]", "[{from_step: 5, value: 20.0}, {from_step: 5, value: 10.0}]");
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_EQ(problems[0].find("leader/speed"), 0u);
-  EXPECT_NE(problems[0].find("from_step: 5: must be >= 0 and increase from one entry to the next"),
-            std::string::npos);
+  EXPECT_NE(problems[0].find("from_step: 5: must be >= 0 and increase from one entry to the next"), std::string::npos);
 }
 
 TEST(ModelFile, RejectsALoopThatIsNotAdmissible) {
@@ -266,26 +259,21 @@ TEST(ModelFile, RejectsALoopThatIsNotAdmissible) {
   only(problems_when("[1.35, 0.0]", "[1.35, 0.0, 0.0, 0.0]"), "T must be strictly proper");
   only(problems_when("[1.0, -2.0, 1.0]", "[1.0, -1.5, 0.5]"), "no double integral action");
   only(problems_when("[1.35, 0.0]", "[13.5, 0.0]"), "the closed loop is unstable: rho(A) = ");
-  EXPECT_EQ(problems_in(model_text_with("[1.35, 0.0]", "[13.5, 0.0]") + "allow_unstable: true\n"),
-            Problems{});
-  EXPECT_EQ(problems_in(model_text_with("[1.35, 0.0]", "[13.5, 0.0]") + "allow_unstable: false\n").size(),
-            1u);
+  EXPECT_EQ(problems_in(model_text_with("[1.35, 0.0]", "[13.5, 0.0]") + "allow_unstable: true\n"), Problems{});
+  EXPECT_EQ(problems_in(model_text_with("[1.35, 0.0]", "[13.5, 0.0]") + "allow_unstable: false\n").size(), 1u);
 }
 
 TEST(ModelFile, RejectsAClosedLoopThatIsNone) {
   const std::string rest = kModelText.substr(kModelText.find("time_headway"));
-  const auto with_loop = [&rest](const std::string& loop) {
-    return problems_in("closed_loop: " + loop + "\n" + rest);
-  };
+  const auto with_loop = [&rest](const std::string& loop) { return problems_in("closed_loop: " + loop + "\n" + rest); };
   EXPECT_EQ(with_loop("{A: [[1, 2]], B: [1], C: [1]}"),
             Problems{"closed_loop/A: 1 x 2: must be square, n x n with n >= 1"});
   EXPECT_EQ(with_loop("{A: [[0.5]], B: [1, 2], C: [1]}"),
             Problems{"closed_loop/B: 2 x 1, C: 1 x 1: must be n x 1 and 1 x n with A's n = 1"});
-  EXPECT_EQ(
-      with_loop("{A: [[0.5], [1, 2]], B: [x]}"),
-      (Problems{"closed_loop/A: [[0.5], [1, 2]]: must be a list of rows of finite numbers, all of one length",
-                "closed_loop/B: [x]: must be a list of finite numbers",
-                "closed_loop/C: missing: must be a list of finite numbers"}));
+  EXPECT_EQ(with_loop("{A: [[0.5], [1, 2]], B: [x]}"),
+            (Problems{"closed_loop/A: [[0.5], [1, 2]]: must be a list of rows of finite numbers, all of one length",
+                      "closed_loop/B: [x]: must be a list of finite numbers",
+                      "closed_loop/C: missing: must be a list of finite numbers"}));
   EXPECT_EQ(with_loop("7"), Problems{"closed_loop: 7: must be a mapping of keys"});
   const Problems both = problems_in(kModelText + "closed_loop: {A: [[0.5]], B: [1], C: [1]}\n");
   EXPECT_TRUE(any_begins_with(both, "plant: given: must be absent beside closed_loop"));
@@ -357,12 +345,11 @@ TEST(ModelFile, SetsLinksAndTypesThatInheritWhatTheyDoNotGive) {
 }
 
 TEST(ModelFile, SetsATypeByItsOwnClosedLoop) {
-  const PlatoonModel model = parse(
-      kModelText +
-      "vehicle_types: {twin: {closed_loop: {A: [[1.11, 1, 0], [-0.57, 0, 1], [0.13857142857142857, 0, 0]], "
-      "B: [0, 0.3214285714285714, 0], C: [1, 0, 0]}}}\nstring: [twin]\n");
-  EXPECT_LT((vehicle(model, 1).loop.realization.a() - model.loop.realization.a()).cwiseAbs().maxCoeff(),
-            1e-15);
+  const PlatoonModel model =
+      parse(kModelText +
+            "vehicle_types: {twin: {closed_loop: {A: [[1.11, 1, 0], [-0.57, 0, 1], [0.13857142857142857, 0, 0]], "
+            "B: [0, 0.3214285714285714, 0], C: [1, 0, 0]}}}\nstring: [twin]\n");
+  EXPECT_LT((vehicle(model, 1).loop.realization.a() - model.loop.realization.a()).cwiseAbs().maxCoeff(), 1e-15);
   EXPECT_FALSE(vehicle(model, 1).design);
   EXPECT_TRUE(vehicle(model, 0).design);
   // The loop is of one headway: another needs another loop.
@@ -391,8 +378,7 @@ TEST(ModelFile, WithoutLinksAndTypesIsWrittenAsBefore) {
   const nlohmann::json document = to_json(parse(kModelText));
   for (const char* key : {"channel", "vehicle_types", "string"}) EXPECT_FALSE(document.contains(key)) << key;
   EXPECT_TRUE(is_papers(parse(kModelText)));
-  EXPECT_TRUE(
-      is_papers(parse(kModelText + "channel: {delay: 0, loss: {probability: 0}}\nstring: [default]\n")));
+  EXPECT_TRUE(is_papers(parse(kModelText + "channel: {delay: 0, loss: {probability: 0}}\nstring: [default]\n")));
   EXPECT_FALSE(is_papers(parse(kModelText + "channel: {delay: 1}\n")));
 }
 
@@ -412,55 +398,47 @@ TEST(ModelFile, NamesWhatIsWrongWithALink) {
                      "has shorter bursts; independent losses have 1 / (1 - q) = 10"});
   EXPECT_EQ(problems_of_link("loss: {probability: 0.2, mean_burst: 0.9}").front().substr(0, 48),
             "channel/loss/mean_burst: 0.9: must be at least 1");
-  EXPECT_EQ(
-      problems_of_link("noise_filter: {numerator: [1, 0, 0], denominator: [1, 0.5]}"),
-      Problems{"channel/noise_filter: more zeros than poles: must be proper: no more zeros than poles"});
-  EXPECT_EQ(
-      problems_of_link("noise_filter: {numerator: [1], denominator: [1, -1]}"),
-      Problems{"channel/noise_filter: a pole of modulus 1: must be stable: poles inside the unit circle"});
-  EXPECT_EQ(problems_of_link("delay: -1"),
-            Problems{"channel/delay: -1: must be a whole number from 0 to 10000"});
+  EXPECT_EQ(problems_of_link("noise_filter: {numerator: [1, 0, 0], denominator: [1, 0.5]}"),
+            Problems{"channel/noise_filter: more zeros than poles: must be proper: no more zeros than poles"});
+  EXPECT_EQ(problems_of_link("noise_filter: {numerator: [1], denominator: [1, -1]}"),
+            Problems{"channel/noise_filter: a pole of modulus 1: must be stable: poles inside the unit circle"});
+  EXPECT_EQ(problems_of_link("delay: -1"), Problems{"channel/delay: -1: must be a whole number from 0 to 10000"});
   EXPECT_EQ(problems_of_link("quantisation_step: -1"),
             Problems{"channel/quantisation_step: -1: must be a finite number >= 0"});
   EXPECT_EQ(problems_of_link("loss: {probability: 0.1, on_loss: [1, 0.5]}"),
             Problems{"channel/loss/on_loss: coefficients of sum 1.5: must be of sum 1, as a platoon moves: "
                      "[1] holds, [2, "
                      "-1] extrapolates"});
-  EXPECT_EQ(
-      problems_of_link("loss: {probability: 0.1, on_loss: stop}"),
-      Problems{"channel/loss/on_loss: stop: must be hold or extrapolate or a list of coefficients of sum 1"});
-  EXPECT_EQ(
-      problems_of_link("jitter: 1"),
-      Problems{"channel/jitter: unknown key: allowed are delay, loss, noise_filter, quantisation_step"});
+  EXPECT_EQ(problems_of_link("loss: {probability: 0.1, on_loss: stop}"),
+            Problems{"channel/loss/on_loss: stop: must be hold or extrapolate or a list of coefficients of sum 1"});
+  EXPECT_EQ(problems_of_link("jitter: 1"),
+            Problems{"channel/jitter: unknown key: allowed are delay, loss, noise_filter, quantisation_step"});
 }
 
 TEST(ModelFile, RunsPredictionsThatGrowOnlyIfAskedTo) {
   const std::string growing = kModelText + "channel: {loss: {probability: 0.5, on_loss: [2.5, -1.5]}}\n";
   const Problems problems = problems_in(growing);
   ASSERT_EQ(problems.size(), 1u);
-  EXPECT_EQ(problems[0].find("channel/loss/on_loss: predictions whose p q ||L F||^2 is 3.66667: must be one"),
-            0u)
+  EXPECT_EQ(problems[0].find("channel/loss/on_loss: predictions whose p q ||L F||^2 is 3.66667: must be one"), 0u)
       << problems[0];
   EXPECT_EQ(problems_in(growing + "allow_unstable: true\n"), Problems{});
 }
 
 TEST(ModelFile, NamesWhatIsWrongWithTypesAndStrings) {
-  const Problems problems = problems_in(
-      kModelText +
-      "vehicle_types: {truck: {sample_period: 0.2, leader: {speed: []}, time_headway: -1}, default: {}, "
-      "car: {weight: 1}}\nstring: [default, lorry]\n");
+  const Problems problems =
+      problems_in(kModelText +
+                  "vehicle_types: {truck: {sample_period: 0.2, leader: {speed: []}, time_headway: -1}, default: {}, "
+                  "car: {weight: 1}}\nstring: [default, lorry]\n");
   for (const char* key :
        {"vehicle_types/truck/sample_period: given: must be absent, as all vehicles share it",
         "vehicle_types/truck/leader: given: must be absent, as all vehicles share it",
         "vehicle_types/truck/time_headway: -1: must be a finite number > 0",
-        "vehicle_types/default: given: must be of another name",
-        "vehicle_types/car/weight: unknown key: allowed are ",
+        "vehicle_types/default: given: must be of another name", "vehicle_types/car/weight: unknown key: allowed are ",
         "string[1]: lorry: must be one of the vehicle types default, car, truck"}) {
     EXPECT_TRUE(any_begins_with(problems, key)) << key;
   }
   EXPECT_EQ(problems.size(), 6u);
-  EXPECT_EQ(problems_in(kModelText + "string: []\n"),
-            Problems{"string: []: must be a list of names, not empty"});
+  EXPECT_EQ(problems_in(kModelText + "string: []\n"), Problems{"string: []: must be a list of names, not empty"});
   const Problems unstable =
       problems_in(kModelText + "vehicle_types: {slow: {plant: {numerator: [1], denominator: [1, -1]}}}\n");
   ASSERT_FALSE(unstable.empty());

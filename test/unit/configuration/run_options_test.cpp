@@ -38,16 +38,14 @@ Problems problems_with(const std::string& key, const std::string& value) {
 }
 
 TEST(RunOptions, ThatNeedMoreMemoryThanThereIsAreRefusedInTheirOwnWords) {
-  EXPECT_EQ(
-      problems_with("steps", "99999999999"),
-      Problems{"run/steps x followers: 99999999999 x 20: must be at most 20000000, as statistics are kept "
-               "for each (steps: 0 averages over time instead)"});
+  EXPECT_EQ(problems_with("steps", "99999999999"),
+            Problems{"run/steps x followers: 99999999999 x 20: must be at most 20000000, as statistics are kept "
+                     "for each (steps: 0 averages over time instead)"});
   EXPECT_EQ(problems_with("steps", "1000000"), Problems{});
   Problems problems;
   read(settings({{"steps", "1000000"}, {"realizations", "70368744177664"}}), &problems);
-  EXPECT_EQ(problems,
-            Problems{"run/realizations x steps x followers: 70368744177664 x 1000000 x 20: must be below "
-                     "2^63, which is what can be counted"});
+  EXPECT_EQ(problems, Problems{"run/realizations x steps x followers: 70368744177664 x 1000000 x 20: must be below "
+                               "2^63, which is what can be counted"});
 }
 
 TEST(RunOptions, HaveTheDefaultsOfTheLaunchFile) {
@@ -93,35 +91,28 @@ TEST(RunOptions, ReadEverySetting) {
 
 TEST(RunOptions, NameTheSettingThatIsNotAllowed) {
   const std::string count = "70368744177664";
-  EXPECT_EQ(problems_with("followers", "0"),
-            Problems{"run/followers: 0: must be a whole number from 1 to 1000000"});
+  EXPECT_EQ(problems_with("followers", "0"), Problems{"run/followers: 0: must be a whole number from 1 to 1000000"});
   EXPECT_EQ(problems_with("followers", "many"),
             Problems{"run/followers: many: must be a whole number from 1 to 1000000"});
   EXPECT_EQ(problems_with("followers", ""),
             Problems{"run/followers: (empty): must be a whole number from 1 to 1000000"});
-  EXPECT_EQ(problems_with("steps", "-1"),
-            Problems{"run/steps: -1: must be a whole number from 0 to " + count});
+  EXPECT_EQ(problems_with("steps", "-1"), Problems{"run/steps: -1: must be a whole number from 0 to " + count});
   EXPECT_EQ(problems_with("realizations", "0"),
             Problems{"run/realizations: 0: must be a whole number from 1 to " + count});
   EXPECT_EQ(problems_with("realizations", "1e-4"),
             Problems{"run/realizations: 1e-4: must be a whole number from 1 to " + count});
-  EXPECT_EQ(problems_with("batch", "-1"),
-            Problems{"run/batch: -1: must be a whole number from 0 to 16777216"});
+  EXPECT_EQ(problems_with("batch", "-1"), Problems{"run/batch: -1: must be a whole number from 0 to 16777216"});
   EXPECT_EQ(problems_with("rate", "-1"), Problems{"run/rate: -1: must be a finite number >= 0"});
   EXPECT_EQ(problems_with("rate", "nan"), Problems{"run/rate: nan: must be a finite number >= 0"});
   EXPECT_EQ(problems_with("seed", "-1"),
             Problems{"run/seed: -1: must be a whole number from 0 to 9223372036854775807"});
-  EXPECT_EQ(problems_with("hosting", "cloud"),
-            Problems{"run/hosting: cloud: must be processes or one_process"});
+  EXPECT_EQ(problems_with("hosting", "cloud"), Problems{"run/hosting: cloud: must be processes or one_process"});
   EXPECT_EQ(problems_with("resume", "maybe"), Problems{"run/resume: maybe: must be true or false"});
-  EXPECT_EQ(problems_with("window", "-1"),
-            Problems{"run/window: -1: must be a whole number from 0 to 1048576"});
-  EXPECT_EQ(problems_with("stall_timeout", "-1"),
-            Problems{"run/stall_timeout: -1: must be a finite number >= 0"});
+  EXPECT_EQ(problems_with("window", "-1"), Problems{"run/window: -1: must be a whole number from 0 to 1048576"});
+  EXPECT_EQ(problems_with("stall_timeout", "-1"), Problems{"run/stall_timeout: -1: must be a finite number >= 0"});
   EXPECT_EQ(problems_with("stall_timeout", "0.0001"),
             Problems{"run/stall_timeout: 0.0001: must be 0 or at least 0.001"});
-  EXPECT_EQ(problems_with("burn_in", "-1"),
-            Problems{"run/burn_in: -1: must be a whole number from 0 to " + count});
+  EXPECT_EQ(problems_with("burn_in", "-1"), Problems{"run/burn_in: -1: must be a whole number from 0 to " + count});
   const Problems unknown = problems_with("folowers", "20");
   ASSERT_EQ(unknown.size(), 1u);
   EXPECT_EQ(unknown[0].find("run/folowers: unknown key: allowed are batch, "), 0u);
@@ -141,10 +132,9 @@ TEST(RunOptions, KnowWhoseTheVehiclesAre) {
 TEST(RunOptions, NameWhatIsNoListOfOwnVehicles) {
   for (const char* own :
        {"0", "21", "3,3", "three", "3,", ",3", "3, 4", "03", "-1", "3.0", "3;4", "99999999999999999999999"}) {
-    EXPECT_EQ(
-        problems_with("external", own),
-        Problems{std::string("run/own: ") + own +
-                 ": must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"});
+    EXPECT_EQ(problems_with("external", own),
+              Problems{std::string("run/own: ") + own +
+                       ": must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"});
   }
 }
 
@@ -161,8 +151,7 @@ TEST(RunOptions, NameEverySettingThatIsMissing) {
   Problems problems;
   read(YAML::Load("{}"), &problems);
   EXPECT_EQ(problems.size(), settings().size() - 1);  // own, which recordings of a whole string do not have
-  for (const std::string& problem : problems)
-    EXPECT_NE(problem.find(": missing: must be "), std::string::npos);
+  for (const std::string& problem : problems) EXPECT_NE(problem.find(": missing: must be "), std::string::npos);
 }
 
 TEST(RunOptions, OfAnEndlessRunHaveOneRealization) {
@@ -225,8 +214,7 @@ TEST(ChosenBatch, OfARecordedRunIsLargerAndKeepsAStepWithin17Megabytes) {
   for (options.followers = 1; options.followers <= 100000; options.followers *= 10) {
     const std::uint64_t batch = chosen_batch(options);
     EXPECT_GE(batch, 64u);
-    EXPECT_TRUE(batch == 64 || batch * (2 * options.followers + 1) * sizeof(double) <= std::uint64_t{1}
-                                                                                           << 24);
+    EXPECT_TRUE(batch == 64 || batch * (2 * options.followers + 1) * sizeof(double) <= std::uint64_t{1} << 24);
   }
 }
 

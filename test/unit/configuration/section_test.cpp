@@ -45,20 +45,20 @@ TEST(Section, ReadsWhatIsThere) {
 
 TEST(Section, ReadsNumbersInEveryNotation) {
   for (const char* text : {"2.5", "'2.5'", "\" 2.5 \"", "25e-1", "+2.5", "2.50"}) {
-    const Problems problems = problems_with(
-        std::string("x: ") + text, [](Section& section) { EXPECT_EQ(section.number("x", kAnyFinite), 2.5); });
+    const Problems problems = problems_with(std::string("x: ") + text,
+                                            [](Section& section) { EXPECT_EQ(section.number("x", kAnyFinite), 2.5); });
     EXPECT_EQ(problems, Problems{}) << text;
   }
   for (const char* text : {"12", "'12'", "+12", "012"}) {
-    const Problems problems = problems_with(
-        std::string("x: ") + text, [](Section& section) { EXPECT_EQ(section.integer("x", 0, 100), 12); });
+    const Problems problems =
+        problems_with(std::string("x: ") + text, [](Section& section) { EXPECT_EQ(section.integer("x", 0, 100), 12); });
     EXPECT_EQ(problems, Problems{}) << text;
   }
 }
 
 TEST(Section, RejectsWhatIsNoFiniteNumber) {
-  for (const char* text : {"nan", ".nan", "inf", ".inf", "-.inf", "1e400", "abc", "1,5", "1.5 m", "2.5.1",
-                           "0x10", "true", "[1.0]", "{a: 1}"}) {
+  for (const char* text : {"nan", ".nan", "inf", ".inf", "-.inf", "1e400", "abc", "1,5", "1.5 m", "2.5.1", "0x10",
+                           "true", "[1.0]", "{a: 1}"}) {
     const Problems problems =
         problems_with(std::string("x: ") + text, [](Section& section) { section.number("x", kAnyFinite); });
     EXPECT_EQ(problems, Problems{std::string("x: ") + text + ": must be a finite number"});
@@ -72,15 +72,12 @@ TEST(Section, RejectsNumbersOutOfRange) {
     return [&allowed](Section& section) { section.number("x", allowed); };
   };
   EXPECT_EQ(problems_with("x: 0", number(kPositive)), Problems{"x: 0: must be a finite number > 0"});
-  EXPECT_EQ(problems_with("x: -1e-300", number(kPositive)),
-            Problems{"x: -1e-300: must be a finite number > 0"});
+  EXPECT_EQ(problems_with("x: -1e-300", number(kPositive)), Problems{"x: -1e-300: must be a finite number > 0"});
   EXPECT_EQ(problems_with("x: 1e-300", number(kPositive)), Problems{});
-  EXPECT_EQ(problems_with("x: -0.1", number(kNotNegative)),
-            Problems{"x: -0.1: must be a finite number >= 0"});
+  EXPECT_EQ(problems_with("x: -0.1", number(kNotNegative)), Problems{"x: -0.1: must be a finite number >= 0"});
   EXPECT_EQ(problems_with("x: 0", number(kNotNegative)), Problems{});
   EXPECT_EQ(problems_with("x: -1e100", number(kAnyFinite)), Problems{});
-  EXPECT_EQ(problems_with("x: -2e100", number(kAnyFinite)),
-            Problems{"x: -2e100: must be at most 1e+100 in magnitude"});
+  EXPECT_EQ(problems_with("x: -2e100", number(kAnyFinite)), Problems{"x: -2e100: must be at most 1e+100 in magnitude"});
 }
 
 TEST(Section, RejectsWhatIsNoWholeNumberInRange) {
@@ -121,14 +118,13 @@ TEST(Section, RejectsATextThatIsNoneAndAChoiceThatIsNotOffered) {
 TEST(Section, RejectsTextsAndNamesThatAreNotUtf8) {
   EXPECT_EQ(problems_with("x: M\xfcnchen", [](Section& section) { section.text("x"); }),
             Problems{"x: M\\xfcnchen: must be UTF-8"});
-  EXPECT_EQ(
-      problems_with("x: [car, \xce]", [](Section& section) { EXPECT_TRUE(section.texts("x").empty()); }),
-      Problems{"x: [car, \\xce]: must be UTF-8"});
+  EXPECT_EQ(problems_with("x: [car, \xce]", [](Section& section) { EXPECT_TRUE(section.texts("x").empty()); }),
+            Problems{"x: [car, \\xce]: must be UTF-8"});
   EXPECT_EQ(problems_with("\xce: 1", [](Section& section) { EXPECT_TRUE(section.keys().empty()); }),
             Problems{"\\xce: must be UTF-8"});
-  EXPECT_EQ(problems_with("x: M\xc3\xbcnchen",
-                          [](Section& section) { EXPECT_EQ(section.text("x"), "M\xc3\xbcnchen"); }),
-            Problems{});
+  EXPECT_EQ(
+      problems_with("x: M\xc3\xbcnchen", [](Section& section) { EXPECT_EQ(section.text("x"), "M\xc3\xbcnchen"); }),
+      Problems{});
 }
 
 TEST(Section, RejectsListsAndMatricesThatAreNone) {
@@ -138,8 +134,7 @@ TEST(Section, RejectsListsAndMatricesThatAreNone) {
   }
   for (const char* text : {"[]", "3", "[1, 2]", "[[1, 2], [3]]", "[[1], [x]]", "[[1], []]"}) {
     EXPECT_EQ(problems_with(std::string("x: ") + text, [](Section& section) { section.matrix("x"); }),
-              Problems{std::string("x: ") + text +
-                       ": must be a list of rows of finite numbers, all of one length"});
+              Problems{std::string("x: ") + text + ": must be a list of rows of finite numbers, all of one length"});
   }
 }
 
@@ -174,14 +169,13 @@ TEST(Section, ReportsEveryKeyThatIsMissing) {
     section.sections("l");
     section.number("nothing", kAnyFinite);
   });
-  EXPECT_EQ(
-      problems,
-      (Problems{"n: missing: must be a finite number > 0", "i: missing: must be a whole number from 0 to 7",
-                "b: missing: must be true or false", "t: missing: must be a text",
-                "c: missing: must be red or green", "v: missing: must be a list of finite numbers",
-                "m: missing: must be a list of rows of finite numbers, all of one length",
-                "s: missing: must be a mapping of keys", "l: missing: must be a list of mappings",
-                "nothing: missing: must be a finite number"}));
+  EXPECT_EQ(problems,
+            (Problems{"n: missing: must be a finite number > 0", "i: missing: must be a whole number from 0 to 7",
+                      "b: missing: must be true or false", "t: missing: must be a text",
+                      "c: missing: must be red or green", "v: missing: must be a list of finite numbers",
+                      "m: missing: must be a list of rows of finite numbers, all of one length",
+                      "s: missing: must be a mapping of keys", "l: missing: must be a list of mappings",
+                      "nothing: missing: must be a finite number"}));
 }
 
 TEST(Section, NamesTheWholePathOfAKey) {
@@ -202,15 +196,13 @@ TEST(Section, RejectsTheKeysThatNobodyAskedFor) {
     EXPECT_FALSE(section.has("absent"));
     section.reject_unknown_keys();
   });
-  EXPECT_EQ(problems, (Problems{"c: unknown key: allowed are a, absent, b",
-                                "[d]: unknown key: allowed are a, absent, b"}));
+  EXPECT_EQ(problems,
+            (Problems{"c: unknown key: allowed are a, absent, b", "[d]: unknown key: allowed are a, absent, b"}));
 }
 
 TEST(Section, OfADocumentThatIsNoMappingSaysSo) {
-  EXPECT_EQ(problems_with("hello", [](Section&) {}),
-            Problems{"the document: hello: must be a mapping of keys"});
-  EXPECT_EQ(problems_with("", [](Section&) {}),
-            Problems{"the document: (nothing): must be a mapping of keys"});
+  EXPECT_EQ(problems_with("hello", [](Section&) {}), Problems{"the document: hello: must be a mapping of keys"});
+  EXPECT_EQ(problems_with("", [](Section&) {}), Problems{"the document: (nothing): must be a mapping of keys"});
   EXPECT_EQ(problems_with("[1, 2]", [](Section& section) { section.number("x", kAnyFinite); }),
             Problems{"the document: [1, 2]: must be a mapping of keys"});
 }

@@ -15,8 +15,7 @@ constexpr std::size_t kStreams = 2;
 // Arrivals with a record of all they told.
 class Recorded {
 public:
-  explicit Recorded(std::uint64_t committed = 0, std::uint32_t attempt = 0,
-                    const BatchSchedule& schedule = kSchedule)
+  explicit Recorded(std::uint64_t committed = 0, std::uint32_t attempt = 0, const BatchSchedule& schedule = kSchedule)
       : schedule_(schedule), arrivals_(schedule, kStreams, committed, attempt) {}
 
   Verdict receive(std::size_t stream, const MessageId& id) {
@@ -77,8 +76,8 @@ TEST(Arrivals, TellNothingOfWhatIsNotInTurn) {
   Recorded recorded;
   recorded.receive_batch(2, 0);
   recorded.told();
-  for (const MessageId& id : {MessageId{1, 8, -1}, MessageId{2, 8, 0}, MessageId{2, 0, 2}, MessageId{3, 8, 1},
-                              MessageId{3, 16, -1}}) {
+  for (const MessageId& id :
+       {MessageId{1, 8, -1}, MessageId{2, 8, 0}, MessageId{2, 0, 2}, MessageId{3, 8, 1}, MessageId{3, 16, -1}}) {
     EXPECT_NE(recorded.receive(0, id), Verdict::in_turn);
   }
   EXPECT_EQ(recorded.told(), "");

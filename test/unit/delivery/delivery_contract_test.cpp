@@ -22,9 +22,8 @@ PlatoonModel example() {
 }
 
 const MomentTable& undisturbed() {
-  static const MomentTable table =
-      monte_carlo(example(), {kNoiseSeed, kFollowers, kSchedule.steps, kSchedule.realizations, 99}, 1,
-                  [](std::uint64_t) {});
+  static const MomentTable table = monte_carlo(
+      example(), {kNoiseSeed, kFollowers, kSchedule.steps, kSchedule.realizations, 99}, 1, [](std::uint64_t) {});
   return table;
 }
 
@@ -39,8 +38,7 @@ bool same_bits(const MomentTable& left, const MomentTable& right) {
 
 std::vector<std::uint64_t> all_batches() {
   std::vector<std::uint64_t> firsts;
-  for (std::uint64_t first = 0; !kSchedule.is_complete(first); first = kSchedule.next(first))
-    firsts.push_back(first);
+  for (std::uint64_t first = 0; !kSchedule.is_complete(first); first = kSchedule.next(first)) firsts.push_back(first);
   return firsts;
 }
 

@@ -30,16 +30,14 @@ double error(std::size_t follower, std::uint64_t realization, std::int64_t step)
 
 Positions positions(std::size_t vehicle, const MessageId& id, std::size_t count) {
   std::vector<double> values;
-  for (std::size_t r = 0; r < count; ++r)
-    values.push_back(position(vehicle, id.first_realization + r, id.step));
+  for (std::size_t r = 0; r < count; ++r) values.push_back(position(vehicle, id.first_realization + r, id.step));
   return std::make_shared<const std::vector<double>>(values);
 }
 
 // An assembly with a record of all it handed out, which it checks as it comes.
 class Assembled {
 public:
-  explicit Assembled(const BatchSchedule& schedule = kSchedule, std::uint64_t first = 0,
-                     std::uint32_t attempt = 0)
+  explicit Assembled(const BatchSchedule& schedule = kSchedule, std::uint64_t first = 0, std::uint32_t attempt = 0)
       : schedule_(schedule), assembly_(schedule, kFollowers, first, attempt) {}
 
   Verdict receive(std::size_t vehicle, const MessageId& id) {
@@ -131,8 +129,7 @@ private:
 std::vector<MessageId> all_ids(const BatchSchedule& schedule, std::uint32_t attempt, std::uint64_t first) {
   std::vector<MessageId> ids;
   for (; !schedule.is_complete(first); first = schedule.next(first)) {
-    for (std::int64_t step = kInitialStep; step < schedule.steps; ++step)
-      ids.push_back({attempt, first, step});
+    for (std::int64_t step = kInitialStep; step < schedule.steps; ++step) ids.push_back({attempt, first, step});
   }
   return ids;
 }
@@ -201,8 +198,7 @@ TEST(ErrorAssembly, LetsGoOfPositionsOnceTheirErrorsAreFormed) {
   for (const std::uint64_t first : {0, 8, 16}) {
     for (std::int64_t step = -1; step < 3; ++step) {
       assembled.receive_steps(1, first, step, step);
-      EXPECT_LE(assembled.positions_kept(), kFollowers)
-          << "the last position of each follower, for its next error";
+      EXPECT_LE(assembled.positions_kept(), kFollowers) << "the last position of each follower, for its next error";
     }
   }
 }
@@ -326,8 +322,7 @@ TEST(ErrorAssembly, IsCompleteWhenEverythingWasCommittedBefore) {
 TEST(ErrorAssembly, DoesNotTakeALaterBatchOfTheAttemptItWasRestartedIn) {
   Assembled assembled(BatchSchedule{40, 8, 3}, 8, 3);
   for (std::int64_t step = kInitialStep; step < 3; ++step) {
-    for (std::size_t i = 0; i <= kFollowers; ++i)
-      ASSERT_NE(assembled.receive(i, {3, 16, step}), Verdict::in_turn);
+    for (std::size_t i = 0; i <= kFollowers; ++i) ASSERT_NE(assembled.receive(i, {3, 16, step}), Verdict::in_turn);
   }
   EXPECT_TRUE(assembled.batches().empty());
   assembled.expect_acknowledged({3, 8, kNothingYet});

@@ -34,8 +34,8 @@ struct Troubles {
 /// after a restart.
 class LossyGraph {
 public:
-  LossyGraph(const PlatoonModel& model, const BatchSchedule& schedule, std::size_t followers,
-             std::uint64_t noise_seed, const Troubles& troubles, unsigned chance)
+  LossyGraph(const PlatoonModel& model, const BatchSchedule& schedule, std::size_t followers, std::uint64_t noise_seed,
+             const Troubles& troubles, unsigned chance)
       : model_(model),
         schedule_(schedule),
         noise_seed_(noise_seed),
@@ -105,9 +105,7 @@ private:
   };
 
   bool happens(double probability) { return std::uniform_real_distribution<double>()(chance_) < probability; }
-  std::size_t any(std::size_t count) {
-    return std::uniform_int_distribution<std::size_t>(0, count - 1)(chance_);
-  }
+  std::size_t any(std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(chance_); }
 
   Follower new_follower(std::uint32_t index) const {
     return {MessageOrder(schedule_), FollowerVehicle(model_, noise_seed_, index),
@@ -126,8 +124,8 @@ private:
     positions_received_ = checkpoint_.positions_received;
     statistics_ = std::make_unique<EnsembleStatistics>(followers_.size(), schedule_.steps);
     statistics_->merge(checkpoint_.table);
-    assembly_ = std::make_unique<ErrorAssembly>(schedule_, followers_.size(), checkpoint_.table.count(),
-                                                checkpoint_.attempts);
+    assembly_ =
+        std::make_unique<ErrorAssembly>(schedule_, followers_.size(), checkpoint_.table.count(), checkpoint_.attempts);
   }
 
   void commit(const CompleteBatch& batch) {
@@ -203,8 +201,7 @@ private:
 
   void report(const char* receiver, const Arrivals& arrivals, ReportPace& pace) {
     pace.note_report(arrivals.acknowledgement());
-    if (!happens(troubles_.drop))
-      progress_.push_back({receiver, arrivals.acknowledgement(), arrivals.messages()});
+    if (!happens(troubles_.drop)) progress_.push_back({receiver, arrivals.acknowledgement(), arrivals.messages()});
   }
 
   void report_if_due(const char* receiver, const Arrivals& arrivals, ReportPace& pace) {

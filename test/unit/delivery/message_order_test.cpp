@@ -63,8 +63,7 @@ TEST(MessageOrder, FindsGapsAndDuplicatesOutOfTurn) {
 
 TEST(MessageOrder, FindsABatchThatIsNotDueOutOfTurn) {
   MessageOrder order = after(1, 0, 2);
-  for (const MessageId& id :
-       {MessageId{1, 0, 3}, MessageId{1, 0, -1}, MessageId{1, 16, -1}, MessageId{1, 8, 0}}) {
+  for (const MessageId& id : {MessageId{1, 0, 3}, MessageId{1, 0, -1}, MessageId{1, 16, -1}, MessageId{1, 8, 0}}) {
     EXPECT_EQ(receive(order, id), Verdict::out_of_turn);
   }
   EXPECT_EQ(receive(order, {1, 8, -1}), Verdict::in_turn);

@@ -98,8 +98,7 @@ TEST(SnapshotAssembly, GoesOnBehindAGap) {
   SnapshotAssembly assembly(2, kPeriod);
   for (std::int64_t k = -1; k < 4; ++k) take(assembly, 0, k, static_cast<double>(k));
   take(assembly, 1, -1, 5.0);
-  for (const std::int64_t k : {2, 2})
-    EXPECT_FALSE(take(assembly, 1, k, 6.0));  // 0 and 1 are lost, 2 comes twice
+  for (const std::int64_t k : {2, 2}) EXPECT_FALSE(take(assembly, 1, k, 6.0));  // 0 and 1 are lost, 2 comes twice
   expect_of_step(take(assembly, 1, 3, 7.0), 3, 2);
   EXPECT_THROW(take(assembly, 2, 4, 8.0), std::out_of_range);
 }

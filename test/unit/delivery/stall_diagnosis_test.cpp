@@ -63,8 +63,7 @@ TEST(StallDiagnosis, DoesNotAskAnOwnVehicleToLead) {
 TEST(StallDiagnosis, IsTheOnlyFollowerOrTheChannel) {
   EXPECT_EQ(culprit({at(8, 5), at(8, 4)}, kSchedule),
             "vehicle_1 has sent nothing since step 4 (realizations from 8): it or the channel is down");
-  EXPECT_EQ(culprit({at(8, 5), kNone}, kSchedule),
-            "vehicle_1 has sent nothing at all: it or the channel is down");
+  EXPECT_EQ(culprit({at(8, 5), kNone}, kSchedule), "vehicle_1 has sent nothing at all: it or the channel is down");
 }
 
 TEST(StallDiagnosis, IsTheChannelWhenAllFollowersAreBehind) {

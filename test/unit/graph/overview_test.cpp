@@ -58,8 +58,7 @@ TEST(Overview, HasStandardErrorAndScoreOfTheLastStep) {
     const std::size_t c = cell(i, 2, 3);
     EXPECT_EQ(overview.standard_error[i - 1], standard_error_of_variance(prediction.variance[c], 20));
     EXPECT_EQ(overview.variance_score[i - 1],
-              scores(result.moments[c], prediction.mean[c], prediction.variance[c], prediction.rounding[c])
-                  .variance);
+              scores(result.moments[c], prediction.mean[c], prediction.variance[c], prediction.rounding[c]).variance);
   }
 }
 
@@ -107,8 +106,7 @@ TEST(Overview, OfAveragesOverTimeHasOneColumn) {
   EXPECT_TRUE(overview.time_average);
   EXPECT_EQ(overview.step, (std::vector<std::int64_t>{431}));
   EXPECT_EQ(overview.variance.size(), 2U);
-  const double share =
-      prediction.error_correlation[1].of(result.moments[1].count, result.tally.attempts).variance;
+  const double share = prediction.error_correlation[1].of(result.moments[1].count, result.tally.attempts).variance;
   EXPECT_EQ(overview.standard_error[1],
             standard_error_of_variance(prediction.variance[1], result.moments[1].count, share));
   EXPECT_LT(overview.standard_error[0],

@@ -100,8 +100,7 @@ TEST(SyncAndRename, NamesTheFileThatIsNotThere) {
 
 TEST(RequireWritableFolder, MakesItWithItsParentsAndLeavesItEmpty) {
   const TemporaryFolder folder;
-  for (const char* name : {"a/b/c", "d/", "."})
-    EXPECT_NO_THROW(require_writable_folder(folder / name)) << name;
+  for (const char* name : {"a/b/c", "d/", "."}) EXPECT_NO_THROW(require_writable_folder(folder / name)) << name;
   EXPECT_TRUE(std::filesystem::is_empty(folder / "a/b/c"));
   EXPECT_NO_THROW(require_writable_folder(folder / "a/b/c"));
 }

@@ -76,9 +76,9 @@ void take_and_be_killed(const std::string& folder, const std::string& holder, pi
 TEST(FolderLock, KeepsOthersOutByNameOfItsHolder) {
   const TemporaryFolder folder;
   std::optional<FolderLock> lock(std::in_place, folder.path(), "launch one");
-  EXPECT_EQ(refusal(folder.path(), "launch two"), folder.path() +
-                                                      ": is in use by launch one; it is free when process " +
-                                                      std::to_string(::getpid()) + " ends");
+  EXPECT_EQ(
+      refusal(folder.path(), "launch two"),
+      folder.path() + ": is in use by launch one; it is free when process " + std::to_string(::getpid()) + " ends");
   EXPECT_NE(refusal(folder.path(), "launch one"), "") << "not even the same name twice";
   lock.reset();
   EXPECT_EQ(refusal(folder.path(), "launch two"), "");
@@ -165,8 +165,7 @@ TEST(FolderLock, OfAnotherMachineKeepsOthersOutForAWhileByTheFilesTime) {
   for (const std::string content : {"launch one\n7 8 another-boot,pid:[1]\n-\n", "launch one"}) {
     std::ofstream(file) << content;
     const std::string said = refusal(folder.path(), "launch two");
-    EXPECT_NE(said.find("is in use by launch one on another machine; it is free in "), std::string::npos)
-        << said;
+    EXPECT_NE(said.find("is in use by launch one on another machine; it is free in "), std::string::npos) << said;
     std::ofstream(file) << content;
     set_time(file, std::time(nullptr) - 31);
     EXPECT_EQ(refusal(folder.path(), "launch two"), "");

@@ -42,8 +42,7 @@ TEST(ProgressDisplay, TellsRateAndTimeLeft) {
     display.update(0, 100.0);
     display.update(20, 104.0);
   });
-  EXPECT_EQ(text,
-            "[######........................]  20 %  20/100 realizations  250 vehicle-steps/s  16 s left\n");
+  EXPECT_EQ(text, "[######........................]  20 %  20/100 realizations  250 vehicle-steps/s  16 s left\n");
 }
 
 TEST(ProgressDisplay, OfAResumedJobCountsTheRateFromWhereItBegan) {

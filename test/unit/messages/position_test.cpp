@@ -71,14 +71,13 @@ TEST(Later, TakesWhatIsNoTime) {
 TEST(AllFinite, IsTrueForEveryFiniteNumber) {
   using Limits = std::numeric_limits<double>;
   EXPECT_TRUE(all_finite({}));
-  EXPECT_TRUE(
-      all_finite({0.0, -0.0, Limits::max(), -Limits::max(), Limits::min(), Limits::denorm_min(), -1.5}));
+  EXPECT_TRUE(all_finite({0.0, -0.0, Limits::max(), -Limits::max(), Limits::min(), Limits::denorm_min(), -1.5}));
 }
 
 TEST(AllFinite, IsFalseForOneThatIsNot) {
   using Limits = std::numeric_limits<double>;
-  for (const double bad : {Limits::infinity(), -Limits::infinity(), Limits::quiet_NaN(), -Limits::quiet_NaN(),
-                           Limits::signaling_NaN()}) {
+  for (const double bad :
+       {Limits::infinity(), -Limits::infinity(), Limits::quiet_NaN(), -Limits::quiet_NaN(), Limits::signaling_NaN()}) {
     EXPECT_FALSE(all_finite({bad}));
     EXPECT_FALSE(all_finite({1.0, 2.0, bad, 4.0}));
   }

@@ -23,9 +23,9 @@ TEST(Topics, AreReadAsTheyAreNamed) {
 }
 
 TEST(Topics, OfOthersAreNone) {
-  for (const char* other : {"/platoon/vehicle_x/position", "/platoon/vehicle_01/position",
-                            "/platoon/vehicle_-1/position", "/platoon/vehicle_1234567890/position",
-                            "/platoon/vehicle_1/positions", "/chatter", "", "/platoon/progress"}) {
+  for (const char* other :
+       {"/platoon/vehicle_x/position", "/platoon/vehicle_01/position", "/platoon/vehicle_-1/position",
+        "/platoon/vehicle_1234567890/position", "/platoon/vehicle_1/positions", "/chatter", "", "/platoon/progress"}) {
     EXPECT_FALSE(parse_topic(other)) << other;
   }
 }

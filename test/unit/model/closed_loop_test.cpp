@@ -65,11 +65,9 @@ TEST(ClosedLoop, IsTheFeedbackOfControllerPlantAndHeadway) {
   std::mt19937 generator(1);
   for (int trial = 0; trial < 50; ++trial) {
     const double h = 0.5 + trial % 7;
-    const TransferFunction plant(
-        0.1 * random_polynomial(trial % 2, generator),
-        multiply(polynomial_with_zeros({1.0, 1.0}), random_polynomial(trial % 3, generator)));
-    const TransferFunction controller(random_polynomial(1, generator),
-                                      random_polynomial(1 + trial % 2, generator));
+    const TransferFunction plant(0.1 * random_polynomial(trial % 2, generator),
+                                 multiply(polynomial_with_zeros({1.0, 1.0}), random_polynomial(trial % 3, generator)));
+    const TransferFunction controller(random_polynomial(1, generator), random_polynomial(1 + trial % 2, generator));
     const ClosedLoop loop = close_loop(plant, controller, h);
     for (const std::complex<double>& z : {std::complex<double>(1.1, 0.0), {0.5, 2.0}, {-1.7, 0.3}}) {
       const std::complex<double> kg = controller(z) * plant(z);
@@ -108,9 +106,8 @@ TEST(ClosedLoop, IsMinimalWhenPlantAndControllerCancel) {
       const auto hidden = static_cast<Eigen::Index>(loop.hidden_modes.size() - plain.hidden_modes.size());
       EXPECT_EQ(hidden, polynomial_with_zeros(modes).size() - 1);
       for (const std::complex<double>& mode : modes) {
-        EXPECT_TRUE(
-            std::any_of(loop.hidden_modes.begin(), loop.hidden_modes.end(),
-                        [&](const std::complex<double>& found) { return std::abs(found - mode) < 1e-6; }))
+        EXPECT_TRUE(std::any_of(loop.hidden_modes.begin(), loop.hidden_modes.end(),
+                                [&](const std::complex<double>& found) { return std::abs(found - mode) < 1e-6; }))
             << mode;
       }
     }
@@ -120,8 +117,7 @@ TEST(ClosedLoop, IsMinimalWhenPlantAndControllerCancel) {
 TEST(ClosedLoop, HasEveryOrderFromTwoToSix) {
   std::mt19937 generator(4);
   for (int order = 2; order <= 6; ++order) {
-    const TransferFunction t =
-        ramp_tracking(random_polynomial(order, generator), 3.0, order > 2 ? 0.01 : 0.0);
+    const TransferFunction t = ramp_tracking(random_polynomial(order, generator), 3.0, order > 2 ? 0.01 : 0.0);
     const ClosedLoop loop = closed_loop_from(observable_canonical(t));
     EXPECT_EQ(loop.transfer.denominator().size() - 1, order);
     EXPECT_TRUE(violated_assumptions(loop, 3.0, false).empty()) << order;
@@ -173,9 +169,8 @@ TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralAction) {
     const std::vector<std::string> found =
         violated_assumptions(close_loop(fraction(1.0, {}, poles), controller, 3.2), 3.2, true);
     ASSERT_EQ(found.size(), 1u);
-    EXPECT_NE(found[0].find(
-                  "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and "
-                  "dT/dz(1) = -h for h = 3.2; here T(1) = "),
+    EXPECT_NE(found[0].find("no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and "
+                            "dT/dz(1) = -h for h = 3.2; here T(1) = "),
               std::string::npos);
   }
   // A controller zero at 1 takes one of the plant's two integrators away.
@@ -184,8 +179,7 @@ TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralAction) {
 }
 
 TEST(ViolatedAssumptions, AreSilentAboutTripleIntegralAction) {
-  const ClosedLoop loop =
-      close_loop(fraction(0.02, {}, {1.0, 1.0}), fraction(1.0, {0.97, 0.9}, {1.0, 0.1}), 5.0);
+  const ClosedLoop loop = close_loop(fraction(0.02, {}, {1.0, 1.0}), fraction(1.0, {0.97, 0.9}, {1.0, 0.1}), 5.0);
   EXPECT_TRUE(violated_assumptions(loop, 5.0, false).empty());
 }
 
@@ -227,9 +221,8 @@ TEST(ViolatedAssumptions, NameTheHiddenUnstableModeUnlessItIsAllowed) {
       close_loop(fraction(0.02, {}, {1.0, 1.0, 1.25}), fraction(1.0, {0.9, 1.25}, {0.1, -0.2}), 5.0);
   ASSERT_LT(spectral_radius(real.realization), 1.0);
   EXPECT_EQ(violated_assumptions(real, 5.0, false),
-            std::vector<std::string>{
-                "G(z) K(z) cancels an unstable mode at z = 1.25: cancelled modes must lie inside "
-                "the unit circle (allow_unstable: true runs it all the same)"});
+            std::vector<std::string>{"G(z) K(z) cancels an unstable mode at z = 1.25: cancelled modes must lie inside "
+                                     "the unit circle (allow_unstable: true runs it all the same)"});
   EXPECT_TRUE(violated_assumptions(real, 5.0, true).empty());
   const std::complex<double> mode(0.75, 1.0);
   const ClosedLoop pair =
@@ -253,8 +246,7 @@ TEST(ViolatedAssumptions, NameTheHiddenModeOnTheUnitCircle) {
 }
 
 TEST(ViolatedAssumptions, AreSilentAboutAHiddenStableMode) {
-  const ClosedLoop loop =
-      close_loop(fraction(0.02, {}, {1.0, 1.0, 0.8}), fraction(1.0, {0.9, 0.8}, {0.1, -0.2}), 5.0);
+  const ClosedLoop loop = close_loop(fraction(0.02, {}, {1.0, 1.0, 0.8}), fraction(1.0, {0.9, 0.8}, {0.1, -0.2}), 5.0);
   EXPECT_EQ(loop.hidden_modes.size(), 1u);
   EXPECT_TRUE(violated_assumptions(loop, 5.0, false).empty());
 }
@@ -262,8 +254,7 @@ TEST(ViolatedAssumptions, AreSilentAboutAHiddenStableMode) {
 TEST(ViolatedAssumptions, NameTheMissingEquilibrium) {
   Eigen::Matrix2d a;
   a << 1.0, 0.1, 0.0, 0.5;
-  const ClosedLoop integrator =
-      closed_loop_from({a, Eigen::Vector2d(0.0, 1.0), Eigen::RowVector2d(1.0, 0.0)});
+  const ClosedLoop integrator = closed_loop_from({a, Eigen::Vector2d(0.0, 1.0), Eigen::RowVector2d(1.0, 0.0)});
   EXPECT_TRUE(any_contains(violated_assumptions(integrator, 3.2, true), "A: has an eigenvalue at 1"));
   const ClosedLoop blocked = closed_loop_from(observable_canonical(fraction(0.1, {1.0}, {0.5, 0.2})));
   const std::vector<std::string> found = violated_assumptions(blocked, 3.2, false);
@@ -280,8 +271,7 @@ TEST(ViolatedAssumptions, NameBothGainsOfAMissingIntegrator) {
 }
 
 TEST(ViolatedAssumptions, SayWhenTheCoefficientsInDoubleAreNotThoseOfTheLoop) {
-  const ClosedLoop loop =
-      close_loop({fraction(1.0, {}, {1.0, 1.0}), fraction(1.35, {0.0}, {-0.89}), true}, 1e15);
+  const ClosedLoop loop = close_loop({fraction(1.0, {}, {1.0, 1.0}), fraction(1.35, {0.0}, {-0.89}), true}, 1e15);
   EXPECT_TRUE(any_contains(violated_assumptions(loop, 1e15, false), "too slow for its sample period"));
 }
 
@@ -297,8 +287,7 @@ TEST(ClosedLoop, OfAPlantOfZeroIsRefusedAsThat) {
 
 TEST(ClosedLoop, OfTooHighAnOrderIsRefusedBeforeAnythingIsComputed) {
   const Polynomial high = multiply(Eigen::Vector3d(1.0, -2.0, 1.0), polynomial_with_zeros(Zeros(38, 0.1)));
-  EXPECT_THROW(close_loop({Polynomial::Ones(1), high}, fraction(0.1, {0.9}, {0.1}), 3.2),
-               std::invalid_argument);
+  EXPECT_THROW(close_loop({Polynomial::Ones(1), high}, fraction(0.1, {0.9}, {0.1}), 3.2), std::invalid_argument);
   const StateSpace wide(Eigen::MatrixXd::Identity(200, 200) * 0.5, Eigen::VectorXd::Ones(200),
                         Eigen::RowVectorXd::Ones(200));
   EXPECT_THROW(closed_loop_from(wide), std::invalid_argument);

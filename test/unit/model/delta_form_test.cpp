@@ -39,8 +39,7 @@ TEST(DeltaForm, FindsZerosThatLieCloseTogether) {
 TEST(DeltaForm, SpectralRadiusOfLargeCoefficients) {
   for (const double power : {4.0, 24.0, 60.0, 154.0, 300.0}) {
     const double g = std::pow(10.0, power);
-    EXPECT_NEAR(spectral_radius(delta_form(Eigen::Vector3d(1.0, 0.0, g))) / std::sqrt(g), 1.0, 1e-12)
-        << power;
+    EXPECT_NEAR(spectral_radius(delta_form(Eigen::Vector3d(1.0, 0.0, g))) / std::sqrt(g), 1.0, 1e-12) << power;
   }
 }
 

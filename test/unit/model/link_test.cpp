@@ -24,8 +24,7 @@ constexpr std::int64_t kSteps = 40;
 
 // y(k) of realization r: anything that is different for all of them.
 double sent(std::int64_t step, std::uint64_t realization) {
-  return 2.0 * static_cast<double>(step) +
-         std::sin(static_cast<double>(3 * step) + static_cast<double>(realization));
+  return 2.0 * static_cast<double>(step) + std::sin(static_cast<double>(3 * step) + static_cast<double>(realization));
 }
 
 // received[k + 1][r] of realizations 0 .. count - 1, in batches.
@@ -76,8 +75,7 @@ Values by_definition(const LinkModel& link, double noise_variance, std::uint64_t
   for (std::int64_t k = 0; k < kSteps; ++k) {
     double s = sent(k, realization);
     if (link.quantisation_step > 0.0) {
-      const double step = link.quantisation_step,
-                   nu = step * (uniform(Purpose::dither, k, realization) - 0.5);
+      const double step = link.quantisation_step, nu = step * (uniform(Purpose::dither, k, realization) - 0.5);
       s = step * std::floor((s + nu) / step + 0.5) - nu;
     }
     g.push_back(normal(k, realization));

@@ -36,8 +36,7 @@ TEST(Manoeuvre, ASpeedIsDrivenFromTheNextStepOn) {
 TEST(Manoeuvre, BrakesEvenlyAndStands) {
   Manoeuvre manoeuvre = driving();
   manoeuvre.brake();
-  for (int k = 1; k <= 60; ++k)
-    EXPECT_NEAR(manoeuvre.next_speed(kProfile), std::max(0.0, 20.0 - 0.4 * k), 1e-12) << k;
+  for (int k = 1; k <= 60; ++k) EXPECT_NEAR(manoeuvre.next_speed(kProfile), std::max(0.0, 20.0 - 0.4 * k), 1e-12) << k;
   EXPECT_EQ(manoeuvre.next_speed(kProfile), 0.0);
   EXPECT_TRUE(manoeuvre.is_under_way());
 }
@@ -45,8 +44,7 @@ TEST(Manoeuvre, BrakesEvenlyAndStands) {
 TEST(Manoeuvre, AcceleratesFromWhateverSpeedItHas) {
   Manoeuvre manoeuvre = driving();
   manoeuvre.accelerate();
-  for (int k = 1; k <= 60; ++k)
-    EXPECT_NEAR(manoeuvre.next_speed(kProfile), std::min(30.0, 20.0 + 0.2 * k), 1e-12) << k;
+  for (int k = 1; k <= 60; ++k) EXPECT_NEAR(manoeuvre.next_speed(kProfile), std::min(30.0, 20.0 + 0.2 * k), 1e-12) << k;
   manoeuvre.accelerate();
   EXPECT_NEAR(manoeuvre.next_speed(kProfile), 30.2, 1e-12);
 }
@@ -90,7 +88,8 @@ TEST(Manoeuvre, RefusesASpeedThatIsNoneAndKeepsWhatIsUnderWay) {
   EXPECT_THROW(manoeuvre.accelerate(), std::invalid_argument);
 }
 
-// A constant speed reaches the leader's own position as the profile's does: a double integrator follows without an error.
+// A constant speed reaches the leader's own position as the profile's does: a double integrator follows without an
+// error.
 TEST(Manoeuvre, TheLeaderFollowsAndStartsAnewWithoutIt) {
   const PlatoonModel model = paper_platoon();
   LeaderVehicle leader(model), undisturbed(model);

@@ -41,8 +41,7 @@ TEST(StateSpace, NamesTheMatrixThatDoesNotFit) {
   EXPECT_EQ(message_of(a, b, c), "");
   EXPECT_EQ(message_of(Eigen::MatrixXd::Zero(2, 3), b, c), "A: 2 x 3: must be square, n x n with n >= 1");
   EXPECT_EQ(message_of(Eigen::MatrixXd(0, 0), b, c), "A: 0 x 0: must be square, n x n with n >= 1");
-  EXPECT_EQ(message_of(a, Eigen::VectorXd::Ones(3), c),
-            "B: 3 x 1, C: 1 x 2: must be n x 1 and 1 x n with A's n = 2");
+  EXPECT_EQ(message_of(a, Eigen::VectorXd::Ones(3), c), "B: 3 x 1, C: 1 x 2: must be n x 1 and 1 x n with A's n = 2");
   EXPECT_EQ(message_of(a, b, Eigen::RowVectorXd::Ones(1)),
             "B: 2 x 1, C: 1 x 1: must be n x 1 and 1 x n with A's n = 2");
   EXPECT_EQ(message_of(std::nan("") * a, b, c), "A, B, C: every entry must be finite");
@@ -52,8 +51,7 @@ TEST(StateSpace, NamesTheMatrixThatDoesNotFit) {
 TEST(StateSpace, SpectralRadiusIsTheLargestModulusOfAnEigenvalue) {
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   a << 0.6, -0.7, 5.0, 0.7, 0.6, -3.0, 0.0, 0.0, -0.5;
-  EXPECT_NEAR(spectral_radius({a, Eigen::Vector3d::Ones(), Eigen::RowVector3d::Ones()}), std::hypot(0.6, 0.7),
-              1e-14);
+  EXPECT_NEAR(spectral_radius({a, Eigen::Vector3d::Ones(), Eigen::RowVector3d::Ones()}), std::hypot(0.6, 0.7), 1e-14);
 }
 
 TEST(StateSpace, TransferFunctionIsCTimesTheResolventTimesB) {
@@ -63,8 +61,7 @@ TEST(StateSpace, TransferFunctionIsCTimesTheResolventTimesB) {
     const TransferFunction transfer = transfer_function(system);
     EXPECT_EQ(transfer.denominator().size(), order + 1);
     for (const std::complex<double>& z : {std::complex<double>(1.0, 0.0), {0.5, 2.0}, {-1.7, 0.3}}) {
-      const Eigen::MatrixXcd resolvent =
-          (z * Eigen::MatrixXcd::Identity(order, order) - system.a()).inverse();
+      const Eigen::MatrixXcd resolvent = (z * Eigen::MatrixXcd::Identity(order, order) - system.a()).inverse();
       const std::complex<double> expected = (system.c() * resolvent * system.b())(0);
       EXPECT_LT(std::abs(transfer(z) - expected), 1e-12 * (1.0 + std::abs(expected))) << order << " " << z;
     }
@@ -76,8 +73,7 @@ TEST(StateSpace, TransferFunctionOfTheObservableCanonicalFormIsTheFractionItself
   for (int trial = 0; trial < 60; ++trial) {
     const int degree = 1 + trial % 6;
     const int zeros = trial / 6 % degree;
-    const TransferFunction fraction(-0.4 * random_polynomial(zeros, generator),
-                                    random_polynomial(degree, generator));
+    const TransferFunction fraction(-0.4 * random_polynomial(zeros, generator), random_polynomial(degree, generator));
     const StateSpace system = observable_canonical(fraction);
     EXPECT_EQ(system.order(), degree);
     EXPECT_EQ(system.c()(0), 1.0);
@@ -90,8 +86,7 @@ TEST(StateSpace, TransferFunctionOfTheObservableCanonicalFormIsTheFractionItself
 }
 
 TEST(StateSpace, ObservableCanonicalFormHasTheFractionsCoefficients) {
-  const StateSpace system =
-      observable_canonical({Eigen::Vector2d(5.0, 6.0), Eigen::Vector4d(1.0, -0.2, 0.3, 0.4)});
+  const StateSpace system = observable_canonical({Eigen::Vector2d(5.0, 6.0), Eigen::Vector4d(1.0, -0.2, 0.3, 0.4)});
   Eigen::Matrix3d a;
   a << 0.2, 1.0, 0.0, -0.3, 0.0, 1.0, -0.4, 0.0, 0.0;
   EXPECT_EQ(system.a(), a);

@@ -86,8 +86,7 @@ TEST(Reduce, LeavesAFractionInLowestTermsAsItIs) {
   std::mt19937 generator(2);
   for (int trial = 0; trial < 200; ++trial) {
     const int degree = 1 + trial % 6;
-    const TransferFunction f(0.7 * random_polynomial(degree - 1, generator),
-                             random_polynomial(degree, generator));
+    const TransferFunction f(0.7 * random_polynomial(degree - 1, generator), random_polynomial(degree, generator));
     const Reduction reduction = reduce(f);
     EXPECT_EQ(reduction.minimal.numerator(), f.numerator());
     EXPECT_EQ(reduction.minimal.denominator(), f.denominator());
@@ -102,8 +101,7 @@ TEST(Reduce, CancelsRandomCommonFactorsOfEveryOrder) {
     const int common = 1 + trial / 5 % 3;
     const Polynomial factor = random_polynomial(common, generator);
     const Polynomial d = random_polynomial(degree, generator);
-    const Polynomial n =
-        -0.37 * random_polynomial(static_cast<int>(generator()) % 2 == 0 ? degree - 1 : 0, generator);
+    const Polynomial n = -0.37 * random_polynomial(static_cast<int>(generator()) % 2 == 0 ? degree - 1 : 0, generator);
     const Reduction reduction = reduce({multiply(n, factor), multiply(d, factor)});
     ASSERT_EQ(order(reduction.minimal), degree);
     ASSERT_EQ(reduction.minimal.numerator().size(), n.size());
@@ -128,9 +126,8 @@ TEST(Reduce, CancelsMultipleZeros) {
   const Polynomial d = polynomial_with_zeros({0.5, 0.5, 0.5, {0.1, 0.6}, 0.3});
   const Reduction reduction = reduce({n, d});
   ASSERT_EQ(order(reduction.minimal), 3);
-  EXPECT_LT(
-      distance(reduction.minimal, {polynomial_with_zeros({-0.2}), polynomial_with_zeros({{0.1, 0.6}, 0.3})}),
-      1e-9);
+  EXPECT_LT(distance(reduction.minimal, {polynomial_with_zeros({-0.2}), polynomial_with_zeros({{0.1, 0.6}, 0.3})}),
+            1e-9);
   EXPECT_LT((reduction.common_factor - polynomial_with_zeros({0.5, 0.5, 0.5})).norm(), 1e-9);
 }
 
@@ -180,9 +177,8 @@ TEST(Reduce, KeepsFactorsThatAreOnlyNearlyCommon) {
 // below the relative degree, where no cofactors exist.
 TEST(Reduce, IsDefinedForEveryGain) {
   for (int exponent = 0; exponent <= 300; ++exponent) {
-    const TransferFunction open(
-        std::pow(10.0, exponent) * Eigen::Vector2d(1.0, 0.0),
-        multiply(Eigen::Vector3d(1.0, -2.0, 1.0), Eigen::Vector4d(1.0, -0.11, -0.64, 0.2225)));
+    const TransferFunction open(std::pow(10.0, exponent) * Eigen::Vector2d(1.0, 0.0),
+                                multiply(Eigen::Vector3d(1.0, -2.0, 1.0), Eigen::Vector4d(1.0, -0.11, -0.64, 0.2225)));
     const TransferFunction loop = feedback(open, headway_policy(3.2));
     const Reduction reduction = reduce(loop);
     EXPECT_EQ(reduction.minimal.relative_degree(), loop.relative_degree()) << exponent;

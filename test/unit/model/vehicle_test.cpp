@@ -36,8 +36,8 @@ StateSpace large_loop() {
 std::vector<StateSpace> loops() {
   const StateSpace first_order(Eigen::MatrixXd::Constant(1, 1, 0.4), Eigen::VectorXd::Constant(1, 0.6),
                                Eigen::RowVectorXd::Ones(1));
-  return {paper_platoon(3.2).loop.realization, observable_canonical(transfer_function(large_loop())),
-          first_order, dense_loop(), large_loop()};
+  return {paper_platoon(3.2).loop.realization, observable_canonical(transfer_function(large_loop())), first_order,
+          dense_loop(), large_loop()};
 }
 
 std::vector<double> random_values(std::size_t count, unsigned seed) {
@@ -96,8 +96,7 @@ TEST(ClosedLoopBatch, StaysAtRest) {
     for (int k = 0; k < 500; ++k) {
       std::vector<double> output;
       loop.output(output);
-      for (std::size_t r = 0; r < places.size(); ++r)
-        ASSERT_NEAR(output[r], places[r], 1e-13 * std::abs(places[r]));
+      for (std::size_t r = 0; r < places.size(); ++r) ASSERT_NEAR(output[r], places[r], 1e-13 * std::abs(places[r]));
       loop.step(places, 0.0, output);
     }
   }

@@ -18,8 +18,7 @@ class WhiteNoise {
 public:
   explicit WhiteNoise(std::uint64_t seed) : seed_(seed) {}
   void fill(DrawName name, std::uint64_t first_realization, std::size_t count, double* normals) const;
-  void fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count,
-                    double* uniforms) const;
+  void fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count, double* uniforms) const;
 
 private:
   std::uint64_t seed_;
@@ -180,9 +179,9 @@ TEST(WhiteNoise, NormalsAreAccurateAtTheEdgesOfTheWords) {
                                             kAll / 3,
                                             std::uint64_t{1} << 63,
                                             0x4afb0ccc0621ab7bULL};
-  const std::vector<std::uint64_t> angles = {
-      0,          1,          1 << 10,    kAll,       kAll >> 2,  kAll / 2,   kAll / 3,        1ULL << 62,
-      2ULL << 62, 3ULL << 62, 1ULL << 61, 3ULL << 61, 5ULL << 61, 7ULL << 61, (1ULL << 62) - 1};
+  const std::vector<std::uint64_t> angles = {0,          1,          1 << 10,    kAll,       kAll >> 2,
+                                             kAll / 2,   kAll / 3,   1ULL << 62, 2ULL << 62, 3ULL << 62,
+                                             1ULL << 61, 3ULL << 61, 5ULL << 61, 7ULL << 61, (1ULL << 62) - 1};
   std::vector<double> normals(2 * angles.size());
   for (const std::uint64_t r : radii) {
     const std::vector<std::uint64_t> radius(angles.size(), r);
@@ -190,8 +189,7 @@ TEST(WhiteNoise, NormalsAreAccurateAtTheEdgesOfTheWords) {
     for (std::size_t a = 0; a < angles.size(); ++a) {
       const Pair expected = reference_normals({r, angles[a]});
       EXPECT_NEAR(static_cast<double>(normals[2 * a] - expected.even), 0.0, 2e-15) << r << " " << angles[a];
-      EXPECT_NEAR(static_cast<double>(normals[2 * a + 1] - expected.odd), 0.0, 2e-15)
-          << r << " " << angles[a];
+      EXPECT_NEAR(static_cast<double>(normals[2 * a + 1] - expected.odd), 0.0, 2e-15) << r << " " << angles[a];
     }
   }
 }
@@ -239,8 +237,7 @@ TEST(WhiteNoise, IsTheSameForEveryBatchSize) {
         const std::vector<double> part = draw(7, {3, 11}, origin + first, std::min(batch, kCount - first));
         joined.insert(joined.end(), part.begin(), part.end());
       }
-      EXPECT_TRUE(same_bits(whole.data(), joined.data(), kCount))
-          << "batches of " << batch << " from " << origin;
+      EXPECT_TRUE(same_bits(whole.data(), joined.data(), kCount)) << "batches of " << batch << " from " << origin;
     }
   }
 }
@@ -373,8 +370,7 @@ TEST(WhiteNoise, IsIndependentAcrossVehiclesStepsAndSeeds) {
 TEST(WhiteNoise, IsIndependentAcrossRealizations) {
   const std::vector<double> x = draw(1, {1, 0}, 0, kSample + 64);
   for (const std::ptrdiff_t lag : {1, 2, 3, 63, 64}) {
-    expect_independent({x.begin(), x.end() - 64}, {x.begin() + lag, x.end() - 64 + lag},
-                       "lag " + std::to_string(lag));
+    expect_independent({x.begin(), x.end() - 64}, {x.begin() + lag, x.end() - 64 + lag}, "lag " + std::to_string(lag));
   }
 }
 

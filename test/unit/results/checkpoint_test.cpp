@@ -37,8 +37,7 @@ Checkpoint checkpoint_of(const Configuration& configuration, std::uint64_t reali
 }
 
 bool same_bits(const std::vector<double>& left, const std::vector<double>& right) {
-  return left.size() == right.size() &&
-         std::memcmp(left.data(), right.data(), left.size() * sizeof(double)) == 0;
+  return left.size() == right.size() && std::memcmp(left.data(), right.data(), left.size() * sizeof(double)) == 0;
 }
 
 void expect_same_blocks(const MomentTable& found, const MomentTable& expected) {
@@ -199,16 +198,16 @@ TEST(Checkpoint, ThatIsDamagedIsNamed) {
   const TemporaryFolder folder;
   write_checkpoint(folder.path(), checkpoint_of(paper_run(folder.path()), 13));
   const std::string whole = content_of(checkpoint_file(folder.path()));
-  for (const std::string& damaged : {std::string(), std::string("hello"), whole.substr(0, whole.size() / 2),
-                                     whole.substr(1), whole + "x"}) {
+  for (const std::string& damaged :
+       {std::string(), std::string("hello"), whole.substr(0, whole.size() / 2), whole.substr(1), whole + "x"}) {
     folder.file("checkpoint.cbor", damaged);
     try {
       read_checkpoint(folder.path());
       ADD_FAILURE() << "read " << damaged.size() << " bytes";
     } catch (const std::runtime_error& error) {
-      EXPECT_EQ(std::string(error.what())
-                    .find(checkpoint_file(folder.path()) + ": is not a checkpoint that can be read"),
-                0u);
+      EXPECT_EQ(
+          std::string(error.what()).find(checkpoint_file(folder.path()) + ": is not a checkpoint that can be read"),
+          0u);
     }
   }
 }
@@ -278,10 +277,9 @@ TEST(StartingPoint, NamesWhatDiffersInARunOfAnotherConfiguration) {
   configuration.run.resume = true;
   configuration.run.seed = 2;
   configuration.model.noise_variance = 0.25;
-  EXPECT_EQ(refusal(configuration),
-            "output: " + folder.path() +
-                ": holds a run of another configuration: noise_variance is 0.6 there and "
-                "0.25 here, seed is 1 there and 2 here");
+  EXPECT_EQ(refusal(configuration), "output: " + folder.path() +
+                                        ": holds a run of another configuration: noise_variance is 0.6 there and "
+                                        "0.25 here, seed is 1 there and 2 here");
 }
 
 TEST(StartingPoint, RefusesEveryOtherConfigurationEvenOfTheSameLaunch) {
@@ -294,8 +292,7 @@ TEST(StartingPoint, RefusesEveryOtherConfigurationEvenOfTheSameLaunch) {
   other = same;
   other.run.followers = 3;
   EXPECT_NE(refusal(other).find("followers is 2 there and 3 here"), std::string::npos);
-  EXPECT_NE(refusal(paper_run(folder.path(), 2.4)).find("time_headway is 3.2 there and 2.4 here"),
-            std::string::npos);
+  EXPECT_NE(refusal(paper_run(folder.path(), 2.4)).find("time_headway is 3.2 there and 2.4 here"), std::string::npos);
 }
 
 TEST(StartingPoint, AllowsMoreRealizationsAndOtherBatchesThanBefore) {
@@ -332,9 +329,7 @@ TEST(StartingPoint, RefusesAFolderThatCannotBeWritten) {
 TEST(StartingPoint, RefusesADamagedCheckpointAndLeavesIt) {
   const TemporaryFolder folder;
   const std::string file = folder.file("checkpoint.cbor", "damaged");
-  EXPECT_EQ(
-      refusal(paper_run(folder.path())).find("output: " + file + ": is not a checkpoint that can be read"),
-      0u);
+  EXPECT_EQ(refusal(paper_run(folder.path())).find("output: " + file + ": is not a checkpoint that can be read"), 0u);
   EXPECT_EQ(content_of(file), "damaged");
 }
 
@@ -359,8 +354,7 @@ TEST(StartingPoint, NamesWhatOnlyOneOfTheTwoConfigurationsHas) {
   Configuration configuration = paper_run(folder.path());
   configuration.model.link.delay = 1;
   write_checkpoint(folder.path(), checkpoint_of(configuration, 13));
-  EXPECT_NE(refusal(paper_run(folder.path())).find("channel is {\"delay\":1} there and null here"),
-            std::string::npos);
+  EXPECT_NE(refusal(paper_run(folder.path())).find("channel is {\"delay\":1} there and null here"), std::string::npos);
 }
 
 TEST(StartingPoint, RefusesAShard) {
@@ -369,8 +363,7 @@ TEST(StartingPoint, RefusesAShard) {
   Checkpoint checkpoint = checkpoint_of(configuration, 13);
   checkpoint.shard = {{"index", 0}};
   write_checkpoint(folder.path(), checkpoint);
-  EXPECT_EQ(refusal(configuration),
-            "output: " + folder.path() + ": holds a shard of a run: must be another folder");
+  EXPECT_EQ(refusal(configuration), "output: " + folder.path() + ": holds a shard of a run: must be another folder");
 }
 
 }  // namespace

@@ -8,8 +8,7 @@
 namespace platoon {
 
 /// A result every cell of which is `score` standard errors away from the prediction.
-inline RunResult result_with(const Configuration& configuration, const Prediction& prediction,
-                             double score = 0.5) {
+inline RunResult result_with(const Configuration& configuration, const Prediction& prediction, double score = 0.5) {
   RunResult result;
   result.complete = true;
   result.realizations = configuration.run.realizations;

@@ -32,8 +32,7 @@ TEST(Report, SaysThatMeasurementAndTheoryDisagree) {
   }
   RunResult only_mean = result_with(configuration, prediction);
   only_mean.moments.back().mean += 3.0;
-  EXPECT_NE(report(configuration, prediction, only_mean).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
-            std::string::npos);
+  EXPECT_NE(report(configuration, prediction, only_mean).find("MEASUREMENT AND LEMMA 1 DISAGREE"), std::string::npos);
   RunResult only_variance = result_with(configuration, prediction);
   only_variance.moments.back().squared_deviations *= 5.0;
   EXPECT_NE(report(configuration, prediction, only_variance).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
@@ -46,15 +45,14 @@ TEST(Report, SaysThatSomethingUndefinedDoesNotAgree) {
   for (std::size_t c = 0; c < prediction.mean.size(); ++c) {
     RunResult result = result_with(configuration, prediction, 0.5);
     result.moments[c].mean = kNaN;
-    EXPECT_NE(report(configuration, prediction, result).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
-              std::string::npos)
+    EXPECT_NE(report(configuration, prediction, result).find("MEASUREMENT AND LEMMA 1 DISAGREE"), std::string::npos)
         << "NaN in cell " << c;
   }
 }
 
 /// The report of a Monte Carlo of two followers and twenty steps.
-std::string report_of(const Configuration& configuration, const Prediction& prediction,
-                      std::uint64_t realizations, std::uint64_t seed, double noise_factor = 1.0) {
+std::string report_of(const Configuration& configuration, const Prediction& prediction, std::uint64_t realizations,
+                      std::uint64_t seed, double noise_factor = 1.0) {
   RunResult result;
   result.realizations = realizations;
   PlatoonModel model = configuration.model;
@@ -89,8 +87,7 @@ TEST(Report, GivesNoVerdictBehindLossesThatAreTooRare) {
   }
   EXPECT_NE(report_of(configuration, prediction, 30000, 1).find("Measurement agrees with the theory"),
             std::string::npos);
-  EXPECT_NE(report_of(configuration, prediction, 30000, 1).find("at most once in 1000 runs"),
-            std::string::npos);
+  EXPECT_NE(report_of(configuration, prediction, 30000, 1).find("at most once in 1000 runs"), std::string::npos);
 }
 
 // 400 runs, of which 0.4 may be beyond the bound: three are beyond it once in a hundred times.
@@ -115,9 +112,8 @@ TEST(Report, FindsNoiseThatIsFivePercentOffBehindLosses) {
   const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
   const Prediction prediction = predict(configuration);
   for (const double factor : {1.05, 0.95}) {
-    EXPECT_NE(
-        report_of(configuration, prediction, 300000, 1, factor).find("MEASUREMENT AND THE THEORY DISAGREE"),
-        std::string::npos)
+    EXPECT_NE(report_of(configuration, prediction, 300000, 1, factor).find("MEASUREMENT AND THE THEORY DISAGREE"),
+              std::string::npos)
         << factor;
   }
 }
@@ -127,9 +123,8 @@ TEST(Report, FindsAVarianceManyTimesTheTheorysBehindLosses) {
   const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
   const Prediction prediction = predict(configuration);
   for (const double factor : {0.2, 5.0, 100.0}) {
-    EXPECT_NE(
-        report_of(configuration, prediction, 3000, 1, factor).find("MEASUREMENT AND THE THEORY DISAGREE"),
-        std::string::npos)
+    EXPECT_NE(report_of(configuration, prediction, 3000, 1, factor).find("MEASUREMENT AND THE THEORY DISAGREE"),
+              std::string::npos)
         << factor;
   }
 }
@@ -160,9 +155,8 @@ TEST(Report, LabelsTimeAveragesAsSuch) {
   EXPECT_NE(text.find("time averages up to step 999"), std::string::npos);
   EXPECT_EQ(text.find("was begun"), std::string::npos);
   result.tally.attempts = 3;
-  EXPECT_NE(
-      report(configuration, predict(configuration), result).find("was begun 3 times, each time left out"),
-      std::string::npos);
+  EXPECT_NE(report(configuration, predict(configuration), result).find("was begun 3 times, each time left out"),
+            std::string::npos);
   EXPECT_EQ(text.find("agrees"), std::string::npos);
 }
 

@@ -62,8 +62,8 @@ TEST(WriteResults, PutsARowPerVehicleAndStepIntoTheTable) {
   const Prediction prediction = predict(configuration);
   const RunResult result = result_with(configuration, prediction);
   const auto rows = written(configuration, prediction, result).rows;
-  EXPECT_EQ(rows[0], (std::vector<std::string>{"vehicle", "step", "count", "mean", "variance",
-                                               "theoretical_mean", "theoretical_variance"}));
+  EXPECT_EQ(rows[0], (std::vector<std::string>{"vehicle", "step", "count", "mean", "variance", "theoretical_mean",
+                                               "theoretical_variance"}));
   ASSERT_EQ(rows.size(), 1u + 6u);
   for (std::size_t i = 1; i <= 2; ++i) {
     for (std::int64_t k = 0; k < 3; ++k) {
@@ -99,8 +99,7 @@ TEST(WriteResults, PutsEveryKeyIntoTheSummary) {
   const TemporaryFolder folder;
   const Configuration configuration = paper_run(folder.path());
   const Prediction prediction = predict(configuration);
-  const nlohmann::json summary =
-      written(configuration, prediction, result_with(configuration, prediction)).summary;
+  const nlohmann::json summary = written(configuration, prediction, result_with(configuration, prediction)).summary;
   const std::set<std::string> keys = keys_of(summary);
   for (const char* key :
        {"complete", "followers", "steps", "realizations", "seed", "hosting", "attempts", "positions_received",
@@ -122,8 +121,7 @@ TEST(WriteResults, PutsTheChecksumsOfBothFilesIntoTheSummary) {
   const TemporaryFolder folder;
   const Configuration configuration = paper_run(folder.path());
   const Prediction prediction = predict(configuration);
-  const nlohmann::json summary =
-      written(configuration, prediction, result_with(configuration, prediction)).summary;
+  const nlohmann::json summary = written(configuration, prediction, result_with(configuration, prediction)).summary;
   EXPECT_EQ(summary["crc32"]["statistics"], checksum(content_of(folder.path() + "/statistics.csv")));
   std::string text = content_of(folder.path() + "/summary.json");
   const std::string own = summary["crc32"]["summary"];
@@ -150,10 +148,9 @@ TEST(WriteResults, PutsTheStandardErrorsOfTheVariancesIntoTheSummary) {
 TEST(WriteResults, SaysHowManyRealizationsAVerdictNeedsWherePacketsAreLost) {
   const TemporaryFolder folder;
   Configuration configuration = paper_run(folder.path());
-  EXPECT_TRUE(
-      written(configuration, predict(configuration), result_with(configuration, predict(configuration)))
-          .summary["realizations_needed"]
-          .is_null())
+  EXPECT_TRUE(written(configuration, predict(configuration), result_with(configuration, predict(configuration)))
+                  .summary["realizations_needed"]
+                  .is_null())
       << "errors are normal";
   configuration.model.link.loss = LossModel{0.01, {}, {1.0}};
   const Prediction prediction = predict(configuration);
@@ -163,8 +160,7 @@ TEST(WriteResults, SaysHowManyRealizationsAVerdictNeedsWherePacketsAreLost) {
   ASSERT_EQ(fourth.size(), 6u);
   double needed = 0.0;
   for (std::size_t c = 0; c < 6; ++c) {
-    EXPECT_GE(fourth[c],
-              3.0 * prediction.variance[c] * prediction.variance[c] + prediction.fourth_cumulant[c]);
+    EXPECT_GE(fourth[c], 3.0 * prediction.variance[c] * prediction.variance[c] + prediction.fourth_cumulant[c]);
     needed = std::max(needed, values_needed(prediction.variance[c], fourth[c], 12));
   }
   EXPECT_EQ(summary["realizations_needed"], std::ceil(needed));
@@ -172,8 +168,7 @@ TEST(WriteResults, SaysHowManyRealizationsAVerdictNeedsWherePacketsAreLost) {
   EXPECT_TRUE(summary["agreement"]["max_abs_z_mean"].is_null());
   const std::size_t last = cell(2, 2, 3);
   const double square = prediction.variance[last] * prediction.variance[last];
-  EXPECT_NEAR(summary["standard_error_of_variance"][1].get<double>(),
-              std::sqrt((fourth[last] - square) / 20.0), 1e-12);
+  EXPECT_NEAR(summary["standard_error_of_variance"][1].get<double>(), std::sqrt((fourth[last] - square) / 20.0), 1e-12);
 }
 
 TEST(WriteResults, PutsTheRunsFiguresIntoTheSummary) {
@@ -217,8 +212,7 @@ TEST(WriteResults, HasNoLimitForAStringUnstablePlatoon) {
   const TemporaryFolder folder;
   const Configuration configuration = paper_run(folder.path(), 2.4);
   const Prediction prediction = predict(configuration);
-  const nlohmann::json summary =
-      written(configuration, prediction, result_with(configuration, prediction)).summary;
+  const nlohmann::json summary = written(configuration, prediction, result_with(configuration, prediction)).summary;
   EXPECT_EQ(summary["theory"]["string_stable"], false);
   EXPECT_TRUE(summary["theory"]["limit_variance"].is_null());
 }
@@ -258,9 +252,9 @@ TEST(WriteResults, LabelsTimeAveragesAsSuch) {
   EXPECT_EQ(files.rows[2][1], "998");
   EXPECT_EQ(files.summary["time_average"], true);
   EXPECT_TRUE(files.summary["agreement"]["max_abs_z_mean"].is_null()) << "800 steps are too few";
-  EXPECT_EQ(files.summary["standard_error_of_variance"][1],
-            standard_error_of_variance(result.moments[1].variance(), 800,
-                                       prediction.error_correlation[1].of(800).variance));
+  EXPECT_EQ(
+      files.summary["standard_error_of_variance"][1],
+      standard_error_of_variance(result.moments[1].variance(), 800, prediction.error_correlation[1].of(800).variance));
 }
 
 TEST(WriteResults, ReplacesItsFilesWhole) {
@@ -292,8 +286,7 @@ TEST(WriteResults, LeavesTheTheoryEmptyFromTheFirstOwnVehicleOn) {
   const Prediction whole = predict(configuration);
   RunResult result = result_with(configuration, whole);
   configuration.run.external = {2};
-  for (std::int64_t k = 0; k < 3; ++k)
-    result.moments[cell(2, k, 3)].mean += 1000.0;  // an own vehicle may do so
+  for (std::int64_t k = 0; k < 3; ++k) result.moments[cell(2, k, 3)].mean += 1000.0;  // an own vehicle may do so
   const Prediction prediction = predict(configuration);
   const Written files = written(configuration, prediction, result);
   for (std::size_t c = 0; c < 6; ++c) {

@@ -38,8 +38,7 @@ std::vector<std::vector<Positions>> positions_of(const Configuration& configurat
   return all;
 }
 
-Verdict take(RunStatistics& statistics, std::size_t vehicle, const MessageId& id,
-             const Positions& positions) {
+Verdict take(RunStatistics& statistics, std::size_t vehicle, const MessageId& id, const Positions& positions) {
   return statistics.take(vehicle, {id, positions->size(), true}, positions);
 }
 
@@ -58,8 +57,7 @@ void receive_batch(RunStatistics& statistics, const Configuration& configuration
   const auto all = positions_of(configuration, first, count, last_step + 1);
   for (std::int64_t k = kInitialStep; k <= last_step; ++k) {
     for (std::size_t i = 0; i < all.size(); ++i) {
-      ASSERT_EQ(take(statistics, i, {attempt, first, k}, all[i][static_cast<std::size_t>(k + 1)]),
-                Verdict::in_turn);
+      ASSERT_EQ(take(statistics, i, {attempt, first, k}, all[i][static_cast<std::size_t>(k + 1)]), Verdict::in_turn);
     }
   }
 }
@@ -68,9 +66,8 @@ void expect_monte_carlo(const std::vector<Moments>& found, const Configuration& 
                         std::uint64_t realizations) {
   const RunOptions& run = configuration.run;
   const std::vector<Moments> expected =
-      monte_carlo(configuration.model, {run.seed, run.followers, run.steps, realizations, 8192}, 1,
-                  [](std::uint64_t) {})
-          .totals();
+      monte_carlo(configuration.model, {run.seed, run.followers, run.steps, realizations, 8192}, 1, [](std::uint64_t) {
+      }).totals();
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t c = 0; c < found.size(); ++c) {
     EXPECT_EQ(found[c].count, expected[c].count);

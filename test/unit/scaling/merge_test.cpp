@@ -93,8 +93,7 @@ TEST(Merge, NamesAShardThatIsGivenTwice) {
   const TemporaryFolder folder;
   std::vector<std::string> folders = shards(folder, 3);
   folders.push_back(folders[1]);
-  EXPECT_EQ(refusal(folders),
-            folders[1] + ": holds shard 1/3, as does " + folders[1] + ": must be given once");
+  EXPECT_EQ(refusal(folders), folders[1] + ": holds shard 1/3, as does " + folders[1] + ": must be given once");
 }
 
 TEST(Merge, NamesAShardThatIsNotComplete) {
@@ -107,8 +106,8 @@ TEST(Merge, NamesAShardThatIsNotComplete) {
   shard.table = some.release();
   write_checkpoint(folders[1], shard);
   EXPECT_EQ(refusal(folders), "2 errors:\n  shards 1 of 3: missing: must be computed (sbatch --array=1)\n  " +
-                                  folders[1] + ": shard 1/3 is not complete: 10 of " +
-                                  std::to_string(range.size()) + " realizations");
+                                  folders[1] + ": shard 1/3 is not complete: 10 of " + std::to_string(range.size()) +
+                                  " realizations");
 }
 
 TEST(Merge, RefusesAShardThatHoldsMoreThanItsRange) {
@@ -128,20 +127,17 @@ std::string named_difference(const std::function<void(ShardRun&)>& change) {
   ShardRun other = paper_shard(folders[2], 2, 3);
   change(other);
   compute_shard(other, {});
-  const std::string said = refusal(folders),
-                    begin = folders[2] + ": is of another run than " + folders[0] + ": ";
+  const std::string said = refusal(folders), begin = folders[2] + ": is of another run than " + folders[0] + ": ";
   EXPECT_NE(said.find(begin), std::string::npos) << said;
   EXPECT_NE(said.find("shards 2 of 3: missing"), std::string::npos) << said;
   return said.substr(std::min(said.size(), said.find(begin) + begin.size()));
 }
 
 TEST(Merge, NamesInWhatShardsAreOfDifferentRuns) {
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.seed = 2; }),
-            "seed is 1 there and 2 here");
+  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.seed = 2; }), "seed is 1 there and 2 here");
   EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.followers = 3; }),
             "followers is 2 there and 3 here");
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.steps = 4; }),
-            "steps is 3 there and 4 here");
+  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.steps = 4; }), "steps is 3 there and 4 here");
   EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.realizations = 1001; }),
             "realizations is 1000 there and 1001 here");
   EXPECT_EQ(named_difference([](ShardRun& run) { run.shard.of = 4; }), "shards is 3 there and 4 here");
@@ -161,8 +157,7 @@ TEST(Merge, NamesAnotherVersionAndAnotherMachinesBits) {
     write_checkpoint(folders[2], shard);
     EXPECT_NE(refusal(folders).find(folders[2] + ": is of another run than " + folders[0] + ": " + key),
               std::string::npos);
-    EXPECT_NE(refusal({folders[2]})
-                  .find("is of a run that this machine would compute otherwise: " + std::string(key)),
+    EXPECT_NE(refusal({folders[2]}).find("is of a run that this machine would compute otherwise: " + std::string(key)),
               std::string::npos);
   }
 }
@@ -176,8 +171,8 @@ TEST(Merge, NamesFoldersThatHoldNoShard) {
   folders.push_back(folder / "none");
   folders.push_back(run.path());
   EXPECT_EQ(refusal(folders), "2 errors:\n  " + (folder / "none") +
-                                  ": holds no shard: must be the output of monte_carlo --shard\n  " +
-                                  run.path() + ": holds a run of 496 realizations and no shard");
+                                  ": holds no shard: must be the output of monte_carlo --shard\n  " + run.path() +
+                                  ": holds a run of 496 realizations and no shard");
 }
 
 TEST(Merge, NamesTheFirstOfManyProblems) {

@@ -36,9 +36,8 @@ TEST(ParseShard, TakesIOfN) {
 
 TEST(ParseShard, RefusesEverythingElseByName) {
   for (const char* text : {"64/64", "-1/64", "0/0", "1", "", "a/b", "1/2/3", "1/2x", "0/1001", "1.5/2"}) {
-    EXPECT_EQ(refused(text),
-              "shard: " + std::string(text) +
-                  ": must be I/N, I from 0 to N - 1, N at most the 1000 realizations and 1000000");
+    EXPECT_EQ(refused(text), "shard: " + std::string(text) +
+                                 ": must be I/N, I from 0 to N - 1, N at most the 1000 realizations and 1000000");
   }
   EXPECT_NE(refused("0/1000001", 2000000), "");
 }
@@ -77,16 +76,14 @@ TEST(ComputeShard, LeavesItsRealizationsAndIsRecognizedWhenItIsComplete) {
 
 // Its checkpoint as a kill leaves it: some batches, not all of them in a row.
 Checkpoint broken_off(const ShardRun& run) {
-  Checkpoint checkpoint{
-      statistics_identity(run.configuration), run.configuration.run.launch_id, {}, MomentTable(6)};
+  Checkpoint checkpoint{statistics_identity(run.configuration), run.configuration.run.launch_id, {}, MomentTable(6)};
   checkpoint.shard = to_json(run);
   const RunOptions& options = run.configuration.run;
   const RealizationRange range = run.range();
-  for (const RealizationRange& part : {RealizationRange{range.first, range.first + 24},
-                                       RealizationRange{range.first + 32, range.first + 40}}) {
+  for (const RealizationRange& part :
+       {RealizationRange{range.first, range.first + 24}, RealizationRange{range.first + 32, range.first + 40}}) {
     EnsembleRun some(run.configuration.model,
-                     {options.seed, options.followers, options.steps, options.realizations, options.batch},
-                     part);
+                     {options.seed, options.followers, options.steps, options.realizations, options.batch}, part);
     some.work();
     checkpoint.table.merge(some.release());
   }
@@ -119,8 +116,7 @@ TEST(ComputeShard, BeginsAnewWhereItsCheckpointIsDamagedAndSaysSo) {
   ShardSettings settings;
   settings.warn = [&said](const std::string& text) { said += text; };
   EXPECT_EQ(compute_shard(run, settings), run.range().size());
-  EXPECT_NE(said.find("its digest is not that of its content: the shard begins anew"), std::string::npos)
-      << said;
+  EXPECT_NE(said.find("its digest is not that of its content: the shard begins anew"), std::string::npos) << said;
   EXPECT_EQ(read_checkpoint(folder.path())->table.count(), run.range().size());
 }
 
@@ -129,17 +125,15 @@ TEST(ComputeShard, RefusesTheFolderOfAnotherShardAndOfAnotherRun) {
   ShardRun run = paper_shard(folder.path(), 2, 7);
   compute_shard(run, {});
   run.shard.index = 3;
-  EXPECT_EQ(refusal(run),
-            "output: " + folder.path() +
-                ": holds shard 2/7 of 1000 realizations, and this is shard 3/7 of 1000: must be "
-                "another folder");
+  EXPECT_EQ(refusal(run), "output: " + folder.path() +
+                              ": holds shard 2/7 of 1000 realizations, and this is shard 3/7 of 1000: must be "
+                              "another folder");
   run.shard.index = 2;
   run.configuration.run.realizations = 1001;
   EXPECT_NE(refusal(run).find("of 1000 realizations, and this is shard 2/7 of 1001"), std::string::npos);
   run.configuration.run.realizations = 1000;
   run.configuration.run.seed = 2;
-  EXPECT_EQ(refusal(run),
-            "output: " + folder.path() + ": holds a shard of another run: seed is 1 there and 2 here");
+  EXPECT_EQ(refusal(run), "output: " + folder.path() + ": holds a shard of another run: seed is 1 there and 2 here");
 }
 
 TEST(ComputeShard, RefusesTheFolderOfAWholeRunAndOfResults) {
@@ -148,12 +142,11 @@ TEST(ComputeShard, RefusesTheFolderOfAWholeRunAndOfResults) {
   Checkpoint whole = broken_off(run);
   whole.shard = nullptr;
   write_checkpoint(run_folder.path(), whole);
-  EXPECT_EQ(refusal(run), "output: " + run_folder.path() +
-                              ": holds a run of 32 realizations and no shard: must be another folder");
+  EXPECT_EQ(refusal(run),
+            "output: " + run_folder.path() + ": holds a run of 32 realizations and no shard: must be another folder");
   results.file("statistics.csv", "of another run");
-  EXPECT_NE(
-      refusal(paper_shard(results.path(), 0, 7)).find("holds results already, which are never written over"),
-      std::string::npos);
+  EXPECT_NE(refusal(paper_shard(results.path(), 0, 7)).find("holds results already, which are never written over"),
+            std::string::npos);
 }
 
 }  // namespace

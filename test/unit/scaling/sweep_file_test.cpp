@@ -97,46 +97,40 @@ TEST(SweepFile, OfAbsurdSizeIsCountedAndRefused) {
 }
 
 TEST(SweepFile, NamesWhatIsWrongAllAtOnce) {
-  EXPECT_EQ(
-      refusal("vary: {headway: 4:2:3, output: [a], delay: []}\ncombine: all\nshard: 3\nkeep: {who: all}\n"),
-      "6 errors:\n  vary/headway: 4:2:3: must be a list of values, or FROM:TO:COUNT\n"
-      "  vary/output: given: must be headway, noise_variance, loss, delay, followers, steps, seed, "
-      "realizations, or a key of the model file, as channel/delay\n"
-      "  vary/delay: no value: must be a list of values, or FROM:TO:COUNT\n"
-      "  combine: all: must be grid or paired\n"
-      "  keep/who: unknown key: allowed are followers, steps\n"
-      "  shard: unknown key: allowed are batch, combine, delay, followers, headway, keep, loss, model, "
-      "noise_variance, realizations, seed, shards, steps, vary");
+  EXPECT_EQ(refusal("vary: {headway: 4:2:3, output: [a], delay: []}\ncombine: all\nshard: 3\nkeep: {who: all}\n"),
+            "6 errors:\n  vary/headway: 4:2:3: must be a list of values, or FROM:TO:COUNT\n"
+            "  vary/output: given: must be headway, noise_variance, loss, delay, followers, steps, seed, "
+            "realizations, or a key of the model file, as channel/delay\n"
+            "  vary/delay: no value: must be a list of values, or FROM:TO:COUNT\n"
+            "  combine: all: must be grid or paired\n"
+            "  keep/who: unknown key: allowed are followers, steps\n"
+            "  shard: unknown key: allowed are batch, combine, delay, followers, headway, keep, loss, model, "
+            "noise_variance, realizations, seed, shards, steps, vary");
   EXPECT_EQ(refusal("followers: 3\n"), "vary: missing: must be a mapping of keys");
   EXPECT_EQ(refusal("vary: {}\n"), "vary/: nothing varies: must name what does");
 }
 
 TEST(SweepFile, NamesThePointsThatCannotRun) {
   const std::string said = refusal("vary: {hedway: [1, 2], headway: [3.2, -1]}\nfollowers: 0\n");
-  EXPECT_NE(
-      said.find("point 0 (hedway = 1, headway = 3.2) and 3 more: model/hedway: unknown key: allowed are "),
-      std::string::npos)
+  EXPECT_NE(said.find("point 0 (hedway = 1, headway = 3.2) and 3 more: model/hedway: unknown key: allowed are "),
+            std::string::npos)
       << said;
-  EXPECT_NE(
-      said.find("point 1 (hedway = 1, headway = -1) and 1 more: model/time_headway: -1: must be a finite "
-                "number > 0"),
-      std::string::npos)
+  EXPECT_NE(said.find("point 1 (hedway = 1, headway = -1) and 1 more: model/time_headway: -1: must be a finite "
+                      "number > 0"),
+            std::string::npos)
       << said;
   EXPECT_NE(said.find("run/followers: 0: must be a whole number"), std::string::npos) << said;
   EXPECT_EQ(refusal("vary: {followers: 10:11:3}\n"),
             "point 1 (followers = 10.5): run/followers: 10.5: must be a whole number from 1 to 1000000");
-  EXPECT_EQ(
-      refusal("vary: {time_headway/more: [1]}\n"),
-      "point 0 (time_headway/more = 1): time_headway/more: must be a setting, or lead to a key of the model "
-      "file");
-  EXPECT_EQ(
-      refusal("vary: {controller/numerator/2: [1]}\n"),
-      "point 0 (controller/numerator/2 = 1): controller/numerator/2: must be a setting, or lead to a key of "
-      "the model file");
+  EXPECT_EQ(refusal("vary: {time_headway/more: [1]}\n"),
+            "point 0 (time_headway/more = 1): time_headway/more: must be a setting, or lead to a key of the model "
+            "file");
+  EXPECT_EQ(refusal("vary: {controller/numerator/2: [1]}\n"),
+            "point 0 (controller/numerator/2 = 1): controller/numerator/2: must be a setting, or lead to a key of "
+            "the model file");
   EXPECT_EQ(refusal("vary: {realizations: [3, 10]}\nshards: 4\n"),
             "point 0 (realizations = 3): shards: 4: must be at most the 3 realizations");
-  EXPECT_EQ(refusal("vary: {steps: [0]}\n"),
-            "point 0 (steps = 0): steps: 0: must be at least 1 for a Monte Carlo");
+  EXPECT_EQ(refusal("vary: {steps: [0]}\n"), "point 0 (steps = 0): steps: 0: must be at least 1 for a Monte Carlo");
   EXPECT_NE(refusal("vary: {headway: [0.01]}\n").find("the closed loop is unstable"), std::string::npos);
 }
 

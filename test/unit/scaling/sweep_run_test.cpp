@@ -52,8 +52,7 @@ std::vector<std::vector<std::string>> table_of(const std::string& csv) {
   return rows;
 }
 
-double error_of_lossy(const Configuration& configuration, const std::vector<Moments>& moments,
-                      std::size_t cell) {
+double error_of_lossy(const Configuration& configuration, const std::vector<Moments>& moments, std::size_t cell) {
   RunResult result;
   result.moments = moments;
   const Prediction prediction = predict(configuration);
@@ -66,10 +65,10 @@ TEST(Sweep, HasARowPerPointAndFollowerOfMeasurementAndTheory) {
   const auto table = table_of(computed(sweep, 2));
   ASSERT_EQ(table.size(), 9u);
   ASSERT_NE(table[1][12], table[3][12]) << "h = 2.4 and 3.2 differ";
-  ASSERT_EQ(table[0], (std::vector<std::string>{"point", "loss", "headway", "vehicle", "step", "count",
-                                                "mean", "mean_standard_error", "variance",
-                                                "variance_standard_error", "theoretical_mean",
-                                                "theoretical_variance", "string_stable", "agrees"}));
+  ASSERT_EQ(table[0],
+            (std::vector<std::string>{"point", "loss", "headway", "vehicle", "step", "count", "mean",
+                                      "mean_standard_error", "variance", "variance_standard_error", "theoretical_mean",
+                                      "theoretical_variance", "string_stable", "agrees"}));
   for (std::uint64_t point = 0; point < 4; ++point) {
     const Configuration configuration = sweep.configuration(point);
     const std::vector<Moments> expected =
@@ -133,8 +132,7 @@ TEST(Sweep, OfTasksOfAnArrayIsTheSame) {
     merge_points(sweep, missing_points(sweep, settings), settings);
     ADD_FAILURE();
   } catch (const ConfigurationError& error) {
-    EXPECT_EQ(error.problems().front(),
-              "tasks 3,5,9-10: missing: must be computed (sbatch --array=3,5,9-10)");
+    EXPECT_EQ(error.problems().front(), "tasks 3,5,9-10: missing: must be computed (sbatch --array=3,5,9-10)");
   }
   EXPECT_EQ(missing_points(sweep, settings), (std::vector<std::uint64_t>{1, 3}));
   for (const std::uint64_t number : {3, 5, 9, 10}) task(number);

@@ -28,8 +28,7 @@ TEST(MonteCarlo, GivesTheSameBitsForEveryNumberOfThreadsAndBatchSize) {
     for (const std::uint64_t batch : {1, 7, 8192}) {
       const std::vector<Moments> found = totals(threads, batch);
       for (std::size_t c = 0; c < found.size(); ++c) {
-        ASSERT_EQ(found[c].mean, expected[c].mean)
-            << threads << " threads, batches of " << batch << ", cell " << c;
+        ASSERT_EQ(found[c].mean, expected[c].mean) << threads << " threads, batches of " << batch << ", cell " << c;
         ASSERT_EQ(found[c].squared_deviations, expected[c].squared_deviations);
       }
     }

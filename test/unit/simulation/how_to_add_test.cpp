@@ -30,11 +30,9 @@ PlatoonModel shipped(const std::string& name) {
 // A vehicle that is no plant and controller: A, B, C in a model file.
 TEST(HowToAdd, AVehicleByItsClosedLoop) {
   const std::vector<Moments> given =
-      monte_carlo(shipped("closed_loop.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {
-      }).totals();
+      monte_carlo(shipped("closed_loop.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {}).totals();
   const std::vector<Moments> designed =
-      monte_carlo(shipped("paper.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {
-      }).totals();
+      monte_carlo(shipped("paper.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {}).totals();
   ASSERT_EQ(given.size(), designed.size());
   // The same loop: coefficients equal to rounding, positions of up to 120 m.
   for (std::size_t c = 0; c < given.size(); ++c) EXPECT_NEAR(given[c].mean, designed[c].mean, 1e-11);
@@ -112,8 +110,7 @@ Exceedances exceedances_in_batches_of(std::size_t batch) {
 TEST(HowToAdd, AStatisticThatDoesNotDependOnTheBatch) {
   const Exceedances whole = exceedances_in_batches_of(210);
   EXPECT_GT(whole.counts().at(1), 0u);
-  for (const std::size_t batch : {1, 7, 70})
-    EXPECT_EQ(exceedances_in_batches_of(batch).counts(), whole.counts());
+  for (const std::size_t batch : {1, 7, 70}) EXPECT_EQ(exceedances_in_batches_of(batch).counts(), whole.counts());
 }
 
 }  // namespace

@@ -72,9 +72,9 @@ TEST(PlatoonString, GivesTheSameBitsInEveryBatch) {
   for (const std::size_t batch : {1, 7, 33}) {
     for (std::size_t first = 0; first < 40; first += batch) {
       for (const auto& part : errors_of(string, first, std::min(batch, 40 - first), 20)) {
-        ASSERT_EQ(std::memcmp(part.second.data(), whole.at(part.first).data() + first,
-                              part.second.size() * sizeof(double)),
-                  0);
+        ASSERT_EQ(
+            std::memcmp(part.second.data(), whole.at(part.first).data() + first, part.second.size() * sizeof(double)),
+            0);
       }
     }
   }

@@ -29,8 +29,8 @@ TEST(Scores, OfTheVarianceHaveTheTailOfChiSquared) {
   for (const double ratio : {3.0, 10.0, 30.0}) {
     EXPECT_NEAR(upper(scores(measured(3, 0.0, ratio * 0.6), 0.0, 0.6).variance), std::exp(-ratio),
                 1e-12 * std::exp(-ratio));
-    EXPECT_NEAR(upper(scores(measured(2, 0.0, ratio * 0.6), 0.0, 0.6).variance),
-                2.0 * upper(std::sqrt(ratio)), 1e-12 * upper(std::sqrt(ratio)));
+    EXPECT_NEAR(upper(scores(measured(2, 0.0, ratio * 0.6), 0.0, 0.6).variance), 2.0 * upper(std::sqrt(ratio)),
+                1e-12 * upper(std::sqrt(ratio)));
   }
   const double below = scores(measured(3, 0.0, 0.6e-6), 0.0, 0.6).variance;
   EXPECT_NEAR(upper(-below), -std::expm1(-1e-6), 1e-19);
@@ -119,7 +119,8 @@ private:
 };
 
 // Whether the outliers are among the values or not: the share beyond the bound of once in 1000 is at most that, to
-// three standard errors, where a measured fourth moment and a bound for normal scores call more than a tenth a difference.
+// three standard errors, where a measured fourth moment and a bound for normal scores call more than a tenth a
+// difference.
 TEST(Scores, OfAnyDistributionExceedTheirBoundNoMoreOftenThanSaid) {
   std::mt19937_64 generator(11);
   for (const RareOutliers& of : {RareOutliers{0.0003}, RareOutliers{0.003}, RareOutliers{0.03}}) {
@@ -212,9 +213,8 @@ TEST(Scores, OfAnEmptySampleAreNeverPlausible) {
 }
 
 TEST(Agreement, IsTheLargestModulusOverAllCells) {
-  const Agreement found =
-      agreement({measured(101, 0.1, 1.0), measured(101, -0.4, 1.3), measured(101, 0.2, 0.5)}, {0.0, 0.0, 0.0},
-                {1.0, 1.0, 1.0});
+  const Agreement found = agreement({measured(101, 0.1, 1.0), measured(101, -0.4, 1.3), measured(101, 0.2, 0.5)},
+                                    {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0});
   EXPECT_NEAR(found.max_abs_z_mean, 0.4 * std::sqrt(101.0), 1e-12);
   EXPECT_EQ(found.max_abs_z_variance, -scores(measured(101, 0.2, 0.5), 0.0, 1.0).variance);
 }

@@ -41,8 +41,7 @@ TEST(DyadicCover, TilesEveryRangeWithTheFewestAlignedOnes) {
 
 TEST(DyadicCover, TilesRandomLargeRanges) {
   std::mt19937_64 generator(1);
-  for (int trial = 0; trial < 1000; ++trial)
-    expect_cover(generator() >> 17, generator() >> (17 + trial % 40));
+  for (int trial = 0; trial < 1000; ++trial) expect_cover(generator() >> 17, generator() >> (17 + trial % 40));
 }
 
 TEST(DyadicCover, OfTheFirstRealizationsHasOneRangePerBitOfTheirNumber) {

@@ -10,11 +10,8 @@ namespace {
 constexpr std::size_t kFollowers = 2;
 constexpr std::int64_t kSteps = 3;
 
-ReducedErrors reduced(std::size_t follower, std::int64_t step, std::uint64_t first,
-                      const std::vector<double>& errors) {
-  const auto in_place = [&errors](std::size_t offset, std::size_t, double*) {
-    return errors.data() + offset;
-  };
+ReducedErrors reduced(std::size_t follower, std::int64_t step, std::uint64_t first, const std::vector<double>& errors) {
+  const auto in_place = [&errors](std::size_t offset, std::size_t, double*) { return errors.data() + offset; };
   return {follower, step, first, errors.size(), reduce_batch(first, errors.size(), in_place)};
 }
 

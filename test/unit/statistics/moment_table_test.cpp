@@ -91,8 +91,7 @@ TEST(MomentTable, GivesTheSameBitsForRandomPartitionsInRandomOrder) {
   for (int trial = 0; trial < 40; ++trial) {
     std::vector<BatchMoments> parts;
     for (std::uint64_t first = 0; first < 3000;) {
-      const std::uint64_t count =
-          std::min<std::uint64_t>(1 + generator() % (trial < 20 ? 20 : 900), 3000 - first);
+      const std::uint64_t count = std::min<std::uint64_t>(1 + generator() % (trial < 20 ? 20 : 900), 3000 - first);
       parts.push_back(batch(first, count));
       first += count;
     }
@@ -128,8 +127,7 @@ TEST(MomentTable, TotalsAreThoseOfTwoPasses) {
       const long double mean = sum / static_cast<long double>(count);
       for (const double value : x) squares += (value - mean) * (value - mean);
       EXPECT_EQ(totals[c].count, count);
-      EXPECT_NEAR(totals[c].mean, static_cast<double>(mean),
-                  20 * 1.2e-16 * (1.0 + 100.0 * static_cast<double>(c)));
+      EXPECT_NEAR(totals[c].mean, static_cast<double>(mean), 20 * 1.2e-16 * (1.0 + 100.0 * static_cast<double>(c)));
       EXPECT_NEAR(totals[c].squared_deviations, static_cast<double>(squares),
                   1e-12 * static_cast<double>(squares) + 1e-20);
     }
@@ -263,8 +261,7 @@ TEST(MomentTable, OfFourMomentsHasThoseOfTwoPassesAndTheBitsOfTwo) {
         fourth += d * d * d * d;
       }
       EXPECT_NEAR(totals[c].cubed_deviations, static_cast<double>(cubed), 1e-12 * static_cast<double>(size));
-      EXPECT_NEAR(totals[c].fourth_deviations, static_cast<double>(fourth),
-                  1e-12 * static_cast<double>(fourth));
+      EXPECT_NEAR(totals[c].fourth_deviations, static_cast<double>(fourth), 1e-12 * static_cast<double>(fourth));
     }
   }
 }

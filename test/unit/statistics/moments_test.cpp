@@ -141,8 +141,7 @@ TEST(Moments, OfFourPowersMergedAreThoseOfTheUnion) {
     const Moments merged =
         merge(four_by_two_passes({values.begin(), middle}), four_by_two_passes({middle, values.end()}));
     EXPECT_NEAR(merged.squared_deviations, expected.squared_deviations, 1e-12 * expected.squared_deviations);
-    EXPECT_NEAR(merged.cubed_deviations, expected.cubed_deviations,
-                1e-12 * std::abs(expected.cubed_deviations));
+    EXPECT_NEAR(merged.cubed_deviations, expected.cubed_deviations, 1e-12 * std::abs(expected.cubed_deviations));
     EXPECT_NEAR(merged.fourth_deviations, expected.fourth_deviations, 1e-12 * expected.fourth_deviations);
   }
 }
@@ -154,8 +153,7 @@ TEST(Moments, WithoutTheFourthHaveNoErrorOfTheVarianceOfAnyDistribution) {
   // Of the two values 0 and 1 with probability q: m4 - v^2 = q (1 - q) (1 - 2 q)^2.
   std::vector<double> values(1000, 0.0);
   for (std::size_t j = 0; j < 100; ++j) values[10 * j] = 1.0;
-  EXPECT_NEAR(standard_error_of_variance(four_by_two_passes(values)), std::sqrt(0.1 * 0.9 * 0.64 / 1000.0),
-              1e-5);
+  EXPECT_NEAR(standard_error_of_variance(four_by_two_passes(values)), std::sqrt(0.1 * 0.9 * 0.64 / 1000.0), 1e-5);
 }
 
 }  // namespace

@@ -30,8 +30,7 @@ long double by_definition(const GainFactor& factor, long double w) {
 }
 
 std::vector<GainFactor> random_factors(std::mt19937& random) {
-  std::uniform_real_distribution<double> radius(0.0, 0.999), angle(0.0, 3.1), real(-0.99, 0.99),
-      zero(-2.0, 2.0);
+  std::uniform_real_distribution<double> radius(0.0, 0.999), angle(0.0, 3.1), real(-0.99, 0.99), zero(-2.0, 2.0);
   std::vector<GainFactor> factors;
   for (int i = 0; i < 3; ++i) {
     std::vector<Complex> poles, zeros;
@@ -66,10 +65,8 @@ TEST(Attenuation, IsThatOfTheFactorsWithItsDerivatives) {
       EXPECT_NEAR(static_cast<double>(at.value), static_cast<double>(quotient(factors, w, 0)), 1e-13);
       const long double step = 1e-7L * t;
       const Attenuation::Value ahead = attenuation.at(t + step), behind = attenuation.at(t - step);
-      EXPECT_NEAR(static_cast<double>((ahead.value - behind.value) / (2.0L * step * at.slope)), 1.0, 1e-6)
-          << w;
-      EXPECT_NEAR(static_cast<double>((ahead.slope - behind.slope) / (2.0L * step * at.curvature)), 1.0, 1e-4)
-          << w;
+      EXPECT_NEAR(static_cast<double>((ahead.value - behind.value) / (2.0L * step * at.slope)), 1.0, 1e-6) << w;
+      EXPECT_NEAR(static_cast<double>((ahead.slope - behind.slope) / (2.0L * step * at.curvature)), 1.0, 1e-4) << w;
     }
   }
 }
@@ -87,8 +84,7 @@ TEST(Attenuation, LeastIsBelowEveryPointOfAGridAndTakenWhereItSays) {
       }
       for (int i = 1; i <= 2000; ++i) {
         const long double value = quotient(factors, 3.14159265358979L * i / 2000, order);
-        EXPECT_GE(static_cast<double>(value - least.value),
-                  -1e-10 * std::abs(static_cast<double>(least.value)))
+        EXPECT_GE(static_cast<double>(value - least.value), -1e-10 * std::abs(static_cast<double>(least.value)))
             << model << " at " << i;
       }
     }

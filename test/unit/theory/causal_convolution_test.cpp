@@ -24,8 +24,7 @@ Values random_values(std::size_t steps, std::mt19937_64& random, const Decades& 
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   Values values;
   for (std::size_t k = 0; k < steps; ++k)
-    values.push_back(uniform(random) *
-                     std::pow(10.0, decades(static_cast<double>(k) / static_cast<double>(steps))));
+    values.push_back(uniform(random) * std::pow(10.0, decades(static_cast<double>(k) / static_cast<double>(steps))));
   return values;
 }
 
@@ -47,8 +46,7 @@ void expect_twelve_digits(std::size_t steps, const Decades& decades) {
 }
 
 TEST(CausalConvolution, OfFlatSequencesHasTwelveDigits) {
-  for (const std::size_t steps : {1u, 2u, 3u, 100u, 777u})
-    expect_twelve_digits(steps, [](double) { return 0.0; });
+  for (const std::size_t steps : {1u, 2u, 3u, 100u, 777u}) expect_twelve_digits(steps, [](double) { return 0.0; });
 }
 
 TEST(CausalConvolution, OfGrowingSequencesHasTwelveDigitsAtEveryStep) {

@@ -67,8 +67,7 @@ TEST(CriticalHeadway, MarginHasTheSignOfTheVerdict) {
     EXPECT_EQ(string_margin(example.loop, example.headway) > 0.0, stable) << example.name;
   }
   for (const ExampleLoop& example : string_stable_loops()) {
-    if (example.name.find("flat") != std::string::npos)
-      continue;  // at the border: the margin is 0 but for rounding
+    if (example.name.find("flat") != std::string::npos) continue;  // at the border: the margin is 0 but for rounding
     EXPECT_GT(string_margin(example.loop, example.headway), 0.0) << example.name;
   }
 }
@@ -105,11 +104,9 @@ TEST(CriticalHeadway, RefusesAnEmptyRangeAndTooFewSamples) {
 // A vehicle sampled at a kilohertz keeps headways of thousands of samples.
 TEST(CriticalHeadway, IsSoughtAboutTheModelsOwnHeadway) {
   const double gain = 8.899078748072497e-10, h = 1890.0;
-  const TransferFunction plant(
-      Eigen::Vector2d(gain, gain),
-      Eigen::Vector4d(1.0, -2.9982201842503855, 2.996440368500771, -0.9982201842503855));
-  const TransferFunction controller(Eigen::Vector2d(1235.158157878057, -1234.4254979937014),
-                                    Eigen::Vector2d(1.0, 0.0));
+  const TransferFunction plant(Eigen::Vector2d(gain, gain),
+                               Eigen::Vector4d(1.0, -2.9982201842503855, 2.996440368500771, -0.9982201842503855));
+  const TransferFunction controller(Eigen::Vector2d(1235.158157878057, -1234.4254979937014), Eigen::Vector2d(1.0, 0.0));
   const HeadwayLaw law = [&](double headway) { return close_loop(plant, controller, headway); };
   ASSERT_TRUE(string_stability(model_with(law(h), h)).string_stable);
   const StableHeadways found = stable_headways(law, headways_about(h));

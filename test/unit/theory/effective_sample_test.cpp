@@ -17,8 +17,7 @@ namespace {
 
 /// Autocovariances of zeta_i at lags 0 .. count - 1 by the dense matrices of Lemma 1: xi(k+1) = A xi(k) + B_a d(k) +
 /// B_b d(k-1), so that E xi(k+1) xi'(k) = A P + B_b P_d B_a'.
-std::vector<std::vector<double>> dense_autocovariances(const PlatoonModel& model, std::size_t followers,
-                                                       int count) {
+std::vector<std::vector<double>> dense_autocovariances(const PlatoonModel& model, std::size_t followers, int count) {
   const StringMatrices string = string_matrices(model.loop.realization, model.headway, followers);
   const Eigen::MatrixXd p = solve_discrete_lyapunov(string.a, noise_covariance(string, model.noise_variance));
   Eigen::MatrixXd at_lag = p;
@@ -154,8 +153,7 @@ TEST(EffectiveSample, GivesTheStandardErrorsOfAveragesOverTime) {
       const double of_variance = standard_error_of_variance(variance[i - 1], kSteps, sample.variance);
       const double tolerance = 5.0 * std::sqrt(2.0 / kRealizations);
       EXPECT_NEAR(means[i - 1].variance() / (of_mean * of_mean), 1.0, tolerance) << of.headway << " " << i;
-      EXPECT_NEAR(variances[i - 1].variance() / (of_variance * of_variance), 1.0, tolerance)
-          << of.headway << " " << i;
+      EXPECT_NEAR(variances[i - 1].variance() / (of_variance * of_variance), 1.0, tolerance) << of.headway << " " << i;
       EXPECT_NEAR(variances[i - 1].mean, variance[i - 1] * sample.expected,
                   5.0 * of_variance / std::sqrt(kRealizations))
           << of.headway << " " << i;

@@ -16,8 +16,7 @@ namespace {
 /// zeta_1 .. zeta_N over all steps, one after the other, for given initial positions [m] (per follower) and
 /// noise (per follower and step), run vehicle by vehicle as the platoon itself does.
 std::vector<double> run_string(const PlatoonModel& model, std::size_t followers, std::size_t steps,
-                               const std::vector<double>& initial, const std::vector<double>& noise,
-                               bool led = true) {
+                               const std::vector<double>& initial, const std::vector<double>& noise, bool led = true) {
   std::vector<double> errors;
   LeaderVehicle leader(model);
   std::vector<double> ahead{leader.start()};
@@ -74,14 +73,12 @@ TEST(ErrorMoments, VarianceIsTheSumOfSquaredUnitResponsesOfTheVehicles) {
     const std::vector<double> silence(kFollowers * kSteps, 0.0);
     std::vector<double> variance(kFollowers * kSteps, 0.0);
     const auto add_squares = [&variance](const std::vector<double>& response, double weight) {
-      for (std::size_t at = 0; at < variance.size(); ++at)
-        variance[at] += weight * response[at] * response[at];
+      for (std::size_t at = 0; at < variance.size(); ++at) variance[at] += weight * response[at] * response[at];
     };
     for (std::size_t j = 0; j < kFollowers; ++j) {
       std::vector<double> place(kFollowers, 0.0);
       place[j] = 1.0;
-      add_squares(run_string(model, kFollowers, kSteps, place, silence, false),
-                  model.initial_position.variance);
+      add_squares(run_string(model, kFollowers, kSteps, place, silence, false), model.initial_position.variance);
       for (std::size_t l = 0; l < kSteps; ++l) {
         std::vector<double> noise = silence;
         noise[j * kSteps + l] = 1.0;
@@ -126,8 +123,8 @@ TEST(ErrorMoments, RefusesAnEmptyStringAndAnEmptyRun) {
 }
 
 /// zeta_1 behind a leader of this displacement per step, by the difference equation of T in a hundred digits.
-std::vector<double> exact_first_error(const ExactPolynomial& n, const ExactPolynomial& d, double h,
-                                      double displacement, std::size_t steps) {
+std::vector<double> exact_first_error(const ExactPolynomial& n, const ExactPolynomial& d, double h, double displacement,
+                                      std::size_t steps) {
   const auto filtered = [&](const ExactPolynomial& u) {
     const std::size_t delay = d.size() - n.size();
     ExactPolynomial y;

@@ -23,8 +23,7 @@ inline ClosedLoop paper_loop(double headway) {
 }
 
 /// Monic polynomial with these real zeros and these zeros r e^{+-j phi}.
-inline Polynomial with_zeros(const std::vector<double>& real,
-                             const std::vector<std::complex<double>>& pairs) {
+inline Polynomial with_zeros(const std::vector<double>& real, const std::vector<std::complex<double>>& pairs) {
   Polynomial p = Polynomial::Ones(1);
   for (const double zero : real) p = multiply(p, Eigen::Vector2d(1.0, -zero));
   for (const std::complex<double> zero : pairs) {
@@ -38,8 +37,7 @@ inline Polynomial with_zeros(const std::vector<double>& real,
 inline TransferFunction ramp_tracking(const Polynomial& d, double headway, const Polynomial& extra) {
   const double value = d.sum();
   const double slope = derivative(d).sum() - headway * value;
-  const Polynomial n =
-      add(Eigen::Vector2d(slope, value - slope), multiply(Eigen::Vector3d(1.0, -2.0, 1.0), extra));
+  const Polynomial n = add(Eigen::Vector2d(slope, value - slope), multiply(Eigen::Vector3d(1.0, -2.0, 1.0), extra));
   return {n, d};
 }
 
@@ -55,15 +53,14 @@ inline std::vector<ExampleLoop> example_loops() {
   loops.push_back({"order 2, complex", 1.5, canonical(two)});
   const TransferFunction slow = ramp_tracking(with_zeros({0.999, 0.4}, {}), 2500.0, none);
   loops.push_back({"order 2, slow", 2500.0, canonical(slow)});
-  const TransferFunction four = ramp_tracking(with_zeros({0.3, -0.5}, {std::polar(0.85, 1.7)}), 4.0,
-                                              Eigen::VectorXd::Constant(1, 0.05));
+  const TransferFunction four =
+      ramp_tracking(with_zeros({0.3, -0.5}, {std::polar(0.85, 1.7)}), 4.0, Eigen::VectorXd::Constant(1, 0.05));
   loops.push_back({"order 4, complex", 4.0, canonical(four)});
   const TransferFunction five =
       ramp_tracking(with_zeros({0.2}, {Pair(0.5, 0.4), Pair(-0.6, 0.5)}), 3.0, Eigen::Vector2d(0.02, -0.01));
   loops.push_back({"order 5, complex", 3.0, canonical(five)});
-  const TransferFunction six =
-      ramp_tracking(with_zeros({0.9, 0.1}, {std::polar(0.999, 2.0), std::polar(0.7, 0.3)}), 12.0,
-                    Eigen::Vector2d(1e-3, 0.0));
+  const TransferFunction six = ramp_tracking(with_zeros({0.9, 0.1}, {std::polar(0.999, 2.0), std::polar(0.7, 0.3)}),
+                                             12.0, Eigen::Vector2d(1e-3, 0.0));
   loops.push_back({"order 6, resonant", 12.0, canonical(six)});
 
   // Plant with a stable mode that the controller cancels, and actuator lag: order 4 after reduction.
@@ -116,8 +113,7 @@ inline std::vector<ExampleLoop> string_stable_loops() {
   };
   loops.push_back({"order 2, slow", 1001.0, tracking(with_zeros({0.999, 0.4}, {}), 1001.0)});
   loops.push_back({"order 3, complex", 4.0, tracking(with_zeros({0.3}, {std::polar(0.6, 0.5)}), 4.0)});
-  loops.push_back(
-      {"order 3, slow complex", 2000.0, tracking(with_zeros({0.4}, {std::polar(0.999, 5e-4)}), 2000.0)});
+  loops.push_back({"order 3, slow complex", 2000.0, tracking(with_zeros({0.4}, {std::polar(0.999, 5e-4)}), 2000.0)});
   loops.push_back(all_pole("order 4, real", with_zeros({0.9, 0.5, 0.3, 0.1}, {})));
   loops.push_back(all_pole("order 5, complex", with_zeros({0.8}, {Pair(0.5, 0.2), Pair(0.2, 0.1)})));
   loops.push_back(all_pole("order 6, slow", with_zeros({0.999, 0.9}, {Pair(0.6, 0.2), Pair(0.3, 0.2)})));

@@ -50,16 +50,14 @@ TEST(LemmaOne, AMeanShiftOfAllFollowersConcernsTheFirstTwoOnly) {
   const InitialString initial = initial_string(model_with(paper_loop(3.2), 3.2), 5);
   EXPECT_GT(initial.mean.head(6).norm(), 0.1);
   EXPECT_LT(initial.mean.tail(9).norm(), 1e-14);
-  EXPECT_NEAR((initial.covariance - 0.3 * initial.response * initial.response.transpose()).norm(), 0.0,
-              1e-14);
+  EXPECT_NEAR((initial.covariance - 0.3 * initial.response * initial.response.transpose()).norm(), 0.0, 1e-14);
 }
 
 TEST(LemmaOne, LyapunovSolutionLeavesNoResidual) {
   const StringMatrices string = string_matrices(paper_loop(3.2).realization, 3.2, 6);
   const Eigen::MatrixXd q = noise_covariance(string, 0.6);
   const Eigen::MatrixXd p = solve_discrete_lyapunov(string.a, q);
-  EXPECT_LT((p - string.a * p * string.a.transpose() - q).cwiseAbs().maxCoeff(),
-            1e-13 * p.cwiseAbs().maxCoeff());
+  EXPECT_LT((p - string.a * p * string.a.transpose() - q).cwiseAbs().maxCoeff(), 1e-13 * p.cwiseAbs().maxCoeff());
 }
 
 TEST(LemmaOne, LyapunovSolutionOfAScalarIsTheGeometricSum) {

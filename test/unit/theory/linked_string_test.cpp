@@ -52,22 +52,19 @@ TEST(LinkedString, OfAlikeTypesIsHomogeneous) {
   const StringStability one = linked_string_stability(model), other = linked_string_stability(patterned);
   EXPECT_NEAR(*other.loss_gain, *one.loss_gain, 1e-10);
   EXPECT_NEAR(*other.limit_variance / *one.limit_variance, 1.0, 1e-9);
-  const ErrorMoments expected = linked_error_moments(model, 7, 30),
-                     found = linked_error_moments(patterned, 7, 30);
+  const ErrorMoments expected = linked_error_moments(model, 7, 30), found = linked_error_moments(patterned, 7, 30);
   for (std::size_t c = 0; c < expected.variance.size(); ++c)
     EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-12 * expected.variance.back());
 }
 
 TEST(LinkedString, SaysInOneSentenceWhy) {
-  EXPECT_EQ(linked_string_stability(with_loss(0.3, {2.0, -1.0}))
-                .reason.find("not string stable: the loss gain is "),
+  EXPECT_EQ(linked_string_stability(with_loss(0.3, {2.0, -1.0})).reason.find("not string stable: the loss gain is "),
             0u);
-  EXPECT_EQ(linked_string_stability(with_loss(0.1, {2.0, -1.0}, 2.4))
-                .reason.find("not string stable: |T^| exceeds 1 by "),
-            0u);
-  EXPECT_EQ(linked_string_stability(with_loss(0.4, {2.0, -1.0}))
-                .reason.find("not mean square stable: p q ||L F||^2 = "),
-            0u);
+  EXPECT_EQ(
+      linked_string_stability(with_loss(0.1, {2.0, -1.0}, 2.4)).reason.find("not string stable: |T^| exceeds 1 by "),
+      0u);
+  EXPECT_EQ(
+      linked_string_stability(with_loss(0.4, {2.0, -1.0})).reason.find("not mean square stable: p q ||L F||^2 = "), 0u);
   EXPECT_EQ(linked_string_stability(with_loss(0.1, {1.0})).reason.find("string stable: rho(A) = "), 0u);
 }
 
@@ -132,10 +129,8 @@ TEST(LinkedString, LongPatternsAreDecidedFromTheirVehicles) {
   }
   const std::optional<StableHeadways> headways = stable_headways(cars_and_a_truck(8));
   ASSERT_TRUE(headways && headways->critical) << "long headways are stable, too";
-  EXPECT_TRUE(
-      linked_string_stability(with_headway(cars_and_a_truck(8), *headways->critical + 1e-9)).string_stable);
-  EXPECT_FALSE(
-      linked_string_stability(with_headway(cars_and_a_truck(8), *headways->critical - 1e-9)).string_stable);
+  EXPECT_TRUE(linked_string_stability(with_headway(cars_and_a_truck(8), *headways->critical + 1e-9)).string_stable);
+  EXPECT_FALSE(linked_string_stability(with_headway(cars_and_a_truck(8), *headways->critical - 1e-9)).string_stable);
 }
 
 // The same limit by two patterns of which one is the other twice.
@@ -146,12 +141,10 @@ TEST(LinkedString, LimitOfALossyPatternDoesNotDependOnHowItIsWritten) {
   PlatoonModel twice = once;
   twice.string = {0, 0, 1, 0, 0, 1};
   PlatoonModel often = once;
-  for (int i = 0; i < 30; ++i)
-    often.string.insert(often.string.end(), once.string.begin(), once.string.end());
+  for (int i = 0; i < 30; ++i) often.string.insert(often.string.end(), once.string.begin(), once.string.end());
   const StringStability expected = linked_string_stability(once);
   ASSERT_TRUE(expected.string_stable) << expected.reason;
-  for (const PlatoonModel& model :
-       {twice, often}) {  // 6 and 93 links, below and above what a Krylov space has
+  for (const PlatoonModel& model : {twice, often}) {  // 6 and 93 links, below and above what a Krylov space has
     const StringStability found = linked_string_stability(model);
     EXPECT_NEAR(*found.limit_variance / *expected.limit_variance, 1.0, 1e-10);
     const double periods = static_cast<double>(model.string.size()) / 3.0;
@@ -222,8 +215,7 @@ TEST(LinkedString, FlatGainsBehindExtrapolationHaveALimit) {
   ASSERT_EQ(verdict.decision(), true) << verdict.reason;
   // What is missing to the limit decays like N^(-1/4).
   const std::vector<double> variances = linked_stationary_variances(model, 10000);
-  const double missing = *verdict.limit_variance - variances[9999],
-               before = *verdict.limit_variance - variances[624];
+  const double missing = *verdict.limit_variance - variances[9999], before = *verdict.limit_variance - variances[624];
   EXPECT_NEAR(before / missing, 2.0, 0.1);
   EXPECT_NEAR(variances[9999], 47.64, 0.01);
 }
@@ -255,8 +247,8 @@ TEST(LinkedTheory, ThrowsForWhatItDoesNotKnow) {
   EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 2, 0), std::invalid_argument);
 }
 
-/// Errors of two followers that hold what they lose, without noise, behind a leader at a metre a step, for one pattern of
-/// losses: bit 2 k + i - 1 of it is set where the position of step k into follower i is lost.
+/// Errors of two followers that hold what they lose, without noise, behind a leader at a metre a step, for one pattern
+/// of losses: bit 2 k + i - 1 of it is set where the position of step k into follower i is lost.
 std::vector<std::vector<double>> errors_of(const PlatoonModel& model, unsigned pattern, std::size_t steps) {
   std::vector<double> ahead;
   for (std::size_t k = 0; k <= steps; ++k) ahead.push_back(static_cast<double>(k));  // from step -1 on

@@ -30,8 +30,7 @@ TEST(Norms, OfTheMeansFallAlongAStringStablePlatoonAndGrowAlongAnUnstableOne) {
   const ErrorNorms stable = error_norms(error_moments(model, 20, 400), NormOrder::kTwo, NormOrder::kInfinity);
   model = model_with(paper_loop(2.4), 2.4);
   model.initial_position = {0.0, 0.0};
-  const ErrorNorms unstable =
-      error_norms(error_moments(model, 20, 400), NormOrder::kTwo, NormOrder::kInfinity);
+  const ErrorNorms unstable = error_norms(error_moments(model, 20, 400), NormOrder::kTwo, NormOrder::kInfinity);
   for (std::size_t i = 1; i < 20; ++i) {
     EXPECT_LT(stable.mean[i], stable.mean[i - 1]);
     EXPECT_GT(unstable.mean[i], unstable.mean[i - 1]);

@@ -25,8 +25,7 @@ TEST(PatternGain, MaximaAreWhereTheGainTurns) {
     constexpr int kPoints = 20000;
     for (int i = 1; i < kPoints; ++i) {
       const double step = 3.141592653589793 / kPoints, w = i * step;
-      if (!(gain_at(example, w) > gain_at(example, w - step) &&
-            gain_at(example, w) > gain_at(example, w + step)))
+      if (!(gain_at(example, w) > gain_at(example, w - step) && gain_at(example, w) > gain_at(example, w + step)))
         continue;
       const bool found =
           std::any_of(maxima.begin(), maxima.end(), [&](double m) { return std::abs(m - w) <= 1.01 * step; });
@@ -40,11 +39,9 @@ TEST(PatternGain, OfAPatternIsThatOfItsVehiclesAsOftenAsTheyAreThere) {
   const auto of = [&](int with, int without, double w) {
     return std::pow(gain_at(stable, w), with) * std::pow(gain_at(unstable, w), without);
   };
-  for (const auto& [with, without] :
-       {std::pair<int, int>{1, 1}, {3, 1}, {20, 1}, {1, 20}, {200, 100}, {300, 10}}) {
+  for (const auto& [with, without] : {std::pair<int, int>{1, 1}, {3, 1}, {20, 1}, {1, 20}, {200, 100}, {300, 10}}) {
     double largest = 0.0;
-    for (int i = 1; i <= 10000; ++i)
-      largest = std::max(largest, of(with, without, 3.141592653589793 * i / 10000));
+    for (int i = 1; i <= 10000; ++i) largest = std::max(largest, of(with, without, 3.141592653589793 * i / 10000));
     const LeastMargin least = PatternGain({factor_of(stable, with), factor_of(unstable, without)}).least();
     EXPECT_EQ(least.sign, largest < 1.0 ? Sign::kAbove : Sign::kBelow) << with << " and " << without;
   }

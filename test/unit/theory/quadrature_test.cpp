@@ -20,8 +20,7 @@ TEST(Quadrature, GaussLegendreIsExactForPolynomialsBelowTwiceItsCount) {
     const Quadrature rule = gauss_legendre(count);
     for (int power = 0; power < 2 * count; ++power) {
       const double exact = power % 2 == 0 ? 2.0 / (power + 1) : 0.0;
-      EXPECT_NEAR(integrate(rule, [&](double x) { return std::pow(x, power); }), exact, 1e-14)
-          << count << " " << power;
+      EXPECT_NEAR(integrate(rule, [&](double x) { return std::pow(x, power); }), exact, 1e-14) << count << " " << power;
     }
   }
 }

@@ -69,8 +69,7 @@ TEST(Spectrum, FactorIsTheRootOfOneMinusTheSquaredGain) {
     const TransferFunction m = spectral_factor(model);
     for (double w = 0.05; w < 3.14; w += 0.1) {
       const std::complex<double> z = std::polar(1.0, w);
-      EXPECT_NEAR(std::norm(m(z)), 1.0 - std::norm(example.loop.transfer(z)), 1e-9)
-          << example.name << " " << w;
+      EXPECT_NEAR(std::norm(m(z)), 1.0 - std::norm(example.loop.transfer(z)), 1e-9) << example.name << " " << w;
     }
     EXPECT_GT(m.numerator()(0), 0.0) << example.name;
     for (const std::complex<double>& zero : roots(m.numerator())) {

@@ -88,8 +88,7 @@ TEST(StationaryVariance, DoesNotDependOnHowManyFollowersAreAskedFor) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const std::vector<double> many = stationary_variances(model, 3000);
   for (const std::size_t followers : {1u, 2u, 256u, 257u, 2999u}) {
-    EXPECT_NEAR(stationary_variances(model, followers).back(), many[followers - 1],
-                1e-13 * many[followers - 1]);
+    EXPECT_NEAR(stationary_variances(model, followers).back(), many[followers - 1], 1e-13 * many[followers - 1]);
   }
 }
 
@@ -106,8 +105,7 @@ TEST(StationaryVariance, OfAStringUnstablePlatoonGrowsByTheSquaredPeakGainAndThe
 
 TEST(StationaryVariance, IsNotANumberForAnUnstableVehicle) {
   const TransferFunction t = ramp_tracking(with_zeros({1.01, 0.2}, {}), 2.0, Polynomial::Zero(1));
-  for (const double variance :
-       stationary_variances(model_with(closed_loop_from(observable_canonical(t)), 2.0), 3)) {
+  for (const double variance : stationary_variances(model_with(closed_loop_from(observable_canonical(t)), 2.0), 3)) {
     EXPECT_TRUE(std::isnan(variance));
   }
 }

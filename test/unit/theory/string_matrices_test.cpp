@@ -49,9 +49,8 @@ TEST(StringMatrices, DriveTheErrorStatesAsTheVehiclesDo) {
       const double y_before = loop.c() * before[0];
       const double leader_error = reference - y - h * (y - y_before);
       const Eigen::VectorXd expected = errors_of_state(later, now, h);
-      const Eigen::VectorXd predicted = string.a * errors_of_state(now, before, h) +
-                                        string.b_o * leader_error + string.b_a * noise +
-                                        string.b_b * noise_before;
+      const Eigen::VectorXd predicted = string.a * errors_of_state(now, before, h) + string.b_o * leader_error +
+                                        string.b_a * noise + string.b_b * noise_before;
       EXPECT_LT((predicted - expected).cwiseAbs().maxCoeff(), 1e-9 * (1.0 + expected.cwiseAbs().maxCoeff()))
           << example.name;
       const Eigen::VectorXd outputs = string.c * expected;

@@ -101,8 +101,7 @@ TEST(StringStability, IsDecidedForTwentyPolesNearTheImaginaryAxis) {
   const StringStability verdict = verdict_of(stable);
   double largest = 0.0;
   for (int i = 1; i <= 20000; ++i)
-    largest =
-        std::max(largest, std::abs(stable.loop.transfer(std::polar(1.0, 3.141592653589793 * i / 20000))));
+    largest = std::max(largest, std::abs(stable.loop.transfer(std::polar(1.0, 3.141592653589793 * i / 20000))));
   ASSERT_LT(largest, 1.0);
   EXPECT_EQ(verdict.decision(), true) << verdict.reason;
 }

@@ -42,8 +42,7 @@ TEST(TheoremTwo, BoundsHoldForEveryFollowerAtEveryStep) {
     for (const std::size_t followers : {1u, 2u, 20u}) {
       const TheoremTwoBounds bounds = theorem_two_bounds(model, followers, 300);
       ASSERT_TRUE(bounds.mean_bound && bounds.variance_bound) << example.name;
-      const ErrorNorms norms =
-          error_norms(error_moments(model, followers, 300), NormOrder::kTwo, NormOrder::kInfinity);
+      const ErrorNorms norms = error_norms(error_moments(model, followers, 300), NormOrder::kTwo, NormOrder::kInfinity);
       for (std::size_t i = 0; i < followers; ++i) {
         EXPECT_LE(norms.mean[i], *bounds.mean_bound * (1.0 + 1e-12)) << example.name << " " << i + 1;
         EXPECT_LE(norms.variance[i], *bounds.variance_bound * (1.0 + 1e-12)) << example.name << " " << i + 1;
@@ -69,8 +68,7 @@ TEST(TheoremTwo, CovarianceGainIsThatOfTheDenseString) {
     for (const std::size_t followers : {1u, 3u, 40u}) {
       for (const StateSpace& form : {loop, controllable(loop)}) {
         const double expected = dense_covariance_gain(form, h, followers, 300);
-        EXPECT_NEAR(initial_covariance_gain(form, followers), expected, 1e-12 * expected)
-            << h << " " << followers;
+        EXPECT_NEAR(initial_covariance_gain(form, followers), expected, 1e-12 * expected) << h << " " << followers;
       }
     }
   }
@@ -156,8 +154,7 @@ TEST(TheoremTwo, HasNoBoundsForAStringUnstablePlatoon) {
 
 TEST(TheoremTwo, RefusesUnstableVehiclesAndEmptyStrings) {
   const StateSpace loop = paper_loop(3.2).realization;
-  const StateSpace unstable(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Ones(1),
-                            Eigen::RowVectorXd::Ones(1));
+  const StateSpace unstable(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Ones(1), Eigen::RowVectorXd::Ones(1));
   EXPECT_THROW(initial_mean_gain(unstable, 1.0, 2), std::invalid_argument);
   EXPECT_THROW(initial_mean_gain(loop, 3.2, 0), std::invalid_argument);
   EXPECT_THROW(initial_covariance_gain(unstable, 2), std::invalid_argument);
@@ -180,8 +177,8 @@ TEST(TheoremTwo, EnclosesTheCovarianceGainThatItHasNoTimeFor) {
 // A million steps and more: hours, if each were taken.
 TEST(TheoremTwo, OfAVerySlowLoopIsThereAtOnce) {
   const double h = 1048576.0;
-  const StateSpace slow(Eigen::MatrixXd::Constant(1, 1, h / (1.0 + h)),
-                        Eigen::VectorXd::Constant(1, 1.0 / (1.0 + h)), Eigen::RowVectorXd::Ones(1));
+  const StateSpace slow(Eigen::MatrixXd::Constant(1, 1, h / (1.0 + h)), Eigen::VectorXd::Constant(1, 1.0 / (1.0 + h)),
+                        Eigen::RowVectorXd::Ones(1));
   for (const double variance : {0.0, 1.0}) {
     PlatoonModel model = model_with(closed_loop_from(slow), h);
     model.initial_position.variance = variance;
@@ -199,12 +196,10 @@ TEST(TheoremTwo, DoesNotDependOnTheUnitOfTheState) {
   const StateSpace loop = paper_loop(3.2).realization;
   const TheoremTwoBounds expected = theorem_two_bounds(model_with(closed_loop_from(loop), 3.2), 5, 100);
   for (const int exponent : {-600, -40, 40, 600}) {
-    const StateSpace scaled(loop.a(), loop.b() * std::ldexp(1.0, -exponent),
-                            loop.c() * std::ldexp(1.0, exponent));
+    const StateSpace scaled(loop.a(), loop.b() * std::ldexp(1.0, -exponent), loop.c() * std::ldexp(1.0, exponent));
     const TheoremTwoBounds found = theorem_two_bounds(model_with(closed_loop_from(scaled), 3.2), 5, 100);
     EXPECT_NEAR(*found.mean_bound, *expected.mean_bound, 1e-12 * *expected.mean_bound) << exponent;
-    EXPECT_NEAR(*found.variance_bound, *expected.variance_bound, 1e-12 * *expected.variance_bound)
-        << exponent;
+    EXPECT_NEAR(*found.variance_bound, *expected.variance_bound, 1e-12 * *expected.variance_bound) << exponent;
   }
 }
 

@@ -45,8 +45,6 @@ int main(int argc, char** argv) {
   const platoon::ExternalVehicle vehicle(
       ros::NodeHandle("platoon"), static_cast<std::size_t>(index),
       [&](std::vector<double>& position) { dynamics.start(position); },
-      [&](const std::vector<double>& received, std::vector<double>& position) {
-        dynamics.move(received, position);
-      });
+      [&](const std::vector<double>& received, std::vector<double>& position) { dynamics.move(received, position); });
   ros::spin();
 }
