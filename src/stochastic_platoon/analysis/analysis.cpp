@@ -79,12 +79,10 @@ std::string headway_lines(const PlatoonModel& model, const Analysis& analysis) {
 }
 
 std::string loss_lines(const PlatoonModel& model, const Analysis& analysis) {
-  if (!analysis.losses) {
-    if (!model.link.loss || !types_with_default(model, &Inherited::loss_probability).empty()) return "";
-    return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
-  }
+  if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
   const std::optional<double> critical = analysis.losses->critical;
-  std::string text = "Critical loss probability" + of_types(model, analysis.losses->types) + ": " +
+  std::string text = "Critical loss probability" + of_types(model, analysis.losses->types) +
+                     (model.link.loss ? ": " : " (a lost position is replaced by the last one received): ") +
                      (critical ? formatted("%.9g", *critical) : "none");
   text += "; string stable loss probabilities within [0, 0.99]:" + shown(analysis.losses->intervals) + "\n";
   return text;

@@ -4,8 +4,24 @@
 
 namespace platoon {
 
-std::optional<StableLosses> stable_losses(const PlatoonModel& model) {
-  if (!model.link.loss) return std::nullopt;
+namespace {
+
+// Without losses the default link, and the types that have none either, hold the last position.
+PlatoonModel with_loss_stage(PlatoonModel model) {
+  if (model.link.loss) return model;
+  model.link.loss = LossModel{};
+  for (VehicleType& type : model.types) {
+    if (type.vehicle.link.loss) continue;
+    type.vehicle.link.loss = LossModel{};
+    type.inherited.loss_probability = true;
+  }
+  return model;
+}
+
+}  // namespace
+
+std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
+  const PlatoonModel model = with_loss_stage(given);
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;
   constexpr int kSamples = 100;

@@ -19,9 +19,8 @@ struct StableLosses {
   std::vector<std::string> types;  ///< whose links are varied
 };
 
-/// None where the default vehicle's link has no loss stage, whose probability may be 0, and where no vehicle of the
-/// string follows it. Sampled at multiples of
-/// 0.01; see stable_intervals(). Throws as linked_string_stability() does.
+/// Links without a loss stage hold the last received position. None where no vehicle of the string follows the default
+/// link. Sampled at multiples of 0.01; see stable_intervals(). Throws as linked_string_stability() does.
 std::optional<StableLosses> stable_losses(const PlatoonModel& model);
 
 }  // namespace platoon
