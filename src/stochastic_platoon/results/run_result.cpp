@@ -53,15 +53,11 @@ nlohmann::json needed_json(std::optional<double> needed) {
   return needed && std::isfinite(*needed) ? nlohmann::json(std::ceil(*needed)) : nlohmann::json();
 }
 
-// Of every follower's variance at the last step: what statistics.csv cannot tell where errors are not normal.
+// Of every follower's variance at the last step.
 nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   nlohmann::json errors = nlohmann::json::array();
-  for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result)) {
-    const Moments& measured = of.measured;
-    errors.push_back(!std::isnan(of.fourth_moment) || !std::isnan(measured.fourth_deviations)
-                         ? standard_error_of_variance(of)
-                         : standard_error_of_variance(measured.variance(), measured.count, of.share.variance));
-  }
+  for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result))
+    errors.push_back(standard_error_of_variance(of));
   return errors;
 }
 
@@ -134,13 +130,25 @@ std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const
   return cells;
 }
 
+namespace {
+
+double known_variance(const ResultCell& of) {
+  return std::isnan(of.theoretical_variance) ? of.measured.variance() : of.theoretical_variance;
+}
+
+}  // namespace
+
+double standard_error_of_mean(const ResultCell& of) {
+  return standard_error_of_mean(known_variance(of), of.measured.count, of.share.mean);
+}
+
 double standard_error_of_variance(const ResultCell& of) {
   if (!std::isnan(of.fourth_moment)) {
     const double v = of.theoretical_variance;
     return std::sqrt((of.fourth_moment - v * v) / static_cast<double>(of.measured.count));
   }
   return std::isnan(of.measured.fourth_deviations)
-             ? standard_error_of_variance(of.theoretical_variance, of.measured.count, of.share.variance)
+             ? standard_error_of_variance(known_variance(of), of.measured.count, of.share.variance)
              : standard_error_of_variance(of.measured);
 }
 

@@ -54,9 +54,12 @@ std::vector<double> fourth_moments(const RunOptions& run, const Prediction& pred
 std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
                                  const RunResult& result);
 
-/// Standard error of the cell's variance [m^2]: of normal errors sqrt(2 / (n - 1)) times the theoretical variance
-/// (over time with n - 1 times the share, NaN where that is not known), of others sqrt((m_4 - v^2) / n) by the cell's
-/// fourth moment, else as it was measured.
+/// Standard errors of the cell's mean [m] and variance [m^2], everywhere the same: in reports, summaries, sweeps and
+/// messages. v is the theoretical variance where there is a theory, else the measured one. Mean: sqrt(v / n). Variance:
+/// of normal errors sqrt(2 / (n - 1)) v, of others sqrt((m_4 - v^2) / n) by the cell's fourth moment, else by the
+/// measured variance and fourth moment. Averages over time count n and n - 1 times the share; NaN where that is
+/// unknown.
+double standard_error_of_mean(const ResultCell& of);
 double standard_error_of_variance(const ResultCell& of);
 
 /// How far measurement and theory are apart. None where it cannot be said: no theory, fewer than two realizations

@@ -37,16 +37,10 @@ std::string truth(const std::optional<bool>& value) {
   return value ? *value ? "1" : "0" : "";
 }
 
-// fourth: NaN where there is none, see fourth_moments().
-std::string measured_columns(const Moments& measured, double theoretical_variance, double fourth) {
-  const double variance = measured.variance();
-  const double of_fourth =
-      std::sqrt((fourth - theoretical_variance * theoretical_variance) / static_cast<double>(measured.count));
-  return formatted("%llu,%.17g,%.17g,%.17g,%.17g,", static_cast<unsigned long long>(measured.count), measured.mean,
-                   standard_error_of_mean(variance, measured.count), variance,
-                   !std::isnan(fourth)                      ? of_fourth
-                   : std::isnan(measured.fourth_deviations) ? standard_error_of_variance(variance, measured.count)
-                                                            : standard_error_of_variance(measured));
+std::string measured_columns(const ResultCell& of) {
+  return formatted("%llu,%.17g,%.17g,%.17g,%.17g,", static_cast<unsigned long long>(of.measured.count),
+                   of.measured.mean, standard_error_of_mean(of), of.measured.variance(),
+                   standard_error_of_variance(of));
 }
 
 }  // namespace
@@ -67,14 +61,15 @@ std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configurat
   std::optional<bool> stable, agrees;
   if (known) stable = prediction.stability.decision();
   if (const std::optional<Agreement> found = measured_agreement(run, prediction, result)) agrees = found->agrees();
-  const std::vector<double> fourth = fourth_moments(run, prediction, result);
+  std::vector<std::vector<ResultCell>> cells;
+  for (std::int64_t k = sweep.all_steps ? 0 : run.steps - 1; k < run.steps; ++k)
+    cells.push_back(cells_at(k, run, prediction, result));
   std::string text;
   for (std::size_t i = sweep.all_followers ? 1 : run.followers; i <= run.followers; ++i) {
-    for (std::int64_t k = sweep.all_steps ? 0 : run.steps - 1; k < run.steps; ++k) {
-      const std::size_t c = cell(i, k, run.steps);
-      text += begin + formatted(",%zu,%lld,", i, static_cast<long long>(k)) +
-              measured_columns(result.moments[c], prediction.variance[c], fourth.empty() ? std::nan("") : fourth[c]) +
-              (known ? formatted("%.17g,%.17g,", prediction.mean[c], prediction.variance[c]) : ",,") + truth(stable) +
+    for (const std::vector<ResultCell>& at_step : cells) {
+      const ResultCell& of = at_step[i - 1];
+      text += begin + formatted(",%zu,%lld,", i, static_cast<long long>(of.step)) + measured_columns(of) +
+              (known ? formatted("%.17g,%.17g,", of.theoretical_mean, of.theoretical_variance) : ",,") + truth(stable) +
               "," + truth(agrees) + "\n";
     }
   }

@@ -136,7 +136,7 @@ TEST(WriteResults, PutsTheStandardErrorsOfTheVariancesIntoTheSummary) {
   const Prediction prediction = predict(configuration);
   RunResult result = result_with(configuration, prediction);
   Moments& last = result.moments[cell(2, 2, 3)];
-  const double gaussian = standard_error_of_variance(last.variance(), last.count);
+  const double gaussian = standard_error_of_variance(prediction.variance[cell(2, 2, 3)], last.count);
   EXPECT_EQ(written(configuration, prediction, result).summary["standard_error_of_variance"][1], gaussian);
   last.cubed_deviations = 0.0;
   last.fourth_deviations = 9.0 * last.variance() * last.variance() * static_cast<double>(last.count);
@@ -252,9 +252,8 @@ TEST(WriteResults, LabelsTimeAveragesAsSuch) {
   EXPECT_EQ(files.rows[2][1], "998");
   EXPECT_EQ(files.summary["time_average"], true);
   EXPECT_TRUE(files.summary["agreement"]["max_abs_z_mean"].is_null()) << "800 steps are too few";
-  EXPECT_EQ(
-      files.summary["standard_error_of_variance"][1],
-      standard_error_of_variance(result.moments[1].variance(), 800, prediction.error_correlation[1].of(800).variance));
+  EXPECT_EQ(files.summary["standard_error_of_variance"][1],
+            standard_error_of_variance(prediction.variance[1], 800, prediction.error_correlation[1].of(800).variance));
 }
 
 TEST(WriteResults, ReplacesItsFilesWhole) {
