@@ -92,7 +92,7 @@ class Refused(LaunchTest):
             configuration["version"] = "9.9.9"
             master.setParam("/test", "/platoon/of_another_version", json.dumps(configuration))
         self.follower(terminal.master, 3, "configuration:=of_another_version")
-        terminal.wait_for_text("stands still: vehicle_3 has sent nothing at all; it says: version: 9.9.9: must be ", 30)
+        terminal.wait_for_text("stands still: vehicle_3 has sent nothing at all; it reports: version: 9.9.9: must be ", 30)
 
     def test_a_vehicle_beyond_the_string_says_so_and_waits(self):
         terminal = self.launch_two_of_three()

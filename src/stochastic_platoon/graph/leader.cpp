@@ -91,17 +91,16 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
     }
   }
   if (!part_->credit.acknowledge(message->receiver, report, now(), message->messages)) {
-    if (message->note.rfind(kMissed, 0) == 0) {
+    if (message->notice == Progress::MISSED) {
       part_->credit.give_up(message->attempt, now());
       return publish_allowed();
     }
-    const bool notice = !message->note.empty();  // of a vehicle that cannot take part: the monitor's business
-    if (notice) return;
+    if (message->notice != Progress::NONE) return;  // the monitor shows it
     ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report from \"" << printable(shortened(message->receiver))
                                                                        << "\": it is no receiver of this run");
     return;
   }
-  if (message->note.rfind(kHoldsUp, 0) == 0) {
+  if (message->notice == Progress::BLOCKED) {
     part_->holding.insert(message->receiver);
   } else {
     part_->holding.erase(message->receiver);

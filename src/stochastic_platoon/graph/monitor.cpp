@@ -116,7 +116,7 @@ void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_ve
     positions_.push_back(node_of_vehicle(i).subscribe<Position, const PositionEvent&>(
         position_topic(i), kUnboundedQueue, callback, ros::VoidConstPtr(), no_delay()));
   }
-  others_ = platoon.subscribe(kProgressTopic, 100, &Monitor::receive_note, this);
+  others_ = platoon.subscribe(kProgressTopic, 100, &Monitor::receive_notice, this);
 }
 
 void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
@@ -148,11 +148,12 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
   reports_.report_if_due(statistics_.arrivals());
 }
 
-void Monitor::receive_note(const Progress::ConstPtr& message) {
+void Monitor::receive_notice(const Progress::ConstPtr& message) {
   if (message->receiver == "monitor" || message->run != membership_.run()) return;
   const Locked lock(lock_);
-  const bool room = notes_.size() <= configuration_.run.followers + configuration_.run.receivers().size();
-  if (room || notes_.count(message->receiver) > 0) notes_[message->receiver] = printable(message->note);
+  const bool room = notices_.size() <= configuration_.run.followers + configuration_.run.receivers().size();
+  if (room || notices_.count(message->receiver) > 0)
+    notices_[message->receiver] = {message->notice, message->attempt, printable(message->note)};
 }
 
 void Monitor::tick() {
@@ -168,7 +169,8 @@ void Monitor::tick() {
     if (reports_.is_linked(positions_)) reports_.report(statistics_.arrivals());
     complete = statistics_.arrivals().complete();
     committed = statistics_.arrivals().committed();
-    recorder = notes_["recorder"];
+    const auto notice = notices_.find("recorder");
+    if (notice != notices_.end()) recorder = notice->second.text;
     departs = statistics_.leader_departs();
   }
   if (finished_) return;
@@ -294,6 +296,7 @@ void Monitor::check_for_stall(double present) {
     if (change == StallWatch::Change::moving) {
       moves = formatted(", after %.1f s and %u retries", present - present_stall_.since, retries());
       present_stall_ = {};
+      notices_.clear();
     } else if (change == StallWatch::Change::stalled) {
       present_stall_ = {culprit(), *stall_.last_arrival(), statistics_.arrivals().attempt()};
       stands = present_stall_.culprit;
@@ -329,17 +332,25 @@ Diagnostics::Fill Monitor::status() {
 }
 
 std::string Monitor::culprit() const {
-  for (const auto& note : notes_) {
-    if (note.second.rfind(kHoldsUp, 0) == 0) return note.first + " " + note.second;
+  for (const auto& [component, notice] : notices_) {
+    if (notice.kind == Progress::BLOCKED) return component + " holds the platoon up: " + notice.text;
   }
   std::string missing = name_of_missing();
   if (!missing.empty()) return missing;
   const StallDiagnosis diagnosis =
       diagnose_stall(statistics_.arrivals().latest(), configuration_.run.schedule(), configuration_.run.longest_lead(),
                      configuration_.run.external, statistics_.arrivals().latest_of_any_attempt());
-  const auto note = notes_.find(name_of(diagnosis.vehicle.value_or(0)));
-  const bool explained = diagnosis.vehicle && note != notes_.end();
-  return diagnosis.text + (explained ? "; it says: " + note->second : "") + breach_of(diagnosis.vehicle.value_or(0));
+  if (!diagnosis.vehicle) return diagnosis.text;
+  return diagnosis.text + explanation_of(*diagnosis.vehicle) + breach_of(*diagnosis.vehicle);
+}
+
+// What the vehicle has reported of this run, or of the present attempt.
+std::string Monitor::explanation_of(std::size_t vehicle) const {
+  const auto found = notices_.find(name_of(vehicle));
+  if (found == notices_.end()) return "";
+  const Notice& notice = found->second;
+  const bool is_present = notice.kind == Progress::REJECTED || notice.attempt == statistics_.arrivals().attempt();
+  return is_present ? "; it reports: " + notice.text : "";
 }
 
 // The clause that an external vehicle violates which blocks the platoon.

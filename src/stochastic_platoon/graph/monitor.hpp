@@ -68,14 +68,20 @@ private:
     double since = 0.0;               ///< [s]
     std::uint32_t first_attempt = 0;  ///< in which it stood still
   };
+  struct Notice {
+    std::uint8_t kind;  ///< of Progress
+    std::uint32_t attempt;
+    std::string text;
+  };
   void subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle);
   void receive(std::size_t vehicle, const PositionEvent& event);
-  void receive_note(const stochastic_platoon::Progress::ConstPtr& message);
+  void receive_notice(const stochastic_platoon::Progress::ConstPtr& message);
   void tick();
   void note_arrival(double present);
   void check_for_stall(double present);
   std::uint32_t retries() const { return statistics_.arrivals().attempt() - present_stall_.first_attempt; }
   std::string culprit() const;
+  std::string explanation_of(std::size_t vehicle) const;
   std::string breach_of(std::size_t vehicle) const;
   std::vector<std::size_t> missing_vehicles() const;
   std::string name_of_missing() const;
@@ -95,7 +101,7 @@ private:
   Prediction prediction_;
   double wall_seconds_before_;  ///< [s] of earlier launches
 
-  SpinLock lock_;  ///< of what several threads use, down to `notes_`
+  SpinLock lock_;  ///< of what several threads use, down to `notices_`
   RunStatistics statistics_;
   std::vector<SolePublisher> vehicles_;  ///< each for the one thread that receives from the vehicle
   std::vector<DropCounter> drops_;
@@ -107,7 +113,7 @@ private:
   std::uint64_t most_messages_ = 0;              ///< of an attempt, since the latest complete step
   Acknowledgement complete_{0, 0, kNothingYet};  ///< latest step that has arrived from all vehicles
   std::optional<double> began_;                  ///< [s] first complete step of this launch
-  std::map<std::string, std::string> notes_;     ///< what other components say of themselves
+  std::map<std::string, Notice> notices_;        ///< the latest of each other component
 
   ProgressDisplay display_;
   RetryPause disk_;

@@ -14,10 +14,6 @@
 
 namespace platoon {
 
-/// A vehicle's note that begins so says which attempt it cannot follow, a receiver's why the platoon stands still.
-constexpr char kMissed[] = "has missed messages of attempt ";
-constexpr char kHoldsUp[] = "holds the platoon up: ";
-
 constexpr double kHeartbeat = 0.05;  ///< [s] between reports when nothing else calls for one
 
 /// A receiver's reports on topic progress: what the leader's credit lives on.
@@ -39,9 +35,17 @@ public:
   void report(const Arrivals& arrivals);
 
   void set_finished() { message_.finished = true; }
-  void set_note(const std::string& note) { message_.note = note; }
+  /// A text for the progress display.
+  void set_note(const std::string& note) { set_notice(stochastic_platoon::Progress::NONE, note); }
+  /// The receiver cannot go on, for this reason.
+  void set_blocked(const std::string& reason) { set_notice(stochastic_platoon::Progress::BLOCKED, reason); }
 
 private:
+  void set_notice(std::uint8_t notice, const std::string& note) {
+    message_.notice = notice;
+    message_.note = note;
+  }
+
   ReportPace pace_;
   bool linked_ = false;
   stochastic_platoon::Progress message_;

@@ -157,7 +157,7 @@ void Recorder::tick() {
 // the leader begins again at once.
 void Recorder::report() {
   if (!recording_) {
-    reports_.set_note(kHoldsUp + refusal_);
+    reports_.set_blocked(refusal_);
     return reports_.report(reported_);
   }
   const double megabytes = static_cast<double>(recording_->bytes()) * 1e-6;

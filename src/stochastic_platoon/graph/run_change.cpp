@@ -102,7 +102,7 @@ void RunChange::begin_if_asked() {
   notice.receiver = kChangeRunService;
   notice.run = run_identity(next);
   notice.step = kNothingYet;
-  notice.note = "begins this run";
+  notice.notice = stochastic_platoon::Progress::BEGINS;
   notices_.publish(notice);
   begin_(next);
 }

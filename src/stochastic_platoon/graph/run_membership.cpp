@@ -113,21 +113,23 @@ void RunMembership::refuse(std::uint64_t run, const std::string& reason) {
   if (said == last_reason_) return;
   last_reason_ = said;
   ROS_WARN_STREAM(said);
-  tell(run, 0, reason);
+  notify(stochastic_platoon::Progress::REJECTED, run, 0, reason);
 }
 
 void RunMembership::tell_missed(std::uint32_t attempt) {
   if (missed_ == std::make_pair(run(), attempt)) return;
   missed_ = {run(), attempt};
-  tell(run(), attempt, kMissed + std::to_string(attempt));
+  notify(stochastic_platoon::Progress::MISSED, run(), attempt,
+         "has missed messages of attempt " + std::to_string(attempt));
 }
 
-void RunMembership::tell(std::uint64_t run, std::uint32_t attempt, const std::string& note) {
+void RunMembership::notify(std::uint8_t kind, std::uint64_t run, std::uint32_t attempt, const std::string& note) {
   stochastic_platoon::Progress notice;
   notice.receiver = name_;
   notice.run = run;
   notice.attempt = attempt;
   notice.step = kNothingYet;
+  notice.notice = kind;
   notice.note = note;
   // By the node's own thread: the one that receives may hold locks of roscpp that do not go before those of advertise.
   const auto publish = [this, notice] {

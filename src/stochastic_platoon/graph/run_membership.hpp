@@ -52,7 +52,7 @@ public:
 private:
   bool looks_and_admits(std::uint64_t run);
   void refuse(std::uint64_t run, const std::string& reason);
-  void tell(std::uint64_t run, std::uint32_t attempt, const std::string& note);
+  void notify(std::uint8_t kind, std::uint64_t run, std::uint32_t attempt, const std::string& note);
 
   ros::NodeHandle platoon_;
   std::string name_;

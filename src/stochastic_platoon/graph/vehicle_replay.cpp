@@ -169,7 +169,7 @@ void VehicleReplay::drop(Verdict verdict, const Position& live) {
 
 void VehicleReplay::receive_note(const Progress::ConstPtr& message) {
   const bool missed = message->receiver == name_ && message->run == run_ && message->attempt == last_attempt_ &&
-                      message->note.rfind(kMissed, 0) == 0;
+                      message->notice == Progress::MISSED;
   if (!missed || done_) return;
   if (credit_.give_up(now())) begin_again();
   send_allowed();
