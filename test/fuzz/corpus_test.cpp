@@ -1,5 +1,5 @@
-// The harnesses answer everything in the corpora, and what is whole there is so still: after a change of a format the fuzzers would
-// be left with seeds that are refused at once.
+// The harnesses answer everything in the corpora, and what is whole there is so still: after a change of a format the
+// fuzzers would be left with seeds that are refused at once.
 
 #include <gtest/gtest.h>
 
