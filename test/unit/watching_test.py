@@ -14,7 +14,6 @@ import time
 import tracemalloc
 import types
 import unittest
-import xml.etree.ElementTree
 
 sys.dont_write_bytecode = True
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "tools")
@@ -385,36 +384,6 @@ class Ordered(unittest.TestCase):
         self.known = {"endless": True}
         self.assertEqual(self.commands.obey({"command": "speed", "speed": 20}), (True, "speed 20 m/s"))
         self.assertEqual(self.published, [20.0])
-
-
-class Layouts(unittest.TestCase):
-    """The layouts for PlotJuggler and Foxglove cannot be opened here: what they draw is at least what the platoon publishes."""
-
-    PACKAGE = os.path.join(TOOLS, "..", "..")
-    TYPES = {"error_statistics": "ErrorStatistics", "snapshot": "Snapshot"}
-
-    def check(self, topic, field):
-        with open(os.path.join(self.PACKAGE, "msg", self.TYPES[topic] + ".msg")) as file:
-            self.assertRegex(file.read(), r"(?m)^float64\[\] {}\b".format(field))
-
-    def test_of_plotjuggler(self):
-        root = xml.etree.ElementTree.parse(os.path.join(self.PACKAGE, "config", "platoon.plotjuggler.xml")).getroot()
-        curves = [curve.get("name") for curve in root.iter("curve")]
-        self.assertEqual(len(curves), 24)
-        for curve in curves:
-            self.check(*re.fullmatch(r"/platoon/(\w+)/(\w+)\[\d+\]", curve).groups())
-        listened = next(root.iter("selected_topics")).get("list").split(";")
-        self.assertEqual(set(listened), {"/platoon/" + curve.split("/")[2] for curve in curves})
-
-    def test_of_foxglove(self):
-        with open(os.path.join(self.PACKAGE, "config", "platoon.foxglove.json")) as file:
-            layout = json.load(file)
-        paths = [path["value"] for panel in layout["configById"].values() for path in panel.get("paths", [])]
-        self.assertEqual(len(paths), 14)
-        for path in paths:
-            self.check(*re.fullmatch(r"/platoon/(\w+)\.(\w+)\[(?:\d+|:)\]", path).groups())
-        shown = re.findall(r"\w+!\w+", json.dumps(layout["layout"]))
-        self.assertEqual(sorted(shown), sorted(layout["configById"]))
 
 
 if __name__ == "__main__":
