@@ -1,5 +1,7 @@
 #include "stochastic_platoon/delivery/message_order.hpp"
 
+#include <tuple>
+
 namespace platoon {
 
 const char* to_string(Verdict verdict) {
@@ -28,6 +30,13 @@ bool MessageOrder::continues(const MessageId& id) const {
     return id.step == kInitialStep && id.first_realization == schedule_.next(latest_->first_realization);
   }
   return id.first_realization == latest_->first_realization && id.step == latest_->step + 1;
+}
+
+bool MessageOrder::has_missed(Verdict verdict, const MessageId& id, std::int64_t first_loss) const {
+  if (!may_be_reported(schedule_, id)) return false;  // there is no such message
+  if (verdict == Verdict::missed_start) return id.step >= first_loss;
+  return verdict == Verdict::out_of_turn && latest_ && id.attempt == latest_->attempt &&
+         std::tie(id.first_realization, id.step) > std::tie(latest_->first_realization, latest_->step);
 }
 
 Verdict MessageOrder::receive(const Heading& heading) {

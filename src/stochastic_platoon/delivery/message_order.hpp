@@ -31,6 +31,10 @@ public:
   /// Judges a message and, if it is in turn, moves on.
   Verdict receive(const Heading& heading);
 
+  /// Whether a dropped message shows that earlier ones are lost: there is a gap, or the receiver came up during the
+  /// attempt. While nodes come up, the leader's first step brings messages of steps below `first_loss` late at most.
+  bool has_missed(Verdict verdict, const MessageId& id, std::int64_t first_loss) const;
+
   /// The latest message taken, if any.
   const std::optional<MessageId>& latest() const { return latest_; }
 

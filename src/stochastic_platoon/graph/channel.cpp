@@ -18,8 +18,8 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
       messages_(messages),
       told_(std::move(told)) {
   for (std::uint32_t i = first; i <= last; ++i) {
-    wires_.push_back({i, std::nullopt, std::nullopt, SolePublisher(platoon.resolveName(position_topic(i - 1))),
-                      DropCounter(platoon.resolveName(position_topic(i - 1)) + " (channel)"), Activity(),
+    wires_.push_back({i, std::nullopt, std::nullopt,
+                      PositionInput(membership_, platoon.resolveName(position_topic(i - 1)), " (channel)"),
                       platoon.advertise<Position>(predecessor_position_topic(i), kUnboundedQueue), ros::Subscriber()});
   }
   membership_.join(configuration);
@@ -50,20 +50,19 @@ void Channel::begin(const Configuration& configuration) {
 
 VitalSigns::Sources Channel::sources() const {
   VitalSigns::Sources all;
-  for (const Wire& wire : wires_) all.emplace_back(&wire.activity, &wire.drops);
+  for (const Wire& wire : wires_) all.emplace_back(&wire.input.activity(), &wire.input.drops());
   return all;
 }
 
 void Channel::transmit(Wire& wire, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
   const MessageId id = id_of(*message);
-  if (!membership_.admits(message->run)) return wire.drops.count(Verdict::foreign_run, id, message->position.size());
-  if (over_ || !wire.sender.admits(event.getConnectionHeaderPtr(), message->run)) return;
+  if (!wire.input.admits(event) || over_) return;
   if (wire.order) {
-    const Verdict verdict = wire.order->receive(heading_of(*message));
-    if (verdict != Verdict::in_turn) return wire.drops.count(verdict, id, message->position.size());
+    if (!wire.input.takes(heading_of(*message), *wire.order, wire.follower)) return;
+  } else {
+    wire.input.takes(Verdict::in_turn, id, message->position.size());
   }
-  wire.activity.count(id);
   const auto received = messages_.take();
   received->header = message->header;
   set_id(message->run, id, *received);

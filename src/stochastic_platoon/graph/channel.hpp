@@ -12,10 +12,9 @@
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/message_order.hpp"
 #include "stochastic_platoon/graph/diagnostics.hpp"
-#include "stochastic_platoon/graph/drop_counter.hpp"
+#include "stochastic_platoon/graph/position_input.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
 #include "stochastic_platoon/graph/snapshots.hpp"
-#include "stochastic_platoon/graph/sole_publisher.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/messages/message_pool.hpp"
 #include "stochastic_platoon/model/link.hpp"
@@ -25,7 +24,7 @@ namespace platoon {
 /// The links into followers first .. last as one ROS component. A link without state, such as the paper's,
 /// passes every message on at once with the noise its name calls for, so that a restart has no consequence but
 /// what was on the way. One that keeps state takes its messages in turn, as a vehicle does, and so waits for a
-/// step -1 after a restart. As a vehicle does, it may outlive runs.
+/// step -1 after a restart, which it asks the leader for. As a vehicle does, it may outlive runs.
 ///
 /// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = first .. last. Both
 /// stochastic_platoon/Position.
@@ -44,9 +43,7 @@ private:
     std::uint32_t follower;
     std::optional<Link> link;
     std::optional<MessageOrder> order;  ///< of a link that keeps state
-    SolePublisher sender;
-    DropCounter drops;
-    Activity activity;
+    PositionInput input;
     ros::Publisher received;
     ros::Subscriber sent;
   };

@@ -1,6 +1,5 @@
 #include "stochastic_platoon/graph/follower.hpp"
 
-#include <tuple>
 #include <utility>
 
 #include "stochastic_platoon/delivery/lead.hpp"
@@ -17,8 +16,7 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
       joined_(std::move(joined)),
       membership_(platoon, "vehicle_" + std::to_string(index), 0,
                   [this](const Configuration& configuration) { begin(configuration); }),
-      predecessor_(platoon.resolveName(predecessor_position_topic(index))),
-      drops_(platoon.resolveName(predecessor_position_topic(index))),
+      input_(membership_, platoon.resolveName(predecessor_position_topic(index))),
       messages_(messages),
       position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)) {
   if (present) membership_.join(*present);
@@ -42,18 +40,11 @@ void Follower::begin(const Configuration& configuration) {
 
 void Follower::receive(const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
-  if (!membership_.admits(message->run)) {
-    return drops_.count(Verdict::foreign_run, id_of(*message), message->position.size());
-  }
-  if (!predecessor_.admits(event.getConnectionHeaderPtr(), message->run)) return;
+  if (!input_.admits(event)) return;
   const Heading heading = heading_of(*message);
+  // While nodes come up, the predecessor reaches step i - 2 at most.
+  if (!input_.takes(heading, part_->order, index_)) return;
   const MessageId& id = heading.id;
-  const Verdict verdict = part_->order.receive(heading);
-  if (verdict != Verdict::in_turn) {
-    if (has_missed(verdict, id)) membership_.tell_missed(id.attempt);
-    return drops_.count(verdict, id, heading.size);
-  }
-  activity_.count(id);
   const ros::Time stamp = message->header.stamp;
   if (id.step == kInitialStep) {
     const auto initial = messages_.take();
@@ -70,16 +61,6 @@ void Follower::receive(const PositionEvent& event) {
   } else {
     part_->upcoming = next;
   }
-}
-
-// Whether messages before this one are gone for good: there is a gap, or it came up while the attempt was under
-// way. The leader's first step alone, while nodes come up, brings its predecessor to step i - 2 at most.
-bool Follower::has_missed(Verdict verdict, const MessageId& id) const {
-  if (!may_be_reported(part_->schedule, id)) return false;  // there is no such message
-  if (verdict == Verdict::missed_start) return id.step >= static_cast<std::int64_t>(index_);
-  const std::optional<MessageId>& latest = part_->order.latest();
-  return verdict == Verdict::out_of_turn && latest && id.attempt == latest->attempt &&
-         std::tie(id.first_realization, id.step) > std::tie(latest->first_realization, latest->step);
 }
 
 void Follower::publish(const Position::Ptr& message, const MessageId& id, const ros::Time& stamp) {

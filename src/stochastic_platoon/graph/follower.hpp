@@ -10,9 +10,8 @@
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/message_order.hpp"
 #include "stochastic_platoon/graph/diagnostics.hpp"
-#include "stochastic_platoon/graph/drop_counter.hpp"
+#include "stochastic_platoon/graph/position_input.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
-#include "stochastic_platoon/graph/sole_publisher.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/messages/message_pool.hpp"
 #include "stochastic_platoon/model/vehicle.hpp"
@@ -38,7 +37,7 @@ public:
            const MessagePool& messages, Joined joined = {});
 
   /// What it has taken and dropped.
-  VitalSigns::Sources sources() const { return {{&activity_, &drops_}}; }
+  VitalSigns::Sources sources() const { return {{&input_.activity(), &input_.drops()}}; }
 
 private:
   /// What it is within one run.
@@ -52,16 +51,13 @@ private:
   };
   void begin(const Configuration& configuration);
   void receive(const PositionEvent& event);
-  bool has_missed(Verdict verdict, const MessageId& id) const;
   void publish(const stochastic_platoon::Position::Ptr& message, const MessageId& id, const ros::Time& stamp);
 
   std::uint32_t index_;
   Joined joined_;
   RunMembership membership_;
   std::optional<Part> part_;
-  SolePublisher predecessor_;
-  DropCounter drops_;
-  Activity activity_;
+  PositionInput input_;
   MessagePool messages_;
   ros::Publisher position_;
   ros::Subscriber predecessor_position_;

@@ -77,7 +77,6 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration, co
       membership_(platoon, "monitor", run_identity(configuration), std::move(superseded)),
       prediction_(predict(configuration)),
       statistics_(configuration, checkpoint_of(configuration)),
-      activity_(configuration.run.followers + 1),
       reports_(platoon, "monitor", configuration),
       display_(configuration.run.realizations, "realizations",
                static_cast<double>(configuration.run.followers) * static_cast<double>(configuration.run.steps),
@@ -104,10 +103,8 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration, co
 void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle) {
   const std::size_t followers = configuration_.run.followers;
   for (std::size_t i = 0; i <= followers; ++i) {
-    const bool external = configuration_.run.is_external(i);
-    const std::string topic = platoon.resolveName(position_topic(i));
-    vehicles_.emplace_back(topic, external ? "; the vehicle is external: " + named(Clause::one_publisher) : "");
-    drops_.emplace_back(topic, external ? name_of(i) : "");
+    const std::string external = configuration_.run.is_external(i) ? name_of(i) : "";
+    inputs_.emplace_back(membership_, platoon.resolveName(position_topic(i)), "", external);
   }
   for (std::size_t i = 0; i <= followers; ++i) {
     const boost::function<void(const PositionEvent&)> callback = [this, i](const PositionEvent& event) {
@@ -121,22 +118,16 @@ void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_ve
 
 void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
-  const bool of_this_run = membership_.admits(message->run);
-  if (!of_this_run && membership_.is_over()) return;
-  if (of_this_run && !vehicles_[vehicle].admits(event.getConnectionHeaderPtr(), message->run)) return;
+  if (!inputs_[vehicle].admits(event)) return;
   const Heading heading = heading_of(*message);
-  RunStatistics::Receipt receipt{Verdict::foreign_run, {}};
+  RunStatistics::Receipt receipt;
   {
     const Locked lock(lock_);
-    if (of_this_run) {
-      statistics_.saw(message->header.stamp.toNSec());
-      reports_.saw(message->header.stamp.toNSec());
-      receipt = statistics_.receive(vehicle, heading, positions_of(message));
-    }
-    if (receipt.verdict != Verdict::in_turn) return drops_[vehicle].count(receipt.verdict, heading.id, heading.size);
+    statistics_.saw(message->header.stamp.toNSec());
+    reports_.saw(message->header.stamp.toNSec());
+    receipt = statistics_.receive(vehicle, heading, positions_of(message));
   }
-  drops_[vehicle].forget_breach();
-  activity_[vehicle].count(heading.id);
+  if (!inputs_[vehicle].takes(receipt.verdict, heading.id, heading.size)) return;
   if (snapshots_.wanted()) snapshots_.take(vehicle, *message);
   const RunStatistics::Computed computed = statistics_.compute(receipt.work);
   const Locked lock(lock_);
@@ -312,7 +303,7 @@ void Monitor::check_for_stall(double present) {
 
 Diagnostics::Fill Monitor::status() {
   VitalSigns::Sources sources;
-  for (std::size_t i = 0; i < activity_.size(); ++i) sources.emplace_back(&activity_[i], &drops_[i]);
+  for (const PositionInput& input : inputs_) sources.emplace_back(&input.activity(), &input.drops());
   return [this, signs = VitalSigns(std::move(sources))](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
     signs.add_to(status);
     std::string who;
@@ -356,7 +347,7 @@ std::string Monitor::explanation_of(std::size_t vehicle) const {
 // The clause that an external vehicle violates which blocks the platoon.
 std::string Monitor::breach_of(std::size_t vehicle) const {
   if (!configuration_.run.is_external(vehicle)) return "";
-  const std::optional<Verdict> breach = drops_[vehicle].latest_breach();
+  const std::optional<Verdict> breach = inputs_[vehicle].latest_breach();
   const std::string what = breach ? std::string("what it sent last was dropped, as ") + to_string(*breach) + "; " : "";
   return "; the vehicle is external: " + what + named(breach ? *broken_clause(*breach) : Clause::answer);
 }

@@ -15,12 +15,11 @@
 #include "stochastic_platoon/configuration/configuration.hpp"
 #include "stochastic_platoon/delivery/stall_watch.hpp"
 #include "stochastic_platoon/graph/diagnostics.hpp"
-#include "stochastic_platoon/graph/drop_counter.hpp"
+#include "stochastic_platoon/graph/position_input.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/run_change.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
 #include "stochastic_platoon/graph/snapshots.hpp"
-#include "stochastic_platoon/graph/sole_publisher.hpp"
 #include "stochastic_platoon/graph/spin_lock.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/io/progress_display.hpp"
@@ -103,9 +102,7 @@ private:
 
   SpinLock lock_;  ///< of what several threads use, down to `notices_`
   RunStatistics statistics_;
-  std::vector<SolePublisher> vehicles_;  ///< each for the one thread that receives from the vehicle
-  std::vector<DropCounter> drops_;
-  std::vector<Activity> activity_;
+  std::vector<PositionInput> inputs_;  ///< each for the one thread that receives from the vehicle
   ProgressReports reports_;
   StallWatch stall_;
   Stall present_stall_;

@@ -51,14 +51,12 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration, 
       membership_(platoon, "recorder", run_identity(configuration), std::move(superseded)),
       name_space_(parent_of(platoon.resolveName(kConfigurationTopic))),
       reported_(configuration.run.schedule(), streams_of(configuration.run), configuration.run.first_realization, 0),
-      activity_(streams_of(configuration.run)),
       reports_(platoon, "recorder", configuration) {
   ignore_file_size_signal();
   begin();
   for (std::size_t s = 0; s < streams_of(configuration.run); ++s) {
     const std::string topic = topic_of_stream(s, configuration.run, name_space_);
-    publishers_.emplace_back(topic);
-    drops_.emplace_back(topic);
+    inputs_.emplace_back(membership_, topic);
   }
   for (std::size_t s = 0; s < streams_of(configuration.run); ++s) {
     const boost::function<void(const PositionEvent&)> callback = [this, s](const PositionEvent& event) {
@@ -89,7 +87,7 @@ void Recorder::begin() {
 
 VitalSigns::Sources Recorder::sources() const {
   VitalSigns::Sources all;
-  for (std::size_t s = 0; s < activity_.size(); ++s) all.emplace_back(&activity_[s], &drops_[s]);
+  for (const PositionInput& input : inputs_) all.emplace_back(&input.activity(), &input.drops());
   return all;
 }
 
@@ -99,10 +97,7 @@ void Recorder::stop() {
 
 void Recorder::receive(std::size_t stream, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
-  const MessageId id = id_of(*message);
-  const std::size_t size = message->position.size();
-  if (!membership_.admits(message->run)) return drops_[stream].count(Verdict::foreign_run, id, size);
-  if (!publishers_[stream].admits(event.getConnectionHeaderPtr(), message->run)) return;
+  if (!inputs_[stream].admits(event)) return;
   if (message->header.stamp.isZero()) {
     ROS_WARN_STREAM_THROTTLE(1.0, topic_of_stream(stream, configuration_.run, name_space_)
                                       << ": dropped a message without a stamp, which a bag cannot hold; "
@@ -113,8 +108,7 @@ void Recorder::receive(std::size_t stream, const PositionEvent& event) {
   if (!recording_) return;
   write([&] {
     const Verdict verdict = recording_->receive(stream, message);
-    if (verdict != Verdict::in_turn) return drops_[stream].count(verdict, id, size);
-    activity_[stream].count(id);
+    if (!inputs_[stream].takes(verdict, id_of(*message), message->position.size())) return;
     if (!began_) began_ = now();
     if (pause_.is_on() && recording_->bytes() > tried_at_ + kBytesOfSuccess) {
       ROS_WARN_STREAM(configuration_.run.record << ": is recorded again");

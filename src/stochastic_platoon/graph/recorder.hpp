@@ -10,10 +10,9 @@
 
 #include "stochastic_platoon/bags/run_recording.hpp"
 #include "stochastic_platoon/graph/diagnostics.hpp"
-#include "stochastic_platoon/graph/drop_counter.hpp"
+#include "stochastic_platoon/graph/position_input.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/run_membership.hpp"
-#include "stochastic_platoon/graph/sole_publisher.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/io/retry_pause.hpp"
 
@@ -58,9 +57,7 @@ private:
   RetryPause pause_;
   std::uint64_t tried_at_ = 0;  ///< bytes in the file when it was last begun
   std::string refusal_;         ///< by the disk, of the latest try
-  std::vector<SolePublisher> publishers_;
-  std::vector<DropCounter> drops_;
-  std::vector<Activity> activity_;
+  std::vector<PositionInput> inputs_;
   std::optional<double> began_;  ///< [s] first message
   ProgressReports reports_;
   std::vector<ros::Subscriber> positions_;

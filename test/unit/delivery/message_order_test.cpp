@@ -107,6 +107,19 @@ TEST(MessageOrder, RefusesPositionsThatAreNotFiniteAndTakesTheRightOnesAfterThem
   EXPECT_EQ(receive(order, {1, 0, 2}), Verdict::in_turn);
 }
 
+TEST(MessageOrder, RecognizesLostMessages) {
+  MessageOrder late(kSchedule);  // came up during attempt 1
+  EXPECT_FALSE(late.has_missed(Verdict::missed_start, {1, 0, 1}, 2)) << "a step that start-up explains";
+  EXPECT_TRUE(late.has_missed(Verdict::missed_start, {1, 0, 2}, 2));
+  const MessageOrder order = after(2, 8, 0);
+  EXPECT_TRUE(order.has_missed(Verdict::out_of_turn, {2, 8, 2}, 0)) << "a gap";
+  EXPECT_TRUE(order.has_missed(Verdict::out_of_turn, {2, 16, -1}, 0)) << "the end of a batch";
+  EXPECT_FALSE(order.has_missed(Verdict::out_of_turn, {2, 8, -1}, 0)) << "a duplicate";
+  EXPECT_FALSE(order.has_missed(Verdict::stale, {1, 8, 2}, 0));
+  EXPECT_FALSE(order.has_missed(Verdict::in_turn, {2, 8, 0}, 0));
+  EXPECT_FALSE(order.has_missed(Verdict::missed_start, {3, 28, 1}, 0)) << "no such message";
+}
+
 TEST(MessageOrder, OfAnEndlessRunNeverEndsItsBatch) {
   MessageOrder order(BatchSchedule{1, 1, 0});
   for (std::int64_t step = -1; step < 1000; ++step) {
