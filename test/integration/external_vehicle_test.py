@@ -186,7 +186,7 @@ class Contract(OwnTest):
         self.assertRegex(said, stands.format(4, 100, "", 2))
         for step, first, what, number in ((5, 200, "out of turn", 6), (4, 300, "wrong batch size", 3), (4, 400, "not finite", 4),
                                           (4, 500, "of another run", 11)):
-            self.assertRegex(said, stands.format(step, first, "what it sent last was dropped, as {}; ".format(what), number))
+            self.assertRegex(said, stands.format(step, first, "its last message was dropped, as {}; ".format(what), number))
         self.assertRegex(said, r"/platoon/vehicle_2/position: dropped a message that is out of turn: .*vehicle_2 is external: it violates clause 6 of")
         summary = live_platoon.completed_summary(self.output)
         self.assertEqual(summary["positions_lost"], 0)

@@ -10,11 +10,8 @@
 #include <chrono>
 #include <cstdio>
 #include <mutex>
-#include <tuple>
 #include <utility>
 
-#include "stochastic_platoon/delivery/lead.hpp"
-#include "stochastic_platoon/delivery/stall_diagnosis.hpp"
 #include "stochastic_platoon/graph/overview.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/io/text.hpp"
@@ -34,14 +31,17 @@ namespace {
 
 using Locked = std::lock_guard<SpinLock>;
 
-constexpr double kCheckpointPeriod = 1.0;     // [s]
-constexpr double kStartTime = 0.05;           // [s] a vehicle, from launch to its first message
-constexpr double kStallWithoutTimeout = 2.0;  // [s] until the monitor says so, where the leader waits for ever
-constexpr double kSettled = 0.3;              // [s] without a message until what an attempt got to is looked at
-constexpr double kStatisticsPeriod = 1.0;     // [s] of an ensemble; an endless run publishes with every heartbeat
+constexpr double kCheckpointPeriod = 1.0;  // [s]
+constexpr double kStatisticsPeriod = 1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
 
 std::string name_of(std::size_t vehicle) {
   return "vehicle_" + std::to_string(vehicle);
+}
+
+std::vector<std::string> topics_of(const ros::NodeHandle& platoon, const RunOptions& run) {
+  std::vector<std::string> topics;
+  for (std::size_t i = 0; i <= run.followers; ++i) topics.push_back(platoon.resolveName(position_topic(i)));
+  return topics;
 }
 
 std::optional<Checkpoint> checkpoint_of(const Configuration& configuration) {
@@ -78,6 +78,7 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration, co
       prediction_(predict(configuration)),
       statistics_(configuration, checkpoint_of(configuration)),
       reports_(platoon, "monitor", configuration),
+      stall_(configuration.run, topics_of(platoon, configuration.run)),
       display_(configuration.run.realizations, "realizations",
                static_cast<double>(configuration.run.followers) * static_cast<double>(configuration.run.steps),
                "vehicle-steps"),
@@ -133,7 +134,7 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
   const Locked lock(lock_);
   const double present = now();
   const bool committed = statistics_.settle(computed);
-  note_arrival(present);
+  stall_.note_arrival(statistics_.arrivals(), present);
   if (!began_ && statistics_.arrivals().acknowledgement().step != kNothingYet) began_ = present;
   if (committed) statistics_.set_wall_seconds(wall_seconds_before_ + (began_ ? present - *began_ : 0.0));
   reports_.report_if_due(statistics_.arrivals());
@@ -142,9 +143,7 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
 void Monitor::receive_notice(const Progress::ConstPtr& message) {
   if (message->receiver == "monitor" || message->run != membership_.run()) return;
   const Locked lock(lock_);
-  const bool room = notices_.size() <= configuration_.run.followers + configuration_.run.receivers().size();
-  if (room || notices_.count(message->receiver) > 0)
-    notices_[message->receiver] = {message->notice, message->attempt, printable(message->note)};
+  stall_.receive(message->receiver, {message->notice, message->attempt, printable(message->note)});
 }
 
 void Monitor::tick() {
@@ -160,8 +159,7 @@ void Monitor::tick() {
     if (reports_.is_linked(positions_)) reports_.report(statistics_.arrivals());
     complete = statistics_.arrivals().complete();
     committed = statistics_.arrivals().committed();
-    const auto notice = notices_.find("recorder");
-    if (notice != notices_.end()) recorder = notice->second.text;
+    recorder = stall_.text_of("recorder");
     departs = statistics_.leader_departs();
   }
   if (finished_) return;
@@ -254,51 +252,25 @@ void Monitor::stop() {
   std::fflush(stdout);
 }
 
-// An attempt that gets no further brings messages, too: only more of them than in any since the latest complete step
-// are progress.
-void Monitor::note_arrival(double present) {
-  last_message_ = present;
-  const std::uint64_t messages = statistics_.arrivals().messages();
-  if (messages > most_messages_) {
-    most_messages_ = messages;
-    stall_.arrived(present);
-  }
-  const Acknowledgement report = statistics_.arrivals().acknowledgement();
-  const bool step = report.step != kNothingYet || report.first_realization > complete_.first_realization;
-  const bool new_step = step && std::tie(report.attempt, report.first_realization, report.step) !=
-                                    std::tie(complete_.attempt, complete_.first_realization, complete_.step);
-  if (new_step) {
-    most_messages_ = messages;
-    stall_.completed_step(present);
-  }
-  complete_ = report;
-}
-
-// Said once when it is noticed, when another one is found to be the reason, and once when it is over.
+// Logs a stall once when it begins, when its reason changes, and once when it ends.
 void Monitor::check_for_stall(double present) {
-  const RunOptions& run = configuration_.run;
-  std::string stands, moves;
+  StallReporter::Change change;
   {
     const Locked lock(lock_);
-    const double pace = run.rate > 0.0 ? 1.0 / run.rate + (began_ ? 0.0 : kObserverTime) : 0.0;
-    const double start = began_ ? 0.0 : kStartTime * static_cast<double>(run.followers);
-    const double patience = run.stall_timeout > 0.0 ? run.stall_timeout : kStallWithoutTimeout;
-    const StallWatch::Change change = stall_.look(present, 0.75 * patience + pace + start);
-    if (change == StallWatch::Change::moving) {
-      moves = formatted(", after %.1f s and %u retries", present - present_stall_.since, retries());
-      present_stall_ = {};
-      notices_.clear();
-    } else if (change == StallWatch::Change::stalled) {
-      present_stall_ = {culprit(), *stall_.last_arrival(), statistics_.arrivals().attempt()};
-      stands = present_stall_.culprit;
-    } else if (stall_.stalled() && present - last_message_ > kSettled) {
-      const std::string before = std::exchange(present_stall_.culprit, culprit());
-      const auto name = [](const std::string& text) { return text.substr(0, text.find(';')); };
-      if (name(before) != name(present_stall_.culprit)) stands = present_stall_.culprit;
-    }
+    change = stall_.look({statistics_.arrivals(), began_.has_value(), [this] { return missing_vehicles(); },
+                          [this](std::size_t vehicle) { return inputs_[vehicle].latest_breach(); }},
+                         present);
   }
-  if (!stands.empty()) ROS_WARN_STREAM("the platoon stands still: " << stands);
-  if (!moves.empty()) ROS_WARN_STREAM("the platoon moves again" << moves);
+  if (!change.stalled.empty()) ROS_WARN_STREAM("the platoon stands still: " << change.stalled);
+  if (!change.moving.empty()) ROS_WARN_STREAM("the platoon moves again" << change.moving);
+}
+
+std::vector<std::size_t> Monitor::missing_vehicles() const {
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    if (positions_[i].getNumPublishers() == 0) missing.push_back(i);
+  }
+  return missing;
 }
 
 Diagnostics::Fill Monitor::status() {
@@ -311,8 +283,8 @@ Diagnostics::Fill Monitor::status() {
     std::uint32_t repeated = 0;
     {
       const Locked lock(lock_);
-      who = present_stall_.culprit;
-      if (stall_.stalled()) repeated = retries();
+      who = stall_.culprit();
+      if (stall_.stalled()) repeated = stall_.retries(statistics_.arrivals());
       committed = statistics_.arrivals().committed();
     }
     if (!who.empty()) status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, "the platoon stands still: " + who);
@@ -322,64 +294,14 @@ Diagnostics::Fill Monitor::status() {
   };
 }
 
-std::string Monitor::culprit() const {
-  for (const auto& [component, notice] : notices_) {
-    if (notice.kind == Progress::BLOCKED) return component + " holds the platoon up: " + notice.text;
-  }
-  std::string missing = name_of_missing();
-  if (!missing.empty()) return missing;
-  const StallDiagnosis diagnosis =
-      diagnose_stall(statistics_.arrivals().latest(), configuration_.run.schedule(), configuration_.run.longest_lead(),
-                     configuration_.run.external, statistics_.arrivals().latest_of_any_attempt());
-  if (!diagnosis.vehicle) return diagnosis.text;
-  return diagnosis.text + explanation_of(*diagnosis.vehicle) + breach_of(*diagnosis.vehicle);
-}
-
-// What the vehicle has reported of this run, or of the present attempt.
-std::string Monitor::explanation_of(std::size_t vehicle) const {
-  const auto found = notices_.find(name_of(vehicle));
-  if (found == notices_.end()) return "";
-  const Notice& notice = found->second;
-  const bool is_present = notice.kind == Progress::REJECTED || notice.attempt == statistics_.arrivals().attempt();
-  return is_present ? "; it reports: " + notice.text : "";
-}
-
-// The clause that an external vehicle violates which blocks the platoon.
-std::string Monitor::breach_of(std::size_t vehicle) const {
-  if (!configuration_.run.is_external(vehicle)) return "";
-  const std::optional<Verdict> breach = inputs_[vehicle].latest_breach();
-  const std::string what = breach ? std::string("what it sent last was dropped, as ") + to_string(*breach) + "; " : "";
-  return "; the vehicle is external: " + what + named(breach ? *broken_clause(*breach) : Clause::answer);
-}
-
-std::vector<std::size_t> Monitor::missing_vehicles() const {
-  std::vector<std::size_t> missing;
-  for (std::size_t i = 0; i < positions_.size(); ++i) {
-    if (positions_[i].getNumPublishers() == 0) missing.push_back(i);
-  }
-  return missing;
-}
-
 void Monitor::show_start(double present) {
-  const RunOptions& run = configuration_.run;
   const std::vector<std::size_t> missing = missing_vehicles();
-  const auto is_external = [&run](std::size_t vehicle) { return run.is_external(vehicle); };
-  if (!missing.empty() && std::all_of(missing.begin(), missing.end(), is_external)) {
-    const std::string others =
-        missing.size() > 1 ? formatted(" (and %zu more external vehicles)", missing.size() - 1) : std::string();
-    return display_.prepare("waiting for external " + name_of(missing[0]) + ": start its node" + others, present);
-  }
-  if (!missing.empty()) {
-    return display_.prepare(formatted("waiting for %zu of %zu vehicles", missing.size(), run.followers + 1), present);
-  }
-  std::uint64_t messages;
+  std::string state;
   {
     const Locked lock(lock_);
-    messages = statistics_.arrivals().messages();
+    state = stall_.start(missing, statistics_.arrivals());
   }
-  const auto share = static_cast<double>(messages) /
-                     static_cast<double>(messages_of_first_step(run.followers, run.longest_lead(), run.steps));
-  display_.prepare(formatted("first step: %.0f %%", 100.0 * std::min(share, 1.0)), present);
+  display_.prepare(state, present);
 }
 
 void Monitor::show_manoeuvre(bool departs) {
@@ -391,19 +313,6 @@ void Monitor::show_manoeuvre(bool departs) {
     ROS_INFO_STREAM("the leader drives by the model file again: averages go on in " << configuration_.run.burn_in
                                                                                     << " steps");
   }
-}
-
-// Empty when every vehicle is there.
-std::string Monitor::name_of_missing() const {
-  const std::vector<std::size_t> missing = missing_vehicles();
-  if (missing.empty()) return "";
-  const std::string name = name_of(missing.front());
-  if (missing.size() == 1 && configuration_.run.is_external(missing[0]))
-    return name + " is external and not there: start its node (nobody publishes " + positions_[missing[0]].getTopic() +
-           ")";
-  if (missing.size() == 1) return name + " is not there: nobody publishes " + positions_[missing[0]].getTopic();
-  return std::to_string(missing.size()) + " of " + std::to_string(positions_.size()) +
-         " vehicles are not there, the first of them " + name;
 }
 
 void Monitor::publish_statistics_if_due(double present) {

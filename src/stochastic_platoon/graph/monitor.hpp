@@ -6,14 +6,12 @@
 
 #include <functional>
 #include <future>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "stochastic_platoon/configuration/configuration.hpp"
-#include "stochastic_platoon/delivery/stall_watch.hpp"
 #include "stochastic_platoon/graph/diagnostics.hpp"
 #include "stochastic_platoon/graph/position_input.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
@@ -21,6 +19,7 @@
 #include "stochastic_platoon/graph/run_membership.hpp"
 #include "stochastic_platoon/graph/snapshots.hpp"
 #include "stochastic_platoon/graph/spin_lock.hpp"
+#include "stochastic_platoon/graph/stall_reporter.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/io/progress_display.hpp"
 #include "stochastic_platoon/io/retry_pause.hpp"
@@ -61,29 +60,12 @@ public:
   void stop();
 
 private:
-  /// From when the platoon stands still until a step is complete.
-  struct Stall {
-    std::string culprit = {};         ///< empty: the platoon moves
-    double since = 0.0;               ///< [s]
-    std::uint32_t first_attempt = 0;  ///< in which it stood still
-  };
-  struct Notice {
-    std::uint8_t kind;  ///< of Progress
-    std::uint32_t attempt;
-    std::string text;
-  };
   void subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle);
   void receive(std::size_t vehicle, const PositionEvent& event);
   void receive_notice(const stochastic_platoon::Progress::ConstPtr& message);
   void tick();
-  void note_arrival(double present);
   void check_for_stall(double present);
-  std::uint32_t retries() const { return statistics_.arrivals().attempt() - present_stall_.first_attempt; }
-  std::string culprit() const;
-  std::string explanation_of(std::size_t vehicle) const;
-  std::string breach_of(std::size_t vehicle) const;
   std::vector<std::size_t> missing_vehicles() const;
-  std::string name_of_missing() const;
   void show_start(double present);
   void show_manoeuvre(bool departs);
   void finish();
@@ -100,17 +82,12 @@ private:
   Prediction prediction_;
   double wall_seconds_before_;  ///< [s] of earlier launches
 
-  SpinLock lock_;  ///< of what several threads use, down to `notices_`
+  SpinLock lock_;  ///< of what several threads use, down to `began_`
   RunStatistics statistics_;
   std::vector<PositionInput> inputs_;  ///< each for the one thread that receives from the vehicle
   ProgressReports reports_;
-  StallWatch stall_;
-  Stall present_stall_;
-  double last_message_ = 0.0;                    ///< [s]
-  std::uint64_t most_messages_ = 0;              ///< of an attempt, since the latest complete step
-  Acknowledgement complete_{0, 0, kNothingYet};  ///< latest step that has arrived from all vehicles
-  std::optional<double> began_;                  ///< [s] first complete step of this launch
-  std::map<std::string, Notice> notices_;        ///< the latest of each other component
+  StallReporter stall_;
+  std::optional<double> began_;  ///< [s] first complete step of this launch
 
   ProgressDisplay display_;
   RetryPause disk_;

@@ -191,7 +191,7 @@ std::string VehicleReplay::silence() const {
   const MessageId due = expected_id();
   const std::optional<Verdict> breach = drops_.latest_breach();
   const std::string what =
-      breach ? std::string("; what it sent last was dropped, as ") + to_string(*breach) : std::string();
+      breach ? std::string("; its last message was dropped, as ") + to_string(*breach) : std::string();
   return name_ +
          formatted(" has not answered step %lld of the realizations from %llu within %g s, in %u attempts",
                    static_cast<long long>(due.step), static_cast<unsigned long long>(due.first_realization), patience_,
