@@ -28,7 +28,7 @@ def rows(output):
                  for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")] for row in csv.DictReader(file)}
 
 
-class OwnTest(LaunchTest):
+class ExternalTest(LaunchTest):
     @classmethod
     def setUpClass(cls):
         cls.home = tempfile.mkdtemp()
@@ -76,7 +76,7 @@ class OwnTest(LaunchTest):
         return terminal
 
 
-class Example(OwnTest):
+class Example(ExternalTest):
     SETTINGS = dict(followers=4, steps=50, realizations=2500, batch=1000)
 
     def assert_equal_within_rounding(self):
@@ -110,7 +110,7 @@ class Example(OwnTest):
         self.assertIsNone(summary["theory"]["limit_variance"])
         self.assertLess(summary["agreement"]["max_abs_z_variance"], 5.0)
         self.assertIn("over all 50 (i, k)", said)
-        self.assertIn("this speaks of follower 1, before vehicle_2, which is your own", said)
+        self.assertIn("this speaks of follower 1, before vehicle_2, which is external", said)
 
     def check_what_reads_the_results(self, bag):
         with open(os.path.join(self.output, "statistics.csv")) as file:
@@ -147,7 +147,7 @@ class Example(OwnTest):
         self.assert_keeps_the_contract(2)
 
 
-class Contract(OwnTest):
+class Contract(ExternalTest):
     def test_the_page_has_the_words_of_the_programs(self):
         with open(live_platoon.shared("msg", "README.md")) as file:
             page = re.findall(r"^\| (\d+) \| (.*?) \|", file.read(), re.M)
@@ -214,7 +214,7 @@ class Contract(OwnTest):
         self.assertRegex(terminal.text(), r"/platoon/vehicle_2/position has two publishers: .*; the vehicle is external: clause 1 of the vehicle contract: ")
 
 
-class Car(OwnTest):
+class Car(ExternalTest):
     """In 8 s of wall time; PLATOON_MINUTE=1 in the environment: in the minute that a car takes."""
 
     STEPS = 600 if "PLATOON_MINUTE" in os.environ else 400
@@ -313,7 +313,7 @@ rospy.spin()
 """
 
 
-class OtherPackage(OwnTest):
+class OtherPackage(ExternalTest):
     def test_a_package_of_its_own_builds_against_the_devel_space_and_saturates(self):
         build = os.path.join(self.folder, "build")
         subprocess.run(["cmake", "-S", live_platoon.shared("launch", "examples", "saturated_follower"), "-B", build,

@@ -37,7 +37,7 @@ TEST(Prediction, TakesTheRecordedLeaderOfTheModel) {
   EXPECT_EQ(behind_recording.variance, behind_profile.variance);
 }
 
-TEST(Prediction, IsVoidFromTheFirstOwnVehicleOn) {
+TEST(Prediction, IsVoidFromTheFirstExternalVehicleOn) {
   Configuration configuration = paper_run("");
   const Prediction whole = predict(configuration);
   configuration.run.external = {2};
@@ -58,19 +58,19 @@ TEST(Prediction, IsVoidFromTheFirstOwnVehicleOn) {
     EXPECT_EQ(prediction.stationary_variance[0], whole.stationary_variance[0]);
     EXPECT_TRUE(std::isnan(prediction.stationary_variance[1]));
     EXPECT_FALSE(prediction.stability.limit_variance) << "the string does not go on so";
-    EXPECT_NE(prediction.stability.reason.find("; this speaks of follower 1, before vehicle_2, which is your own"),
+    EXPECT_NE(prediction.stability.reason.find("; this speaks of follower 1, before vehicle_2, which is external"),
               std::string::npos);
   }
 }
 
-TEST(Prediction, OfAStringBehindAnOwnVehicleIsNone) {
+TEST(Prediction, OfAStringBehindAnExternalVehicleIsNone) {
   Configuration configuration = paper_run("");
   configuration.run.external = {1};
   const Prediction prediction = predict(configuration);
   EXPECT_EQ(prediction.theory, Theory::none);
   EXPECT_EQ(prediction.followers_with_theory, 0u);
   EXPECT_TRUE(std::isnan(prediction.variance[0]));
-  EXPECT_EQ(prediction.stability.reason, "none, as vehicle_1, which the others follow, is your own");
+  EXPECT_EQ(prediction.stability.reason, "none, as vehicle_1, which the others follow, is external");
 }
 
 }  // namespace

@@ -129,11 +129,11 @@ TEST(RunOptions, KnowWhoseTheVehiclesAre) {
   EXPECT_FALSE(to_json(read({})).contains("external")) << "the identity of other runs stays what it was";
 }
 
-TEST(RunOptions, NameWhatIsNoListOfOwnVehicles) {
+TEST(RunOptions, NameWhatIsNoListOfExternalVehicles) {
   for (const char* own :
        {"0", "21", "3,3", "three", "3,", ",3", "3, 4", "03", "-1", "3.0", "3;4", "99999999999999999999999"}) {
     EXPECT_EQ(problems_with("external", own),
-              Problems{std::string("run/own: ") + own +
+              Problems{std::string("run/external: ") + own +
                        ": must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"});
   }
 }

@@ -16,7 +16,7 @@ TEST(DropCounter, CountsEachVerdictAndWhatIsNotToBeExpected) {
   EXPECT_EQ(drops.faults(), 1u);
 }
 
-TEST(DropCounter, KnowsHowSomebodysOwnVehicleBrokeTheContractUntilAMessageOfItCounts) {
+TEST(DropCounter, KnowsHowAnExternalVehicleViolatedTheContractUntilAMessageOfItCounts) {
   DropCounter drops("/platoon/vehicle_2/position", "vehicle_2");
   EXPECT_FALSE(drops.latest_breach());
   drops.count(Verdict::missed_start, kId, 1);
@@ -26,7 +26,7 @@ TEST(DropCounter, KnowsHowSomebodysOwnVehicleBrokeTheContractUntilAMessageOfItCo
   EXPECT_FALSE(drops.latest_breach());
 }
 
-TEST(DropCounter, TheContractBindsNoVehicleOfThePlatoonsOwn) {
+TEST(DropCounter, TheContractBindsNoBuiltInVehicle) {
   DropCounter drops("/platoon/vehicle_2/position");
   drops.count(Verdict::wrong_size, kId, 1);
   EXPECT_FALSE(drops.latest_breach());
