@@ -41,20 +41,22 @@ public:
         credit_(configuration().run.schedule(), {4, 1.0, 1.0}, {"monitor"}) {}
 
   void take(std::size_t vehicle, const Position::ConstPtr& message) {
-    const platoon::Heading heading = platoon::heading_of(*message);
+    const platoon::MessageDescriptor descriptor = platoon::descriptor_of(*message);
     stamp_ = platoon::later(message->header.stamp, platoon::platoon_period(0.1));
     const std::uint64_t before = statistics_.arrivals().messages();
-    const platoon::Verdict verdict = statistics_.take(vehicle, heading, platoon::positions_of(message));
+    const platoon::DropReason verdict = statistics_.take(vehicle, descriptor, platoon::positions_of(message));
     const bool counted = statistics_.arrivals().messages() == before + 1 || statistics_.arrivals().messages() == 1;
-    if (verdict == platoon::Verdict::in_turn && !counted) std::abort();
-    if (verdict != platoon::Verdict::in_turn && statistics_.arrivals().messages() != before) std::abort();
-    if (vehicle == 0 && order_.receive(heading) == platoon::Verdict::in_turn) {
+    if (verdict == platoon::DropReason::none && !counted) std::abort();
+    if (verdict != platoon::DropReason::none && statistics_.arrivals().messages() != before) std::abort();
+    if (vehicle == 0 && order_.receive(descriptor) == platoon::DropReason::none) {
       std::vector<double> out;
-      if (heading.id.step == platoon::kInitialStep) vehicle_.start(heading.id.first_realization, heading.size, out);
-      if (!configuration().run.schedule().is_last_step(heading.id.step)) vehicle_.step(message->position, out);
+      if (descriptor.id.step == platoon::kInitialStep)
+        vehicle_.start(descriptor.id.first_realization, descriptor.size, out);
+      if (!configuration().run.schedule().is_last_step(descriptor.id.step)) vehicle_.step(message->position, out);
     }
     statistics_.saw(platoon::platoon_time(message->header.stamp.toNSec()).toNSec());
-    diagnose_stall(statistics_.arrivals().latest(), configuration().run.schedule(), configuration().run.longest_lead());
+    diagnose_stall(statistics_.arrivals().latest(), configuration().run.schedule(),
+                   configuration().run.pipeline_depth());
   }
 
   void take(const Progress& message) {

@@ -21,8 +21,8 @@ std::string named(const MessageId& id) {
   return "step " + std::to_string(id.step) + " of the realizations from " + std::to_string(id.first_realization);
 }
 
-std::string described(Verdict verdict, const MessageId& id, const std::optional<MessageId>& before) {
-  if (verdict != Verdict::out_of_turn || !before) return named(id) + " is " + to_string(verdict);
+std::string described(DropReason verdict, const MessageId& id, const std::optional<MessageId>& before) {
+  if (verdict != DropReason::out_of_turn || !before) return named(id) + " is " + to_string(verdict);
   const bool again =
       std::make_pair(id.first_realization, id.step) <= std::make_pair(before->first_realization, before->step);
   return again ? named(id) + " comes twice" : named(id) + " follows " + named(*before) + ": what is between is missing";
@@ -40,16 +40,17 @@ void RunReading::take(const PlatoonTopic& topic, const Position::ConstPtr& messa
   if (topic.name_space != platoon_.name_space) return;
   const std::string name = position_topic(topic.vehicle);
   if (topic.vehicle > platoon_.configuration.run.followers) return find(name, "is no vehicle of the recorded platoon");
-  const Heading heading = heading_of(*message);
-  if (message->run != run_) return find(name, described(Verdict::foreign_run, heading.id, std::nullopt));
+  const MessageDescriptor descriptor = descriptor_of(*message);
+  if (message->run != run_) return find(name, described(DropReason::foreign_run, descriptor.id, std::nullopt));
   if (!statistics_) {
-    if (heading.id.step != kInitialStep) return;  // of an attempt whose start was missed
-    statistics_ = std::make_unique<RunStatistics>(platoon_.configuration, heading.id.first_realization);
+    if (descriptor.id.step != kInitialStep) return;  // of an attempt whose start was missed
+    statistics_ = std::make_unique<RunStatistics>(platoon_.configuration, descriptor.id.first_realization);
   }
   statistics_->saw(message->header.stamp.toNSec());
   const std::optional<MessageId> before = statistics_->arrivals().latest(topic.vehicle);
-  const Verdict verdict = statistics_->take(topic.vehicle, heading, positions_of(message));
-  if (verdict != Verdict::in_turn && verdict != Verdict::stale) find(name, described(verdict, heading.id, before));
+  const DropReason verdict = statistics_->take(topic.vehicle, descriptor, positions_of(message));
+  if (verdict != DropReason::none && verdict != DropReason::stale)
+    find(name, described(verdict, descriptor.id, before));
 }
 
 void RunReading::take(const PlatoonTopic& topic, const ErrorStatistics::ConstPtr& message) {

@@ -57,13 +57,13 @@ std::unique_ptr<BagWriter> RunRecording::record_to(const std::string& suffix) co
                                      recorded_configuration_);
 }
 
-Verdict RunRecording::receive(std::size_t stream, const Message& message) {
-  const Heading heading = heading_of(*message);
-  const Arrivals::Admission admission = arrivals_.admit(stream, heading);
-  if (admission.verdict != Verdict::in_turn) return admission.verdict;
+DropReason RunRecording::receive(std::size_t stream, const Message& message) {
+  const MessageDescriptor descriptor = descriptor_of(*message);
+  const Arrivals::Admission admission = arrivals_.admit(stream, descriptor);
+  if (admission.verdict != DropReason::none) return admission.verdict;
   if (admission.restarted) restarted();
   take(stream, message);
-  const std::optional<CompleteBatch> batch = arrivals_.count(stream, heading);
+  const std::optional<CompleteBatch> batch = arrivals_.count(stream, descriptor);
   if (batch) batch_complete();
   return admission.verdict;
 }
@@ -223,11 +223,11 @@ void RunRecording::rewrite() {
   const auto copy = [&](std::size_t stream, const Message& message) {
     if (stream >= streams() || (!schedule.endless() && last_attempt[message->first_realization] != message->attempt))
       return;
-    const Heading heading = heading_of(*message);
-    if (copied.admit(stream, heading).verdict != Verdict::in_turn) return;
+    const MessageDescriptor descriptor = descriptor_of(*message);
+    if (copied.admit(stream, descriptor).verdict != DropReason::none) return;
     recording_->write(topic(stream), *message);
     if (stream + 1 == streams()) recording_->end_step(schedule.is_last_step(message->step));
-    copied.count(stream, heading);
+    copied.count(stream, descriptor);
   };
   content.position = [&](const PlatoonTopic& topic, const Message& message) { copy(topic.vehicle, message); };
   content.predecessor_position = [&](const PlatoonTopic& topic, const Message& message) {

@@ -34,7 +34,7 @@ public:
   /// launch; nothing else is touched: throws ConfigurationError when such a file is of another launch.
   RunRecording(const Configuration& configuration, const std::string& name_space);
 
-  Verdict receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
+  DropReason receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
   void receive(const stochastic_platoon::ErrorStatistics& message);
 
   /// Everything has arrived, the final statistics included.

@@ -138,7 +138,7 @@ bool RunOptions::is_external(std::size_t follower) const {
 
 // In one process a message is used up at once, and the further a vehicle is ahead the longer its state stays
 // in the cache. Not where one of them is external, and waited for.
-std::size_t RunOptions::longest_lead() const {
+std::size_t RunOptions::pipeline_depth() const {
   constexpr std::size_t kOfProcesses = 128;
   return hosting == Hosting::processes || !external.empty() ? kOfProcesses : followers;
 }

@@ -48,8 +48,8 @@ struct RunOptions {
   /// Who has to acknowledge every step.
   std::vector<std::string> receivers() const;
 
-  /// By how many steps the last vehicle may be ahead of the leader: see leads().
-  std::size_t longest_lead() const;
+  /// By how many steps the last vehicle may be ahead of the leader: see publishes_ahead().
+  std::size_t pipeline_depth() const;
 
   BatchSchedule schedule() const { return {realizations, batch, steps}; }
 

@@ -19,17 +19,17 @@ bool Arrivals::may_start_at(std::uint64_t first) const {
   return complete() || (committed_ - first) % schedule_.batch == 0;
 }
 
-Arrivals::Admission Arrivals::admit(std::size_t stream, const Heading& heading) {
-  const MessageId& id = heading.id;
+Arrivals::Admission Arrivals::admit(std::size_t stream, const MessageDescriptor& descriptor) {
+  const MessageId& id = descriptor.id;
   MessageOrder& order = orders_.at(stream);
-  if (id.attempt < attempt_) return {Verdict::stale};
+  if (id.attempt < attempt_) return {DropReason::stale};
   const bool new_attempt = id.attempt > attempt_;
   const bool may_start = new_attempt ? may_start_at(id.first_realization) : id.first_realization == start_;
   // A stream joins an attempt where the attempt began, or not at all: what came before is missing for good.
   const bool joins = new_attempt || !latest(stream);
-  if (joins && id.step == kInitialStep && !may_start) return {Verdict::out_of_turn};
-  const Verdict verdict = order.receive(heading);
-  if (verdict != Verdict::in_turn) return {verdict};
+  if (joins && id.step == kInitialStep && !may_start) return {DropReason::out_of_turn};
+  const DropReason verdict = order.receive(descriptor);
+  if (verdict != DropReason::none) return {verdict};
   if (new_attempt) restart(id);
   return {verdict, new_attempt};
 }
@@ -53,13 +53,13 @@ MessageId Arrivals::id_of(std::int64_t count) const {
 }
 
 // A message completes at most the step it belongs to, as every stream is in order.
-std::optional<CompleteBatch> Arrivals::count(std::size_t stream, const Heading& heading) {
-  if (heading.id.attempt < attempt_) return std::nullopt;
+std::optional<CompleteBatch> Arrivals::count(std::size_t stream, const MessageDescriptor& descriptor) {
+  if (descriptor.id.attempt < attempt_) return std::nullopt;
   ++messages_;
   const auto place = static_cast<std::size_t>(arrived_[stream]++ - acknowledged_);
   if (open_.size() <= place) open_.resize(place + 1);
   ++open_[place].streams;
-  open_[place].positions += heading.size;
+  open_[place].positions += descriptor.size;
   if (place > 0 || open_.front().streams < orders_.size()) return std::nullopt;
   positions_in_batch_ += open_.front().positions;
   open_.pop_front();

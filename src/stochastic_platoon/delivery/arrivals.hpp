@@ -26,7 +26,7 @@ struct CompleteBatch {
 class Arrivals {
 public:
   struct Admission {
-    Verdict verdict;
+    DropReason verdict;
     bool restarted = false;  ///< a new attempt begins with it: everything of unfinished batches is void
   };
 
@@ -35,11 +35,11 @@ public:
 
   /// Judges a message of a stream. Only those in turn have any effect. Throws std::out_of_range for a stream
   /// beyond the last.
-  Admission admit(std::size_t stream, const Heading& heading);
+  Admission admit(std::size_t stream, const MessageDescriptor& descriptor);
 
   /// Counts an admitted message, and returns the batch that became whole with it, unless it was committed
   /// before. Nothing happens if a newer attempt has begun since it was admitted.
-  std::optional<CompleteBatch> count(std::size_t stream, const Heading& heading);
+  std::optional<CompleteBatch> count(std::size_t stream, const MessageDescriptor& descriptor);
 
   /// Takes realizations before `committed` as done with. Before the first message only.
   void resume_at(std::uint64_t committed) { start_ = committed_ = committed; }

@@ -36,7 +36,7 @@ inline std::uint64_t first_noise_realization(const BatchSchedule& schedule, cons
 }
 
 /// What delivery needs to know of a message of positions.
-struct Heading {
+struct MessageDescriptor {
   MessageId id;
   std::size_t size;  ///< positions, one per realization
   bool finite;       ///< all of them

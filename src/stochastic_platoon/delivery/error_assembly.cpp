@@ -8,10 +8,11 @@ ErrorAssembly::ErrorAssembly(const BatchSchedule& schedule, std::size_t follower
                              std::uint32_t attempt)
     : vehicles_(followers + 1), arrivals_(schedule, followers + 1, first, attempt) {}
 
-ErrorAssembly::Receipt ErrorAssembly::receive(std::size_t vehicle, const Heading& heading, const Positions& positions) {
-  const Arrivals::Admission admission = arrivals_.admit(vehicle, heading);
+ErrorAssembly::Receipt ErrorAssembly::receive(std::size_t vehicle, const MessageDescriptor& descriptor,
+                                              const Positions& positions) {
+  const Arrivals::Admission admission = arrivals_.admit(vehicle, descriptor);
   Receipt receipt{admission.verdict, admission.restarted, {}};
-  if (receipt.verdict != Verdict::in_turn) return receipt;
+  if (receipt.verdict != DropReason::none) return receipt;
   if (receipt.restarted) vehicles_.assign(vehicles_.size(), Vehicle());
   vehicles_[vehicle].positions.push_back(positions);
   if (vehicle > 0) find_due(vehicle, receipt.due);

@@ -30,7 +30,7 @@ struct DueErrors {
 class ErrorAssembly {
 public:
   struct Receipt {
-    Verdict verdict;
+    DropReason verdict;
     bool restarted = false;      ///< a new attempt begins: everything of unfinished batches is void
     std::vector<DueErrors> due;  ///< for each follower in the order of k
   };
@@ -41,11 +41,11 @@ public:
 
   /// Takes the positions of vehicle 0 .. followers. Only those in turn have any effect. Throws
   /// std::out_of_range for a vehicle beyond the last.
-  Receipt receive(std::size_t vehicle, const Heading& heading, const Positions& positions);
+  Receipt receive(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
 
   /// Counts a message whose due errors are dealt with; see Arrivals::count().
-  std::optional<CompleteBatch> settle(std::size_t vehicle, const Heading& heading) {
-    return arrivals_.count(vehicle, heading);
+  std::optional<CompleteBatch> settle(std::size_t vehicle, const MessageDescriptor& descriptor) {
+    return arrivals_.count(vehicle, descriptor);
   }
 
   /// What has arrived of the vehicles 0 .. followers, as streams of these numbers.

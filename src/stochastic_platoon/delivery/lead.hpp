@@ -6,7 +6,7 @@
 
 namespace platoon {
 
-/// Whether follower i of 1 .. N leads, that is publishes its step k + 1 on its predecessor's step k; the others
+/// Whether follower i of 1 .. N publishes ahead: its step k + 1 on its predecessor's step k; the others
 /// are aligned: they publish their step k.
 ///
 /// T is strictly proper: a follower that has its predecessor's step k knows its own step k + 1. Where all lead,
@@ -14,7 +14,7 @@ namespace platoon {
 /// going, and with a window of w steps w + N / 2 messages a vehicle are on their way. In long strings the lead is
 /// therefore bounded by `longest`, L = min(N, longest), and those that lead are spread evenly: i is one of them
 /// just when floor(L i / N) > floor(L (i - 1) / N).
-constexpr bool leads(std::size_t follower, std::size_t followers, std::size_t longest) {
+constexpr bool publishes_ahead(std::size_t follower, std::size_t followers, std::size_t longest) {
   const std::size_t lead = std::min(followers, longest);
   return lead * follower / followers > lead * (follower - 1) / followers;
 }
@@ -25,7 +25,7 @@ inline std::uint64_t messages_of_first_step(std::size_t followers, std::size_t l
   const std::uint64_t all = steps == 0 ? UINT64_MAX : static_cast<std::uint64_t>(steps) + 1;
   std::uint64_t messages = 1, sent = 1;
   for (std::size_t i = 1; i <= followers; ++i) {
-    sent += leads(i, followers, longest) ? 1 : 0;
+    sent += publishes_ahead(i, followers, longest) ? 1 : 0;
     messages += std::min(sent, all);
   }
   return messages;

@@ -4,21 +4,21 @@
 
 namespace platoon {
 
-const char* to_string(Verdict verdict) {
+const char* to_string(DropReason verdict) {
   switch (verdict) {
-    case Verdict::in_turn:
+    case DropReason::none:
       return "in turn";
-    case Verdict::stale:
+    case DropReason::stale:
       return "stale";
-    case Verdict::missed_start:
+    case DropReason::missed_start:
       return "of an attempt whose start was missed";
-    case Verdict::out_of_turn:
+    case DropReason::out_of_turn:
       return "out of turn";
-    case Verdict::wrong_size:
+    case DropReason::wrong_size:
       return "wrong batch size";
-    case Verdict::not_finite:
+    case DropReason::not_finite:
       return "not finite";
-    case Verdict::foreign_run:
+    case DropReason::foreign_run:
       return "of another run";
   }
   return "unknown";
@@ -32,23 +32,23 @@ bool MessageOrder::continues(const MessageId& id) const {
   return id.first_realization == latest_->first_realization && id.step == latest_->step + 1;
 }
 
-bool MessageOrder::has_missed(Verdict verdict, const MessageId& id, std::int64_t first_loss) const {
+bool MessageOrder::has_missed(DropReason verdict, const MessageId& id, std::int64_t first_loss) const {
   if (!may_be_reported(schedule_, id)) return false;  // there is no such message
-  if (verdict == Verdict::missed_start) return id.step >= first_loss;
-  return verdict == Verdict::out_of_turn && latest_ && id.attempt == latest_->attempt &&
+  if (verdict == DropReason::missed_start) return id.step >= first_loss;
+  return verdict == DropReason::out_of_turn && latest_ && id.attempt == latest_->attempt &&
          std::tie(id.first_realization, id.step) > std::tie(latest_->first_realization, latest_->step);
 }
 
-Verdict MessageOrder::receive(const Heading& heading) {
-  const MessageId& id = heading.id;
-  if (latest_ && id.attempt < latest_->attempt) return Verdict::stale;
+DropReason MessageOrder::receive(const MessageDescriptor& descriptor) {
+  const MessageId& id = descriptor.id;
+  if (latest_ && id.attempt < latest_->attempt) return DropReason::stale;
   const bool new_attempt = !latest_ || id.attempt > latest_->attempt;
-  if (new_attempt && id.step != kInitialStep) return Verdict::missed_start;
-  if (!new_attempt && !continues(id)) return Verdict::out_of_turn;
-  if (heading.size == 0 || heading.size != schedule_.size(id.first_realization)) return Verdict::wrong_size;
-  if (!heading.finite) return Verdict::not_finite;
+  if (new_attempt && id.step != kInitialStep) return DropReason::missed_start;
+  if (!new_attempt && !continues(id)) return DropReason::out_of_turn;
+  if (descriptor.size == 0 || descriptor.size != schedule_.size(id.first_realization)) return DropReason::wrong_size;
+  if (!descriptor.finite) return DropReason::not_finite;
   latest_ = id;
-  return Verdict::in_turn;
+  return DropReason::none;
 }
 
 }  // namespace platoon

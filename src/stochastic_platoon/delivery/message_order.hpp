@@ -7,9 +7,9 @@
 
 namespace platoon {
 
-/// What a receiver makes of a message. All but in_turn are dropped.
-enum class Verdict {
-  in_turn,
+/// Why a receiver drops a message; none: it takes it.
+enum class DropReason {
+  none,
   stale,         ///< belongs to an older attempt: expected after a restart, no fault
   missed_start,  ///< belongs to an attempt whose step -1 never came: expected while links come up, no fault
   out_of_turn,   ///< a gap, a duplicate, or a batch that is not due
@@ -17,10 +17,10 @@ enum class Verdict {
   not_finite,    ///< a NaN or an infinity
   foreign_run,   ///< belongs to another run
 };
-constexpr std::size_t kVerdicts = 7;
+constexpr std::size_t kDropReasons = 7;
 
-/// "in turn", "out of turn", ...
-const char* to_string(Verdict verdict);
+/// "in turn" for none, "out of turn", ...
+const char* to_string(DropReason verdict);
 
 /// The order in which one vehicle's positions must arrive: all steps of a batch from -1 on, then the next
 /// batch. A newer attempt is taken up only at step -1; what belongs to an older one is stale.
@@ -29,11 +29,11 @@ public:
   explicit MessageOrder(const BatchSchedule& schedule) : schedule_(schedule) {}
 
   /// Judges a message and, if it is in turn, moves on.
-  Verdict receive(const Heading& heading);
+  DropReason receive(const MessageDescriptor& descriptor);
 
   /// Whether a dropped message shows that earlier ones are lost: there is a gap, or the receiver came up during the
   /// attempt. While nodes come up, the leader's first step brings messages of steps below `first_loss` late at most.
-  bool has_missed(Verdict verdict, const MessageId& id, std::int64_t first_loss) const;
+  bool has_missed(DropReason verdict, const MessageId& id, std::int64_t first_loss) const;
 
   /// The latest message taken, if any.
   const std::optional<MessageId>& latest() const { return latest_; }

@@ -50,7 +50,7 @@ private:
   CreditLimits limits_;
   std::deque<std::int64_t> starts_;  ///< first messages of the batches that are under way
   std::int64_t sent_ = 0;            ///< messages
-  std::int64_t answered_ = 0;        ///< of them; one more of a vehicle that leads
+  std::int64_t answered_ = 0;        ///< of them; one more of a vehicle that publishes ahead
   std::int64_t most_answered_ = 0;   ///< in any attempt
   std::int64_t answered_in_attempt_ = 0;
   std::uint32_t repetitions_ = 0;

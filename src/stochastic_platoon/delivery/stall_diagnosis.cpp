@@ -9,10 +9,10 @@ namespace platoon {
 
 namespace {
 
-// What a follower can have sent once its predecessor has sent `id`: the same step or, if it leads, the one
+// What a follower can have sent once its predecessor has sent `id`: the same step or, if it publishes ahead, the one
 // after it, up to the end of the batch.
-MessageId reachable(const MessageId& id, bool leads, const BatchSchedule& schedule) {
-  if (!leads || schedule.is_last_step(id.step)) return id;
+MessageId reachable(const MessageId& id, bool ahead, const BatchSchedule& schedule) {
+  if (!ahead || schedule.is_last_step(id.step)) return id;
   return {id.attempt, id.first_realization, id.step + 1};
 }
 
@@ -30,7 +30,7 @@ std::string silence(const std::string& name, const std::optional<MessageId>& lat
 }  // namespace
 
 StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& latest, const BatchSchedule& schedule,
-                              std::size_t longest_lead, const std::vector<std::size_t>& external,
+                              std::size_t pipeline_depth, const std::vector<std::size_t>& external,
                               const std::vector<std::optional<MessageId>>& ever) {
   const auto silence_of = [&latest, &ever](std::size_t vehicle, const std::string& name) {
     return silence(name, latest[vehicle] || ever.empty() ? latest[vehicle] : ever[vehicle]);
@@ -38,7 +38,8 @@ StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& lates
   std::vector<std::size_t> stuck;
   const std::size_t followers = latest.size() - 1;
   for (std::size_t i = 1; i <= followers; ++i) {
-    const bool ahead = leads(i, followers, longest_lead) && !std::binary_search(external.begin(), external.end(), i);
+    const bool ahead =
+        publishes_ahead(i, followers, pipeline_depth) && !std::binary_search(external.begin(), external.end(), i);
     if (latest[i - 1] && is_behind(latest[i], reachable(*latest[i - 1], ahead, schedule))) stuck.push_back(i);
   }
   if (stuck.empty()) return {0, silence_of(0, "vehicle_0 (leader)")};

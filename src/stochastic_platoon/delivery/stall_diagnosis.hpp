@@ -16,11 +16,11 @@ struct StallDiagnosis {
 };
 
 /// `latest` is the last message received from each vehicle 0 .. N in the present attempt, `ever` in any; empty: not
-/// known. `longest_lead` is that of leads(). `external` are vehicles that may be aligned all the same, ascending. A
-/// follower that is behind what its predecessor's latest step lets it send is stuck. One stuck follower is the culprit
-/// itself; when all of several are stuck it is the channel; when none is, it is the leader.
+/// known. `pipeline_depth` is that of publishes_ahead(). `external` are vehicles that may be aligned all the same,
+/// ascending. A follower that is behind what its predecessor's latest step lets it send is stuck. One stuck follower is
+/// the culprit itself; when all of several are stuck it is the channel; when none is, it is the leader.
 StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& latest, const BatchSchedule& schedule,
-                              std::size_t longest_lead, const std::vector<std::size_t>& external = {},
+                              std::size_t pipeline_depth, const std::vector<std::size_t>& external = {},
                               const std::vector<std::optional<MessageId>>& ever = {});
 
 }  // namespace platoon

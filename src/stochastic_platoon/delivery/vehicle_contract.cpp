@@ -34,20 +34,20 @@ std::string named(Clause clause) {
   return "clause " + std::to_string(static_cast<int>(clause) + 1) + " of the vehicle contract: " + to_string(clause);
 }
 
-std::optional<Clause> broken_clause(Verdict verdict) {
+std::optional<Clause> broken_clause(DropReason verdict) {
   switch (verdict) {
-    case Verdict::in_turn:
-    case Verdict::stale:
+    case DropReason::none:
+    case DropReason::stale:
       return std::nullopt;
-    case Verdict::missed_start:
+    case DropReason::missed_start:
       return Clause::attempt;
-    case Verdict::out_of_turn:
+    case DropReason::out_of_turn:
       return Clause::turn;
-    case Verdict::wrong_size:
+    case DropReason::wrong_size:
       return Clause::size;
-    case Verdict::not_finite:
+    case DropReason::not_finite:
       return Clause::finite;
-    case Verdict::foreign_run:
+    case DropReason::foreign_run:
       return Clause::run;
   }
   return std::nullopt;

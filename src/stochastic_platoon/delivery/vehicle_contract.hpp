@@ -37,6 +37,6 @@ const char* to_string(Clause clause);
 std::string named(Clause clause);
 
 /// The clause that a vehicle breaks whose message gets this verdict; none of one that is in turn or stale.
-std::optional<Clause> broken_clause(Verdict verdict);
+std::optional<Clause> broken_clause(DropReason verdict);
 
 }  // namespace platoon

@@ -9,17 +9,17 @@ namespace platoon {
 
 /// A number that one thread writes and others may read, each at its own time.
 template <typename Number>
-class Shown {
+class RelaxedAtomic {
 public:
-  Shown() = default;
-  explicit Shown(Number value) : value_(value) {}
-  Shown(const Shown& other) : value_(other.get()) {}
-  Shown& operator=(Number value) {
+  RelaxedAtomic() = default;
+  explicit RelaxedAtomic(Number value) : value_(value) {}
+  RelaxedAtomic(const RelaxedAtomic& other) : value_(other.get()) {}
+  RelaxedAtomic& operator=(Number value) {
     value_.store(value, std::memory_order_relaxed);
     return *this;
   }
-  Shown& operator=(const Shown& other) { return *this = other.get(); }
-  Shown& operator++() { return *this = get() + 1; }
+  RelaxedAtomic& operator=(const RelaxedAtomic& other) { return *this = other.get(); }
+  RelaxedAtomic& operator++() { return *this = get() + 1; }
   Number get() const { return value_.load(std::memory_order_relaxed); }
 
 private:
@@ -28,9 +28,9 @@ private:
 
 /// What a component has done last: for diagnostics.
 struct Activity {
-  Shown<std::int64_t> step{kNothingYet};
-  Shown<std::uint32_t> attempt;
-  Shown<std::uint64_t> messages;
+  RelaxedAtomic<std::int64_t> step{kNothingYet};
+  RelaxedAtomic<std::uint32_t> attempt;
+  RelaxedAtomic<std::uint64_t> messages;
 
   void count(const MessageId& id) {
     step = id.step;

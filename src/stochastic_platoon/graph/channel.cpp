@@ -59,9 +59,9 @@ void Channel::transmit(Wire& wire, const PositionEvent& event) {
   const MessageId id = id_of(*message);
   if (!wire.input.admits(event) || over_) return;
   if (wire.order) {
-    if (!wire.input.takes(heading_of(*message), *wire.order, wire.follower)) return;
+    if (!wire.input.takes(descriptor_of(*message), *wire.order, wire.follower)) return;
   } else {
-    wire.input.takes(Verdict::in_turn, id, message->position.size());
+    wire.input.takes(DropReason::none, id, message->position.size());
   }
   const auto received = messages_.take();
   received->header = message->header;

@@ -19,14 +19,14 @@ void VitalSigns::add_to(DiagnosticStatusWrapper& status) {
   std::int64_t first = INT64_MAX, last = kNothingYet;
   std::uint32_t attempt = 0;
   std::uint64_t messages = 0, faults = 0;
-  std::array<std::uint64_t, kVerdicts> dropped{};
+  std::array<std::uint64_t, kDropReasons> dropped{};
   for (const auto& source : sources_) {
     first = std::min(first, source.first->step.get());
     last = std::max(last, source.first->step.get());
     attempt = std::max(attempt, source.first->attempt.get());
     messages += source.first->messages.get();
     if (source.second == nullptr) continue;
-    for (std::size_t v = 0; v < kVerdicts; ++v) dropped[v] += source.second->of(static_cast<Verdict>(v));
+    for (std::size_t v = 0; v < kDropReasons; ++v) dropped[v] += source.second->of(static_cast<DropReason>(v));
     faults += source.second->faults();
   }
   const double present = now();
@@ -43,9 +43,9 @@ void VitalSigns::add_to(DiagnosticStatusWrapper& status) {
   if (last_time_ > 0.0) status.add("steps per second", rate / static_cast<double>(sources_.size()));
   status.add("attempts", attempt);
   status.add("messages", messages);
-  for (std::size_t v = 0; v < kVerdicts; ++v) {
-    const auto verdict = static_cast<Verdict>(v);
-    if (verdict != Verdict::in_turn) status.add(std::string("dropped: ") + to_string(verdict), dropped[v]);
+  for (std::size_t v = 0; v < kDropReasons; ++v) {
+    const auto verdict = static_cast<DropReason>(v);
+    if (verdict != DropReason::none) status.add(std::string("dropped: ") + to_string(verdict), dropped[v]);
   }
   last_time_ = present;
   last_messages_ = messages;

@@ -7,22 +7,23 @@
 namespace platoon {
 
 std::uint64_t DropCounter::faults() const {
-  return of(Verdict::out_of_turn) + of(Verdict::wrong_size) + of(Verdict::not_finite) + of(Verdict::foreign_run);
+  return of(DropReason::out_of_turn) + of(DropReason::wrong_size) + of(DropReason::not_finite) +
+         of(DropReason::foreign_run);
 }
 
-void DropCounter::count(Verdict verdict, const MessageId& id, std::size_t size) {
+void DropCounter::count(DropReason verdict, const MessageId& id, std::size_t size) {
   ++counts_[static_cast<std::size_t>(verdict)];
   if (!external_.empty() && broken_clause(verdict)) breach_ = verdict;
-  if (verdict == Verdict::stale || verdict == Verdict::missed_start || verdict == Verdict::in_turn) return;
+  if (verdict == DropReason::stale || verdict == DropReason::missed_start || verdict == DropReason::none) return;
   const double present = now();
   if (last_said_ && present - *last_said_ < 1.0) return;
   last_said_ = present;
-  const std::optional<Verdict> breach = latest_breach();
+  const std::optional<DropReason> breach = latest_breach();
   ROS_WARN_STREAM(
       topic_ << ": dropped a message that is " << to_string(verdict) << ": attempt " << id.attempt
              << ", realizations from " << id.first_realization << ", step " << id.step << ", " << size
-             << " positions (so far " << of(Verdict::out_of_turn) << " out of turn, " << of(Verdict::wrong_size)
-             << " of wrong size, " << of(Verdict::not_finite) << " not finite, " << of(Verdict::foreign_run)
+             << " positions (so far " << of(DropReason::out_of_turn) << " out of turn, " << of(DropReason::wrong_size)
+             << " of wrong size, " << of(DropReason::not_finite) << " not finite, " << of(DropReason::foreign_run)
              << " of another run)"
              << (breach ? ". " + external_ + " is external: it violates " + named(*broken_clause(*breach)) : ""));
 }

@@ -21,26 +21,26 @@ public:
   explicit DropCounter(std::string topic, std::string external = {})
       : topic_(std::move(topic)), external_(std::move(external)) {}
 
-  void count(Verdict verdict, const MessageId& id, std::size_t size);
+  void count(DropReason verdict, const MessageId& id, std::size_t size);
 
-  std::uint64_t of(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)].get(); }
+  std::uint64_t of(DropReason verdict) const { return counts_[static_cast<std::size_t>(verdict)].get(); }
 
   /// Those that are not to be expected.
   std::uint64_t faults() const;
 
   /// A message has counted: what the vehicle has broken before holds nobody up.
-  void forget_breach() { breach_ = Verdict::in_turn; }
+  void forget_breach() { breach_ = DropReason::none; }
 
   /// How the latest message of an external vehicle violated the contract; none if it did not.
-  std::optional<Verdict> latest_breach() const {
-    return breach_.get() == Verdict::in_turn ? std::nullopt : std::make_optional(breach_.get());
+  std::optional<DropReason> latest_breach() const {
+    return breach_.get() == DropReason::none ? std::nullopt : std::make_optional(breach_.get());
   }
 
 private:
   std::string topic_;
   std::string external_;
-  Shown<Verdict> breach_{Verdict::in_turn};
-  std::array<Shown<std::uint64_t>, kVerdicts> counts_{};
+  RelaxedAtomic<DropReason> breach_{DropReason::none};
+  std::array<RelaxedAtomic<std::uint64_t>, kDropReasons> counts_{};
   std::optional<double> last_said_;  ///< [s]
 };
 

@@ -32,34 +32,35 @@ void Follower::begin(const Configuration& configuration) {
                               std::to_string(followers) + ", the number of followers"});
   }
   const BatchSchedule schedule = configuration.run.schedule();
-  part_.emplace(Part{schedule, leads(index_, followers, configuration.run.longest_lead()),
-                     platoon_period(configuration.model.sample_period),
-                     FollowerVehicle(configuration.model, configuration.run.seed, index_), MessageOrder(schedule)});
+  run_state_.emplace(RunState{schedule, publishes_ahead(index_, followers, configuration.run.pipeline_depth()),
+                              platoon_period(configuration.model.sample_period),
+                              FollowerVehicle(configuration.model, configuration.run.seed, index_),
+                              MessageOrder(schedule)});
   if (joined_) joined_(configuration);
 }
 
 void Follower::receive(const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
   if (!input_.admits(event)) return;
-  const Heading heading = heading_of(*message);
+  const MessageDescriptor descriptor = descriptor_of(*message);
   // While nodes come up, the predecessor reaches step i - 2 at most.
-  if (!input_.takes(heading, part_->order, index_)) return;
-  const MessageId& id = heading.id;
+  if (!input_.takes(descriptor, run_state_->order, index_)) return;
+  const MessageId& id = descriptor.id;
   const ros::Time stamp = message->header.stamp;
   if (id.step == kInitialStep) {
     const auto initial = messages_.take();
-    part_->vehicle.start(first_noise_realization(part_->schedule, id), heading.size, initial->position);
+    run_state_->vehicle.start(first_noise_realization(run_state_->schedule, id), descriptor.size, initial->position);
     publish(initial, id, stamp);
-  } else if (!part_->leads) {
-    publish(std::exchange(part_->upcoming, nullptr), id, stamp);
+  } else if (!run_state_->is_ahead) {
+    publish(std::exchange(run_state_->upcoming, nullptr), id, stamp);
   }
-  if (part_->schedule.is_last_step(id.step)) return;
+  if (run_state_->schedule.is_last_step(id.step)) return;
   const auto next = messages_.take();
-  part_->vehicle.step(message->position, next->position);
-  if (part_->leads) {
-    publish(next, {id.attempt, id.first_realization, id.step + 1}, later(stamp, part_->period));
+  run_state_->vehicle.step(message->position, next->position);
+  if (run_state_->is_ahead) {
+    publish(next, {id.attempt, id.first_realization, id.step + 1}, later(stamp, run_state_->period));
   } else {
-    part_->upcoming = next;
+    run_state_->upcoming = next;
   }
 }
 

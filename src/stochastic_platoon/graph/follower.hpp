@@ -20,7 +20,7 @@ namespace platoon {
 
 /// Vehicle i >= 1 as a ROS component. On its predecessor's step k, as received, it publishes its own step k +
 /// 1, on step -1 first its own step -1; in long strings it may be one that publishes its own step k: see
-/// leads().
+/// publishes_ahead().
 ///
 /// It may outlive runs: its links stay up, and the first message of another run makes it start over under that
 /// run's configuration.
@@ -41,9 +41,9 @@ public:
 
 private:
   /// What it is within one run.
-  struct Part {
+  struct RunState {
     BatchSchedule schedule;
-    bool leads;
+    bool is_ahead;
     ros::Duration period;
     FollowerVehicle vehicle;
     MessageOrder order;
@@ -56,7 +56,7 @@ private:
   std::uint32_t index_;
   Joined joined_;
   RunMembership membership_;
-  std::optional<Part> part_;
+  std::optional<RunState> run_state_;
   PositionInput input_;
   MessagePool messages_;
   ros::Publisher position_;

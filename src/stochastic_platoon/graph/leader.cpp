@@ -58,13 +58,14 @@ void Leader::begin(const Configuration& configuration) {
   }
   run_ = run;
   schedule_ = run.schedule();
-  part_.emplace(Part{Credit(schedule_, {run.window, run.stall_timeout, first_step_timeout(run)}, run.receivers()),
-                     LeaderVehicle(configuration.model),
-                     platoon_period(configuration.model.sample_period),
-                     paced_ && run.number == 1,
-                     {}});
+  run_state_.emplace(
+      RunState{Credit(schedule_, {run.window, run.stall_timeout, first_step_timeout(run)}, run.receivers()),
+               LeaderVehicle(configuration.model),
+               platoon_period(configuration.model.sample_period),
+               paced_ && run.number == 1,
+               {}});
   for (const std::string& name : run.receivers())
-    part_->reporters.emplace(name, SolePublisher(platoon_.resolveName(kProgressTopic) + " of " + name));
+    run_state_->reporters.emplace(name, SolePublisher(platoon_.resolveName(kProgressTopic) + " of " + name));
 }
 
 std::string Leader::obey(const LeaderOrders::Order& order) {
@@ -72,15 +73,15 @@ std::string Leader::obey(const LeaderOrders::Order& order) {
     throw std::runtime_error(
         "refused: in a run of many realizations the leader drives by the model file (leader/speed there); an endless run (live.launch, steps:=0) takes orders");
   }
-  return order(part_->vehicle.manoeuvre());
+  return order(run_state_->vehicle.manoeuvre());
 }
 
 void Leader::receive(const ros::MessageEvent<const Progress>& event) {
   const Progress::ConstPtr message = event.getMessage();
   if (!membership_.admits(message->run) || over_) return;
   const Acknowledgement report{message->attempt, message->first_realization, message->step};
-  const auto reporter = part_->reporters.find(message->receiver);
-  if (reporter != part_->reporters.end()) {
+  const auto reporter = run_state_->reporters.find(message->receiver);
+  if (reporter != run_state_->reporters.end()) {
     if (!reporter->second.admits(event.getConnectionHeaderPtr(), message->run)) return;
     if (!may_be_reported(schedule_, report)) {
       ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report of \""
@@ -90,9 +91,9 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
       return;
     }
   }
-  if (!part_->credit.acknowledge(message->receiver, report, now(), message->messages)) {
+  if (!run_state_->credit.acknowledge(message->receiver, report, now(), message->messages)) {
     if (message->notice == Progress::MISSED) {
-      part_->credit.give_up(message->attempt, now());
+      run_state_->credit.give_up(message->attempt, now());
       return publish_allowed();
     }
     if (message->notice != Progress::NONE) return;  // the monitor shows it
@@ -101,29 +102,30 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
     return;
   }
   if (message->notice == Progress::BLOCKED) {
-    part_->holding.insert(message->receiver);
+    run_state_->holding.insert(message->receiver);
   } else {
-    part_->holding.erase(message->receiver);
+    run_state_->holding.erase(message->receiver);
   }
-  if (part_->waits_for_observers && part_->credit.attempt() == 0 && message->attempt == 0 && !part_->begin)
-    part_->begin = now() + kObserverTime;
+  if (run_state_->waits_for_observers && run_state_->credit.attempt() == 0 && message->attempt == 0 &&
+      !run_state_->begin)
+    run_state_->begin = now() + kObserverTime;
   // After a restart time goes on past everything that may still be on its way.
   ros::Time seen = message->header.stamp;
-  if (part_->credit.attempt() == 0 && !seen.isZero()) {
-    for (std::int64_t step = 0; step <= run_.window; ++step) seen = later(seen, part_->period);
-    part_->stamp = std::max(part_->stamp, seen);
+  if (run_state_->credit.attempt() == 0 && !seen.isZero()) {
+    for (std::int64_t step = 0; step <= run_.window; ++step) seen = later(seen, run_state_->period);
+    run_state_->stamp = std::max(run_state_->stamp, seen);
   }
   publish_allowed();
 }
 
 void Leader::watch() {
   // To begin again is of no use before there is room.
-  if (part_->holding.empty() && part_->credit.retry_if_stalled(now())) {
-    ROS_DEBUG_STREAM("no progress: attempt " << part_->credit.attempt() << " begins");
+  if (run_state_->holding.empty() && run_state_->credit.retry_if_stalled(now())) {
+    ROS_DEBUG_STREAM("no progress: attempt " << run_state_->credit.attempt() << " begins");
   }
   publish_allowed();
   window_ = run_.window;
-  unacknowledged_ = part_->credit.unacknowledged();
+  unacknowledged_ = run_state_->credit.unacknowledged();
 }
 
 Diagnostics::Fill Leader::status() const {
@@ -142,16 +144,16 @@ void Leader::publish_allowed() {
 }
 
 bool Leader::publish_one() {
-  if (over_ || (part_->begin && now() < *part_->begin)) return false;
-  const std::optional<MessageId> id = part_->credit.next(now());
+  if (over_ || (run_state_->begin && now() < *run_state_->begin)) return false;
+  const std::optional<MessageId> id = run_state_->credit.next(now());
   if (!id) return false;
   activity_.count(*id);
-  part_->stamp = later(part_->stamp, part_->period);
-  if (id->step == kInitialStep && part_->vehicle.manoeuvre().is_under_way())
+  run_state_->stamp = later(run_state_->stamp, run_state_->period);
+  if (id->step == kInitialStep && run_state_->vehicle.manoeuvre().is_under_way())
     ROS_WARN("the platoon begins again: the leader's manoeuvre is over");
-  const double position = id->step == kInitialStep ? part_->vehicle.start() : part_->vehicle.step();
+  const double position = id->step == kInitialStep ? run_state_->vehicle.start() : run_state_->vehicle.step();
   const auto message = messages_.take();
-  message->header.stamp = part_->stamp;
+  message->header.stamp = run_state_->stamp;
   set_id(membership_.run(), *id, *message);
   message->position.assign(schedule_.size(id->first_realization), position);
   platoon::publish(position_, message);

@@ -47,7 +47,7 @@ private:
   bool publish_one();
 
   /// What it is within one run.
-  struct Part {
+  struct RunState {
     Credit credit;
     LeaderVehicle vehicle;
     ros::Duration period;
@@ -65,10 +65,10 @@ private:
   RunMembership::Join superseded_;
   std::atomic<bool> over_{false};  ///< superseded
   RunMembership membership_;
-  std::optional<Part> part_;
+  std::optional<RunState> run_state_;
   MessagePool messages_;
   Activity activity_;
-  Shown<std::int64_t> window_, unacknowledged_;  ///< steps
+  RelaxedAtomic<std::int64_t> window_, unacknowledged_;  ///< steps
   ros::Publisher position_;
   ros::Subscriber progress_;
   ros::SteadyTimer stall_timer_;

@@ -17,7 +17,7 @@ LeaderOrders::LeaderOrders(ros::NodeHandle platoon, Obey obey) : obey_(std::move
   advertise(platoon, "leader/accelerate", [](Manoeuvre& manoeuvre) {
     manoeuvre.accelerate();
     return formatted("the leader accelerates by %g m/s^2 until it is %g m/s faster", Manoeuvre::kAcceleration,
-                     Manoeuvre::kMore);
+                     Manoeuvre::kSpeedIncrease);
   });
   advertise(platoon, "leader/sinusoid", [](Manoeuvre& manoeuvre) {
     manoeuvre.swing();

@@ -120,15 +120,15 @@ void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_ve
 void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
   if (!inputs_[vehicle].admits(event)) return;
-  const Heading heading = heading_of(*message);
+  const MessageDescriptor descriptor = descriptor_of(*message);
   RunStatistics::Receipt receipt;
   {
     const Locked lock(lock_);
     statistics_.saw(message->header.stamp.toNSec());
     reports_.saw(message->header.stamp.toNSec());
-    receipt = statistics_.receive(vehicle, heading, positions_of(message));
+    receipt = statistics_.receive(vehicle, descriptor, positions_of(message));
   }
-  if (!inputs_[vehicle].takes(receipt.verdict, heading.id, heading.size)) return;
+  if (!inputs_[vehicle].takes(receipt.verdict, descriptor.id, descriptor.size)) return;
   if (snapshots_.wanted()) snapshots_.take(vehicle, *message);
   const RunStatistics::Computed computed = statistics_.compute(receipt.work);
   const Locked lock(lock_);

@@ -13,18 +13,18 @@ PositionInput::PositionInput(RunMembership& membership, const std::string& topic
 bool PositionInput::admits(const PositionEvent& event) {
   const stochastic_platoon::Position& message = *event.getConstMessage();
   if (membership_->admits(message.run)) return publisher_.admits(event.getConnectionHeaderPtr(), message.run);
-  if (!membership_->is_over()) drops_.count(Verdict::foreign_run, id_of(message), message.position.size());
+  if (!membership_->is_over()) drops_.count(DropReason::foreign_run, id_of(message), message.position.size());
   return false;
 }
 
-bool PositionInput::takes(const Heading& heading, MessageOrder& order, std::int64_t first_loss) {
-  const Verdict verdict = order.receive(heading);
-  if (order.has_missed(verdict, heading.id, first_loss)) membership_->tell_missed(heading.id.attempt);
-  return takes(verdict, heading.id, heading.size);
+bool PositionInput::takes(const MessageDescriptor& descriptor, MessageOrder& order, std::int64_t first_loss) {
+  const DropReason verdict = order.receive(descriptor);
+  if (order.has_missed(verdict, descriptor.id, first_loss)) membership_->tell_missed(descriptor.id.attempt);
+  return takes(verdict, descriptor.id, descriptor.size);
 }
 
-bool PositionInput::takes(Verdict verdict, const MessageId& id, std::size_t size) {
-  if (verdict != Verdict::in_turn) {
+bool PositionInput::takes(DropReason verdict, const MessageId& id, std::size_t size) {
+  if (verdict != DropReason::none) {
     drops_.count(verdict, id, size);
     return false;
   }

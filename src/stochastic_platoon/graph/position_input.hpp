@@ -32,13 +32,13 @@ public:
 
   /// The third one. Notifies the leader and the monitor when earlier messages are lost: see
   /// MessageOrder::has_missed().
-  bool takes(const Heading& heading, MessageOrder& order, std::int64_t first_loss);
+  bool takes(const MessageDescriptor& descriptor, MessageOrder& order, std::int64_t first_loss);
 
   /// The third one, done by the component: counts the message as taken or dropped. Returns whether it is taken.
-  bool takes(Verdict verdict, const MessageId& id, std::size_t size);
+  bool takes(DropReason verdict, const MessageId& id, std::size_t size);
 
   /// How the latest message of an external vehicle violated the contract; none if it did not.
-  std::optional<Verdict> latest_breach() const { return drops_.latest_breach(); }
+  std::optional<DropReason> latest_breach() const { return drops_.latest_breach(); }
 
   const Activity& activity() const { return activity_; }
   const DropCounter& drops() const { return drops_; }

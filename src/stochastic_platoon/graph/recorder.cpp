@@ -107,7 +107,7 @@ void Recorder::receive(std::size_t stream, const PositionEvent& event) {
   reports_.saw(message->header.stamp.toNSec());
   if (!recording_) return;
   write([&] {
-    const Verdict verdict = recording_->receive(stream, message);
+    const DropReason verdict = recording_->receive(stream, message);
     if (!inputs_[stream].takes(verdict, id_of(*message), message->position.size())) return;
     if (!began_) began_ = now();
     if (pause_.is_on() && recording_->bytes() > tried_at_ + kBytesOfSuccess) {

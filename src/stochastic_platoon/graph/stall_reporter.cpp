@@ -89,7 +89,7 @@ std::string StallReporter::start(const std::vector<std::size_t>& missing, const 
   }
   if (!missing.empty()) return formatted("waiting for %zu of %zu vehicles", missing.size(), run_.followers + 1);
   const auto share = static_cast<double>(arrivals.messages()) /
-                     static_cast<double>(messages_of_first_step(run_.followers, run_.longest_lead(), run_.steps));
+                     static_cast<double>(messages_of_first_step(run_.followers, run_.pipeline_depth(), run_.steps));
   return formatted("first step: %.0f %%", 100.0 * std::min(share, 1.0));
 }
 
@@ -99,7 +99,7 @@ std::string StallReporter::reason(const Observation& seen) const {
   }
   const std::vector<std::size_t> missing = seen.missing();
   if (!missing.empty()) return reason_of_missing(missing);
-  const StallDiagnosis diagnosis = diagnose_stall(seen.arrivals.latest(), run_.schedule(), run_.longest_lead(),
+  const StallDiagnosis diagnosis = diagnose_stall(seen.arrivals.latest(), run_.schedule(), run_.pipeline_depth(),
                                                   run_.external, seen.arrivals.latest_of_any_attempt());
   if (!diagnosis.vehicle) return diagnosis.text;
   return diagnosis.text + explanation_of(*diagnosis.vehicle, seen.arrivals) + breach_of(*diagnosis.vehicle, seen);
@@ -128,7 +128,7 @@ std::string StallReporter::explanation_of(std::size_t vehicle, const Arrivals& a
 // The contract clause that a blocking external vehicle violates.
 std::string StallReporter::breach_of(std::size_t vehicle, const Observation& seen) const {
   if (!run_.is_external(vehicle)) return "";
-  const std::optional<Verdict> breach = seen.breach(vehicle);
+  const std::optional<DropReason> breach = seen.breach(vehicle);
   const std::string dropped =
       breach ? std::string("its last message was dropped, as ") + to_string(*breach) + "; " : "";
   return "; the vehicle is external: " + dropped + named(breach ? *broken_clause(*breach) : Clause::answer);

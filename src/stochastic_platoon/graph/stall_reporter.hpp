@@ -33,7 +33,7 @@ public:
     /// Vehicles without a publisher, ascending. Called during a stall only.
     std::function<std::vector<std::size_t>()> missing;
     /// The latest contract violation of an external vehicle. Called during a stall only.
-    std::function<std::optional<Verdict>(std::size_t vehicle)> breach;
+    std::function<std::optional<DropReason>(std::size_t vehicle)> breach;
   };
 
   /// Empty strings: nothing to log.

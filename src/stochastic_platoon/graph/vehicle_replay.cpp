@@ -134,7 +134,7 @@ MessageId VehicleReplay::expected_id() const {
 void VehicleReplay::receive(const PositionEvent& event) {
   const Position& live = *event.getMessage();
   if (done_) return;
-  if (live.run != run_) return drop(Verdict::foreign_run, live);
+  if (live.run != run_) return drop(DropReason::foreign_run, live);
   if (publisher_.admits(event.getConnectionHeaderPtr(), live.run)) judge(live);
 }
 
@@ -142,9 +142,9 @@ void VehicleReplay::receive(const PositionEvent& event) {
 void VehicleReplay::judge(const Position& live) {
   const MessageId id = id_of(live), due = expected_id();
   const auto place = [](const MessageId& of) { return std::tie(of.first_realization, of.step); };
-  if (id.attempt < due.attempt) return drop(Verdict::stale, live);
+  if (id.attempt < due.attempt) return drop(DropReason::stale, live);
   if (id.attempt == due.attempt && place(id) > place(due)) {
-    drop(Verdict::out_of_turn, live);
+    drop(DropReason::out_of_turn, live);
     if (credit_.give_up(now())) begin_again();
     return send_allowed();
   }
@@ -163,7 +163,7 @@ void VehicleReplay::judge(const Position& live) {
   send_allowed();
 }
 
-void VehicleReplay::drop(Verdict verdict, const Position& live) {
+void VehicleReplay::drop(DropReason verdict, const Position& live) {
   drops_.count(verdict, id_of(live), live.position.size());
 }
 
@@ -189,7 +189,7 @@ std::string VehicleReplay::silence() const {
   if (predecessor_position_.getNumSubscribers() == 0)
     return name_ + " is not there: nobody subscribes to " + predecessor_position_.getTopic() + external_hint;
   const MessageId due = expected_id();
-  const std::optional<Verdict> breach = drops_.latest_breach();
+  const std::optional<DropReason> breach = drops_.latest_breach();
   const std::string what =
       breach ? std::string("; its last message was dropped, as ") + to_string(*breach) : std::string();
   return name_ +

@@ -50,7 +50,7 @@ private:
   void receive(const PositionEvent& event);
   void receive_note(const stochastic_platoon::Progress::ConstPtr& message);
   void judge(const stochastic_platoon::Position& live);
-  void drop(Verdict verdict, const stochastic_platoon::Position& live);
+  void drop(DropReason verdict, const stochastic_platoon::Position& live);
   void compare(const stochastic_platoon::Position& live, const stochastic_platoon::Position& recorded);
   MessageId expected_id() const;
   std::string silence() const;

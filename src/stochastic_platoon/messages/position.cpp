@@ -34,7 +34,7 @@ MessageId id_of(const Position& message) {
   return {message.attempt, message.first_realization, message.step};
 }
 
-Heading heading_of(const Position& message) {
+MessageDescriptor descriptor_of(const Position& message) {
   return {id_of(message), message.position.size(), all_finite(message.position)};
 }
 

@@ -15,7 +15,7 @@ namespace platoon {
 MessageId id_of(const stochastic_platoon::Position& message);
 
 /// What delivery needs to know of the message: reads all of its positions.
-Heading heading_of(const stochastic_platoon::Position& message);
+MessageDescriptor descriptor_of(const stochastic_platoon::Position& message);
 
 /// Makes it the message of this name in this run.
 void set_id(std::uint64_t run, const MessageId& id, stochastic_platoon::Position& message);

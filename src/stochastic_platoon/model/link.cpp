@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "stochastic_platoon/model/additive_noise.hpp"
+#include "stochastic_platoon/model/coloured_noise.hpp"
 #include "stochastic_platoon/model/delay_line.hpp"
 #include "stochastic_platoon/model/packet_loss.hpp"
 #include "stochastic_platoon/model/quantiser.hpp"
@@ -19,7 +19,7 @@ std::vector<std::unique_ptr<LinkStage>> stages_of(const LinkModel& link, double 
   if (link.quantisation_step > 0.0)
     stages.push_back(std::make_unique<Quantiser>(link.quantisation_step, seed, receiver));
   if (noise_variance > 0.0)
-    stages.push_back(std::make_unique<AdditiveNoise>(noise_variance, link.noise_filter, seed, receiver));
+    stages.push_back(std::make_unique<ColouredNoise>(noise_variance, link.noise_filter, seed, receiver));
   if (link.delay > 0) stages.push_back(std::make_unique<DelayLine>(link.delay));
   if (link.loss && link.loss->probability > 0.0)
     stages.push_back(std::make_unique<PacketLoss>(*link.loss, seed, receiver));

@@ -44,7 +44,7 @@ public:
 private:
   void take(std::vector<std::unique_ptr<LinkStage>> stages);
 
-  NoisyChannel noise_;                              ///< the paper's channel
+  AwgnChannel noise_;                               ///< the paper's channel
   std::vector<std::unique_ptr<LinkStage>> stages_;  ///< in its place; none where it is all there is
   bool keeps_state_ = false;
 };

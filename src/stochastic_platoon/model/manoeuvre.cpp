@@ -40,7 +40,7 @@ void Manoeuvre::brake() {
 }
 
 void Manoeuvre::accelerate() {
-  approach(speed_ + kMore, kAcceleration);
+  approach(speed_ + kSpeedIncrease, kAcceleration);
 }
 
 void Manoeuvre::swing() {

@@ -8,12 +8,12 @@ namespace platoon {
 /// v(k). A manoeuvre begins at the speed of the step before and takes the place of the one under way.
 class Manoeuvre {
 public:
-  static constexpr double kBraking = 4.0;       ///< [m/s^2]
-  static constexpr double kAcceleration = 2.0;  ///< [m/s^2]
-  static constexpr double kMore = 10.0;         ///< [m/s] that accelerate() adds
-  static constexpr double kAmplitude = 2.0;     ///< [m/s] of the sinusoid
-  static constexpr std::int64_t kPeriod = 10;   ///< steps: where the paper's string amplifies most at h = 2.4
-  static constexpr double kLargestSpeed = 1e3;  ///< [m/s]
+  static constexpr double kBraking = 4.0;         ///< [m/s^2]
+  static constexpr double kAcceleration = 2.0;    ///< [m/s^2]
+  static constexpr double kSpeedIncrease = 10.0;  ///< [m/s] that accelerate() adds
+  static constexpr double kAmplitude = 2.0;       ///< [m/s] of the sinusoid
+  static constexpr std::int64_t kPeriod = 10;     ///< steps: where the paper's string amplifies most at h = 2.4
+  static constexpr double kLargestSpeed = 1e3;    ///< [m/s]
 
   /// T_s > 0 [s].
   explicit Manoeuvre(double sample_period) : sample_period_(sample_period) {}
@@ -23,7 +23,7 @@ public:
   void drive_at(double speed);
   /// Slower by kBraking until it stands.
   void brake();
-  /// Faster by kAcceleration until kMore is reached. Throws std::invalid_argument beyond kLargestSpeed.
+  /// Faster by kAcceleration until kSpeedIncrease is reached. Throws std::invalid_argument beyond kLargestSpeed.
   void accelerate();
   /// v(k) = v + kAmplitude sin(2 pi n / kPeriod), n = 1, 2, ... and v the present speed, until it is told otherwise.
   void swing();

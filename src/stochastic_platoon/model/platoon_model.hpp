@@ -46,7 +46,7 @@ struct VehicleType {
 /// Everything the mathematics of a platoon needs (paper, section 3); the model file in C++. Without `types` in
 /// its `string` the platoon is homogeneous; with the default link, too, it is the paper's.
 ///
-/// A plain value: what uses a part of it checks that part (ClosedLoopBatch, NoisyChannel, FollowerVehicle,
+/// A plain value: what uses a part of it checks that part (ClosedLoopBatch, AwgnChannel, FollowerVehicle,
 /// LeaderVehicle throw std::invalid_argument), and the model file's parser checks all of it.
 struct PlatoonModel {
   ClosedLoop loop;

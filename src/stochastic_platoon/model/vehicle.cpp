@@ -210,11 +210,11 @@ double noise_deviation(double noise_variance) {
   return root_of("noise variance", noise_variance);
 }
 
-NoisyChannel::NoisyChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver)
+AwgnChannel::AwgnChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver)
     : noise_(seed), deviation_(noise_deviation(noise_variance)), receiver_(receiver) {}
 
-void NoisyChannel::transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,
-                            double* received) const {
+void AwgnChannel::transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,
+                           double* received) const {
   if (step < 0 || deviation_ == 0.0) {
     std::copy_n(sent, count, received);
     return;

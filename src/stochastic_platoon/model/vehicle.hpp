@@ -121,11 +121,11 @@ double noise_deviation(double noise_variance);
 
 /// The paper's channel into vehicle i: received = sent + d_i(k), d_i(k) = sqrt(P_d) g(seed, i, k, r) for k >= 0 and 0
 /// at k = -1 (paper, assumption d and e). Keeps nothing between calls.
-class NoisyChannel {
+class AwgnChannel {
 public:
   /// noise_variance is P_d [m^2], receiver is i >= 1. Throws std::invalid_argument unless P_d is finite and
   /// >= 0.
-  NoisyChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver);
+  AwgnChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver);
 
   /// sent and received: one position per realization first_realization .. first_realization + count - 1 [m].
   void transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,

@@ -69,7 +69,7 @@ Checkpoint from_json(const nlohmann::json& document) {
 }
 
 // The lines before the content.
-std::string heading_of(const std::string& content) {
+std::string descriptor_of(const std::string& content) {
   return formatted("%s\n%016llx\n", kFormat, static_cast<unsigned long long>(digest(content)));
 }
 
@@ -144,7 +144,7 @@ void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
   const std::string file = checkpoint_file(output);
   // Between the two names there is none of the latest, for a moment: then the one before it is read.
   if (std::filesystem::exists(file)) std::filesystem::rename(file, previous_checkpoint_file(output));
-  write_atomically(file, heading_of(content) + content);
+  write_atomically(file, descriptor_of(content) + content);
 }
 
 namespace {
@@ -158,13 +158,13 @@ Checkpoint read_file(const std::string& file) {
   std::vector<char> piece(1 << 16);
   while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
     bytes.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
-  const std::string any_heading = heading_of("");
+  const std::string any_heading = descriptor_of("");
   try {
     if (bytes.compare(0, sizeof kFormat - 1, kFormat) != 0)
       throw std::runtime_error(std::string("it does not begin with \"") + kFormat + "\"");
     if (bytes.size() < any_heading.size()) throw std::runtime_error("it is cut off");
     const std::string content = bytes.substr(any_heading.size());
-    if (bytes.compare(0, any_heading.size(), heading_of(content)) != 0)
+    if (bytes.compare(0, any_heading.size(), descriptor_of(content)) != 0)
       throw std::runtime_error("its digest is not that of its content");
     return from_json(nlohmann::json::from_cbor(content));
   } catch (const std::exception& error) {

@@ -44,13 +44,14 @@ RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t f
   averages_->saw_leader(kNothingYet, true);
 }
 
-RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const Heading& heading, const Positions& positions) {
-  ErrorAssembly::Receipt receipt = assembly_.receive(vehicle, heading, positions);
+RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const MessageDescriptor& descriptor,
+                                              const Positions& positions) {
+  ErrorAssembly::Receipt receipt = assembly_.receive(vehicle, descriptor, positions);
   if (receipt.restarted) averages_->restart();
-  if (leader_ && vehicle == 0 && receipt.verdict == Verdict::in_turn)
-    compare_leader(heading.id.step, positions->front());
-  if (receipt.verdict == Verdict::in_turn) tally_.attempts = std::max(tally_.attempts, heading.id.attempt);
-  return {receipt.verdict, {vehicle, heading, std::move(receipt.due)}};
+  if (leader_ && vehicle == 0 && receipt.verdict == DropReason::none)
+    compare_leader(descriptor.id.step, positions->front());
+  if (receipt.verdict == DropReason::none) tally_.attempts = std::max(tally_.attempts, descriptor.id.attempt);
+  return {receipt.verdict, {vehicle, descriptor, std::move(receipt.due)}};
 }
 
 // By its movement in a step: a manoeuvre that is over leaves it elsewhere.
@@ -75,26 +76,26 @@ ReducedErrors RunStatistics::reduced(const DueErrors& due) const {
 }
 
 RunStatistics::Computed RunStatistics::compute(const Work& work) const {
-  Computed computed{work.vehicle, work.heading, {}};
+  Computed computed{work.vehicle, work.descriptor, {}};
   computed.errors.reserve(work.due.size());
   for (const DueErrors& due : work.due) computed.errors.push_back(reduced(due));
   return computed;
 }
 
 bool RunStatistics::settle(const Computed& computed) {
-  if (computed.heading.id.attempt < arrivals().attempt()) return false;  // void meanwhile
+  if (computed.descriptor.id.attempt < arrivals().attempt()) return false;  // void meanwhile
   for (const ReducedErrors& errors : computed.errors) averages_->add(errors);
-  const std::optional<CompleteBatch> batch = assembly_.settle(computed.vehicle, computed.heading);
-  if (averages_->averaging() == Averaging::over_time) tally_.positions_received += computed.heading.size;
+  const std::optional<CompleteBatch> batch = assembly_.settle(computed.vehicle, computed.descriptor);
+  if (averages_->averaging() == Averaging::over_time) tally_.positions_received += computed.descriptor.size;
   if (!batch) return false;
   averages_->commit(batch->first_realization);
   tally_.positions_received += batch->positions_received;
   return true;
 }
 
-Verdict RunStatistics::take(std::size_t vehicle, const Heading& heading, const Positions& positions) {
-  const Receipt receipt = receive(vehicle, heading, positions);
-  if (receipt.verdict == Verdict::in_turn) settle(compute(receipt.work));
+DropReason RunStatistics::take(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions) {
+  const Receipt receipt = receive(vehicle, descriptor, positions);
+  if (receipt.verdict == DropReason::none) settle(compute(receipt.work));
   return receipt.verdict;
 }
 

@@ -28,16 +28,16 @@ public:
   /// The work that a message causes.
   struct Work {
     std::size_t vehicle;
-    Heading heading;
+    MessageDescriptor descriptor;
     std::vector<DueErrors> due;
   };
   struct Receipt {
-    Verdict verdict;
+    DropReason verdict;
     Work work;  ///< of a message that is in turn: to be computed and settled
   };
   struct Computed {
     std::size_t vehicle;
-    Heading heading;
+    MessageDescriptor descriptor;
     std::vector<ReducedErrors> errors;
   };
 
@@ -49,7 +49,7 @@ public:
   RunStatistics(const Configuration& configuration, std::uint64_t first_realization);
 
   /// The positions of vehicle 0 .. N. What is not in turn has no effect.
-  Receipt receive(std::size_t vehicle, const Heading& heading, const Positions& positions);
+  Receipt receive(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
 
   Computed compute(const Work& work) const;
 
@@ -57,7 +57,7 @@ public:
   bool settle(const Computed& computed);
 
   /// All three at once. The verdict.
-  Verdict take(std::size_t vehicle, const Heading& heading, const Positions& positions);
+  DropReason take(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
 
   const Arrivals& arrivals() const { return assembly_.arrivals(); }
   const ErrorAverages& averages() const { return *averages_; }

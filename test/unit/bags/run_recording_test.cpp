@@ -37,7 +37,7 @@ protected:
     return configuration;
   }
 
-  static Verdict send_one(RunRecording* recorder, std::size_t stream, const Place& place, std::size_t size) {
+  static DropReason send_one(RunRecording* recorder, std::size_t stream, const Place& place, std::size_t size) {
     const auto message = boost::make_shared<Position>();
     std::tie(message->attempt, message->first_realization, message->step) = place;
     message->header.stamp = ros::Time(1000.0 + message->attempt + 0.001 * static_cast<double>(message->step));
@@ -50,7 +50,7 @@ protected:
                    std::int64_t last = 2) {
     for (std::size_t stream = 0; stream < kStreams; ++stream) {
       for (std::int64_t step = -1; step <= last; ++step) {
-        ASSERT_EQ(send_one(recorder, stream, {attempt, first, step}, size), Verdict::in_turn);
+        ASSERT_EQ(send_one(recorder, stream, {attempt, first, step}, size), DropReason::none);
       }
     }
   }

@@ -139,8 +139,8 @@ TEST(RunOptions, NameWhatIsNoListOfExternalVehicles) {
 }
 
 TEST(RunOptions, BoundTheLeadWhereAVehicleIsSomebodysOwn) {
-  EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}}).longest_lead(), 500u);
-  EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}, {"external", "3"}}).longest_lead(), 128u);
+  EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}}).pipeline_depth(), 500u);
+  EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}, {"external", "3"}}).pipeline_depth(), 128u);
 }
 
 TEST(RunOptions, WaitForEverWithoutAStallTimeout) {

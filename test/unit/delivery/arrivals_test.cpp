@@ -18,13 +18,13 @@ public:
   explicit Recorded(std::uint64_t committed = 0, std::uint32_t attempt = 0, const BatchSchedule& schedule = kSchedule)
       : schedule_(schedule), arrivals_(schedule, kStreams, committed, attempt) {}
 
-  Verdict receive(std::size_t stream, const MessageId& id) {
-    const Heading heading{id, schedule_.size(id.first_realization), true};
-    const Arrivals::Admission admission = arrivals_.admit(stream, heading);
+  DropReason receive(std::size_t stream, const MessageId& id) {
+    const MessageDescriptor descriptor{id, schedule_.size(id.first_realization), true};
+    const Arrivals::Admission admission = arrivals_.admit(stream, descriptor);
     if (admission.restarted) told_ += "restarted ";
-    if (admission.verdict != Verdict::in_turn) return admission.verdict;
+    if (admission.verdict != DropReason::none) return admission.verdict;
     told_ += "take " + std::to_string(stream) + " ";
-    const std::optional<CompleteBatch> batch = arrivals_.count(stream, heading);
+    const std::optional<CompleteBatch> batch = arrivals_.count(stream, descriptor);
     if (batch) {
       told_ += "batch " + std::to_string(batch->first_realization) + " of " +
                std::to_string(batch->positions_received) + " ";
@@ -35,7 +35,7 @@ public:
   void receive_batch(std::uint32_t attempt, std::uint64_t first) {
     for (std::int64_t step = kInitialStep; step < schedule_.steps; ++step) {
       for (std::size_t s = 0; s < kStreams; ++s) {
-        ASSERT_EQ(receive(s, {attempt, first, step}), Verdict::in_turn) << s << ": " << first << ", " << step;
+        ASSERT_EQ(receive(s, {attempt, first, step}), DropReason::none) << s << ": " << first << ", " << step;
       }
     }
   }
@@ -63,7 +63,7 @@ private:
 
 TEST(Arrivals, TellRestartThenMessageThenBatch) {
   Recorded recorded(0, 0, {2, 1, 1});
-  EXPECT_EQ(recorded.receive(1, {1, 0, -1}), Verdict::in_turn);
+  EXPECT_EQ(recorded.receive(1, {1, 0, -1}), DropReason::none);
   EXPECT_EQ(recorded.told(), "restarted take 1 ");
   recorded.receive(1, {1, 0, 0});
   recorded.receive(0, {1, 0, -1});
@@ -78,7 +78,7 @@ TEST(Arrivals, TellNothingOfWhatIsNotInTurn) {
   recorded.told();
   for (const MessageId& id :
        {MessageId{1, 8, -1}, MessageId{2, 8, 0}, MessageId{2, 0, 2}, MessageId{3, 8, 1}, MessageId{3, 16, -1}}) {
-    EXPECT_NE(recorded.receive(0, id), Verdict::in_turn);
+    EXPECT_NE(recorded.receive(0, id), DropReason::none);
   }
   EXPECT_EQ(recorded.told(), "");
   EXPECT_EQ(recorded.arrivals().attempt(), 2u);
@@ -127,12 +127,12 @@ TEST(Arrivals, OfAnUnfinishedBatchAreVoidInANewAttempt) {
   for (std::int64_t step = -1; step < 3; ++step) recorded.receive(0, {1, 8, step});
   recorded.receive(1, {1, 8, -1});
   recorded.told();
-  EXPECT_EQ(recorded.receive(1, {4, 8, -1}), Verdict::in_turn);
+  EXPECT_EQ(recorded.receive(1, {4, 8, -1}), DropReason::none);
   EXPECT_EQ(recorded.told(), "restarted take 1 ");
   EXPECT_EQ(recorded.arrivals().attempt(), 4u);
   recorded.expect_acknowledged({4, 8, kNothingYet});
-  EXPECT_EQ(recorded.receive(1, {1, 8, 0}), Verdict::stale);
-  EXPECT_EQ(recorded.receive(0, {4, 8, -1}), Verdict::in_turn);
+  EXPECT_EQ(recorded.receive(1, {1, 8, 0}), DropReason::stale);
+  EXPECT_EQ(recorded.receive(0, {4, 8, -1}), DropReason::none);
   recorded.expect_acknowledged({4, 8, -1});
 }
 
@@ -171,20 +171,20 @@ TEST(Arrivals, PassByWhenEverythingIsCommitted) {
 
 TEST(Arrivals, RefuseAnAttemptWhoseBatchesDoNotMeetWhatIsCommitted) {
   Recorded recorded(8, 1);
-  EXPECT_EQ(recorded.receive(0, {2, 16, -1}), Verdict::out_of_turn);
-  EXPECT_EQ(recorded.receive(0, {2, 3, -1}), Verdict::out_of_turn);
-  EXPECT_EQ(recorded.receive(0, {2, 0, -1}), Verdict::in_turn);
-  EXPECT_EQ(recorded.receive(0, {3, 8, -1}), Verdict::in_turn);
+  EXPECT_EQ(recorded.receive(0, {2, 16, -1}), DropReason::out_of_turn);
+  EXPECT_EQ(recorded.receive(0, {2, 3, -1}), DropReason::out_of_turn);
+  EXPECT_EQ(recorded.receive(0, {2, 0, -1}), DropReason::none);
+  EXPECT_EQ(recorded.receive(0, {3, 8, -1}), DropReason::none);
 }
 
 // A receiver that was restarted, and whose links come up one after the other, in the middle of an attempt.
 TEST(Arrivals, OfAStreamThatJoinsAnAttemptAtALaterBatchAreOutOfTurn) {
   Recorded recorded(8, 0);
-  EXPECT_EQ(recorded.receive(0, {3, 8, -1}), Verdict::in_turn);
-  EXPECT_EQ(recorded.receive(1, {3, 16, -1}), Verdict::out_of_turn);
+  EXPECT_EQ(recorded.receive(0, {3, 8, -1}), DropReason::none);
+  EXPECT_EQ(recorded.receive(1, {3, 16, -1}), DropReason::out_of_turn);
   recorded.expect_acknowledged({3, 8, kNothingYet});
   Recorded restarted(8, 3);
-  EXPECT_EQ(restarted.receive(0, {3, 16, -1}), Verdict::out_of_turn);
+  EXPECT_EQ(restarted.receive(0, {3, 16, -1}), DropReason::out_of_turn);
   EXPECT_EQ(restarted.told(), "");
 }
 
@@ -235,10 +235,10 @@ TEST(Arrivals, OfAnEndlessRunAreAcknowledgedForEver) {
 
 TEST(Arrivals, CountAMessageOnlyWhenItsWorkIsDone) {
   Arrivals arrivals({2, 1, 1}, kStreams, 0, 0);
-  const Heading start{{1, 0, -1}, 1, true}, end{{1, 0, 0}, 1, true};
+  const MessageDescriptor start{{1, 0, -1}, 1, true}, end{{1, 0, 0}, 1, true};
   for (std::size_t s = 0; s < kStreams; ++s) {
-    EXPECT_EQ(arrivals.admit(s, start).verdict, Verdict::in_turn);
-    EXPECT_EQ(arrivals.admit(s, end).verdict, Verdict::in_turn);
+    EXPECT_EQ(arrivals.admit(s, start).verdict, DropReason::none);
+    EXPECT_EQ(arrivals.admit(s, end).verdict, DropReason::none);
   }
   EXPECT_EQ(arrivals.acknowledgement().step, kNothingYet);
   EXPECT_EQ(arrivals.messages(), 0u);
@@ -254,8 +254,8 @@ TEST(Arrivals, CountAMessageOnlyWhenItsWorkIsDone) {
 
 TEST(Arrivals, CountNothingOfAnAttemptThatEndedWhileItsWorkWasDone) {
   Arrivals arrivals({2, 2, 1}, kStreams, 0, 0);
-  const Heading old{{1, 0, -1}, 2, true};
-  EXPECT_EQ(arrivals.admit(0, old).verdict, Verdict::in_turn);
+  const MessageDescriptor old{{1, 0, -1}, 2, true};
+  EXPECT_EQ(arrivals.admit(0, old).verdict, DropReason::none);
   EXPECT_TRUE(arrivals.admit(1, {{2, 0, -1}, 2, true}).restarted);
   EXPECT_FALSE(arrivals.count(0, old));
   EXPECT_EQ(arrivals.messages(), 0u);

@@ -103,12 +103,12 @@ TEST(DeliveryContract, HoldsWhenEverythingGoesWrongAtOnce) {
 TEST(DeliveryContract, HoldsForFollowersThatDoNotLead) {
   Troubles troubles;
   for (const std::size_t lead : {0, 1, 2}) {
-    troubles.longest_lead = lead;
+    troubles.pipeline_depth = lead;
     EXPECT_EQ(expect_undisturbed_statistics(troubles, 10).attempts, 10u) << lead;
   }
   troubles.drop = 0.001;
   troubles.kill_follower = 0.002;
-  troubles.longest_lead = 1;
+  troubles.pipeline_depth = 1;
   EXPECT_GT(expect_undisturbed_statistics(troubles, 60).kills, 60);
 }
 

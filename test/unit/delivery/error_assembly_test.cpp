@@ -40,16 +40,16 @@ public:
   explicit Assembled(const BatchSchedule& schedule = kSchedule, std::uint64_t first = 0, std::uint32_t attempt = 0)
       : schedule_(schedule), assembly_(schedule, kFollowers, first, attempt) {}
 
-  Verdict receive(std::size_t vehicle, const MessageId& id) {
+  DropReason receive(std::size_t vehicle, const MessageId& id) {
     const Positions message = positions(vehicle, id, schedule_.size(id.first_realization));
     sent_.push_back(message);
-    const Heading heading{id, message->size(), true};
-    ErrorAssembly::Receipt receipt = assembly_.receive(vehicle, heading, message);
+    const MessageDescriptor descriptor{id, message->size(), true};
+    ErrorAssembly::Receipt receipt = assembly_.receive(vehicle, descriptor, message);
     if (receipt.restarted) restart();
     for (const DueErrors& due : receipt.due) take_errors(due);
     receipt.due.clear();
-    if (receipt.verdict != Verdict::in_turn) return receipt.verdict;
-    const std::optional<CompleteBatch> batch = assembly_.settle(vehicle, heading);
+    if (receipt.verdict != DropReason::none) return receipt.verdict;
+    const std::optional<CompleteBatch> batch = assembly_.settle(vehicle, descriptor);
     if (batch) take_batch(*batch);
     return receipt.verdict;
   }
@@ -58,7 +58,7 @@ public:
   void receive_steps(std::uint32_t attempt, std::uint64_t first, std::int64_t from, std::int64_t to) {
     for (std::int64_t step = from; step <= to; ++step) {
       for (std::size_t i = 0; i <= kFollowers; ++i) {
-        EXPECT_EQ(receive(i, {attempt, first, step}), Verdict::in_turn) << i << ": " << first << ", " << step;
+        EXPECT_EQ(receive(i, {attempt, first, step}), DropReason::none) << i << ": " << first << ", " << step;
       }
     }
   }
@@ -162,7 +162,7 @@ TEST(ErrorAssembly, FormsEveryErrorInOrderHoweverTheVehiclesInterleave) {
     for (std::size_t left = ids.size() * next.size(); left > 0;) {
       const std::size_t vehicle = generator() % 3 == 0 && favourite < 3 ? favourite : generator() % 3;
       if (next[vehicle] == ids.size()) continue;
-      ASSERT_EQ(assembled.receive(vehicle, ids[next[vehicle]++]), Verdict::in_turn);
+      ASSERT_EQ(assembled.receive(vehicle, ids[next[vehicle]++]), DropReason::none);
       --left;
       const std::size_t slowest = *std::min_element(next.begin(), next.end());
       const MessageId& last = ids[slowest == 0 ? 0 : slowest - 1];
@@ -222,12 +222,12 @@ TEST(ErrorAssembly, KeepsNothingOfWhatItRefuses) {
   assembled.receive_steps(1, 0, -1, 0);
   const std::size_t kept = assembled.positions_kept();
   for (std::size_t i = 0; i <= kFollowers; ++i) {
-    EXPECT_EQ(assembled.receive(i, {1, 0, 2}), Verdict::out_of_turn);
-    EXPECT_EQ(assembled.receive(i, {1, 0, 0}), Verdict::out_of_turn);
-    EXPECT_EQ(assembled.receive(i, {0, 0, 1}), Verdict::stale);
-    EXPECT_EQ(assembled.receive(i, {2, 0, 1}), Verdict::missed_start);
+    EXPECT_EQ(assembled.receive(i, {1, 0, 2}), DropReason::out_of_turn);
+    EXPECT_EQ(assembled.receive(i, {1, 0, 0}), DropReason::out_of_turn);
+    EXPECT_EQ(assembled.receive(i, {0, 0, 1}), DropReason::stale);
+    EXPECT_EQ(assembled.receive(i, {2, 0, 1}), DropReason::missed_start);
     EXPECT_EQ(assembled.assembly().receive(i, {{1, 0, 1}, 7, true}, positions(i, {1, 0, 1}, 7)).verdict,
-              Verdict::wrong_size);
+              DropReason::wrong_size);
   }
   EXPECT_EQ(assembled.positions_kept(), kept);
   EXPECT_EQ(assembled.restarts(), 1);
@@ -242,13 +242,13 @@ TEST(ErrorAssembly, ForgetsTheUnfinishedBatchesWhenANewerAttemptBegins) {
   assembled.receive_steps(1, 8, -1, 1);
   assembled.receive(0, {1, 8, 2});
   EXPECT_EQ(assembled.restarts(), 1);
-  EXPECT_EQ(assembled.receive(1, {2, 8, -1}), Verdict::in_turn);
+  EXPECT_EQ(assembled.receive(1, {2, 8, -1}), DropReason::none);
   EXPECT_EQ(assembled.restarts(), 2);
   EXPECT_EQ(assembled.positions_kept(), 1u);
   assembled.expect_acknowledged({2, 8, kNothingYet});
-  for (std::size_t i = 0; i <= kFollowers; ++i) EXPECT_EQ(assembled.receive(i, {1, 8, 2}), Verdict::stale);
-  EXPECT_EQ(assembled.receive(0, {2, 8, -1}), Verdict::in_turn);
-  EXPECT_EQ(assembled.receive(2, {2, 8, -1}), Verdict::in_turn);
+  for (std::size_t i = 0; i <= kFollowers; ++i) EXPECT_EQ(assembled.receive(i, {1, 8, 2}), DropReason::stale);
+  EXPECT_EQ(assembled.receive(0, {2, 8, -1}), DropReason::none);
+  EXPECT_EQ(assembled.receive(2, {2, 8, -1}), DropReason::none);
   assembled.receive_steps(2, 8, 0, 2);
   assembled.receive_steps(2, 16, -1, 2);
   expect_whole_run(assembled, assembled.assembly());
@@ -256,7 +256,7 @@ TEST(ErrorAssembly, ForgetsTheUnfinishedBatchesWhenANewerAttemptBegins) {
 
 TEST(ErrorAssembly, CompletesABatchOnlyWhenAllOfItsErrorsAreDealtWith) {
   ErrorAssembly assembly({2, 2, 1}, 1, 0, 0);
-  const Heading start{{1, 0, -1}, 2, true}, end{{1, 0, 0}, 2, true};
+  const MessageDescriptor start{{1, 0, -1}, 2, true}, end{{1, 0, 0}, 2, true};
   for (std::size_t i = 0; i <= 1; ++i) {
     EXPECT_TRUE(assembly.receive(i, start, positions(i, start.id, 2)).due.empty());
     EXPECT_EQ(assembly.receive(i, end, positions(i, end.id, 2)).due.size(), i);  // of the follower alone
@@ -272,8 +272,8 @@ TEST(ErrorAssembly, CompletesABatchOnlyWhenAllOfItsErrorsAreDealtWith) {
 TEST(ErrorAssembly, RefusesAnAttemptThatBeginsWhereItCannotGoOn) {
   Assembled assembled;
   assembled.receive_steps(1, 0, -1, 2);
-  EXPECT_EQ(assembled.receive(0, {2, 16, -1}), Verdict::out_of_turn);
-  EXPECT_EQ(assembled.receive(0, {2, 5, -1}), Verdict::out_of_turn);
+  EXPECT_EQ(assembled.receive(0, {2, 16, -1}), DropReason::out_of_turn);
+  EXPECT_EQ(assembled.receive(0, {2, 5, -1}), DropReason::out_of_turn);
   EXPECT_EQ(assembled.restarts(), 1);
   assembled.expect_acknowledged({1, 8, kNothingYet});
   assembled.receive_steps(3, 8, -1, 2);
@@ -298,8 +298,8 @@ TEST(ErrorAssembly, GoesOnFromWhatWasCommittedBefore) {
   Assembled assembled(kSchedule, 5, 3);
   EXPECT_EQ(assembled.assembly().arrivals().committed(), 5u);
   assembled.expect_acknowledged({3, 5, kNothingYet});
-  EXPECT_EQ(assembled.receive(0, {2, 5, -1}), Verdict::stale);
-  EXPECT_EQ(assembled.receive(0, {4, 0, -1}), Verdict::out_of_turn);
+  EXPECT_EQ(assembled.receive(0, {2, 5, -1}), DropReason::stale);
+  EXPECT_EQ(assembled.receive(0, {4, 0, -1}), DropReason::out_of_turn);
   assembled.receive_steps(4, 5, -1, 2);
   assembled.expect_acknowledged({4, 13, kNothingYet});
   assembled.receive_steps(4, 13, -1, 2);
@@ -313,7 +313,7 @@ TEST(ErrorAssembly, IsCompleteWhenEverythingWasCommittedBefore) {
   Assembled assembled(kSchedule, 20, 3);
   EXPECT_TRUE(assembled.assembly().arrivals().complete());
   assembled.expect_acknowledged({3, 20, kNothingYet});
-  EXPECT_NE(assembled.receive(0, {4, 20, -1}), Verdict::in_turn);
+  EXPECT_NE(assembled.receive(0, {4, 20, -1}), DropReason::none);
 }
 
 // A monitor that was restarted knows attempt 3 from its checkpoint, up to realization 8. The leader has not
@@ -322,7 +322,7 @@ TEST(ErrorAssembly, IsCompleteWhenEverythingWasCommittedBefore) {
 TEST(ErrorAssembly, DoesNotTakeALaterBatchOfTheAttemptItWasRestartedIn) {
   Assembled assembled(BatchSchedule{40, 8, 3}, 8, 3);
   for (std::int64_t step = kInitialStep; step < 3; ++step) {
-    for (std::size_t i = 0; i <= kFollowers; ++i) ASSERT_NE(assembled.receive(i, {3, 16, step}), Verdict::in_turn);
+    for (std::size_t i = 0; i <= kFollowers; ++i) ASSERT_NE(assembled.receive(i, {3, 16, step}), DropReason::none);
   }
   EXPECT_TRUE(assembled.batches().empty());
   assembled.expect_acknowledged({3, 8, kNothingYet});
@@ -334,10 +334,10 @@ TEST(ErrorAssembly, DoesNotMixBatchesOfVehiclesThatAreHeardFromDifferentOnesOn) 
   Assembled assembled(BatchSchedule{40, 8, 3}, 8, 2);
   for (const std::uint64_t first : {8, 16}) {
     for (std::int64_t step = kInitialStep; step < 3; ++step) {
-      EXPECT_EQ(assembled.receive(0, {3, first, step}), Verdict::in_turn);
+      EXPECT_EQ(assembled.receive(0, {3, first, step}), DropReason::none);
       if (first == 16) {
-        ASSERT_NE(assembled.receive(1, {3, first, step}), Verdict::in_turn);
-        ASSERT_NE(assembled.receive(2, {3, first, step}), Verdict::in_turn);
+        ASSERT_NE(assembled.receive(1, {3, first, step}), DropReason::none);
+        ASSERT_NE(assembled.receive(2, {3, first, step}), DropReason::none);
       }
     }
   }

@@ -9,7 +9,7 @@ constexpr std::size_t kLongest = 128;
 
 std::size_t lead_of(std::size_t follower, std::size_t followers) {
   std::size_t lead = 0;
-  for (std::size_t i = 1; i <= follower; ++i) lead += leads(i, followers, kLongest) ? 1 : 0;
+  for (std::size_t i = 1; i <= follower; ++i) lead += publishes_ahead(i, followers, kLongest) ? 1 : 0;
   return lead;
 }
 
@@ -35,7 +35,7 @@ TEST(Lead, MessagesOfTheFirstStep) {
 }
 
 TEST(Lead, CanBeNone) {
-  for (std::size_t i = 1; i <= 9; ++i) EXPECT_FALSE(leads(i, 9, 0));
+  for (std::size_t i = 1; i <= 9; ++i) EXPECT_FALSE(publishes_ahead(i, 9, 0));
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ struct Troubles {
   double kill_monitor = 0.0;   ///< it starts from its latest checkpoint
   double kill_recorder = 0.0;  ///< it starts after the batches it has written
   bool recorder = false;       ///< whether there is one
-  std::size_t longest_lead = 100;
+  std::size_t pipeline_depth = 100;
 };
 
 /// The graph of nodes with its queues instead of sockets and an invented clock: leader, channel, followers,
@@ -95,7 +95,7 @@ private:
   struct Follower {
     MessageOrder order;
     FollowerVehicle vehicle;
-    bool leads;
+    bool is_ahead;
     std::vector<double> upcoming = {};  ///< its own next step, of one that does not lead
   };
   struct Checkpoint {
@@ -109,7 +109,7 @@ private:
 
   Follower new_follower(std::uint32_t index) const {
     return {MessageOrder(schedule_), FollowerVehicle(model_, noise_seed_, index),
-            leads(index, to_channel_.size(), troubles_.longest_lead)};
+            publishes_ahead(index, to_channel_.size(), troubles_.pipeline_depth)};
   }
 
   void start_leader() {
@@ -263,31 +263,31 @@ private:
     const MessageId& id = message.id;
     std::vector<double> received, own;
     channels_[index - 1].transmit(id.step, id.first_realization, *message.positions, received);
-    if (follower.order.receive({id, received.size(), true}) != Verdict::in_turn) return;
+    if (follower.order.receive({id, received.size(), true}) != DropReason::none) return;
     if (id.step == kInitialStep) {
       follower.vehicle.start(id.first_realization, received.size(), own);
       publish(index, id, own);
-    } else if (!follower.leads) {
+    } else if (!follower.is_ahead) {
       publish(index, id, follower.upcoming);
     }
     if (schedule_.is_last_step(id.step)) return;
     follower.vehicle.step(received, own);
-    if (follower.leads) {
+    if (follower.is_ahead) {
       publish(index, {id.attempt, id.first_realization, id.step + 1}, own);
     } else {
       follower.upcoming = own;
     }
   }
 
-  Heading heading(const Message& message) const { return {message.id, message.positions->size(), true}; }
+  MessageDescriptor descriptor(const Message& message) const { return {message.id, message.positions->size(), true}; }
 
   void observe(std::size_t vehicle, const Message& message) {
-    const ErrorAssembly::Receipt receipt = assembly_->receive(vehicle, heading(message), message.positions);
+    const ErrorAssembly::Receipt receipt = assembly_->receive(vehicle, descriptor(message), message.positions);
     if (receipt.restarted) statistics_->restart();
-    if (receipt.verdict != Verdict::in_turn) return;
+    if (receipt.verdict != DropReason::none) return;
     for (const DueErrors& due : receipt.due) add_errors(due);
     attempts_seen_ = std::max(attempts_seen_, message.id.attempt);
-    const std::optional<CompleteBatch> batch = assembly_->settle(vehicle, heading(message));
+    const std::optional<CompleteBatch> batch = assembly_->settle(vehicle, descriptor(message));
     if (batch) commit(*batch);
     report_if_due("monitor", assembly_->arrivals(), monitor_pace_);
   }
@@ -304,8 +304,8 @@ private:
   }
 
   void record(std::size_t vehicle, const Message& message) {
-    if (recorder_->admit(vehicle, heading(message)).verdict != Verdict::in_turn) return;
-    const std::optional<CompleteBatch> batch = recorder_->count(vehicle, heading(message));
+    if (recorder_->admit(vehicle, descriptor(message)).verdict != DropReason::none) return;
+    const std::optional<CompleteBatch> batch = recorder_->count(vehicle, descriptor(message));
     if (batch) recorded_.push_back(batch->first_realization);
     report_if_due("recorder", *recorder_, recorder_pace_);
   }
@@ -320,7 +320,7 @@ private:
   LeaderVehicle leader_;
   std::unique_ptr<Credit> credit_;
   std::vector<Follower> followers_;
-  std::vector<NoisyChannel> channels_;
+  std::vector<AwgnChannel> channels_;
   std::unique_ptr<EnsembleStatistics> statistics_;
   std::unique_ptr<ErrorAssembly> assembly_;
   std::uint32_t attempts_seen_ = 0;

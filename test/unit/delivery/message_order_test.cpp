@@ -10,7 +10,7 @@ namespace {
 
 const BatchSchedule kSchedule{20, 8, 3};  // batches at 0, 8 and, of size 4, at 16; steps -1 .. 2
 
-Verdict receive(MessageOrder& order, const MessageId& id) {
+DropReason receive(MessageOrder& order, const MessageId& id) {
   return order.receive({id, kSchedule.size(id.first_realization), true});
 }
 
@@ -18,7 +18,7 @@ Verdict receive(MessageOrder& order, const MessageId& id) {
 MessageOrder after(std::uint32_t attempt, std::uint64_t first, std::int64_t step) {
   MessageOrder order(kSchedule);
   for (std::int64_t k = kInitialStep; k <= step; ++k) {
-    EXPECT_EQ(receive(order, {attempt, first, k}), Verdict::in_turn);
+    EXPECT_EQ(receive(order, {attempt, first, k}), DropReason::none);
   }
   return order;
 }
@@ -35,20 +35,20 @@ TEST(MessageOrder, TakesEveryStepOfEveryBatchInOrder) {
   EXPECT_FALSE(order.latest());
   for (const std::uint64_t first : {0, 8, 16}) {
     for (const std::int64_t step : {-1, 0, 1, 2}) {
-      EXPECT_EQ(receive(order, {1, first, step}), Verdict::in_turn);
+      EXPECT_EQ(receive(order, {1, first, step}), DropReason::none);
       expect_latest(order, {1, first, step});
     }
   }
-  EXPECT_NE(order.receive({{1, 20, -1}, 4, true}), Verdict::in_turn);
-  EXPECT_NE(order.receive({{1, 20, -1}, 0, true}), Verdict::in_turn);
+  EXPECT_NE(order.receive({{1, 20, -1}, 4, true}), DropReason::none);
+  EXPECT_NE(order.receive({{1, 20, -1}, 0, true}), DropReason::none);
 }
 
 TEST(MessageOrder, MissedTheStartOfWhatBeginsInTheMiddle) {
   MessageOrder fresh(kSchedule);
-  EXPECT_EQ(receive(fresh, {1, 0, 0}), Verdict::missed_start);
+  EXPECT_EQ(receive(fresh, {1, 0, 0}), DropReason::missed_start);
   EXPECT_FALSE(fresh.latest());
   MessageOrder order = after(1, 0, 1);
-  EXPECT_EQ(receive(order, {2, 0, 2}), Verdict::missed_start);
+  EXPECT_EQ(receive(order, {2, 0, 2}), DropReason::missed_start);
   expect_latest(order, {1, 0, 1});
 }
 
@@ -56,90 +56,90 @@ TEST(MessageOrder, FindsGapsAndDuplicatesOutOfTurn) {
   MessageOrder order = after(1, 0, 1);
   for (const MessageId& id : {MessageId{1, 0, 1}, MessageId{1, 0, 0}, MessageId{1, 0, -1}, MessageId{1, 0, 3},
                               MessageId{1, 8, 2}, MessageId{1, 8, -1}}) {
-    EXPECT_EQ(receive(order, id), Verdict::out_of_turn);
+    EXPECT_EQ(receive(order, id), DropReason::out_of_turn);
   }
-  EXPECT_EQ(receive(order, {1, 0, 2}), Verdict::in_turn);
+  EXPECT_EQ(receive(order, {1, 0, 2}), DropReason::none);
 }
 
 TEST(MessageOrder, FindsABatchThatIsNotDueOutOfTurn) {
   MessageOrder order = after(1, 0, 2);
   for (const MessageId& id : {MessageId{1, 0, 3}, MessageId{1, 0, -1}, MessageId{1, 16, -1}, MessageId{1, 8, 0}}) {
-    EXPECT_EQ(receive(order, id), Verdict::out_of_turn);
+    EXPECT_EQ(receive(order, id), DropReason::out_of_turn);
   }
-  EXPECT_EQ(receive(order, {1, 8, -1}), Verdict::in_turn);
+  EXPECT_EQ(receive(order, {1, 8, -1}), DropReason::none);
 }
 
 TEST(MessageOrder, TakesUpANewerAttemptAtItsInitialStepAtAnyBatch) {
   for (const std::uint64_t first : {0, 8, 16}) {
     MessageOrder order = after(3, 0, 1);
-    EXPECT_EQ(receive(order, {7, first, -1}), Verdict::in_turn);
-    EXPECT_EQ(receive(order, {7, first, 0}), Verdict::in_turn);
+    EXPECT_EQ(receive(order, {7, first, -1}), DropReason::none);
+    EXPECT_EQ(receive(order, {7, first, 0}), DropReason::none);
   }
 }
 
 TEST(MessageOrder, FindsAnOlderAttemptStale) {
   MessageOrder order = after(3, 0, 1);
-  for (const std::int64_t step : {-1, 0, 2}) EXPECT_EQ(receive(order, {2, 0, step}), Verdict::stale);
-  EXPECT_EQ(receive(order, {3, 0, 2}), Verdict::in_turn);
+  for (const std::int64_t step : {-1, 0, 2}) EXPECT_EQ(receive(order, {2, 0, step}), DropReason::stale);
+  EXPECT_EQ(receive(order, {3, 0, 2}), DropReason::none);
 }
 
 TEST(MessageOrder, RefusesAWrongBatchSizeAndTakesTheRightOneAfterIt) {
   MessageOrder order = after(1, 0, 1);
   for (const std::size_t size : {0, 1, 7, 9}) {
-    EXPECT_EQ(order.receive({{1, 0, 2}, size, true}), Verdict::wrong_size);
+    EXPECT_EQ(order.receive({{1, 0, 2}, size, true}), DropReason::wrong_size);
   }
-  EXPECT_EQ(receive(order, {1, 0, 2}), Verdict::in_turn);
+  EXPECT_EQ(receive(order, {1, 0, 2}), DropReason::none);
   MessageOrder last = after(1, 8, 2);
-  EXPECT_EQ(last.receive({{1, 16, -1}, 8, true}), Verdict::wrong_size);
-  EXPECT_EQ(last.receive({{1, 16, -1}, 4, true}), Verdict::in_turn);
+  EXPECT_EQ(last.receive({{1, 16, -1}, 8, true}), DropReason::wrong_size);
+  EXPECT_EQ(last.receive({{1, 16, -1}, 4, true}), DropReason::none);
 }
 
 TEST(MessageOrder, RefusesRealizationsThereAreNot) {
   MessageOrder order(kSchedule);
-  EXPECT_EQ(order.receive({{1, 20, -1}, 0, true}), Verdict::wrong_size);
-  EXPECT_EQ(order.receive({{1, 24, -1}, 8, true}), Verdict::wrong_size);
+  EXPECT_EQ(order.receive({{1, 20, -1}, 0, true}), DropReason::wrong_size);
+  EXPECT_EQ(order.receive({{1, 24, -1}, 8, true}), DropReason::wrong_size);
   EXPECT_FALSE(order.latest());
 }
 
 TEST(MessageOrder, RefusesPositionsThatAreNotFiniteAndTakesTheRightOnesAfterThem) {
   MessageOrder order = after(1, 0, 1);
-  EXPECT_EQ(order.receive({{1, 0, 2}, 8, false}), Verdict::not_finite);
-  EXPECT_EQ(receive(order, {1, 0, 2}), Verdict::in_turn);
+  EXPECT_EQ(order.receive({{1, 0, 2}, 8, false}), DropReason::not_finite);
+  EXPECT_EQ(receive(order, {1, 0, 2}), DropReason::none);
 }
 
 TEST(MessageOrder, RecognizesLostMessages) {
   MessageOrder late(kSchedule);  // came up during attempt 1
-  EXPECT_FALSE(late.has_missed(Verdict::missed_start, {1, 0, 1}, 2)) << "a step that start-up explains";
-  EXPECT_TRUE(late.has_missed(Verdict::missed_start, {1, 0, 2}, 2));
+  EXPECT_FALSE(late.has_missed(DropReason::missed_start, {1, 0, 1}, 2)) << "a step that start-up explains";
+  EXPECT_TRUE(late.has_missed(DropReason::missed_start, {1, 0, 2}, 2));
   const MessageOrder order = after(2, 8, 0);
-  EXPECT_TRUE(order.has_missed(Verdict::out_of_turn, {2, 8, 2}, 0)) << "a gap";
-  EXPECT_TRUE(order.has_missed(Verdict::out_of_turn, {2, 16, -1}, 0)) << "the end of a batch";
-  EXPECT_FALSE(order.has_missed(Verdict::out_of_turn, {2, 8, -1}, 0)) << "a duplicate";
-  EXPECT_FALSE(order.has_missed(Verdict::stale, {1, 8, 2}, 0));
-  EXPECT_FALSE(order.has_missed(Verdict::in_turn, {2, 8, 0}, 0));
-  EXPECT_FALSE(order.has_missed(Verdict::missed_start, {3, 28, 1}, 0)) << "no such message";
+  EXPECT_TRUE(order.has_missed(DropReason::out_of_turn, {2, 8, 2}, 0)) << "a gap";
+  EXPECT_TRUE(order.has_missed(DropReason::out_of_turn, {2, 16, -1}, 0)) << "the end of a batch";
+  EXPECT_FALSE(order.has_missed(DropReason::out_of_turn, {2, 8, -1}, 0)) << "a duplicate";
+  EXPECT_FALSE(order.has_missed(DropReason::stale, {1, 8, 2}, 0));
+  EXPECT_FALSE(order.has_missed(DropReason::none, {2, 8, 0}, 0));
+  EXPECT_FALSE(order.has_missed(DropReason::missed_start, {3, 28, 1}, 0)) << "no such message";
 }
 
 TEST(MessageOrder, OfAnEndlessRunNeverEndsItsBatch) {
   MessageOrder order(BatchSchedule{1, 1, 0});
   for (std::int64_t step = -1; step < 1000; ++step) {
-    EXPECT_EQ(order.receive({{1, 0, step}, 1, true}), Verdict::in_turn);
+    EXPECT_EQ(order.receive({{1, 0, step}, 1, true}), DropReason::none);
   }
-  EXPECT_EQ(order.receive({{1, 0, -1}, 1, true}), Verdict::out_of_turn);
+  EXPECT_EQ(order.receive({{1, 0, -1}, 1, true}), DropReason::out_of_turn);
 }
 
 TEST(MessageOrder, GoesOnFromARealizationWithinABatch) {
   MessageOrder order(kSchedule);
   for (std::int64_t step = -1; step < 3; ++step) {
-    EXPECT_EQ(order.receive({{1, 5, step}, 8, true}), Verdict::in_turn);
+    EXPECT_EQ(order.receive({{1, 5, step}, 8, true}), DropReason::none);
   }
-  EXPECT_EQ(order.receive({{1, 13, -1}, 7, true}), Verdict::in_turn);
+  EXPECT_EQ(order.receive({{1, 13, -1}, 7, true}), DropReason::none);
 }
 
-TEST(Verdict, HasAWordOfItsOwn) {
+TEST(DropReason, HasAWordOfItsOwn) {
   std::set<std::string> words;
-  for (std::size_t v = 0; v < kVerdicts; ++v) words.insert(to_string(static_cast<Verdict>(v)));
-  EXPECT_EQ(words.size(), kVerdicts);
+  for (std::size_t v = 0; v < kDropReasons; ++v) words.insert(to_string(static_cast<DropReason>(v)));
+  EXPECT_EQ(words.size(), kDropReasons);
   EXPECT_EQ(words.count("unknown"), 0u);
 }
 

@@ -45,8 +45,8 @@ protected:
   }
 
   void send_one(std::size_t vehicle, const MessageId& id) {
-    const Heading heading{id, 4, true};
-    if (arrivals.admit(vehicle, heading).verdict == Verdict::in_turn) arrivals.count(vehicle, heading);
+    const MessageDescriptor descriptor{id, 4, true};
+    if (arrivals.admit(vehicle, descriptor).verdict == DropReason::none) arrivals.count(vehicle, descriptor);
   }
 
   StallReporter::Change look(double present) {
@@ -57,7 +57,7 @@ protected:
   Arrivals arrivals;
   StallReporter reporter;
   std::vector<std::size_t> missing = {};
-  std::optional<Verdict> breach = {};
+  std::optional<DropReason> breach = {};
 };
 
 TEST_F(StallReporterTest, NamesTheVehicleThatBlocksAndWhenItResumes) {
@@ -115,7 +115,7 @@ TEST_F(ExternalStallTest, NamesTheClauseThatAnExternalVehicleViolates) {
   stop_at_vehicle_2(1, 0.1);
   const std::string silent = look(5.0).stalled;
   EXPECT_NE(silent.find("; the vehicle is external: clause 2 of the vehicle contract"), std::string::npos) << silent;
-  breach = Verdict::not_finite;
+  breach = DropReason::not_finite;
   look(6.0);
   EXPECT_NE(reporter.culprit().find("its last message was dropped, as not finite; clause 4"), std::string::npos)
       << reporter.culprit();

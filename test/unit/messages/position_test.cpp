@@ -25,11 +25,11 @@ TEST(PositionMessage, IsHeadedByItsIdItsSizeAndWhetherItIsFinite) {
   Position message;
   set_id(77, {3, 512, 12}, message);
   message.position = {1.0, 2.0, 3.0};
-  EXPECT_EQ(heading_of(message).id.step, 12);
-  EXPECT_EQ(heading_of(message).size, 3u);
-  EXPECT_TRUE(heading_of(message).finite);
+  EXPECT_EQ(descriptor_of(message).id.step, 12);
+  EXPECT_EQ(descriptor_of(message).size, 3u);
+  EXPECT_TRUE(descriptor_of(message).finite);
   message.position[1] = std::nan("");
-  EXPECT_FALSE(heading_of(message).finite);
+  EXPECT_FALSE(descriptor_of(message).finite);
 }
 
 TEST(PositionMessage, SharesItsArrayAndLivesAsLongAsItIsUsed) {

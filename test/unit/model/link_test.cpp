@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "../paper_platoon.hpp"
-#include "stochastic_platoon/model/additive_noise.hpp"
+#include "stochastic_platoon/model/coloured_noise.hpp"
 #include "stochastic_platoon/model/delay_line.hpp"
 #include "stochastic_platoon/model/packet_loss.hpp"
 #include "stochastic_platoon/model/quantiser.hpp"
@@ -136,7 +136,7 @@ TEST(Link, OfThePaperIsTheNoisyChannelToTheBit) {
   for (const LinkModel& model : {LinkModel(), never}) {
     Link link(platoon_with(model, 0.6), kSeed, kReceiver);
     EXPECT_FALSE(link.keeps_state());
-    const NoisyChannel channel(0.6, kSeed, kReceiver);
+    const AwgnChannel channel(0.6, kSeed, kReceiver);
     for (const std::int64_t k : {-1, 5, 0}) {
       const Values in(700, 2.5);
       Values one, other;
@@ -220,8 +220,8 @@ TEST(Quantiser, LeavesAWhiteErrorOfVarianceOfAStepSquaredOverTwelve) {
 TEST(LinkStages, RejectWhatTheyCannotBe) {
   const TransferFunction improper(Eigen::Vector2d(1.0, 1.0), Eigen::VectorXd::Ones(1));
   EXPECT_THROW(Quantiser(0.0, 1, 1), std::invalid_argument);
-  EXPECT_THROW(AdditiveNoise(-1.0, LinkModel().noise_filter, 1, 1), std::invalid_argument);
-  EXPECT_THROW(AdditiveNoise(1.0, improper, 1, 1), std::invalid_argument);
+  EXPECT_THROW(ColouredNoise(-1.0, LinkModel().noise_filter, 1, 1), std::invalid_argument);
+  EXPECT_THROW(ColouredNoise(1.0, improper, 1, 1), std::invalid_argument);
   EXPECT_THROW(DelayLine(0), std::invalid_argument);
   EXPECT_THROW(PacketLoss({1.0, {}, {1.0}}, 1, 1), std::invalid_argument);
   EXPECT_THROW(PacketLoss({0.5, {}, {}}, 1, 1), std::invalid_argument);

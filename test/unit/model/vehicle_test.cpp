@@ -248,33 +248,33 @@ TEST(LeaderVehicle, BeginsAnewWithEveryStart) {
   EXPECT_EQ(first, second);
 }
 
-TEST(NoisyChannel, AddsNothingAtTheInitialStep) {
+TEST(AwgnChannel, AddsNothingAtTheInitialStep) {
   const std::vector<double> sent = {1.5, -2.0, 0.0};
   std::vector<double> received;
-  NoisyChannel(0.6, 1, 1).transmit(-1, 0, sent, received);
+  AwgnChannel(0.6, 1, 1).transmit(-1, 0, sent, received);
   EXPECT_EQ(received, sent);
 }
 
-TEST(NoisyChannel, AddsNothingWithoutVariance) {
+TEST(AwgnChannel, AddsNothingWithoutVariance) {
   const std::vector<double> sent = {1.5, -2.0, 0.0};
   std::vector<double> received(7, 3.0);
-  NoisyChannel(0.0, 1, 1).transmit(4, 0, sent, received);
+  AwgnChannel(0.0, 1, 1).transmit(4, 0, sent, received);
   EXPECT_EQ(received, sent);
 }
 
-TEST(NoisyChannel, AddsTheNoiseOfItsReceiverStepAndRealization) {
+TEST(AwgnChannel, AddsTheNoiseOfItsReceiverStepAndRealization) {
   const std::vector<double> sent = random_values(40, 4);
   for (const std::int64_t step : {0, 1, 77}) {
     std::vector<double> received;
-    NoisyChannel(0.6, 9, 5).transmit(step, 33, sent, received);
+    AwgnChannel(0.6, 9, 5).transmit(step, 33, sent, received);
     const std::vector<double> g = normals(9, {5, step}, 33, 40);
     ASSERT_EQ(received.size(), 40u);
     for (std::size_t r = 0; r < 40; ++r) EXPECT_EQ(received[r], sent[r] + std::sqrt(0.6) * g[r]);
   }
 }
 
-TEST(NoisyChannel, KeepsNothingBetweenCalls) {
-  const NoisyChannel channel(0.6, 9, 5);
+TEST(AwgnChannel, KeepsNothingBetweenCalls) {
+  const AwgnChannel channel(0.6, 9, 5);
   const std::vector<double> sent = random_values(40, 4);
   std::vector<double> first, between, again;
   channel.transmit(3, 8, sent, first);
@@ -284,8 +284,8 @@ TEST(NoisyChannel, KeepsNothingBetweenCalls) {
   EXPECT_NE(first, between);
 }
 
-TEST(NoisyChannel, AddsTheSameBitsInEveryBatch) {
-  const NoisyChannel channel(0.6, 9, 5);
+TEST(AwgnChannel, AddsTheSameBitsInEveryBatch) {
+  const AwgnChannel channel(0.6, 9, 5);
   const std::vector<double> sent = random_values(kTile + 40, 4);
   std::vector<double> whole, single;
   channel.transmit(3, 11, sent, whole);

@@ -25,7 +25,7 @@ std::vector<std::vector<Positions>> positions_of(const Configuration& configurat
   for (std::int64_t k = 0; k < steps; ++k) all[0].push_back(share(std::vector<double>(count, leader.step())));
   for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
     FollowerVehicle follower(configuration.model, configuration.run.seed, i);
-    const NoisyChannel channel(configuration.model.noise_variance, configuration.run.seed, i);
+    const AwgnChannel channel(configuration.model.noise_variance, configuration.run.seed, i);
     std::vector<double> received, own;
     follower.start(first, count, own);
     all.push_back({share(own)});
@@ -38,7 +38,7 @@ std::vector<std::vector<Positions>> positions_of(const Configuration& configurat
   return all;
 }
 
-Verdict take(RunStatistics& statistics, std::size_t vehicle, const MessageId& id, const Positions& positions) {
+DropReason take(RunStatistics& statistics, std::size_t vehicle, const MessageId& id, const Positions& positions) {
   return statistics.take(vehicle, {id, positions->size(), true}, positions);
 }
 
@@ -57,7 +57,7 @@ void receive_batch(RunStatistics& statistics, const Configuration& configuration
   const auto all = positions_of(configuration, first, count, last_step + 1);
   for (std::int64_t k = kInitialStep; k <= last_step; ++k) {
     for (std::size_t i = 0; i < all.size(); ++i) {
-      ASSERT_EQ(take(statistics, i, {attempt, first, k}, all[i][static_cast<std::size_t>(k + 1)]), Verdict::in_turn);
+      ASSERT_EQ(take(statistics, i, {attempt, first, k}, all[i][static_cast<std::size_t>(k + 1)]), DropReason::none);
     }
   }
 }
@@ -110,7 +110,7 @@ TEST(RunStatistics, FromSeveralThreadsAreTheMonteCarlosToTheBit) {
           std::unique_lock<std::mutex> lock(mutex);
           const RunStatistics::Receipt receipt =
               statistics.receive(i, {{1, first, k}, positions->size(), true}, positions);
-          EXPECT_EQ(receipt.verdict, Verdict::in_turn);
+          EXPECT_EQ(receipt.verdict, DropReason::none);
           lock.unlock();
           const RunStatistics::Computed computed = statistics.compute(receipt.work);
           lock.lock();
@@ -159,9 +159,9 @@ TEST(RunStatistics, CountNothingOfAnAttemptThatEndsWhileItsErrorsAreFormed) {
     for (std::int64_t k = -1; k <= 2; ++k) {
       const RunStatistics::Receipt receipt =
           statistics.receive(i, {{1, 0, k}, 8, true}, all[i][static_cast<std::size_t>(k + 1)]);
-      EXPECT_EQ(receipt.verdict, Verdict::in_turn);
+      EXPECT_EQ(receipt.verdict, DropReason::none);
       if (i == 2 && k == 2) {
-        EXPECT_EQ(take(statistics, 0, {2, 0, -1}, all[0][0]), Verdict::in_turn);
+        EXPECT_EQ(take(statistics, 0, {2, 0, -1}, all[0][0]), DropReason::none);
       }
       EXPECT_FALSE(statistics.settle(statistics.compute(receipt.work)));
     }
@@ -170,7 +170,7 @@ TEST(RunStatistics, CountNothingOfAnAttemptThatEndsWhileItsErrorsAreFormed) {
   EXPECT_EQ(statistics.tally().positions_received, 0u);
   for (std::size_t i = 0; i <= 2; ++i) {
     for (std::int64_t k = i == 0 ? 0 : -1; k <= 2; ++k) {
-      EXPECT_EQ(take(statistics, i, {2, 0, k}, all[i][static_cast<std::size_t>(k + 1)]), Verdict::in_turn);
+      EXPECT_EQ(take(statistics, i, {2, 0, k}, all[i][static_cast<std::size_t>(k + 1)]), DropReason::none);
     }
   }
   EXPECT_EQ(statistics.averages().realizations(), 8u);
@@ -251,10 +251,10 @@ TEST(RunStatistics, OfAnEndlessRunLeaveOutAManoeuvreOfTheLeader) {
   for (std::int64_t k = kInitialStep; k < 160; ++k) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       const Positions& sent = all[i][static_cast<std::size_t>(k + 1)];
-      ASSERT_EQ(take(undisturbed, i, {1, 0, k}, sent), Verdict::in_turn);
+      ASSERT_EQ(take(undisturbed, i, {1, 0, k}, sent), DropReason::none);
       const double moved = k >= kJump ? 2.5 : 0.0;
       const auto elsewhere = std::make_shared<const std::vector<double>>(1, sent->front() + moved);
-      ASSERT_EQ(take(statistics, i, {1, 0, k}, elsewhere), Verdict::in_turn);
+      ASSERT_EQ(take(statistics, i, {1, 0, k}, elsewhere), DropReason::none);
       if (i == 0) {
         EXPECT_EQ(statistics.leader_departs(), k == kJump) << k;
       }

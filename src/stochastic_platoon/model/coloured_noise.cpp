@@ -1,4 +1,4 @@
-#include "stochastic_platoon/model/additive_noise.hpp"
+#include "stochastic_platoon/model/coloured_noise.hpp"
 
 #include <array>
 #include <stdexcept>
@@ -37,7 +37,7 @@ void add_noise(double deviation, const double* noise, std::size_t size, double* 
 
 }  // namespace detail
 
-AdditiveNoise::AdditiveNoise(double noise_variance, const TransferFunction& filter, std::uint64_t seed,
+ColouredNoise::ColouredNoise(double noise_variance, const TransferFunction& filter, std::uint64_t seed,
                              std::uint32_t receiver)
     : deviation_(noise_deviation(noise_variance)), draws_(seed), receiver_(receiver) {
   const Polynomial &n = filter.numerator(), &d = filter.denominator();
@@ -52,11 +52,11 @@ AdditiveNoise::AdditiveNoise(double noise_variance, const TransferFunction& filt
   registers_.resize(static_cast<std::size_t>(order));
 }
 
-void AdditiveNoise::start(std::uint64_t, std::size_t count, const double*) {
+void ColouredNoise::start(std::uint64_t, std::size_t count, const double*) {
   for (AlignedValues& v : registers_) v.assign(count, 0.0);
 }
 
-void AdditiveNoise::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
+void ColouredNoise::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
   if (deviation_ == 0.0) return;
   std::array<double, kTile> normals, noise;
   const std::size_t order = registers_.size();

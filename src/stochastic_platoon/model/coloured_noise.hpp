@@ -8,14 +8,14 @@
 
 namespace platoon {
 
-/// Coloured noise: position + sqrt(P_d) W(z) g, where g is the standard normal white noise of NoisyChannel
+/// Coloured noise: position + sqrt(P_d) W(z) g, where g is the standard normal white noise of AwgnChannel
 /// from k = 0 on, and W rests before. W is run in transposed direct form II,
 ///     d = b_0 g + v_1,   v_j <- b_j g - a_j d + v_{j+1},   v_{n+1} = 0.
-class AdditiveNoise : public LinkStage {
+class ColouredNoise : public LinkStage {
 public:
   /// noise_variance is P_d [m^2], receiver i >= 1. Throws std::invalid_argument unless P_d is finite and >= 0
   /// and W is proper.
-  AdditiveNoise(double noise_variance, const TransferFunction& filter, std::uint64_t seed, std::uint32_t receiver);
+  ColouredNoise(double noise_variance, const TransferFunction& filter, std::uint64_t seed, std::uint32_t receiver);
 
   bool keeps_state() const override { return !registers_.empty(); }
   void start(std::uint64_t first_realization, std::size_t count, const double* positions) override;
