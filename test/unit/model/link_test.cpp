@@ -130,7 +130,7 @@ TEST(Link, HasTheSameBitsForEveryBatch) {
   for (const std::size_t batch : {1, 7, 512}) EXPECT_EQ(through(link, 600, batch), whole) << batch;
 }
 
-TEST(Link, OfThePaperIsTheNoisyChannelToTheBit) {
+TEST(Link, OfThePaperIsTheAwgnChannelToTheBit) {
   LinkModel never;
   never.loss = LossModel{};
   for (const LinkModel& model : {LinkModel(), never}) {
