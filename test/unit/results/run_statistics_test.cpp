@@ -144,7 +144,7 @@ TEST(RunStatistics, CommitABatchWithTheLastResultThatIsSettled) {
   for (const std::size_t vehicle : {2, 0, 1}) {
     for (const RunStatistics::Computed& result : computed) {
       if (result.vehicle != vehicle) continue;
-      const bool last = vehicle == 1 && result.heading.id.step == 2;
+      const bool last = vehicle == 1 && result.descriptor.id.step == 2;
       EXPECT_EQ(statistics.settle(result), last);
     }
   }
