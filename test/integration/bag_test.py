@@ -139,10 +139,12 @@ class RecordAndReplay(BagTest):
         recorder = subprocess.Popen([live_platoon.system_executable("rosbag", "record"), "-a", "-O", plain, "__name:=plain"],
                                     env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         live_platoon.wait_for(lambda: live_platoon.process_of("/plain", environment["ROS_MASTER_URI"]), "rosbag record")
-        terminal = self.launch(master=environment["ROS_MASTER_URI"], followers=20, steps=100, realizations=4, batch=2, rate=100)
-        terminal.wait()
+        terminal = self.launch(master=environment["ROS_MASTER_URI"], followers=20, steps=100, realizations=4, batch=2, rate=100, stay=True)
+        live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
+        time.sleep(2.0)  # a node that ends drops what it has not sent yet, and rosbag record shows nothing of what it has received
         recorder.send_signal(2)
         recorder.wait()
+        terminal.interrupt()
         refused = bag_statistics(plain)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("plain.bag: holds no checksums, so that a changed bit would not be noticed", refused.stderr)
