@@ -165,7 +165,7 @@ class Replays(LaunchTest):
 
     def test_a_vehicle_that_does_not_answer_ends_the_replay_with_the_reason(self):
         text = self.followers.replay(self.bag, [os.path.join(HERE, "broken_follower.py"), "2:answer"], patience=4)
-        self.assertRegex(text, r"no verdict: vehicle_2 has not answered step 5 of the realizations from 0 within 4 s, in \d+ attempts; what it sent last "
+        self.assertRegex(text, r"no verdict: vehicle_2 has not answered step 5 of the realizations from 0 within 4 s, in \d+ attempts; its last message "
                          "was dropped, as out of turn; clause 6 of")
         text = self.followers.replay(self.bag, [os.path.join(HERE, "slow_accept.py"), "2", "3600"], patience=4)
         self.assertRegex(text, r"no verdict: vehicle_2 has not answered step -1 of the realizations from 0 within 4 s, in \d+ attempts; clause 2 of")
