@@ -199,11 +199,12 @@ class Surroundings(LaunchTest):
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
 
     def test_a_killed_channel_with_state_needs_no_timeout(self):
-        settings = dict(followers=3, steps=20, realizations=3000, model=live_platoon.shared("config", "lossy.yaml"))
-        terminal = self.launch(batch=100, rate=100, stall_timeout=100, **settings)
-        terminal.wait_for_text("/3000 realizations")
+        settings = dict(followers=3, steps=400, realizations=2, model=live_platoon.shared("config", "lossy.yaml"))
+        terminal = self.launch(batch=1, rate=100, stall_timeout=100, **settings)
+        terminal.wait_for_text("1/2 realizations")  # in the last batch, as a later one would show the gap
         live_platoon.kill("/platoon/channel", terminal.master)
         terminal.wait(60.0)
+        self.assertEqual(live_platoon.completed_summary(self.output)["attempts"], 2)
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
 
     def test_kill_9_of_until_complete_ends_the_launch_and_loses_nothing(self):

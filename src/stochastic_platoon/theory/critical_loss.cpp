@@ -24,10 +24,10 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   const PlatoonModel model = with_loss_stage(given);
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;
-  constexpr int kSamples = 100;
+  const int stride = given.link.loss ? 1 : 5;  // hundredths
   std::vector<double> samples;
-  samples.reserve(kSamples);
-  for (int i = 0; i < kSamples; ++i) samples.push_back(0.01 * i);
+  for (int i = 0; i < 99; i += stride) samples.push_back(0.01 * i);
+  samples.push_back(0.99);
   const LinkedPattern pattern = linked_pattern(with_loss(model, model.link.loss->probability));
   const auto margin = [&](double probability) {
     return linked_string_margin(linked_pattern(with_loss(model, probability), pattern));

@@ -20,7 +20,8 @@ struct StableLosses {
 };
 
 /// Links without a loss stage hold the last received position. None where no vehicle of the string follows the default
-/// link. Sampled at multiples of 0.01; see stable_intervals(). Throws as linked_string_stability() does.
+/// link. Sampled at multiples of 0.01, without a loss stage of 0.05; see stable_intervals(). Throws as
+/// linked_string_stability() does.
 std::optional<StableLosses> stable_losses(const PlatoonModel& model);
 
 }  // namespace platoon
