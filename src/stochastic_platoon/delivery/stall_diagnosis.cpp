@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "stochastic_platoon/delivery/lead.hpp"
+#include "stochastic_platoon/delivery/vehicle_name.hpp"
 
 namespace platoon {
 
@@ -43,7 +44,7 @@ StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& lates
     if (latest[i - 1] && is_behind(latest[i], reachable(*latest[i - 1], ahead, schedule))) stuck.push_back(i);
   }
   if (stuck.empty()) return {0, silence_of(0, "vehicle_0 (leader)")};
-  const std::string first = silence_of(stuck.front(), "vehicle_" + std::to_string(stuck.front()));
+  const std::string first = silence_of(stuck.front(), vehicle_name(stuck.front()));
   if (stuck.size() == 1) return {stuck.front(), first + (latest.size() == 2 ? ": it or the channel is down" : "")};
   if (stuck.size() + 1 == latest.size())
     return {std::nullopt, "channel has passed nothing on: all followers wait, " + first};

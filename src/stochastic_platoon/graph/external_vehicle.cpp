@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "stochastic_platoon/delivery/vehicle_name.hpp"
+
 namespace platoon {
 
 using stochastic_platoon::Position;
@@ -16,7 +18,7 @@ constexpr std::uint32_t kUnbounded = 0;
 
 std::string topic(std::size_t index, const std::string& name) {
   if (index < 1) throw std::invalid_argument("index: 0: must be the number of a follower, 1 or more");
-  return "vehicle_" + std::to_string(index) + "/" + name;
+  return vehicle_name(index) + "/" + name;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "stochastic_platoon/delivery/lead.hpp"
+#include "stochastic_platoon/delivery/vehicle_name.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
 
@@ -14,7 +15,7 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
                    const MessagePool& messages, Joined joined)
     : index_(index),
       joined_(std::move(joined)),
-      membership_(platoon, "vehicle_" + std::to_string(index), 0,
+      membership_(platoon, vehicle_name(index), 0,
                   [this](const Configuration& configuration) { begin(configuration); }),
       input_(membership_, platoon.resolveName(predecessor_position_topic(index))),
       messages_(messages),

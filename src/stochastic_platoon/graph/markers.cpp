@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "stochastic_platoon/analysis/prediction.hpp"
+#include "stochastic_platoon/delivery/vehicle_name.hpp"
 #include "stochastic_platoon/graph/road_scene.hpp"
 #include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
@@ -68,7 +69,7 @@ void Markers::publish_frames(const stochastic_platoon::Snapshot& snapshot, const
   tail_ = tail_ == 0.0 || std::abs(tail - tail_) > 100.0 ? tail : tail_ + kSmoothing * (tail - tail_);
   tf2_msgs::TFMessage frames;
   for (std::size_t i = 0; i < snapshot.position.size(); ++i)
-    frames.transforms.push_back(frame("vehicle_" + std::to_string(i), snapshot.position[i] - leader, time));
+    frames.transforms.push_back(frame(vehicle_name(i), snapshot.position[i] - leader, time));
   frames.transforms.push_back(frame("platoon_tail", tail_, time));
   frames_.publish(frames);
 }

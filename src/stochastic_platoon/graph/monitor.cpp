@@ -12,6 +12,7 @@
 #include <mutex>
 #include <utility>
 
+#include "stochastic_platoon/delivery/vehicle_name.hpp"
 #include "stochastic_platoon/graph/overview.hpp"
 #include "stochastic_platoon/io/atomic_file.hpp"
 #include "stochastic_platoon/io/text.hpp"
@@ -33,10 +34,6 @@ using Locked = std::lock_guard<SpinLock>;
 
 constexpr double kCheckpointPeriod = 1.0;  // [s]
 constexpr double kStatisticsPeriod = 1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
-
-std::string name_of(std::size_t vehicle) {
-  return "vehicle_" + std::to_string(vehicle);
-}
 
 std::vector<std::string> topics_of(const ros::NodeHandle& platoon, const RunOptions& run) {
   std::vector<std::string> topics;
@@ -104,7 +101,7 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration, co
 void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle) {
   const std::size_t followers = configuration_.run.followers;
   for (std::size_t i = 0; i <= followers; ++i) {
-    const std::string external = configuration_.run.is_external(i) ? name_of(i) : "";
+    const std::string external = configuration_.run.is_external(i) ? vehicle_name(i) : "";
     inputs_.emplace_back(membership_, platoon.resolveName(position_topic(i)), "", external);
   }
   for (std::size_t i = 0; i <= followers; ++i) {
@@ -334,7 +331,7 @@ void Monitor::publish_statistics(std::int64_t step, const RunResult& result) {
   message.step = step;
   message.realizations = result.realizations;
   message.time_average = endless();
-  for (const ResultCell& of : cells_at(step, configuration_.run, prediction_, result)) {
+  for (const ResultCell& of : ResultCells(configuration_.run, prediction_, result).at(step)) {
     message.mean.push_back(of.measured.mean);
     message.variance.push_back(of.measured.variance());
     message.theoretical_mean.push_back(of.theoretical_mean);

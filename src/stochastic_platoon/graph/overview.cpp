@@ -66,10 +66,10 @@ void add_cells(const Columns& columns, Overview& message) {
   message.step = columns.steps;
   for (auto* values : {&message.mean, &message.variance, &message.theoretical_mean, &message.theoretical_variance})
     values->resize(cells);
+  const ResultCells of_step(columns.run, columns.prediction, columns.result);
   for (std::size_t j = 0; j < width; ++j) {
     const bool last = j + 1 == width;
-    for (const ResultCell& of :
-         cells_at(static_cast<std::int64_t>(j), columns.run, columns.prediction, columns.result)) {
+    for (const ResultCell& of : of_step.at(static_cast<std::int64_t>(j))) {
       const std::size_t at = (of.follower - 1) * width + j;
       message.mean[at] = of.measured.count > 0 ? of.measured.mean : kNone;
       message.variance[at] = of.measured.variance();

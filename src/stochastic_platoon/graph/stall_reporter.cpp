@@ -9,6 +9,7 @@
 #include "stochastic_platoon/delivery/lead.hpp"
 #include "stochastic_platoon/delivery/stall_diagnosis.hpp"
 #include "stochastic_platoon/delivery/vehicle_contract.hpp"
+#include "stochastic_platoon/delivery/vehicle_name.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/io/text.hpp"
 
@@ -21,10 +22,6 @@ namespace {
 constexpr double kStartTime = 0.05;           // [s] a vehicle, from launch to its first message
 constexpr double kStallWithoutTimeout = 2.0;  // [s] until a stall is reported, where the leader waits for ever
 constexpr double kSettled = 0.3;              // [s] without a message until the progress of an attempt is examined
-
-std::string vehicle_name(std::size_t vehicle) {
-  return "vehicle_" + std::to_string(vehicle);
-}
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/delivery/vehicle_name.hpp"
 #include "stochastic_platoon/io/text.hpp"
 #include "stochastic_platoon/messages/position.hpp"
 #include "stochastic_platoon/messages/topics.hpp"
@@ -42,7 +43,7 @@ VehicleCheck::VehicleCheck(ros::NodeHandle platoon, const Configuration& present
     : platoon_(platoon),
       present_(present),
       next_(next),
-      name_("vehicle_" + std::to_string(vehicle)),
+      name_(vehicle_name(vehicle)),
       vehicle_(vehicle),
       patience_(patience),
       schedule_(present.run.schedule()),

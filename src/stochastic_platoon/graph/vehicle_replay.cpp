@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "stochastic_platoon/delivery/vehicle_name.hpp"
 #include "stochastic_platoon/graph/progress_reports.hpp"
 #include "stochastic_platoon/graph/transport.hpp"
 #include "stochastic_platoon/io/text.hpp"
@@ -49,7 +50,7 @@ constexpr double kSilentWait = 1.0;  // [s] for the vehicle to be there before t
 
 VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags,
                              std::size_t vehicle, bool external, double patience)
-    : name_("vehicle_" + std::to_string(vehicle)),
+    : name_(vehicle_name(vehicle)),
       run_(run_identity(configuration)),
       external_(external),
       patience_(patience),

@@ -2,14 +2,16 @@
 
 #include <regex>
 
+#include "stochastic_platoon/delivery/vehicle_name.hpp"
+
 namespace platoon {
 
 std::string position_topic(std::size_t vehicle) {
-  return "vehicle_" + std::to_string(vehicle) + "/position";
+  return vehicle_name(vehicle) + "/position";
 }
 
 std::string predecessor_position_topic(std::size_t follower) {
-  return "vehicle_" + std::to_string(follower) + "/predecessor_position";
+  return vehicle_name(follower) + "/predecessor_position";
 }
 
 std::optional<PlatoonTopic> parse_topic(const std::string& topic) {

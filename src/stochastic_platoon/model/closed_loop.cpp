@@ -44,7 +44,7 @@ ExactPolynomial delayed(ExactPolynomial p, std::size_t count) {
 }
 
 /// With G K = (n / d) / divisor and H = (1 + h) - h / z: T = n z / (d z divisor + n ((1 + h) z - h)).
-DeltaFraction exact_closed_loop(const TransferFunction& plant, const TransferFunction& controller, const Exact& divisor,
+ExactFraction exact_closed_loop(const TransferFunction& plant, const TransferFunction& controller, const Exact& divisor,
                                 double headway) {
   std::size_t zeros = 0, poles = 0;  // of G K at z = 0
   const ExactPolynomial n = multiply(shifted_to_one(without_zeros_at_origin(plant.numerator(), zeros)),
@@ -53,16 +53,16 @@ DeltaFraction exact_closed_loop(const TransferFunction& plant, const TransferFun
                                with_zeros_at_one(without_zeros_at_origin(controller.denominator(), poles)));
   for (Exact& coefficient : d) coefficient *= divisor;
   const std::size_t common = std::min(zeros, poles + 1);
-  const ExactPolynomial numerator = delayed(n, zeros + 1 - common);
+  ExactPolynomial numerator = delayed(n, zeros + 1 - common);
   ExactPolynomial denominator = delayed(d, poles + 1 - common);
   const ExactPolynomial fed_back = multiply(delayed(n, zeros - common), {Exact(1), Exact(1) + Exact(headway)});
   if (denominator.size() < fed_back.size()) denominator.resize(fed_back.size(), Exact(0));
   for (std::size_t j = 0; j < fed_back.size(); ++j) denominator[j] += fed_back[j];
   const Exact leading = denominator.back();
-  DeltaFraction t;
-  for (const Exact& p : numerator) t.numerator.push_back((p / leading).convert_to<long double>());
-  for (const Exact& p : denominator) t.denominator.push_back((p / leading).convert_to<long double>());
-  return t;
+  for (ExactPolynomial* p : {&numerator, &denominator}) {
+    for (Exact& coefficient : *p) coefficient /= leading;
+  }
+  return {numerator, denominator};
 }
 
 // Modes are zeros of polynomials: on the unit circle up to rounding is on it.
@@ -84,22 +84,28 @@ ClosedLoop form_loop(const TransferFunction& plant, const TransferFunction& cont
                           multiplicity_at_one(plant.numerator()) - multiplicity_at_one(controller.numerator());
   ClosedLoop loop{t.minimal, observable_canonical(t.minimal), roots(t.common_factor), integrators, {}};
   if (std::all_of(loop.hidden_modes.begin(), loop.hidden_modes.end(), is_inside_unit_circle)) {
-    loop.delta = exact_closed_loop(plant, controller, divide ? Exact(1) + Exact(headway) : Exact(1), headway);
+    loop.exact = std::make_shared<const ExactFraction>(
+        exact_closed_loop(plant, controller, divide ? Exact(1) + Exact(headway) : Exact(1), headway));
   }
   return loop;
 }
 
 }  // namespace
 
+ExactFraction exact_fraction(const ClosedLoop& loop) {
+  if (loop.exact) return *loop.exact;
+  return {shifted_to_one(exact(loop.transfer.numerator())), shifted_to_one(exact(loop.transfer.denominator()))};
+}
+
 DeltaFraction delta_fraction(const ClosedLoop& loop) {
-  if (!loop.delta.denominator.empty()) return loop.delta;
+  if (loop.exact) return {rounded_delta(loop.exact->numerator), rounded_delta(loop.exact->denominator)};
   return {delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())};
 }
 
 double spectral_radius(const ClosedLoop& loop) {
-  if (loop.delta.denominator.empty()) return spectral_radius(delta_form(loop.transfer.denominator()));
-  // What T cancelled stands in delta and is no mode of A; zeros at z = 0 are cancelled there, too.
-  std::vector<std::complex<long double>> poles = zeros(loop.delta.denominator);
+  if (!loop.exact) return spectral_radius(delta_form(loop.transfer.denominator()));
+  // What T cancelled stands in `exact` and is no mode of A; zeros at z = 0 are cancelled there, too.
+  std::vector<std::complex<long double>> poles = zeros(rounded_delta(loop.exact->denominator));
   for (const std::complex<double>& mode : loop.hidden_modes) {
     if (mode == 0.0 || poles.empty()) continue;
     const auto distance = [&](const std::complex<long double>& s) {
@@ -125,7 +131,7 @@ ClosedLoop closed_loop_from(const StateSpace& realization) {
   require_order(realization.order());
   const Resolvent r = resolvent(realization);
   const Reduction t = reduce({r.transfer_numerator, r.denominator});
-  return {t.minimal, realization, {}, {}, {r.delta_transfer_numerator, r.delta_denominator}};
+  return {t.minimal, realization, {}, {}, r.delta_transfer};
 }
 
 TransferFunction sensitivity(const TransferFunction& transfer, double headway) {

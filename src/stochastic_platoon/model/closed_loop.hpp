@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 
 namespace platoon {
 
+struct ExactFraction;
+
 /// The closed loop of one vehicle (paper, section 3) and what formed it.
 struct ClosedLoop {
   TransferFunction transfer;                       ///< T(z) in lowest terms
@@ -17,14 +20,17 @@ struct ClosedLoop {
   std::vector<std::complex<double>> hidden_modes;  ///< zeros of what cancelled between N and D of T
   std::optional<int> integrators = {};             ///< poles of G K at z = 1; none where T itself was given
 
-  /// T by powers of z - 1 as plant and controller, or A, B and C, give it, where `transfer` and `realization`
-  /// have the rounding of their coefficients, which a fast sampled loop magnifies. What `transfer` cancelled
-  /// stands in both, but for zeros at z = 0 and where a hidden mode is unstable. Empty: that of `transfer`.
-  DeltaFraction delta = {};
+  /// T as plant and controller, or A, B and C, give it, where `transfer` and `realization` have the rounding of their
+  /// coefficients, which a fast sampled loop magnifies. What `transfer` cancelled stands in both, but for zeros at
+  /// z = 0 and where a hidden mode is unstable. Empty: that of `transfer`.
+  std::shared_ptr<const ExactFraction> exact = {};
 };
 
 /// The highest order of a closed loop: T of more poles is refused.
 constexpr Eigen::Index kHighestOrder = 20;
+
+/// T by powers of z - 1, to a hundred digits (model/exact.hpp).
+ExactFraction exact_fraction(const ClosedLoop& loop);
 
 /// T by powers of z - 1.
 DeltaFraction delta_fraction(const ClosedLoop& loop);

@@ -15,6 +15,12 @@ using Exact = boost::multiprecision::number<boost::multiprecision::cpp_bin_float
 /// Real polynomial by descending powers of z, or by ascending powers of s = z - 1 where that is said.
 using ExactPolynomial = std::vector<Exact>;
 
+/// N / D of T by powers of s, the leading coefficient of D being 1.
+struct ExactFraction {
+  ExactPolynomial numerator;
+  ExactPolynomial denominator;
+};
+
 ExactPolynomial exact(const Polynomial& p);
 
 /// p q, in whichever powers both are given.

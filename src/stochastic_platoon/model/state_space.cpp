@@ -91,12 +91,13 @@ Resolvent resolvent(const StateSpace& system) {
     }
     adjugate_term.swap(product);
   }
-  Resolvent result{{},
-                   rounded(denominator),
-                   {},
-                   rounded_delta(shifted_to_one(denominator)),
-                   rounded(transfer),
-                   rounded_delta(shifted_to_one(transfer))};
+  Resolvent result{
+      {},
+      rounded(denominator),
+      {},
+      rounded_delta(shifted_to_one(denominator)),
+      rounded(transfer),
+      std::make_shared<const ExactFraction>(ExactFraction{shifted_to_one(transfer), shifted_to_one(denominator)})};
   for (const ExactPolynomial& row : rows) {
     result.numerators.push_back(rounded(row));
     result.delta_numerators.push_back(rounded_delta(shifted_to_one(row)));

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <memory>
 #include <vector>
 
 #include "stochastic_platoon/model/delta_form.hpp"
 #include "stochastic_platoon/model/transfer_function.hpp"
 
 namespace platoon {
+
+struct ExactFraction;
 
 /// x(k+1) = A x(k) + B u(k), y(k) = C x(k): the closed loop T of one vehicle, paper eq. (ith-closedloop).
 ///
@@ -48,8 +51,8 @@ struct Resolvent {
   Polynomial denominator;                         ///< det(zI - A), by powers of z
   std::vector<DeltaPolynomial> delta_numerators;  ///< the same by powers of s = z - 1
   DeltaPolynomial delta_denominator;
-  Polynomial transfer_numerator;  ///< of T = N / det(zI - A), by powers of z
-  DeltaPolynomial delta_transfer_numerator;
+  Polynomial transfer_numerator;                        ///< of T = N / det(zI - A), by powers of z
+  std::shared_ptr<const ExactFraction> delta_transfer;  ///< T by powers of s, to a hundred digits
 };
 
 Resolvent resolvent(const StateSpace& system);

@@ -40,7 +40,7 @@ std::string row(const ResultCell& of, bool has_theory) {
 
 std::string table(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   std::string text = "follower   variance [m^2]   standard error   theory [m^2]         z\n";
-  for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result)) {
+  for (const ResultCell& of : ResultCells(run, prediction, result).at(run.steps - 1)) {
     if (is_shown(of.follower, run.followers)) {
       text += row(of, of.follower <= prediction.followers_with_theory);
     } else if (is_shown(of.follower - 1, run.followers)) {

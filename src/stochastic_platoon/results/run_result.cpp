@@ -56,7 +56,7 @@ nlohmann::json needed_json(std::optional<double> needed) {
 // Of every follower's variance at the last step.
 nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   nlohmann::json errors = nlohmann::json::array();
-  for (const ResultCell& of : cells_at(run.steps - 1, run, prediction, result))
+  for (const ResultCell& of : ResultCells(run, prediction, result).at(run.steps - 1))
     errors.push_back(standard_error_of_variance(of));
   return errors;
 }
@@ -114,18 +114,19 @@ std::vector<double> fourth_moments(const RunOptions& run, const Prediction& pred
   return moments;
 }
 
-std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
-                                 const RunResult& result) {
-  const bool over_time = run.averaging() == Averaging::over_time;
-  const std::vector<double> fourth = fourth_moments(run, prediction, result);
+ResultCells::ResultCells(const RunOptions& run, const Prediction& prediction, const RunResult& result)
+    : run_(run), prediction_(prediction), result_(result), fourth_moments_(fourth_moments(run, prediction, result)) {}
+
+std::vector<ResultCell> ResultCells::at(std::int64_t step) const {
+  const bool over_time = run_.averaging() == Averaging::over_time;
   std::vector<ResultCell> cells;
-  for (std::size_t i = 1; i <= run.followers; ++i) {
-    const std::size_t c = over_time ? i - 1 : cell(i, step, run.steps);
+  for (std::size_t i = 1; i <= run_.followers; ++i) {
+    const std::size_t c = over_time ? i - 1 : cell(i, step, run_.steps);
     // When a run is stopped, its vehicles are not all at the same step.
-    cells.push_back({i, over_time ? result.last_steps[c] : step, result.moments[c], prediction.mean[c],
-                     prediction.variance[c], prediction.rounding.empty() ? 0.0 : prediction.rounding[c],
-                     over_time ? share_of(prediction, result, i) : IndependentShare{},
-                     fourth.empty() ? std::nan("") : fourth[c]});
+    cells.push_back({i, over_time ? result_.last_steps[c] : step, result_.moments[c], prediction_.mean[c],
+                     prediction_.variance[c], prediction_.rounding.empty() ? 0.0 : prediction_.rounding[c],
+                     over_time ? share_of(prediction_, result_, i) : IndependentShare{},
+                     fourth_moments_.empty() ? std::nan("") : fourth_moments_[c]});
   }
   return cells;
 }
@@ -230,7 +231,7 @@ std::string statistics_csv(const Configuration& configuration, const Prediction&
                 : formatted("%.17g,%.17g\n", of.theoretical_mean, of.theoretical_variance);
   };
   if (run.averaging() == Averaging::over_time) {
-    for (const ResultCell& of : cells_at(0, run, prediction, result)) add(of);
+    for (const ResultCell& of : ResultCells(run, prediction, result).at(0)) add(of);
     return text;
   }
   for (std::size_t i = 1; i <= run.followers; ++i) {

@@ -50,9 +50,20 @@ struct ResultCell {
 /// of a variance is due to what hardly ever happens.
 std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction, const RunResult& result);
 
-/// The result's cells of step k, one per follower; of averages over time, whatever k, all there are.
-std::vector<ResultCell> cells_at(std::int64_t step, const RunOptions& run, const Prediction& prediction,
-                                 const RunResult& result);
+/// The cells of a result beside their theory; refers to all three.
+class ResultCells {
+public:
+  ResultCells(const RunOptions& run, const Prediction& prediction, const RunResult& result);
+
+  /// Those of a step, one per follower; of averages over time, whatever the step, all there are.
+  std::vector<ResultCell> at(std::int64_t step) const;
+
+private:
+  const RunOptions& run_;
+  const Prediction& prediction_;
+  const RunResult& result_;
+  std::vector<double> fourth_moments_;
+};
 
 /// Standard errors of the cell's mean [m] and variance [m^2], everywhere the same: in reports, summaries, sweeps and
 /// messages. v is the theoretical variance where there is a theory, else the measured one. Mean: sqrt(v / n). Variance:

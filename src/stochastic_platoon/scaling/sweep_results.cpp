@@ -61,9 +61,9 @@ std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configurat
   std::optional<bool> stable, agrees;
   if (known) stable = prediction.stability.decision();
   if (const std::optional<Agreement> found = measured_agreement(run, prediction, result)) agrees = found->agrees();
+  const ResultCells of_step(run, prediction, result);
   std::vector<std::vector<ResultCell>> cells;
-  for (std::int64_t k = sweep.all_steps ? 0 : run.steps - 1; k < run.steps; ++k)
-    cells.push_back(cells_at(k, run, prediction, result));
+  for (std::int64_t k = sweep.all_steps ? 0 : run.steps - 1; k < run.steps; ++k) cells.push_back(of_step.at(k));
   std::string text;
   for (std::size_t i = sweep.all_followers ? 1 : run.followers; i <= run.followers; ++i) {
     for (const std::vector<ResultCell>& at_step : cells) {

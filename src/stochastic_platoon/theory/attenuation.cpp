@@ -57,12 +57,12 @@ QuotientMinimum least_quotient(long double v, long double s, long double k, long
 /// t in [centre - radius, centre + radius].
 struct Attenuation::Piece {
   long double centre, radius;
-  bool at_zero;
 };
 
 struct Attenuation::Bounds {
   long double lower;      ///< of the quotient over the piece
   long double candidate;  ///< where the quotient may be least
+  long double noise;      ///< what rounding makes of the quotient
 };
 
 Attenuation::Attenuation(const std::vector<GainFactor>& factors) {
@@ -75,7 +75,6 @@ Attenuation::Attenuation(const std::vector<GainFactor>& factors) {
       if (u == 0.0L) continue;
       terms_.push_back({u.real(), u.imag(), std::abs(u)});
       largest = std::max(largest, terms_.back().size);
-      weight_ += std::abs(weight);
       Complex power = 1.0L;
       for (std::size_t m = 1; m <= kSeriesTerms; ++m) {
         power = {power.real() * u.real() - power.imag() * u.imag(), power.real() * u.imag() + power.imag() * u.real()};
@@ -121,6 +120,21 @@ Attenuation::Value Attenuation::at(long double t) const {
   return sum;
 }
 
+long double Attenuation::slope(long double t) const {
+  if (t < series_end_) return at(t).slope;
+  long double sum = 0.0L;
+  std::size_t k = 0;
+  for (const Group& group : groups_) {
+    for (; k < group.end; ++k) {
+      const Term& u = terms_[k];
+      const long double real = 1.0L - u.real * t, imag = -u.imag * t, size = real * real + imag * imag;
+      if (size == 0.0L) return 0.0L;
+      sum -= group.weight * (u.real * real + u.imag * imag) / size;
+    }
+  }
+  return sum;
+}
+
 long double Attenuation::quotient(long double t, int order) const {
   if (t < series_end_) {
     long double sum = 0.0L;
@@ -130,31 +144,26 @@ long double Attenuation::quotient(long double t, int order) const {
   return at(t).value / power_of(std::min(t, 1.0L), order);
 }
 
-Attenuation::Bounds Attenuation::bounds_at_zero(const Piece& piece, int order) const {
+Attenuation::Bounds Attenuation::bounds_by_series(const Piece& piece, int order) const {
   const long double end = piece.centre + piece.radius;
-  // Without its first terms the series is at most a geometric one with ratio |u| end <= 1/4 for each u.
-  const auto known = static_cast<std::size_t>(order + 2);
-  long double rest = 0.0L;
-  std::size_t k = 0;
-  for (const Group& group : groups_) {
-    for (; k < group.end; ++k) {
-      const long double step = terms_[k].size * end;
-      rest +=
-          std::abs(group.weight) * power_of(step, order + 3) / (static_cast<long double>(order + 3) * (1.0L - step));
-    }
+  long double value = 0.0L, slope = 0.0L, half_curvature = 0.0L, third = 0.0L, size = 0.0L;
+  for (std::size_t m = kSeriesTerms + 1; m-- > static_cast<std::size_t>(order);) {
+    half_curvature = half_curvature * piece.centre + slope;
+    slope = slope * piece.centre + value;
+    value = value * piece.centre + series_[m];
+    size = size * piece.centre + std::abs(series_[m]);
+    const auto j = static_cast<long double>(m) - static_cast<long double>(order);
+    if (j >= 3.0L) third = third * end + j * (j - 1.0L) * (j - 2.0L) * std::abs(series_[m]);
   }
-  rest /= power_of(end, order);
-  const long double c = order == 0 ? 0.0L : series_[static_cast<std::size_t>(order)];
-  const long double slope = series_[known - 1], half_curvature = series_[known];
+  const long double cube = piece.radius * piece.radius * piece.radius;
   const QuotientMinimum least =
-      least_quotient(c + piece.centre * (slope + half_curvature * piece.centre),
-                     slope + 2.0L * half_curvature * piece.centre, 2.0L * half_curvature, 1.0L, piece.radius, 0);
-  return {least.value - rest, piece.centre + least.x};
+      least_quotient(value - third * cube / 6.0L, slope, 2.0L * half_curvature, 1.0L, piece.radius, 0);
+  return {least.value, piece.centre + least.x, 8.0L * kRounding * size};
 }
 
 Attenuation::Bounds Attenuation::bounds(const Piece& piece, int order) const {
-  if (piece.at_zero) return bounds_at_zero(piece, order);
-  long double value = 0.0L, slope = 0.0L, curvature = 0.0L, third = 0.0L;
+  if (piece.centre < series_end_) return bounds_by_series(piece, order);
+  long double value = 0.0L, slope = 0.0L, curvature = 0.0L, third = 0.0L, rounding = 0.0L;
   std::size_t k = 0;
   for (const Group& group : groups_) {
     long double sizes = 1.0L, smooth_slope = 0.0L, smooth_curvature = 0.0L, smooth_third = 0.0L;
@@ -162,9 +171,10 @@ Attenuation::Bounds Attenuation::bounds(const Piece& piece, int order) const {
       const Term& u = terms_[k];
       const long double real = 1.0L - u.real * piece.centre, imag = -u.imag * piece.centre;
       const long double size = real * real + imag * imag, length = std::sqrt(size), reach = u.size * piece.radius;
+      rounding += std::abs(group.weight) * (1.0L + u.size * piece.centre / std::max(length, kRounding));
       if (reach > kSmooth * length) {  // by the farthest, or the nearest, that the factor may be from 0
         const long double bound = group.weight < 0.0L ? length + reach : length - reach;
-        if (bound <= 0.0L) return {-kInfinite, piece.centre};
+        if (bound <= 0.0L) return {-kInfinite, piece.centre, 0.0L};
         sizes *= bound * bound;
         continue;
       }
@@ -184,18 +194,19 @@ Attenuation::Bounds Attenuation::bounds(const Piece& piece, int order) const {
   const long double cube = piece.radius * piece.radius * piece.radius;
   const QuotientMinimum least =
       least_quotient(value - third * cube / 6.0L, slope, curvature, piece.centre, piece.radius, order);
-  return {least.value, piece.centre + least.x};
+  const long double noise = 8.0L * kRounding * rounding / power_of(std::min(piece.centre, 1.0L), order);
+  return {least.value, piece.centre + least.x, noise};
 }
 
 Attenuation::Minimum Attenuation::least(int order, int most_pieces) const {
   std::vector<Piece> pieces;
-  const auto add = [&pieces](long double from, long double to, bool at_zero = false) {
-    pieces.push_back({from + (to - from) / 2.0L, (to - from) / 2.0L, at_zero});
+  const auto add = [&pieces](long double from, long double to) {
+    pieces.push_back({from + (to - from) / 2.0L, (to - from) / 2.0L});
   };
   add(1.0L, 2.0L);
   long double from = series_end_;
   for (; from < 1.0L; from *= 2.0L) add(from, std::min(2.0L * from, 1.0L));
-  add(0.0L, series_end_, true);
+  add(0.0L, series_end_);
   Minimum best{0.0L, quotient(0.0L, order), true};
   const auto consider = [&](long double t, int power) {
     const long double value = quotient(t, power);
@@ -206,22 +217,13 @@ Attenuation::Minimum Attenuation::least(int order, int most_pieces) const {
     pieces.pop_back();
     const int power = piece.centre > 1.0L ? 0 : order;
     const Bounds found = bounds(piece, power);
-    const long double noise = 8.0L * kRounding * weight_ / power_of(std::min(piece.centre, 1.0L), power);
-    const auto spent = [&] {
-      return found.lower >= best.value - std::max(1e-12L * std::abs(best.value), piece.at_zero ? 0.0L : noise);
-    };
+    const auto spent = [&] { return found.lower >= best.value - std::max(1e-12L * std::abs(best.value), found.noise); };
     if (spent()) continue;
     consider(piece.centre, power);
     consider(found.candidate, power);
     if (spent() || piece.radius <= kRounding * piece.centre) continue;
-    const long double start = piece.centre - piece.radius, end = piece.centre + piece.radius;
-    if (piece.at_zero) {
-      add(piece.centre, end);
-      add(0.0L, piece.centre, true);
-    } else {
-      add(start, piece.centre);
-      add(piece.centre, end);
-    }
+    add(piece.centre - piece.radius, piece.centre);
+    add(piece.centre, piece.centre + piece.radius);
   }
   best.is_global = pieces.empty();
   return best;

@@ -28,6 +28,8 @@ public:
     long double curvature;  ///< d^2 a / dt^2
   };
   Value at(long double t) const;
+  /// Its slope alone, without logarithms.
+  long double slope(long double t) const;
 
   struct Minimum {
     long double t;
@@ -57,14 +59,13 @@ private:
   struct Piece;
   struct Bounds;
   Bounds bounds(const Piece& piece, int order) const;
-  Bounds bounds_at_zero(const Piece& piece, int order) const;
+  Bounds bounds_by_series(const Piece& piece, int order) const;
   long double quotient(long double t, int order) const;
 
   std::vector<Term> terms_;
   std::vector<Group> groups_;        ///< one after the other
   std::vector<long double> series_;  ///< by powers of t
   long double series_end_ = 0.0L;    ///< the series is used for t below it
-  long double weight_ = 0.0L;        ///< sum of the moduli of the weights of all terms
 };
 
 }  // namespace platoon

@@ -3,6 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
 
 #include "stochastic_platoon/model/eigenvalues.hpp"
 
@@ -51,36 +54,119 @@ private:
   Eigen::MatrixXd basis_, hessenberg_;
 };
 
+Eigen::MatrixXd written_out(const NonnegativeMap& map, Eigen::Index size) {
+  Eigen::MatrixXd matrix(size, size);
+  for (Eigen::Index j = 0; j < size; ++j) matrix.col(j) = map(Eigen::VectorXd::Unit(size, j));
+  return matrix;
+}
+
+/// Units in which row and column i of the matrix have the same sum without its diagonal; turns it to these units.
+Eigen::VectorXd balance(Eigen::MatrixXd& matrix) {
+  constexpr int kSweeps = 100;
+  Eigen::VectorXd units = Eigen::VectorXd::Ones(matrix.rows());
+  const Eigen::VectorXd diagonal = matrix.diagonal();
+  matrix.diagonal().setZero();
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    double most = 1.0;
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+      const double row = matrix.row(i).sum(), column = matrix.col(i).sum();
+      if (!(row > 0.0 && column > 0.0)) continue;
+      const double unit = std::sqrt(row / column);
+      matrix.row(i) /= unit;
+      matrix.col(i) *= unit;
+      units(i) *= unit;
+      most = std::max({most, unit, 1.0 / unit});
+    }
+    if (most < 2.0) break;
+  }
+  matrix.diagonal() = diagonal;
+  return units;
+}
+
+/// Units in which no ratio of the map's image of ones to ones is far above its root.
+Eigen::VectorXd units_of_powers(const NonnegativeMap& map, Eigen::Index size) {
+  constexpr int kPowers = 12;
+  constexpr double kLeast = 1e-250;
+  std::vector<Eigen::VectorXd> images{Eigen::VectorXd::Ones(size)};
+  std::vector<double> logarithms{0.0};  // of what the images were divided by
+  for (int k = 0; k < kPowers; ++k) {
+    const Eigen::VectorXd next = map(images.back());
+    const double largest = next.maxCoeff();
+    if (!(largest > 0.0)) break;
+    images.emplace_back(next / largest);
+    logarithms.push_back(logarithms.back() + std::log(largest));
+  }
+  const double growth = logarithms.back() / static_cast<double>(std::max<std::size_t>(images.size() - 1, 1));
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(size);
+  for (std::size_t k = 0; k < images.size(); ++k)
+    sum += std::exp(logarithms[k] - static_cast<double>(k) * growth) * images[k];
+  return sum.cwiseMax(kLeast * sum.maxCoeff());
+}
+
+NonnegativeMap in_units(const Eigen::VectorXd& units, const NonnegativeMap& map) {
+  return [&units, &map](const Eigen::VectorXd& y) -> Eigen::VectorXd {
+    return map(units.cwiseProduct(y)).cwiseQuotient(units);
+  };
+}
+
+Eigen::VectorXd solution(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& b) {
+  return (Eigen::MatrixXd::Identity(matrix.rows(), matrix.rows()) - matrix).partialPivLu().solve(b);
+}
+
 }  // namespace
 
 double perron_root(const NonnegativeMap& map, Eigen::Index size) {
   if (size == 0) return 0.0;
-  KrylovSpace space(map, Eigen::VectorXd::Ones(size));
+  if (size <= kMostDimensions) {
+    Eigen::MatrixXd matrix = written_out(map, size);
+    balance(matrix);
+    return spectral_radius(matrix);
+  }
+  const Eigen::VectorXd units = units_of_powers(map, size);
+  const NonnegativeMap scaled = in_units(units, map);
+  KrylovSpace space(scaled, Eigen::VectorXd::Ones(size));
   double root = 0.0;
   for (bool goes_on = true; goes_on;) {
     goes_on = space.extend();
     const double before = root;
     root = spectral_radius(space.projected());
-    if (size > kMostDimensions && std::abs(root - before) <= 1e-14 * root) break;
+    if (std::abs(root - before) <= 1e-14 * root) break;
   }
   return root;
 }
 
+RootBounds perron_bounds(const NonnegativeMap& map, Eigen::Index size) {
+  constexpr int kSteps = 3;
+  Eigen::VectorXd x = Eigen::VectorXd::Ones(size);
+  RootBounds bounds{0.0, std::numeric_limits<double>::infinity()};
+  for (int step = 0; step < kSteps && x.minCoeff() > 0.0; ++step) {
+    const Eigen::VectorXd next = map(x);
+    const Eigen::VectorXd ratios = next.cwiseQuotient(x);
+    bounds = {std::max(bounds.least, ratios.minCoeff()), std::min(bounds.most, ratios.maxCoeff())};
+    x = next / next.maxCoeff();
+  }
+  return bounds;
+}
+
 Eigen::VectorXd solve_one_minus(const NonnegativeMap& map, const Eigen::VectorXd& b) {
-  const double size = b.norm();
-  if (size == 0.0) return b;
-  KrylovSpace space(map, b);
+  if (b.norm() == 0.0) return b;
+  if (b.size() <= kMostDimensions) {
+    Eigen::MatrixXd matrix = written_out(map, b.size());
+    const Eigen::VectorXd units = balance(matrix);
+    return units.cwiseProduct(solution(matrix, b.cwiseQuotient(units)));
+  }
+  const Eigen::VectorXd units = units_of_powers(map, b.size());
+  const NonnegativeMap scaled = in_units(units, map);
+  const Eigen::VectorXd start = b.cwiseQuotient(units);
+  KrylovSpace space(scaled, start);
   Eigen::VectorXd x;
   for (bool goes_on = true; goes_on;) {
     goes_on = space.extend();
     const Eigen::MatrixXd h = space.projected();
-    const Eigen::VectorXd before = x;
-    x = (Eigen::MatrixXd::Identity(h.rows(), h.rows()) - h)
-            .partialPivLu()
-            .solve(size * Eigen::VectorXd::Unit(h.rows(), 0));
-    if (b.size() > kMostDimensions && std::abs(x(x.size() - 1)) <= 1e-15 * x.norm()) break;
+    x = solution(h, start.norm() * Eigen::VectorXd::Unit(h.rows(), 0));
+    if (std::abs(x(x.size() - 1)) <= 1e-15 * x.norm()) break;
   }
-  return space.combined(x);
+  return units.cwiseProduct(space.combined(x));
 }
 
 }  // namespace platoon

@@ -132,6 +132,16 @@ double loss_gain_by(const PatternSpectra& spectra, const LinkedPattern& pattern)
   return perron_root(gains, static_cast<Eigen::Index>(gains.lossy().size()));
 }
 
+/// On the right side of 1 and, beside 1, to the digits of the quadrature.
+double coarse_loss_gain(const PatternSpectra& spectra, const LinkedPattern& pattern) {
+  constexpr double kFar = 2.0;
+  const LossGains gains(spectra, pattern);
+  const auto size = static_cast<Eigen::Index>(gains.lossy().size());
+  const RootBounds bounds = perron_bounds(gains, size);
+  if (bounds.most < 1.0 / kFar || bounds.least > kFar) return std::sqrt(bounds.least * bounds.most);
+  return perron_root(gains, size);
+}
+
 bool any_losses(const LinkedPattern& pattern) {
   return std::any_of(pattern.types.begin(), pattern.types.end(), [](const LinkedVehicle& v) { return v.has_losses(); });
 }
@@ -253,9 +263,8 @@ double linked_string_margin(const LinkedPattern& pattern) {
   const PatternGain gain = pattern.gain();
   const double least = gain.least().value;
   if (!(least > 0.0) || grows_at_zero(pattern, gain)) return std::min(least, 0.0);
-  // Panels resolve the integrand: far from the border their first cut says enough.
-  double loss_gain = any_losses(pattern) ? loss_gain_by(PatternSpectra(pattern, gain, true, 0), pattern) : 0.0;
-  if (std::abs(loss_gain - 1.0) < 1e-3) loss_gain = loss_gain_of(pattern, gain);
+  double loss_gain = any_losses(pattern) ? coarse_loss_gain(PatternSpectra(pattern, gain, true, 0), pattern) : 0.0;
+  if (std::abs(loss_gain - 1.0) < 1e-9) loss_gain = loss_gain_of(pattern, gain);  // what one cut of the panels has
   return std::min(
       {1.0 - worst.spectral_radius, 1.0 - worst.loss_feedback, least, 1.0 / std::max(loss_gain, 1e-3) - 1.0});
 }

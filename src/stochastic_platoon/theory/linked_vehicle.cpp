@@ -24,10 +24,15 @@ CirclePolynomial register_polynomial(const std::vector<double>& c, double factor
   return shifted;
 }
 
+// Without the care for infinities that the product of std::complex takes, and that takes its time.
 Complex evaluate_at(const CirclePolynomial& p, Complex s) {
-  Complex sum = 0.0L;
-  for (auto c = p.rbegin(); c != p.rend(); ++c) sum = sum * s + *c;
-  return sum;
+  long double real = 0.0L, imag = 0.0L;
+  for (auto c = p.rbegin(); c != p.rend(); ++c) {
+    const long double next = real * s.real() - imag * s.imag() + *c;
+    imag = real * s.imag() + imag * s.real();
+    real = next;
+  }
+  return {real, imag};
 }
 
 CirclePolynomial scaled(CirclePolynomial p, long double factor) {
@@ -35,12 +40,13 @@ CirclePolynomial scaled(CirclePolynomial p, long double factor) {
   return p;
 }
 
-// z^n of a z on the circle.
+// z^n by squaring.
 Complex power(Complex z, std::size_t n) {
-  constexpr std::size_t kFew = 8;
-  if (n > kFew) return std::polar(1.0L, static_cast<long double>(n) * std::arg(z));
   Complex product = 1.0L;
-  for (std::size_t j = 0; j < n; ++j) product *= z;
+  for (; n > 0; n /= 2) {
+    if (n % 2 == 1) product *= z;
+    z *= z;
+  }
   return product;
 }
 
@@ -101,7 +107,7 @@ LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
   const Complex mean = power(std::conj(z), vehicle_.link.delay) * undelayed;
   const long double gain = p * p * std::norm(passed);
   long double margin = 1.0L - gain;
-  if (near) {
+  if (near && gain > 0.25L) {
     // The polynomial where 1 - |T^|^2 cancels, the difference where the polynomial does.
     const long double size = std::sqrt(2.0L * t), over = of_loop * of_link;
     const auto share = [size](const CirclePolynomial& b, long double squared) {

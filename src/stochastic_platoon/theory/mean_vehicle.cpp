@@ -5,7 +5,7 @@
 namespace platoon {
 
 MeanVehicle::MeanVehicle(const VehicleModel& vehicle)
-    : filter_(delta_fraction(vehicle.loop)),
+    : loop_(vehicle.loop),
       headway_(vehicle.headway),
       delay_(static_cast<std::size_t>(vehicle.link.delay)),
       loss_(vehicle.link.loss.value_or(LossModel())) {
@@ -21,7 +21,7 @@ MeanVehicle::Passed MeanVehicle::operator()(const Sequence& predecessor) const {
     passed.innovation.push_back(arriving - predicted);
     received.push_back(predicted + (1.0L - probability()) * passed.innovation.back());
   }
-  passed.position = filter_(received);
+  passed.position = loop_(received);
   return passed;
 }
 
@@ -33,7 +33,7 @@ MeanVehicle::Passed MeanVehicle::of_loss(std::size_t steps) const {
     passed.innovation.push_back(-predicted);
     received.push_back(probability() * predicted + (k == 0 ? 1.0L : 0.0L));
   }
-  passed.position = filter_(received);
+  passed.position = loop_(received);
   return passed;
 }
 

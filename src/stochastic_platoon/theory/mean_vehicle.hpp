@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "stochastic_platoon/model/platoon_model.hpp"
-#include "stochastic_platoon/theory/delta_filter.hpp"
+#include "stochastic_platoon/theory/loop_response.hpp"
 
 namespace platoon {
 
@@ -13,7 +13,7 @@ namespace platoon {
 /// Sequences of positions run from step -1 on, those of innovations and errors from step 0 on.
 class MeanVehicle {
 public:
-  using Sequence = DeltaFilter::Sequence;
+  using Sequence = LoopResponse::Sequence;
 
   /// Throws std::invalid_argument for losses in bursts.
   explicit MeanVehicle(const VehicleModel& vehicle);
@@ -30,7 +30,7 @@ public:
   Passed of_loss(std::size_t steps) const;
 
   /// From the own equilibrium at 1.
-  Sequence free_motion(std::size_t steps) const { return filter_.free_response(steps + 1); }
+  Sequence free_motion(std::size_t steps) const { return loop_.free_response(steps + 1); }
 
   /// zeta_i from the positions of both.
   Sequence error(const Sequence& predecessor, const Sequence& own) const;
@@ -42,7 +42,7 @@ private:
   long double probability() const { return loss_.probability; }
   long double prediction(const Sequence& received) const;
 
-  DeltaFilter filter_;
+  LoopResponse loop_;
   long double headway_;
   std::size_t delay_;
   LossModel loss_;

@@ -86,11 +86,11 @@ std::vector<double> PatternGain::maxima() const {
   nodes.push_back(pi);
   std::vector<double> found{pi};
   long double from = 0.0L;
-  bool falls = attenuation_.at(from).slope < 0.0L;
+  bool falls = attenuation_.slope(from) < 0.0L;
   for (std::size_t k = 1; k < nodes.size(); ++k) {
     const long double end = circle_coordinate(nodes[k], Centre::kOne);
     const bool fell = falls;
-    falls = attenuation_.at(end).slope < 0.0L;
+    falls = attenuation_.slope(end) < 0.0L;
     long double to = end;
     if (!fell || falls) {
       from = end;
@@ -99,7 +99,7 @@ std::vector<double> PatternGain::maxima() const {
     while (to - from > 1e-15L * to) {
       const long double middle = from + (to - from) / 2.0L;
       if (middle <= from || middle >= to) break;
-      (attenuation_.at(middle).slope < 0.0L ? from : to) = middle;
+      (attenuation_.slope(middle) < 0.0L ? from : to) = middle;
     }
     found.push_back(frequency_of(to));
     from = end;

@@ -63,12 +63,13 @@ double PatternSpectra::error_variance(std::size_t type, const Eigen::ArrayXd& sp
 }
 
 Eigen::ArrayXd PatternSpectra::pattern_margin() const {
-  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(weight.size()), product = Eigen::ArrayXd::Ones(weight.size());
-  for (const std::size_t type : order_) {
-    sum += product * margin[type];
-    product *= gain[type];
+  // By logarithms: at a resonance one vehicle's gain may be 1e9 and that of the product 1e-9.
+  Eigen::ArrayXd log = Eigen::ArrayXd::Zero(weight.size());
+  for (std::size_t type = 0; type < gain.size(); ++type) {
+    const auto count = static_cast<double>(std::count(order_.begin(), order_.end(), type));
+    log += count * (margin[type] < 0.5).select((-margin[type]).log1p(), gain[type].log());
   }
-  return sum;
+  return -log.expm1();
 }
 
 Eigen::ArrayXd PatternSpectra::in_front(const std::vector<Eigen::ArrayXd>& added,

@@ -34,7 +34,7 @@ public:
   /// it: |1 - H T^|^2 Phi + |H|^2 added.
   double error_variance(std::size_t type, const Eigen::ArrayXd& spectrum, const Eigen::ArrayXd& added) const;
 
-  /// 1 - prod |T^|^2, as a sum without cancellation where no vehicle's gain is above 1.
+  /// 1 - prod |T^|^2, to the digits of each vehicle's own 1 - |T^|^2.
   Eigen::ArrayXd pattern_margin() const;
 
   /// The spectrum in front of vehicle 0 of an endless string, where vehicle l adds added[l] to its own. That in front

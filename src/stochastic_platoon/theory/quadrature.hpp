@@ -41,7 +41,7 @@ bool is_converged(double change, double change_before);
 /// Quadrature over w in [0, pi] for even 2 pi periodic functions, weights divided by pi: their mean over the
 /// circle, (1/2pi) integral from -pi to pi.
 ///
-/// Panels of 16 Gauss nodes. A panel is no longer than its distance to the nearest complex frequency in
+/// Panels of 16 Gauss nodes. A panel is no longer than twice its distance to the nearest complex frequency in
 /// `singular` (or its mirror images), which makes convergence geometric however close to the circle that
 /// lies; towards the real frequencies in `peaks` panels halve 26 times, for functions that narrow there.
 /// Every panel is cut in 2^refinement. Throws std::invalid_argument for a singular frequency on the real

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/model/exact.hpp"
 #include "stochastic_platoon/theory/circle_polynomial.hpp"
 #include "stochastic_platoon/theory/loop_spectrum.hpp"
 #include "stochastic_platoon/theory/quadrature.hpp"
@@ -43,7 +44,7 @@ struct ResolventHalf {
 
   ResolventHalf(const Resolvent& r, Centre of)
       : centre(of),
-        transfer_numerator(about(r.delta_transfer_numerator, of)),
+        transfer_numerator(about(rounded_delta(r.delta_transfer->numerator), of)),
         denominator(about(r.delta_denominator, of)) {
     for (const DeltaPolynomial& p : r.delta_numerators) numerators.push_back(about(p, of));
   }

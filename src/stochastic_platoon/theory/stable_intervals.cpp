@@ -52,7 +52,7 @@ public:
     const auto signed_margin = [](double margin) {
       return margin > 0.0 || margin < 0.0 ? margin : -std::numeric_limits<double>::min();
     };
-    const auto close = [](double from, double to) { return to - from <= 1e-13 * to; };
+    const auto close = [](double from, double to) { return to - from <= 1e-12 * to; };
     std::uintmax_t evaluations = 200;
     const std::pair<double, double> bracket =
         boost::math::tools::toms748_solve([&](double place) { return signed_margin(margin_(place)); }, a.place, b.place,

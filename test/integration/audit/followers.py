@@ -9,9 +9,11 @@ from mpmath import mp, mpf
 
 import link_reference
 from audit.loops import loop_of
-from audit.polynomials import plus, squared_modulus, squared_norm, times, value, without_factor, zeros, zeros_of_margin
+from audit.polynomials import plus, squared_modulus, squared_norm, taylor_about_one, times, value, without_factor, \
+    zeros, zeros_of_margin
 
 LONG, COMPLEX = np.longdouble, np.clongdouble
+TERMS = 24  # of a series
 FLAT = mpf(10) ** -10  # what is a zero at w = 0 to the rounding of the coefficients
 
 
@@ -116,7 +118,7 @@ class Follower:
         self.undetermined = 10 * mp.sqrt(max([abs(t) for t in roots if abs(t) < least] + [mpf(0)]))
         # (x - x_k) = (t_k - t)
         self.margin_leading = self.margin[0]
-        self.factors = None
+        self.factors = self.series = None
 
     def doubt_at(self, circle):
         """What a change of each coefficient by its last digit, T(1) = 1 kept, does to log |T^|^2 over 1 - cos w, in units of
@@ -159,13 +161,31 @@ class Follower:
             added = 0
         elif self.noise_variance:
             added = count(self.filter[0])
-        # 1 - H T^ over z^-(m + 1 + l) and D R
-        hat = times([1 + self.loop.h, -self.loop.h], self.n) + [mpf(0)] * (len(self.c) if self.q else 0)
-        below = self.d + [mpf(0)] * (self.delay + 1)
-        found = count(plus(below, [-a for a in hat]))
+        found = count(self._complement())
         if self.q:
             found = min(found, count([mpf(1)] + [-x for x in self.c]))
         return added, found
+
+    def _complement(self):
+        """1 - H T^, over z^-(m + 1) and D R."""
+        hat = times([1 + self.loop.h, -self.loop.h], self.n) + [mpf(0)] * (len(self.c) if self.q else 0)
+        return plus(self.d + [mpf(0)] * (self.delay + 1), [-a for a in hat])
+
+    def complement_at(self, circle, hat, below):
+        """|1 - H T^|^2: about z = 1 by its series in z - 1, as 1 and H T^ cancel there."""
+        result = np.abs(1 - (1 + long(self.loop.h) * circle.s / circle.z) * hat) ** 2
+        if self.series is None:
+            p = self._complement()
+            taylor = taylor_about_one(p, TERMS)
+            of_policy = 2 if self.lag == 0 else 1  # zeros that T(1) = 1 and dT/dz(1) = -h make, up to rounding
+            self.series = longs([mpf(0)] * of_policy + taylor[of_policy:]), 0.1 / len(p)
+        terms, radius = self.series
+        near = np.abs(circle.s) < radius
+        series = np.zeros(near.sum(), COMPLEX)
+        for a in terms[::-1]:
+            series = series * circle.s[near] + a
+        result[near] = np.abs(series) ** 2 / below[near]
+        return result
 
     def at(self, circle):
         """What link_theory_test.py calls so, and the logarithm of |T^|^2 and 1 - |T^|^2."""
@@ -187,7 +207,7 @@ class Follower:
         noise = np.abs(f["w"](circle) / f["v"](circle)) ** 2 * long(self.noise_variance) + long(self.dither)
         return {"margin": margin, "gain": gain, "log": log, "loss_gain": np.abs(passed) ** 2,
                 "innovation": np.abs(surprise) ** 2 / np.abs(r) ** 2, "noise": noise,
-                "complement": np.abs(1 - policy * hat) ** 2, "headway": np.abs(policy) ** 2}
+                "complement": self.complement_at(circle, hat, below), "headway": np.abs(policy) ** 2}
 
     def kappa(self):
         return self.p * self.q / (1 - self.feedback)

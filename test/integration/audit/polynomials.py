@@ -46,6 +46,15 @@ def without_factor(p, zero):
     return quotient
 
 
+def taylor_about_one(p, terms):
+    """The coefficients of the first powers of z - 1."""
+    coefficients = []
+    while p and len(coefficients) < terms:
+        coefficients.append(value(p, mpf(1)))
+        p = without_factor(p, mpf(1))
+    return coefficients
+
+
 BITS = 800  # behind the point, of the whole numbers by which roots are found
 
 

@@ -24,6 +24,29 @@ def refined(function, values, grid):
     return (low + high) / 2
 
 
+def perron_root(matrix):
+    """Of a nonnegative matrix, by squaring, which has every entry to its own digits however far they are apart."""
+    power, logarithm, share = matrix, LONG(0), LONG(1)
+    for _ in range(80):
+        most = power.max()
+        if most == 0:
+            return 0.0
+        logarithm += share * np.log(most)
+        power = (power / most) @ (power / most)
+        share /= 2
+    return float(np.exp(logarithm))
+
+
+def solved(gains, given):
+    """x with x - gains x = given."""
+    count = len(given)
+    matrix = mp.matrix(count, count)
+    for i in range(count):
+        for j in range(count):
+            matrix[i, j] = (1 if i == j else 0) - mpf(str(gains[i, j]))
+    return [long(x) for x in mp.lu_solve(matrix, mp.matrix([mpf(str(x)) for x in given]))]
+
+
 class String:
     """One pattern of the string of a model."""
 
@@ -160,7 +183,7 @@ class String:
     def gains(self, grid, values, margin):
         """What the variance of w_l, over all its repetitions, adds to that of w_j."""
         count = len(values)
-        gains = np.zeros((count, count))
+        gains = np.zeros((count, count), LONG)
         for l, source in enumerate(self.followers):
             if not source.q:
                 continue
@@ -173,7 +196,7 @@ class String:
     def loss_gain(self):
         grid = self.panels_of_limit()
         values = self.at(grid.circle)
-        return np.abs(np.linalg.eigvals(self.gains(grid, values, self.margin(grid.circle)))).max()
+        return perron_root(self.gains(grid, values, self.margin(grid.circle)))
 
     def limits(self):
         """The loss gain and the limit of every follower of the pattern."""
@@ -184,11 +207,11 @@ class String:
         ahead = self.spectra_ahead(values, margin, added)
         given = [long(f.kappa()) * (grid.mean(v["innovation"] * (v["noise"] + a)) + long(self.speed * f.ebar) ** 2)
                  for f, v, a in zip(self.followers, values, ahead)]
-        sigma = np.linalg.solve(np.eye(len(values)) - gains, np.array(given, float))
+        sigma = solved(gains, given)
         added = [a + s * v["loss_gain"] for a, s, v in zip(added, sigma, values)]
         ahead = self.spectra_ahead(values, margin, added)
         limits = [grid.mean(v["complement"] * a + v["headway"] * own) for v, a, own in zip(values, ahead, added)]
-        return np.abs(np.linalg.eigvals(gains)).max(), [mpf(str(x)) for x in limits]
+        return perron_root(gains), [mpf(str(x)) for x in limits]
 
     # Behind a finite number of vehicles.
 

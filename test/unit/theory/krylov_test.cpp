@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "stochastic_platoon/model/eigenvalues.hpp"
@@ -31,9 +32,34 @@ TEST(Krylov, PerronRootIsTheSpectralRadius) {
   EXPECT_EQ(perron_root(map_of(Eigen::MatrixXd()), 0), 0.0);
 }
 
+// Nearly nilpotent: eigenvalues of the matrix as it stands are rounding of its largest entry.
+TEST(Krylov, PerronRootSurvivesComponentsOfManyOrdersOfMagnitude) {
+  const Eigen::Index size = 12;
+  const Eigen::MatrixXd even = nonnegative(size, 1e-5);
+  Eigen::VectorXd units(size);
+  for (Eigen::Index i = 0; i < size; ++i) units(i) = std::pow(10.0, static_cast<double>((7 * i) % size));
+  const Eigen::MatrixXd uneven = units.asDiagonal() * even * units.cwiseInverse().asDiagonal();
+  EXPECT_NEAR(perron_root(map_of(uneven), size), 1e-5, 1e-16);
+  const Eigen::VectorXd b = Eigen::VectorXd::Ones(size);
+  const Eigen::VectorXd x = solve_one_minus(map_of(uneven), b);
+  Eigen::VectorXd sum = b, term = b;  // its Neumann series, of positive terms
+  for (int k = 0; k < 10; ++k) sum += term = uneven * term;
+  for (Eigen::Index i = 0; i < size; ++i) EXPECT_NEAR(x(i), sum(i), 1e-13 * sum(i)) << i;
+}
+
 // Its Krylov space from ones is invariant after one dimension.
 TEST(Krylov, PerronRootOfEqualRowSumsIsThatSum) {
   EXPECT_NEAR(perron_root(map_of(Eigen::MatrixXd::Constant(5, 5, 0.1)), 5), 0.5, 1e-14);
+}
+
+TEST(Krylov, BoundsEncloseTheRoot) {
+  for (const Eigen::Index size : {1, 7, 200}) {
+    const RootBounds bounds = perron_bounds(map_of(nonnegative(size, 0.75)), size);
+    EXPECT_LE(bounds.least, 0.75 * (1.0 + 1e-12)) << size;
+    EXPECT_GE(bounds.most, 0.75 * (1.0 - 1e-12)) << size;
+    EXPECT_LT(bounds.most - bounds.least, 0.5) << size;
+  }
+  EXPECT_EQ(perron_bounds(map_of(Eigen::MatrixXd::Zero(3, 3)), 3).most, 0.0);
 }
 
 TEST(Krylov, SolutionLeavesNoResidual) {
