@@ -2,14 +2,14 @@
 // passes through here anyway, so that of the 2 N + 1 recorded topics only the last vehicle's crosses a socket
 // for it.
 
-#include "stochastic_platoon/graph/channel.hpp"
+#include "stochastic_platoon/ros/nodes/channel.hpp"
 
 #include <memory>
 
-#include "stochastic_platoon/graph/recorder.hpp"
-#include "stochastic_platoon/hosting/receiving_thread.hpp"
-#include "stochastic_platoon/hosting/run_component.hpp"
-#include "stochastic_platoon/messages/topics.hpp"
+#include "stochastic_platoon/ros/hosting/receiving_thread.hpp"
+#include "stochastic_platoon/ros/hosting/run_component.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/ros/nodes/recorder.hpp"
 
 namespace {
 

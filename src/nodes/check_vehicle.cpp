@@ -12,10 +12,10 @@
 #include <set>
 #include <stdexcept>
 
-#include "stochastic_platoon/configuration/configuration.hpp"
-#include "stochastic_platoon/graph/transport.hpp"
-#include "stochastic_platoon/graph/vehicle_check.hpp"
-#include "stochastic_platoon/messages/topics.hpp"
+#include "stochastic_platoon/ros/external/vehicle_check.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "tools/settings.hpp"
 
 namespace {

@@ -1,10 +1,10 @@
 // One follower. Parameter ~index: i of vehicle_<i>, 1 or more. It outlives runs: where there is none yet, or
 // none that has a vehicle of its index, it waits for one.
 
-#include "stochastic_platoon/graph/follower.hpp"
+#include "stochastic_platoon/ros/nodes/follower.hpp"
 
-#include "stochastic_platoon/hosting/receiving_thread.hpp"
-#include "stochastic_platoon/hosting/run_component.hpp"
+#include "stochastic_platoon/ros/hosting/receiving_thread.hpp"
+#include "stochastic_platoon/ros/hosting/run_component.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
-#include "stochastic_platoon/graph/leader.hpp"
+#include "stochastic_platoon/ros/nodes/leader.hpp"
 
-#include "stochastic_platoon/hosting/run_component.hpp"
+#include "stochastic_platoon/ros/hosting/run_component.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
-#include "stochastic_platoon/graph/markers.hpp"
+#include "stochastic_platoon/ros/observation/markers.hpp"
 
-#include "stochastic_platoon/hosting/run_component.hpp"
+#include "stochastic_platoon/ros/hosting/run_component.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
-#include "stochastic_platoon/graph/monitor.hpp"
+#include "stochastic_platoon/ros/nodes/monitor.hpp"
 
-#include "stochastic_platoon/hosting/run_component.hpp"
+#include "stochastic_platoon/ros/hosting/run_component.hpp"
 
 namespace {
 

@@ -2,8 +2,8 @@
 
 #include <thread>
 
-#include "stochastic_platoon/hosting/one_process.hpp"
-#include "stochastic_platoon/hosting/run_component.hpp"
+#include "stochastic_platoon/ros/hosting/one_process.hpp"
+#include "stochastic_platoon/ros/hosting/run_component.hpp"
 
 namespace {
 

@@ -1,9 +1,9 @@
 // Plays a bag into a monitor. Parameters: ~bags (file names, separated by spaces in one text), ~unverified (read bags
 // without checksums), ~rate, ~start, ~pause. A bag that is damaged ends it with status 1.
 
-#include "stochastic_platoon/graph/player.hpp"
+#include "stochastic_platoon/ros/replay/player.hpp"
 
-#include "stochastic_platoon/hosting/run_component.hpp"
+#include "stochastic_platoon/ros/hosting/run_component.hpp"
 
 namespace {
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <string>
 
-#include "stochastic_platoon/graph/sole_publisher.hpp"
-#include "stochastic_platoon/hosting/run_component.hpp"
-#include "stochastic_platoon/messages/topics.hpp"
+#include "stochastic_platoon/ros/hosting/run_component.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/ros/transport/sole_publisher.hpp"
 
 namespace {
 

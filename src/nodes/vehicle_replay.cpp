@@ -3,14 +3,14 @@
 // with 1, as it does with the reason why there is no verdict. With ~external the vehicle is an external one: its
 // messages must be those of the recording, its positions may be others.
 
-#include "stochastic_platoon/graph/vehicle_replay.hpp"
+#include "stochastic_platoon/ros/replay/vehicle_replay.hpp"
 
 #include <ros/callback_queue.h>
 
 #include <cstdio>
 #include <stdexcept>
 
-#include "stochastic_platoon/hosting/run_component.hpp"
+#include "stochastic_platoon/ros/hosting/run_component.hpp"
 
 namespace {
 

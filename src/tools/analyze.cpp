@@ -13,11 +13,11 @@
 #include <mutex>
 #include <thread>
 
-#include "stochastic_platoon/analysis/analysis.hpp"
-#include "stochastic_platoon/configuration/configuration.hpp"
-#include "stochastic_platoon/configuration/spaced.hpp"
-#include "stochastic_platoon/io/atomic_file.hpp"
-#include "stochastic_platoon/io/text.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/spaced.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/report/analysis.hpp"
 #include "tools/settings.hpp"
 
 namespace {

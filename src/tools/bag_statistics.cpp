@@ -9,12 +9,12 @@
 #include <fstream>
 #include <iostream>
 
-#include "stochastic_platoon/bags/bag_statistics.hpp"
-#include "stochastic_platoon/configuration/version.hpp"
-#include "stochastic_platoon/io/atomic_file.hpp"
-#include "stochastic_platoon/io/progress_display.hpp"
-#include "stochastic_platoon/io/text.hpp"
-#include "stochastic_platoon/results/run_report.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/ros/bags/bag_statistics.hpp"
+#include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/progress_display.hpp"
+#include "stochastic_platoon/run/results/run_report.hpp"
 
 namespace {
 

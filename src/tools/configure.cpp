@@ -11,13 +11,13 @@
 #include <iostream>
 #include <optional>
 
-#include "stochastic_platoon/bags/bag_reader.hpp"
-#include "stochastic_platoon/bags/bag_statistics.hpp"
-#include "stochastic_platoon/bags/bag_writer.hpp"
-#include "stochastic_platoon/configuration/configuration.hpp"
-#include "stochastic_platoon/configuration/settings.hpp"
-#include "stochastic_platoon/io/atomic_file.hpp"
-#include "stochastic_platoon/results/checkpoint.hpp"
+#include "stochastic_platoon/ros/bags/bag_reader.hpp"
+#include "stochastic_platoon/ros/bags/bag_statistics.hpp"
+#include "stochastic_platoon/ros/bags/bag_writer.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "tools/settings.hpp"
 
 namespace {

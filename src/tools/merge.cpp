@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <iostream>
 
-#include "stochastic_platoon/io/atomic_file.hpp"
-#include "stochastic_platoon/results/checkpoint.hpp"
-#include "stochastic_platoon/results/run_report.hpp"
-#include "stochastic_platoon/scaling/merge.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/run_report.hpp"
+#include "stochastic_platoon/run/scaling/merge.hpp"
 #include "tools/settings.hpp"
 
 int main(int argc, char** argv) {

@@ -4,13 +4,13 @@
 #include <chrono>
 #include <iostream>
 
-#include "stochastic_platoon/configuration/settings.hpp"
-#include "stochastic_platoon/io/atomic_file.hpp"
-#include "stochastic_platoon/io/progress_display.hpp"
-#include "stochastic_platoon/results/checkpoint.hpp"
-#include "stochastic_platoon/results/run_report.hpp"
-#include "stochastic_platoon/scaling/shard_run.hpp"
-#include "stochastic_platoon/simulation/ensemble_run.hpp"
+#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/progress_display.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/run_report.hpp"
+#include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "tools/settings.hpp"
 
 namespace {

@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <thread>
 
-#include "stochastic_platoon/configuration/configuration_error.hpp"
-#include "stochastic_platoon/configuration/section.hpp"
-#include "stochastic_platoon/configuration/settings.hpp"
-#include "stochastic_platoon/configuration/version.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/configuration/section.hpp"
+#include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/version.hpp"
 
 namespace platoon {
 

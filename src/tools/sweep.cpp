@@ -6,14 +6,14 @@
 #include <filesystem>
 #include <iostream>
 
-#include "stochastic_platoon/configuration/section.hpp"
-#include "stochastic_platoon/io/atomic_file.hpp"
-#include "stochastic_platoon/io/progress_display.hpp"
-#include "stochastic_platoon/results/checkpoint.hpp"
-#include "stochastic_platoon/scaling/shard_run.hpp"
-#include "stochastic_platoon/scaling/sweep_file.hpp"
-#include "stochastic_platoon/scaling/sweep_results.hpp"
-#include "stochastic_platoon/scaling/sweep_run.hpp"
+#include "stochastic_platoon/run/configuration/section.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/progress_display.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/scaling/shard_run.hpp"
+#include "stochastic_platoon/run/scaling/sweep_file.hpp"
+#include "stochastic_platoon/run/scaling/sweep_results.hpp"
+#include "stochastic_platoon/run/scaling/sweep_run.hpp"
 #include "tools/settings.hpp"
 
 namespace {

@@ -2,12 +2,12 @@
 
 #include <benchmark/benchmark.h>
 
-#include "stochastic_platoon/theory/critical_headway.hpp"
-#include "stochastic_platoon/theory/error_moments.hpp"
-#include "stochastic_platoon/theory/lemma_one.hpp"
-#include "stochastic_platoon/theory/stationary_variance.hpp"
-#include "stochastic_platoon/theory/string_matrices.hpp"
-#include "stochastic_platoon/theory/string_stability.hpp"
+#include "stochastic_platoon/math/paper/lemma_one.hpp"
+#include "stochastic_platoon/math/paper/string_matrices.hpp"
+#include "stochastic_platoon/math/string/critical_headway.hpp"
+#include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
 
 namespace {
 

@@ -3,8 +3,8 @@
 // inputs end there; without them every record, index and message counts.
 
 #include "fuzz/fuzz.hpp"
-#include "stochastic_platoon/bags/bag_reader.hpp"
-#include "stochastic_platoon/bags/bag_statistics.hpp"
+#include "stochastic_platoon/ros/bags/bag_reader.hpp"
+#include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 
 namespace {
 

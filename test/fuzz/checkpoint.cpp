@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include "fuzz/fuzz.hpp"
-#include "stochastic_platoon/io/digest.hpp"
-#include "stochastic_platoon/io/text.hpp"
-#include "stochastic_platoon/results/checkpoint.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/io/digest.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
 
 namespace {
 

@@ -7,9 +7,10 @@
 #include <string>
 
 #include "fuzz/fuzz.hpp"
-#include "stochastic_platoon/bags/bag_statistics.hpp"
-#include "stochastic_platoon/configuration/model_file.hpp"
-#include "stochastic_platoon/results/checkpoint.hpp"
+#include "stochastic_platoon/ros/bags/bag_statistics.hpp"
+#include "stochastic_platoon/run/configuration/model_file.hpp"
+#include "stochastic_platoon/run/configuration/yaml_file.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "unit/temporary_folder.hpp"
 
 extern "C" {

@@ -7,12 +7,12 @@
 #include <cstdlib>
 
 #include "fuzz/fuzz.hpp"
-#include "stochastic_platoon/delivery/credit.hpp"
-#include "stochastic_platoon/delivery/stall_diagnosis.hpp"
-#include "stochastic_platoon/messages/position.hpp"
-#include "stochastic_platoon/messages/serialized.hpp"
-#include "stochastic_platoon/model/vehicle.hpp"
-#include "stochastic_platoon/results/run_statistics.hpp"
+#include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/ros/messages/serialized.hpp"
+#include "stochastic_platoon/run/delivery/credit.hpp"
+#include "stochastic_platoon/run/delivery/stall_diagnosis.hpp"
+#include "stochastic_platoon/run/results/run_statistics.hpp"
 
 namespace {
 
@@ -44,10 +44,10 @@ public:
     const platoon::MessageDescriptor descriptor = platoon::descriptor_of(*message);
     stamp_ = platoon::later(message->header.stamp, platoon::platoon_period(0.1));
     const std::uint64_t before = statistics_.arrivals().messages();
-    const platoon::DropReason verdict = statistics_.take(vehicle, descriptor, platoon::positions_of(message));
+    const platoon::DropReason drop = statistics_.take(vehicle, descriptor, platoon::positions_of(message));
     const bool counted = statistics_.arrivals().messages() == before + 1 || statistics_.arrivals().messages() == 1;
-    if (verdict == platoon::DropReason::none && !counted) std::abort();
-    if (verdict != platoon::DropReason::none && statistics_.arrivals().messages() != before) std::abort();
+    if (drop == platoon::DropReason::none && !counted) std::abort();
+    if (drop != platoon::DropReason::none && statistics_.arrivals().messages() != before) std::abort();
     if (vehicle == 0 && order_.receive(descriptor) == platoon::DropReason::none) {
       std::vector<double> out;
       if (descriptor.id.step == platoon::kInitialStep)

@@ -4,8 +4,9 @@
 #include <string>
 
 #include "fuzz/fuzz.hpp"
-#include "stochastic_platoon/configuration/configuration_error.hpp"
-#include "stochastic_platoon/configuration/model_file.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/configuration/model_file.hpp"
+#include "stochastic_platoon/run/configuration/yaml_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string file = platoon::fuzz::file_of(data, size);

@@ -11,7 +11,7 @@ import numpy
 from matplotlib.colors import rgb_to_hsv
 from terminal import LaunchTest
 
-# Hues of followers 1 to 5 (graph/road_scene.cpp: dark blue over green and yellow to dark red), in degrees.
+# Hues of followers 1 to 5 (ros/observation/road_scene.cpp: dark blue over green and yellow to dark red), in degrees.
 HUES = (240, 176, 90, 48, 0)
 ENOUGH = 60  # pixels of a hue: the vehicles far away are some hundred
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "stochastic_platoon/model/platoon_model.hpp"
+#include "stochastic_platoon/math/model/platoon_model.hpp"
 
 namespace platoon {
 

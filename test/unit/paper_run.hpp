@@ -3,7 +3,7 @@
 #include <string>
 
 #include "paper_platoon.hpp"
-#include "stochastic_platoon/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
 
 namespace platoon {
 

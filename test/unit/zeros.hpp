@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "stochastic_platoon/model/polynomial.hpp"
+#include "stochastic_platoon/math/numerics/polynomial.hpp"
 
 namespace platoon {
 

@@ -2,7 +2,7 @@
 // (i of vehicle_<i>), ~limit [m per sample period squared], ~headway [sample periods].
 
 #include <ros/ros.h>
-#include <stochastic_platoon/graph/external_vehicle.hpp>
+#include <stochastic_platoon/external_vehicle.hpp>
 
 #include <algorithm>
 #include <vector>

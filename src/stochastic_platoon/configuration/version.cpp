@@ -1,7 +1,0 @@
-#include "stochastic_platoon/configuration/version.hpp"
-
-namespace platoon {
-
-const char* const kVersion = PLATOON_VERSION;  // set by CMakeLists.txt
-
-}  // namespace platoon

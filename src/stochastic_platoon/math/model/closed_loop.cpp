@@ -1,0 +1,231 @@
+#include "stochastic_platoon/math/model/closed_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/numerics/exact.hpp"
+
+namespace platoon {
+
+namespace {
+
+void require_order(Eigen::Index order) {
+  if (order <= kHighestOrder) return;
+  throw std::invalid_argument("order " + std::to_string(order) + ": the closed loop must have at most " +
+                              std::to_string(kHighestOrder) + " poles");
+}
+
+/// Takes the zeros at the origin off p and counts them.
+ExactPolynomial without_zeros_at_origin(const Polynomial& p, std::size_t& count) {
+  ExactPolynomial q = exact(p);
+  for (; q.size() > 1 && q.back() == 0; ++count) q.pop_back();
+  return q;
+}
+
+/// By powers of s, the zeros that are at s = 0 to the rounding of p's coefficients put there.
+ExactPolynomial with_zeros_at_one(const ExactPolynomial& p) {
+  ExactPolynomial magnitudes;
+  for (const Exact& coefficient : p) magnitudes.push_back(abs(coefficient));
+  const ExactPolynomial size = shifted_to_one(magnitudes);
+  ExactPolynomial q = shifted_to_one(p);
+  const Exact rounding = std::numeric_limits<double>::epsilon();
+  for (std::size_t j = 0; j + 1 < q.size() && abs(q[j]) <= rounding * size[j]; ++j) q[j] = 0;
+  return q;
+}
+
+/// p(s) (1 + s)^count, that is p z^count.
+ExactPolynomial delayed(ExactPolynomial p, std::size_t count) {
+  for (; count > 0; --count) p = multiply(p, {Exact(1), Exact(1)});
+  return p;
+}
+
+/// With G K = (n / d) / divisor and H = (1 + h) - h / z: T = n z / (d z divisor + n ((1 + h) z - h)).
+ExactFraction exact_closed_loop(const TransferFunction& plant, const TransferFunction& controller, const Exact& divisor,
+                                double headway) {
+  std::size_t zeros = 0, poles = 0;  // of G K at z = 0
+  const ExactPolynomial n = multiply(shifted_to_one(without_zeros_at_origin(plant.numerator(), zeros)),
+                                     shifted_to_one(without_zeros_at_origin(controller.numerator(), zeros)));
+  ExactPolynomial d = multiply(with_zeros_at_one(without_zeros_at_origin(plant.denominator(), poles)),
+                               with_zeros_at_one(without_zeros_at_origin(controller.denominator(), poles)));
+  for (Exact& coefficient : d) coefficient *= divisor;
+  const std::size_t common = std::min(zeros, poles + 1);
+  ExactPolynomial numerator = delayed(n, zeros + 1 - common);
+  ExactPolynomial denominator = delayed(d, poles + 1 - common);
+  const ExactPolynomial fed_back = multiply(delayed(n, zeros - common), {Exact(1), Exact(1) + Exact(headway)});
+  if (denominator.size() < fed_back.size()) denominator.resize(fed_back.size(), Exact(0));
+  for (std::size_t j = 0; j < fed_back.size(); ++j) denominator[j] += fed_back[j];
+  const Exact leading = denominator.back();
+  for (ExactPolynomial* p : {&numerator, &denominator}) {
+    for (Exact& coefficient : *p) coefficient /= leading;
+  }
+  return {numerator, denominator};
+}
+
+// Modes are zeros of polynomials: on the unit circle up to rounding is on it.
+bool is_inside_unit_circle(std::complex<double> mode) {
+  return std::abs(mode) < 1.0 - 1e-6;
+}
+
+/// `divide`: the controller is to be divided by 1 + h.
+ClosedLoop form_loop(const TransferFunction& plant, const TransferFunction& controller, bool divide, double headway) {
+  for (const TransferFunction* part : {&plant, &controller}) {
+    if (part->numerator()(0) == 0.0)
+      throw std::invalid_argument("G(z) K(z) = 0: neither plant nor controller may be zero");
+  }
+  require_order(plant.denominator().size() + controller.denominator().size() - 1);
+  const double divisor = divide ? 1.0 + headway : 1.0;
+  const TransferFunction open_loop = series(plant, {controller.numerator() / divisor, controller.denominator()});
+  const Reduction t = reduce(feedback(open_loop, headway_policy(headway)));
+  const int integrators = multiplicity_at_one(plant.denominator()) + multiplicity_at_one(controller.denominator()) -
+                          multiplicity_at_one(plant.numerator()) - multiplicity_at_one(controller.numerator());
+  ClosedLoop loop{t.minimal, observable_canonical(t.minimal), roots(t.common_factor), integrators, {}};
+  if (std::all_of(loop.hidden_modes.begin(), loop.hidden_modes.end(), is_inside_unit_circle)) {
+    loop.exact = std::make_shared<const ExactFraction>(
+        exact_closed_loop(plant, controller, divide ? Exact(1) + Exact(headway) : Exact(1), headway));
+  }
+  return loop;
+}
+
+}  // namespace
+
+ExactFraction exact_fraction(const ClosedLoop& loop) {
+  if (loop.exact) return *loop.exact;
+  return {shifted_to_one(exact(loop.transfer.numerator())), shifted_to_one(exact(loop.transfer.denominator()))};
+}
+
+DeltaFraction delta_fraction(const ClosedLoop& loop) {
+  if (loop.exact) return {rounded_delta(loop.exact->numerator), rounded_delta(loop.exact->denominator)};
+  return {delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())};
+}
+
+double spectral_radius(const ClosedLoop& loop) {
+  if (!loop.exact) return spectral_radius(delta_form(loop.transfer.denominator()));
+  // What T cancelled stands in `exact` and is no mode of A; zeros at z = 0 are cancelled there, too.
+  std::vector<std::complex<long double>> poles = zeros(rounded_delta(loop.exact->denominator));
+  for (const std::complex<double>& mode : loop.hidden_modes) {
+    if (mode == 0.0 || poles.empty()) continue;
+    const auto distance = [&](const std::complex<long double>& s) {
+      return std::norm(s - (static_cast<std::complex<long double>>(mode) - 1.0L));
+    };
+    poles.erase(std::min_element(poles.begin(), poles.end(),
+                                 [&](const auto& a, const auto& b) { return distance(a) < distance(b); }));
+  }
+  long double excess = -1.0L;
+  for (const std::complex<long double>& s : poles) excess = std::max(excess, modulus_minus_one(s));
+  return static_cast<double>(1.0L + excess);
+}
+
+ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway) {
+  return form_loop(plant, controller, false, headway);
+}
+
+ClosedLoop close_loop(const LoopDesign& design, double headway) {
+  return form_loop(design.plant, design.controller, design.divide_by_one_plus_headway, headway);
+}
+
+ClosedLoop closed_loop_from(const StateSpace& realization) {
+  require_order(realization.order());
+  const Resolvent r = resolvent(realization);
+  const Reduction t = reduce({r.transfer_numerator, r.denominator});
+  return {t.minimal, realization, {}, {}, r.delta_transfer};
+}
+
+TransferFunction sensitivity(const TransferFunction& transfer, double headway) {
+  const TransferFunction ht = series(headway_policy(headway), transfer);
+  return {add(ht.denominator(), -ht.numerator()), ht.denominator()};
+}
+
+namespace {
+
+struct RampGain {
+  long double value;  ///< T(1)
+  long double slope;  ///< dT/dz(1)
+};
+
+RampGain ramp_gain(const DeltaFraction& t) {
+  const auto at = [](const DeltaPolynomial& p, std::size_t j) { return j < p.size() ? p[j] : 0.0L; };
+  const long double value = at(t.numerator, 0) / at(t.denominator, 0);
+  return {value, (at(t.numerator, 1) - value * at(t.denominator, 1)) / at(t.denominator, 0)};
+}
+
+// Double integral action, or what it means for T, to the accuracy of a realization given to six digits: T(1)
+// = 1 and dT/dz(1) = -h, as H(1) T(1) = 1 and (H T)'(1) = 0.
+bool tracks_a_ramp(const RampGain& gain, double headway) {
+  return std::abs(gain.value - 1.0L) < 1e-4L && std::abs(gain.slope + headway) < 1e-3L * (1.0L + headway);
+}
+
+std::string missing_integral_action(const ClosedLoop& loop, const RampGain& gain, double headway) {
+  std::ostringstream text;
+  text
+      << "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and dT/dz(1) = -h for h = "
+      << headway << "; here T(1) = " << gain.value << " and dT/dz(1) = " << gain.slope;
+  if (loop.integrators) {
+    text << ", as G(z) K(z) has " << std::max(*loop.integrators, 0)
+         << (*loop.integrators == 1 ? " pole there" : " poles there");
+  }
+  return text.str();
+}
+
+/// What stands between T as it is and T as the vehicles compute it, which have its coefficients in double;
+/// empty where nothing does.
+std::string rounded_away(const ClosedLoop& loop, double headway) {
+  const RampGain gain = ramp_gain({delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())});
+  if (tracks_a_ramp(gain, headway) && (spectral_radius(loop) >= 1.0 || spectral_radius(loop.realization) < 1.0))
+    return {};
+  std::ostringstream text;
+  text
+      << "the closed loop is too slow for its sample period: its poles lie so close to z = 1 that in double its coefficients have T(1) = "
+      << gain.value << " and dT/dz(1) = " << gain.slope << " instead of 1 and -h for h = " << headway
+      << ": it must be sampled more slowly";
+  return text.str();
+}
+
+}  // namespace
+
+double integral_defect(const ClosedLoop& loop, double headway) {
+  const RampGain gain = ramp_gain(delta_fraction(loop));
+  return static_cast<double>(std::abs(gain.value - 1.0L) + std::abs(gain.slope + headway) / (1.0L + headway));
+}
+
+std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double headway, bool allow_unstable) {
+  std::vector<std::string> found;
+  const auto report = [&found](const std::ostringstream& text) { found.push_back(text.str()); };
+  if (!loop.transfer.is_strictly_proper()) {
+    found.push_back("T(z) is not strictly proper: it must have more poles than zeros (relative degree of G K >= 1)");
+  }
+  const RampGain gain = ramp_gain(delta_fraction(loop));
+  if ((loop.integrators && *loop.integrators < 2) || !tracks_a_ramp(gain, headway)) {
+    found.push_back(missing_integral_action(loop, gain, headway));
+  } else if (loop.integrators) {
+    const std::string text = rounded_away(loop, headway);
+    if (!text.empty()) return {text};  // nothing else can be told from rounding
+  }
+  const double rho = spectral_radius(loop);
+  if (rho >= 1.0 && !allow_unstable) {
+    std::ostringstream text;
+    text << "the closed loop is unstable: rho(A) = " << rho
+         << ", must be < 1 (allow_unstable: true runs it all the same)";
+    report(text);
+  }
+  for (const std::complex<double>& mode : loop.hidden_modes) {
+    if (is_inside_unit_circle(mode) || allow_unstable || mode.imag() < 0.0) continue;
+    std::ostringstream text;
+    text << "G(z) K(z) cancels an unstable mode at z = " << mode.real() << (mode.imag() > 0.0 ? " +- i " : "");
+    if (mode.imag() > 0.0) text << mode.imag();
+    text << ": cancelled modes must lie inside the unit circle (allow_unstable: true runs it all the same)";
+    report(text);
+  }
+  if (rho >= 1.0 && !allow_unstable) return found;
+  try {
+    unit_equilibrium(loop.realization);
+  } catch (const std::invalid_argument& error) {
+    found.emplace_back(error.what());
+  }
+  return found;
+}
+
+}  // namespace platoon

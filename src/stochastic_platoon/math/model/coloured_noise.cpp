@@ -1,0 +1,79 @@
+#include "stochastic_platoon/math/model/coloured_noise.hpp"
+
+#include <array>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/model/vector_clones.hpp"
+
+namespace platoon {
+
+namespace detail {
+
+// d = gain g + first (of a filter's first register; null: none).
+PLATOON_VECTOR_CLONES
+void filter_output(double gain, const double* normals, const double* first, std::size_t size, double* noise) {
+  if (first == nullptr) {
+    for (std::size_t r = 0; r < size; ++r) noise[r] = gain * normals[r];
+  } else {
+    for (std::size_t r = 0; r < size; ++r) noise[r] = gain * normals[r] + first[r];
+  }
+}
+
+// v = b g - a d + next (null: 0)
+PLATOON_VECTOR_CLONES
+void filter_register(double b, const double* normals, double a, const double* noise, const double* next,
+                     std::size_t size, double* v) {
+  if (next == nullptr) {
+    for (std::size_t r = 0; r < size; ++r) v[r] = b * normals[r] - a * noise[r];
+  } else {
+    for (std::size_t r = 0; r < size; ++r) v[r] = b * normals[r] - a * noise[r] + next[r];
+  }
+}
+
+PLATOON_VECTOR_CLONES
+void add_noise(double deviation, const double* noise, std::size_t size, double* positions) {
+  for (std::size_t r = 0; r < size; ++r) positions[r] = positions[r] + deviation * noise[r];
+}
+
+}  // namespace detail
+
+ColouredNoise::ColouredNoise(double noise_variance, const TransferFunction& filter, std::uint64_t seed,
+                             std::uint32_t receiver)
+    : deviation_(noise_deviation(noise_variance)), draws_(seed), receiver_(receiver) {
+  const Polynomial &n = filter.numerator(), &d = filter.denominator();
+  if (n.size() > d.size()) throw std::invalid_argument("noise filter: must be proper: no more zeros than poles");
+  const Eigen::Index order = d.size() - 1, lead = d.size() - n.size();
+  const auto b = [&](Eigen::Index j) { return j < lead ? 0.0 : n(j - lead); };
+  gain_ = b(0);
+  for (Eigen::Index j = 1; j <= order; ++j) {
+    numerator_.push_back(b(j));
+    denominator_.push_back(d(j));
+  }
+  registers_.resize(static_cast<std::size_t>(order));
+}
+
+void ColouredNoise::start(std::uint64_t, std::size_t count, const double*) {
+  for (AlignedValues& v : registers_) v.assign(count, 0.0);
+}
+
+void ColouredNoise::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
+  if (deviation_ == 0.0) return;
+  std::array<double, kTile> normals, noise;
+  const std::size_t order = registers_.size();
+  for (std::size_t r = 0; r < count; r += kTile) {
+    const std::size_t size = std::min(kTile, count - r);
+    draws_.fill({receiver_, step}, first_realization + r, size, normals.data());
+    if (order == 0) {
+      detail::add_noise(deviation_ * gain_, normals.data(), size, positions + r);
+      continue;
+    }
+    const auto v = [&](std::size_t j) { return j < order ? &registers_[j][r] : nullptr; };
+    detail::filter_output(gain_, normals.data(), v(0), size, noise.data());
+    for (std::size_t j = 0; j < order; ++j) {
+      detail::filter_register(numerator_[j], normals.data(), denominator_[j], noise.data(), v(j + 1), size, v(j));
+    }
+    detail::add_noise(deviation_, noise.data(), size, positions + r);
+  }
+}
+
+}  // namespace platoon

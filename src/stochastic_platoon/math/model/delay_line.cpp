@@ -1,0 +1,24 @@
+#include "stochastic_platoon/math/model/delay_line.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace platoon {
+
+DelayLine::DelayLine(std::int64_t steps) {
+  if (steps < 1) throw std::invalid_argument("delay: " + std::to_string(steps) + ": must be >= 1 here");
+  registers_.resize(static_cast<std::size_t>(steps));
+}
+
+void DelayLine::start(std::uint64_t, std::size_t count, const double* positions) {
+  for (AlignedValues& past : registers_) past.assign(positions, positions + count);
+  oldest_ = 0;
+}
+
+void DelayLine::step(std::int64_t, std::uint64_t, std::size_t count, double* positions) {
+  std::swap_ranges(positions, positions + count, registers_[oldest_].begin());
+  oldest_ = (oldest_ + 1) % registers_.size();
+}
+
+}  // namespace platoon

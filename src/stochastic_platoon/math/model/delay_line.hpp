@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "stochastic_platoon/math/model/link_stage.hpp"
+#include "stochastic_platoon/math/model/vehicle.hpp"
+
+namespace platoon {
+
+/// A delay of m whole steps: the position of step k - m, of step -1 for k < m.
+class DelayLine : public LinkStage {
+public:
+  /// Throws std::invalid_argument unless m >= 1.
+  explicit DelayLine(std::int64_t steps);
+
+  bool keeps_state() const override { return true; }
+  void start(std::uint64_t first_realization, std::size_t count, const double* positions) override;
+  void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) override;
+
+private:
+  std::vector<AlignedValues> registers_;  ///< the last m positions of every realization, as a ring
+  std::size_t oldest_ = 0;
+};
+
+}  // namespace platoon

@@ -1,0 +1,87 @@
+#include "stochastic_platoon/math/model/link_model.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+
+#include "stochastic_platoon/math/numerics/eigenvalues.hpp"
+
+namespace platoon {
+
+bool LossModel::is_independent() const {
+  return !mean_burst || std::abs(after_loss() - after_arrival()) < 1e-15;
+}
+
+namespace {
+
+Eigen::MatrixXd kronecker_square(const Eigen::MatrixXd& a) {
+  const Eigen::Index n = a.rows();
+  Eigen::MatrixXd square(n * n, n * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j) square.block(i * n, j * n, n, n) = a(i, j) * a;
+  }
+  return square;
+}
+
+}  // namespace
+
+double second_moment_radius(const LossModel& loss) {
+  const auto n = static_cast<Eigen::Index>(loss.predictor.size());
+  Eigen::MatrixXd arrived = Eigen::MatrixXd::Zero(n, n);  // r(k) comes from outside
+  arrived.diagonal(-1).setOnes();
+  Eigen::MatrixXd lost = arrived;
+  lost.row(0) = Eigen::Map<const Eigen::RowVectorXd>(loss.predictor.data(), n);
+  const Eigen::MatrixXd a = kronecker_square(arrived), b = kronecker_square(lost);
+  if (loss.is_independent()) {
+    const double q = loss.probability;
+    return spectral_radius((1.0 - q) * a + q * b);
+  }
+  Eigen::MatrixXd both(2 * a.rows(), 2 * a.rows());
+  both << (1.0 - loss.after_arrival()) * a, (1.0 - loss.after_loss()) * a, loss.after_arrival() * b,
+      loss.after_loss() * b;
+  return spectral_radius(both);
+}
+
+double loss_feedback(const LossModel& loss) {
+  // Of F's impulse response R = [r(k), r(k-1), ..] the Gramian X = sum R R', and L F is c R one step later.
+  const auto n = static_cast<Eigen::Index>(loss.predictor.size());
+  const Eigen::VectorXd c = Eigen::Map<const Eigen::VectorXd>(loss.predictor.data(), n);
+  Eigen::MatrixXd step = Eigen::MatrixXd::Zero(n, n);
+  step.diagonal(-1).setOnes();
+  step.row(0) = loss.probability * c.transpose();
+  if (spectral_radius(step) >= 1.0) return std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd x = (Eigen::MatrixXd::Identity(n * n, n * n) - kronecker_square(step))
+                                .partialPivLu()
+                                .solve(Eigen::VectorXd::Unit(n * n, 0));
+  const Eigen::MatrixXd gramian = Eigen::Map<const Eigen::MatrixXd>(x.data(), n, n);
+  return (1.0 - loss.probability) * loss.probability * c.dot(gramian * c);
+}
+
+bool LinkModel::has_white_noise() const {
+  const Polynomial &n = noise_filter.numerator(), &d = noise_filter.denominator();
+  return n.size() == 1 && d.size() == 1 && n(0) == d(0);
+}
+
+bool LinkModel::is_white_noise_only() const {
+  return has_white_noise() && quantisation_step == 0.0 && delay == 0 && (!loss || loss->probability == 0.0);
+}
+
+namespace {
+
+bool same(const TransferFunction& one, const TransferFunction& other) {
+  const auto same_polynomial = [](const Polynomial& p, const Polynomial& q) { return p.size() == q.size() && p == q; };
+  return same_polynomial(one.numerator(), other.numerator()) && same_polynomial(one.denominator(), other.denominator());
+}
+
+}  // namespace
+
+bool operator==(const LinkModel& one, const LinkModel& other) {
+  const bool same_loss =
+      one.loss.has_value() == other.loss.has_value() &&
+      (!one.loss || (one.loss->probability == other.loss->probability &&
+                     one.loss->mean_burst == other.loss->mean_burst && one.loss->predictor == other.loss->predictor));
+  return same_loss && same(one.noise_filter, other.noise_filter) && one.quantisation_step == other.quantisation_step &&
+         one.delay == other.delay;
+}
+
+}  // namespace platoon

@@ -1,0 +1,77 @@
+#include "stochastic_platoon/math/model/manoeuvre.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+namespace platoon {
+
+namespace {
+
+void require_speed(double speed) {
+  if (std::abs(speed) <= Manoeuvre::kLargestSpeed) return;  // false for NaN
+  std::ostringstream text;
+  text << "leader speed: " << speed << ": must be a finite number of magnitude " << Manoeuvre::kLargestSpeed
+       << " at most [m/s]";
+  throw std::invalid_argument(text.str());
+}
+
+double moved(double from, double to, double most) {
+  return from + std::clamp(to - from, -most, most);
+}
+
+}  // namespace
+
+void Manoeuvre::approach(double target, double acceleration) {
+  require_speed(target);
+  kind_ = Kind::approach;
+  target_ = target;
+  acceleration_ = acceleration;
+}
+
+void Manoeuvre::drive_at(double speed) {
+  approach(speed, std::numeric_limits<double>::infinity());
+}
+
+void Manoeuvre::brake() {
+  approach(0.0, kBraking);
+}
+
+void Manoeuvre::accelerate() {
+  approach(speed_ + kSpeedIncrease, kAcceleration);
+}
+
+void Manoeuvre::swing() {
+  kind_ = Kind::swing;
+  target_ = speed_;
+  step_ = 0;
+}
+
+void Manoeuvre::cruise() {
+  if (kind_ != Kind::none) kind_ = Kind::back;
+}
+
+double Manoeuvre::next_speed(double profile) {
+  constexpr double kPi = 3.14159265358979323846;
+  switch (kind_) {
+    case Kind::none:
+      speed_ = profile;
+      break;
+    case Kind::approach:
+      speed_ = moved(speed_, target_, acceleration_ * sample_period_);
+      break;
+    case Kind::swing:
+      step_ = (step_ + 1) % kPeriod;
+      speed_ = target_ + kAmplitude * std::sin(2.0 * kPi * static_cast<double>(step_) / kPeriod);
+      break;
+    case Kind::back:
+      speed_ = moved(speed_, profile, kAcceleration * sample_period_);
+      if (speed_ == profile) kind_ = Kind::none;
+      break;
+  }
+  return speed_;
+}
+
+}  // namespace platoon

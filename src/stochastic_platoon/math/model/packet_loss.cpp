@@ -1,0 +1,82 @@
+#include "stochastic_platoon/math/model/packet_loss.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <string>
+
+#include "stochastic_platoon/math/model/vector_clones.hpp"
+
+namespace platoon {
+
+namespace detail {
+
+PLATOON_VECTOR_CLONES
+void scale(double c, const double* in, std::size_t size, double* out) {
+  for (std::size_t r = 0; r < size; ++r) out[r] = c * in[r];
+}
+
+PLATOON_VECTOR_CLONES
+void add_multiple(double c, const double* in, std::size_t size, double* out) {
+  for (std::size_t r = 0; r < size; ++r) out[r] += c * in[r];
+}
+
+// Where u is below the chance, the prediction takes the position's place; and the chance of the next loss.
+PLATOON_VECTOR_CLONES
+void lose(const double* uniforms, const double* predicted, double after_loss, double after_arrival, std::size_t size,
+          double* chance, double* positions) {
+  for (std::size_t r = 0; r < size; ++r) {
+    const bool lost = uniforms[r] < chance[r];
+    positions[r] = lost ? predicted[r] : positions[r];
+    chance[r] = lost ? after_loss : after_arrival;
+  }
+}
+
+// The same where losses are independent: every chance is q.
+PLATOON_VECTOR_CLONES
+void lose_independently(const double* uniforms, const double* predicted, double q, std::size_t size,
+                        double* positions) {
+  for (std::size_t r = 0; r < size; ++r) positions[r] = uniforms[r] < q ? predicted[r] : positions[r];
+}
+
+}  // namespace detail
+
+PacketLoss::PacketLoss(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver)
+    : loss_(loss), draws_(seed), receiver_(receiver), used_(loss.predictor.size()) {
+  if (!(loss.probability >= 0.0 && loss.probability < 1.0)) {
+    throw std::invalid_argument("loss probability: " + std::to_string(loss.probability) +
+                                ": must be from 0 to below 1");
+  }
+  if (used_.empty()) throw std::invalid_argument("predictor: (empty): must have one coefficient or more");
+}
+
+void PacketLoss::start(std::uint64_t, std::size_t count, const double* positions) {
+  for (AlignedValues& used : used_) used.assign(positions, positions + count);
+  chance_.assign(count, loss_.probability);
+  newest_ = 0;
+}
+
+void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
+  std::array<double, kTile> uniforms, predicted;
+  const std::size_t n = used_.size(), oldest = (newest_ + n - 1) % n;
+  for (std::size_t r = 0; r < count; r += kTile) {
+    const std::size_t size = std::min(kTile, count - r);
+    draws_.fill_uniform({receiver_, step, Purpose::loss}, first_realization + r, size, uniforms.data());
+    const double* guess = predicted.data();
+    if (n == 1) {
+      guess = &used_[0][r];  // held, as the coefficients have sum 1
+    } else {
+      detail::scale(loss_.predictor[0], &used_[newest_][r], size, predicted.data());
+      for (std::size_t j = 1; j < n; ++j)
+        detail::add_multiple(loss_.predictor[j], &used_[(newest_ + j) % n][r], size, predicted.data());
+    }
+    if (loss_.mean_burst) {
+      detail::lose(uniforms.data(), guess, loss_.after_loss(), loss_.after_arrival(), size, &chance_[r], positions + r);
+    } else {
+      detail::lose_independently(uniforms.data(), guess, loss_.probability, size, positions + r);
+    }
+    std::copy_n(positions + r, size, &used_[oldest][r]);
+  }
+  newest_ = oldest;
+}
+
+}  // namespace platoon

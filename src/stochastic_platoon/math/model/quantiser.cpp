@@ -1,0 +1,41 @@
+#include "stochastic_platoon/math/model/quantiser.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/model/vehicle.hpp"
+
+namespace platoon {
+
+namespace detail {
+
+PLATOON_VECTOR_CLONES
+void quantise(double step_size, const double* uniforms, std::size_t size, double* positions) {
+  for (std::size_t r = 0; r < size; ++r) {
+    const double dither = step_size * (uniforms[r] - 0.5);
+    positions[r] = step_size * std::floor((positions[r] + dither) / step_size + 0.5) - dither;
+  }
+}
+
+}  // namespace detail
+
+Quantiser::Quantiser(double step_size, std::uint64_t seed, std::uint32_t receiver)
+    : step_size_(step_size), draws_(seed), receiver_(receiver) {
+  if (step_size > 0.0 && std::isfinite(step_size)) return;
+  throw std::invalid_argument("quantisation step: " + std::to_string(step_size) + ": must be finite and > 0 [m]");
+}
+
+void Quantiser::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
+  std::array<double, kTile> uniforms;
+  for (std::size_t r = 0; r < count; r += kTile) {
+    const std::size_t size = std::min(kTile, count - r);
+    draws_.fill_uniform({receiver_, step, Purpose::dither}, first_realization + r, size, uniforms.data());
+    detail::quantise(step_size_, uniforms.data(), size, positions + r);
+  }
+}
+
+}  // namespace platoon

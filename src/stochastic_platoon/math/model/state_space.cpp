@@ -1,0 +1,113 @@
+#include "stochastic_platoon/math/model/state_space.hpp"
+
+#include <Eigen/LU>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/exact.hpp"
+
+namespace platoon {
+
+StateSpace::StateSpace(Eigen::MatrixXd a, Eigen::VectorXd b, Eigen::RowVectorXd c)
+    : a_(std::move(a)), b_(std::move(b)), c_(std::move(c)) {
+  const auto shape = [](Eigen::Index rows, Eigen::Index cols) {
+    return std::to_string(rows) + " x " + std::to_string(cols);
+  };
+  if (a_.rows() < 1 || a_.rows() != a_.cols()) {
+    throw std::invalid_argument("A: " + shape(a_.rows(), a_.cols()) + ": must be square, n x n with n >= 1");
+  }
+  if (b_.size() != a_.rows() || c_.size() != a_.rows()) {
+    throw std::invalid_argument("B: " + shape(b_.size(), 1) + ", C: " + shape(1, c_.size()) +
+                                ": must be n x 1 and 1 x n with A's n = " + std::to_string(a_.rows()));
+  }
+  if (!a_.allFinite() || !b_.allFinite() || !c_.allFinite()) {
+    throw std::invalid_argument("A, B, C: every entry must be finite");
+  }
+}
+
+double spectral_radius(const StateSpace& system) {
+  return spectral_radius(resolvent(system).delta_denominator);
+}
+
+Eigen::VectorXd unit_equilibrium(const StateSpace& system) {
+  const Eigen::Index n = system.order();
+  const Eigen::FullPivLU<Eigen::MatrixXd> resolvent(Eigen::MatrixXd::Identity(n, n) - system.a());
+  if (!resolvent.isInvertible()) throw std::invalid_argument("A: has an eigenvalue at 1: no equilibrium exists");
+  const Eigen::VectorXd state = resolvent.solve(system.b());
+  const double output = system.c() * state;
+  if (output == 0.0) throw std::invalid_argument("T(1) = 0: no equilibrium with output 1 exists");
+  return state / output;
+}
+
+StateSpace observable_canonical(const TransferFunction& transfer) {
+  if (!transfer.is_strictly_proper() || transfer.denominator().size() < 2) {
+    throw std::invalid_argument("relative degree " + std::to_string(transfer.relative_degree()) +
+                                ": T must be strictly proper (more poles than zeros)");
+  }
+  const Eigen::Index n = transfer.denominator().size() - 1;
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
+  a.col(0) = -transfer.denominator().tail(n);
+  for (Eigen::Index i = 0; i + 1 < n; ++i) a(i, i + 1) = 1.0;
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
+  b.tail(transfer.numerator().size()) = transfer.numerator();
+  Eigen::RowVectorXd c = Eigen::RowVectorXd::Zero(n);
+  c(0) = 1.0;
+  return {a, b, c};
+}
+
+Resolvent resolvent(const StateSpace& system) {
+  const auto n = static_cast<std::size_t>(system.order());
+  const auto entry = [&](const auto& matrix, std::size_t row, std::size_t column) {
+    return Exact(matrix(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)));
+  };
+  std::vector<ExactPolynomial> rows(n, ExactPolynomial(n, Exact(0)));
+  ExactPolynomial transfer(n, Exact(0));
+  ExactPolynomial denominator(n + 1, Exact(0));
+  denominator[0] = 1;
+  // M = adj(zI - A) by descending powers of z: M_0 = I, M_k = A M_{k-1} + d_k I with d_k = -tr(A M_{k-1}) /
+  // k.
+  std::vector<ExactPolynomial> a(n, ExactPolynomial(n));
+  std::vector<ExactPolynomial> adjugate_term(n, ExactPolynomial(n, Exact(0)));
+  for (std::size_t i = 0; i < n; ++i) {
+    adjugate_term[i][i] = 1;
+    for (std::size_t j = 0; j < n; ++j) a[i][j] = entry(system.a(), i, j);
+  }
+  for (std::size_t k = 1; k <= n; ++k) {
+    std::vector<ExactPolynomial> product(n, ExactPolynomial(n, Exact(0)));
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        rows[j][k - 1] += entry(system.c(), 0, i) * adjugate_term[i][j];
+        if (a[i][j] == 0) continue;
+        for (std::size_t l = 0; l < n; ++l) product[i][l] += a[i][j] * adjugate_term[j][l];
+      }
+      denominator[k] -= product[i][i];
+    }
+    denominator[k] /= k;
+    for (std::size_t i = 0; i < n; ++i) {
+      transfer[k - 1] += rows[i][k - 1] * entry(system.b(), i, 0);
+      product[i][i] += denominator[k];
+    }
+    adjugate_term.swap(product);
+  }
+  Resolvent result{
+      {},
+      rounded(denominator),
+      {},
+      rounded_delta(shifted_to_one(denominator)),
+      rounded(transfer),
+      std::make_shared<const ExactFraction>(ExactFraction{shifted_to_one(transfer), shifted_to_one(denominator)})};
+  for (const ExactPolynomial& row : rows) {
+    result.numerators.push_back(rounded(row));
+    result.delta_numerators.push_back(rounded_delta(shifted_to_one(row)));
+  }
+  return result;
+}
+
+TransferFunction transfer_function(const StateSpace& system) {
+  const Resolvent r = resolvent(system);
+  return {r.transfer_numerator, r.denominator};
+}
+
+}  // namespace platoon

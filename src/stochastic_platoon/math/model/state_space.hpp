@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <memory>
+#include <vector>
+
+#include "stochastic_platoon/math/model/transfer_function.hpp"
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
+
+namespace platoon {
+
+struct ExactFraction;
+
+/// x(k+1) = A x(k) + B u(k), y(k) = C x(k): the closed loop T of one vehicle, paper eq. (ith-closedloop).
+///
+/// A is n x n, B is n x 1, C is 1 x n, n >= 1. Throws std::invalid_argument when the shapes do not fit or an
+/// entry is not finite.
+class StateSpace {
+public:
+  StateSpace(Eigen::MatrixXd a, Eigen::VectorXd b, Eigen::RowVectorXd c);
+
+  const Eigen::MatrixXd& a() const { return a_; }
+  const Eigen::VectorXd& b() const { return b_; }
+  const Eigen::RowVectorXd& c() const { return c_; }
+  Eigen::Index order() const { return a_.rows(); }
+
+private:
+  Eigen::MatrixXd a_;
+  Eigen::VectorXd b_;
+  Eigen::RowVectorXd c_;
+};
+
+/// rho(A), the largest modulus of an eigenvalue of A; 1 - rho(A) to the digits of rho(A).
+double spectral_radius(const StateSpace& system);
+
+/// Equilibrium with output 1: the state x = A x + B u, C x = 1 of a constant input u, that is (I - A)^-1 B /
+/// T(1), shape n x 1. Throws std::invalid_argument when I - A is singular (a mode at z = 1) or T(1) = 0: then
+/// there is none.
+Eigen::VectorXd unit_equilibrium(const StateSpace& system);
+
+/// Observable canonical realization of a strictly proper fraction: C = [1 0 ... 0]. Minimal if the fraction
+/// is in lowest terms. Throws std::invalid_argument when the fraction is not strictly proper.
+StateSpace observable_canonical(const TransferFunction& transfer);
+
+/// R(z) = C (zI - A)^-1, 1 x n: how the states of one vehicle show in its output; and T = R B.
+///
+/// By the Faddeev-LeVerrier recursion in a hundred digits, which loses in coordinates of condition kappa up
+/// to kappa^n: every coefficient is that of the A, B and C given, rounded once.
+struct Resolvent {
+  std::vector<Polynomial> numerators;             ///< of the n entries, those of C adj(zI - A), by powers of z
+  Polynomial denominator;                         ///< det(zI - A), by powers of z
+  std::vector<DeltaPolynomial> delta_numerators;  ///< the same by powers of s = z - 1
+  DeltaPolynomial delta_denominator;
+  Polynomial transfer_numerator;                        ///< of T = N / det(zI - A), by powers of z
+  std::shared_ptr<const ExactFraction> delta_transfer;  ///< T by powers of s, to a hundred digits
+};
+
+Resolvent resolvent(const StateSpace& system);
+
+/// T = C (zI - A)^-1 B from the resolvent, not reduced.
+TransferFunction transfer_function(const StateSpace& system);
+
+}  // namespace platoon

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/model/vector_clones.hpp"
+
+namespace platoon {
+
+/// zeta_i(k) = y_{i-1}(k) - y_i(k) - delta - h [y_i(k) - y_i(k-1)] [m], paper eq. (error1), with the distance
+/// delta kept.
+struct TrackingError {
+  double headway;              ///< h, in sample periods
+  double standstill_distance;  ///< delta [m]
+
+  PLATOON_INLINE double operator()(double predecessor, double own, double own_before) const {
+    return predecessor - own - standstill_distance - headway * (own - own_before);
+  }
+
+  /// The same for `count` realizations; every pointer is to that many values [m], which do not overlap.
+  void operator()(const double* predecessor, const double* own, const double* own_before, std::size_t count,
+                  double* errors) const;
+};
+
+/// That of follower i >= 1, with its own headway and distance.
+TrackingError tracking_error(const PlatoonModel& model, std::size_t follower);
+
+}  // namespace platoon

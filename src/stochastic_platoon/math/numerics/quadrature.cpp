@@ -1,0 +1,161 @@
+#include "stochastic_platoon/math/numerics/quadrature.hpp"
+
+#include <algorithm>
+#include <boost/math/special_functions/bessel.hpp>
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+namespace platoon {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kHalvings = 26;
+constexpr double kShortest = 1e-13;  // panel, where nodes can hardly be told apart
+
+struct Panel {
+  double from;
+  double to;
+  double length() const { return to - from; }
+};
+
+double squared_distance(const Panel& panel, std::complex<double> point) {
+  const double nearest = std::min(std::max(point.real(), panel.from), panel.to);
+  return std::norm(point - nearest);
+}
+
+/// The images in and around [0, pi] of a frequency under w -> -w and w -> w + 2 pi.
+std::vector<std::complex<double>> images(const std::vector<std::complex<double>>& frequencies) {
+  std::vector<std::complex<double>> result;
+  for (const std::complex<double>& w : frequencies) {
+    if (w.imag() == 0.0) {
+      throw std::invalid_argument("singular frequency " + std::to_string(w.real()) + ": must not be real");
+    }
+    for (const double turn : {-2.0 * kPi, 0.0, 2.0 * kPi}) {
+      result.push_back(w + turn);
+      result.push_back(turn - w);
+    }
+  }
+  return result;
+}
+
+/// Halves a panel until every singularity is at least half its length away: 16 Gauss nodes then have an error of 4e-19.
+void add_resolved(std::vector<Panel>& panels, const Panel& panel, const std::vector<std::complex<double>>& singular) {
+  double clearance = 0.0625;
+  for (const std::complex<double>& w : singular) clearance = std::min(clearance, squared_distance(panel, w));
+  if (panel.length() * panel.length() <= 4.0 * clearance || panel.length() <= kShortest) {
+    panels.push_back(panel);
+    return;
+  }
+  const double middle = panel.from + panel.length() / 2.0;
+  add_resolved(panels, {panel.from, middle}, singular);
+  add_resolved(panels, {middle, panel.to}, singular);
+}
+
+/// Cuts of [0, pi] that halve towards every peak from both sides.
+std::vector<double> graded_cuts(const std::vector<double>& peaks) {
+  std::vector<double> cuts{0.0, kPi};
+  for (const double peak : peaks) {
+    if (peak < 0.0 || peak > kPi) continue;
+    cuts.push_back(peak);
+    for (int j = 0; j <= kHalvings; ++j) {
+      const double offset = std::ldexp(1.0, -j);
+      if (peak - offset > 0.0) cuts.push_back(peak - offset);
+      if (peak + offset < kPi) cuts.push_back(peak + offset);
+    }
+  }
+  std::sort(cuts.begin(), cuts.end());
+  const auto close = [](double a, double b) { return b - a < 1e-14; };
+  cuts.erase(std::unique(cuts.begin(), cuts.end(), close), cuts.end());
+  return cuts;
+}
+
+}  // namespace
+
+Quadrature gauss_legendre(int count) {
+  if (count < 1) throw std::invalid_argument("count: " + std::to_string(count) + ": must be >= 1");
+  Quadrature rule;
+  for (int i = 0; i < count; ++i) {
+    double x = -std::cos(kPi * (i + 0.75) / (count + 0.5));
+    double slope = 1.0;
+    for (int iteration = 0; iteration < 100; ++iteration) {
+      double p = x;
+      double before = 1.0;
+      for (int k = 2; k <= count; ++k) {
+        const double next = ((2.0 * k - 1.0) * x * p - (k - 1.0) * before) / k;
+        before = p;
+        p = next;
+      }
+      slope = count * (before - x * p) / (1.0 - x * x);
+      const double step = p / slope;
+      x -= step;
+      if (std::abs(step) < 1e-16) break;
+    }
+    rule.node.push_back(x);
+    rule.weight.push_back(2.0 / ((1.0 - x * x) * slope * slope));
+  }
+  return rule;
+}
+
+bool is_converged(double change, double change_before) {
+  return change <= 1e-13 || (change <= 1e-10 && change >= 0.1 * change_before);
+}
+
+OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
+  constexpr double kResolved = 4.0;  // of theta: 16 Gauss nodes integrate e^{-j theta x} to the last digit
+  if (rule.half_length.empty() || m * *std::max_element(rule.half_length.begin(), rule.half_length.end()) <= kResolved)
+    return;
+  per_panel_ = rule.node.size() / rule.half_length.size();
+  weights_.resize(rule.node.size());
+  for (std::size_t panel = 0; panel < rule.half_length.size(); ++panel) {
+    const double theta = m * rule.half_length[panel];
+    applies_.push_back(theta > kResolved ? 1 : 0);
+    if (theta <= kResolved) continue;
+    std::vector<std::complex<double>> moments;  // (2 l + 1) (-j)^l j_l(theta)
+    std::complex<double> turn = std::polar(1.0, -m * rule.middle[panel]);
+    for (std::size_t l = 0; l < per_panel_; ++l, turn *= std::complex<double>(0.0, -1.0))
+      moments.push_back(turn * (2.0 * static_cast<double>(l) + 1.0) *
+                        boost::math::sph_bessel(static_cast<unsigned>(l), theta));
+    for (std::size_t k = panel * per_panel_; k < (panel + 1) * per_panel_; ++k) {
+      const double x = (rule.node[k] - rule.middle[panel]) / rule.half_length[panel];
+      double before = 0.0, legendre = 1.0;
+      std::complex<double> sum = 0.0;
+      for (std::size_t l = 0; l < per_panel_; ++l) {
+        sum += moments[l] * legendre;
+        const auto degree = static_cast<double>(l);
+        const double next = ((2.0 * degree + 1.0) * x * legendre - degree * before) / (degree + 1.0);
+        before = legendre;
+        legendre = next;
+      }
+      weights_[k] = rule.weight[k] * sum;
+    }
+  }
+}
+
+Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular, const std::vector<double>& peaks,
+                                  int refinement) {
+  static const Quadrature gauss = gauss_legendre(16);
+  const std::vector<std::complex<double>> around = images(singular);
+  const std::vector<double> cuts = graded_cuts(peaks);
+  std::vector<Panel> panels;
+  for (std::size_t i = 1; i < cuts.size(); ++i) add_resolved(panels, {cuts[i - 1], cuts[i]}, around);
+  Quadrature rule;
+  const int pieces = 1 << refinement;
+  for (const Panel& panel : panels) {
+    const double half = panel.length() / (2.0 * pieces);
+    for (int piece = 0; piece < pieces; ++piece) {
+      const double middle = panel.from + (2.0 * piece + 1.0) * half;
+      rule.middle.push_back(middle);
+      rule.half_length.push_back(half);
+      for (std::size_t k = 0; k < gauss.node.size(); ++k) {
+        rule.node.push_back(middle + half * gauss.node[k]);
+        rule.weight.push_back(gauss.weight[k] * half / kPi);
+      }
+    }
+  }
+  return rule;
+}
+
+}  // namespace platoon

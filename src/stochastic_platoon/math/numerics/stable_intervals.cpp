@@ -1,0 +1,104 @@
+#include "stochastic_platoon/math/numerics/stable_intervals.hpp"
+
+#include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+namespace platoon {
+
+namespace {
+
+constexpr double kTurn = 3.0;
+
+struct Sample {
+  double place;
+  double margin;
+  bool stable() const { return margin > 0.0; }
+};
+
+class MarginCurve {
+public:
+  explicit MarginCurve(const StabilityMargin& margin) : margin_(margin) {}
+
+  Sample at(double place) const { return {place, margin_(place)}; }
+
+  /// Where the margin of the middle sample, which has the sign of its neighbours but lies nearer to zero,
+  /// comes nearest to zero or passes it; golden section search.
+  Sample extreme(Sample left, Sample middle, Sample right) const {
+    const double towards_zero = middle.stable() ? -1.0 : 1.0;
+    for (int iteration = 0; iteration < 60; ++iteration) {
+      const bool right_is_wider = right.place - middle.place > middle.place - left.place;
+      const Sample& wide = right_is_wider ? right : left;
+      const Sample probe = at(middle.place + 0.381966 * (wide.place - middle.place));
+      if (probe.stable() != middle.stable()) return probe;
+      if (towards_zero * probe.margin > towards_zero * middle.margin) {
+        (right_is_wider ? left : right) = middle;
+        middle = probe;
+      } else {
+        (right_is_wider ? right : left) = probe;
+      }
+      if (right.place - left.place < 1e-9 * middle.place) break;
+    }
+    return middle;
+  }
+
+  /// The border between a stable and an unstable place a < b, on its stable side.
+  double border(Sample a, Sample b) const {
+    // Neither zero nor NaN is stable: no root to stop at.
+    const auto signed_margin = [](double margin) {
+      return margin > 0.0 || margin < 0.0 ? margin : -std::numeric_limits<double>::min();
+    };
+    const auto close = [](double from, double to) { return to - from <= 1e-12 * to; };
+    std::uintmax_t evaluations = 200;
+    const std::pair<double, double> bracket =
+        boost::math::tools::toms748_solve([&](double place) { return signed_margin(margin_(place)); }, a.place, b.place,
+                                          signed_margin(a.margin), signed_margin(b.margin), close, evaluations);
+    return a.stable() ? bracket.first : bracket.second;
+  }
+
+private:
+  const StabilityMargin& margin_;
+};
+
+// With a sample more wherever the margin, between two of its sign, has one of the other.
+std::vector<Sample> samples_of(const MarginCurve& curve, const std::vector<double>& places) {
+  std::vector<Sample> samples;
+  samples.reserve(places.size());
+  for (const double place : places) samples.push_back(curve.at(place));
+  std::vector<Sample> found;
+  for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
+    const Sample& here = samples[i];
+    if (here.stable() != samples[i - 1].stable() || here.stable() != samples[i + 1].stable()) continue;
+    // Between its neighbours a margin that turns may come nearer to zero by about as much as it differs from them.
+    const double size = std::abs(here.margin), left = std::abs(samples[i - 1].margin),
+                 right = std::abs(samples[i + 1].margin);
+    if (size > left || size > right || size > kTurn * (std::max(left, right) - size)) continue;
+    const Sample extreme = curve.extreme(samples[i - 1], here, samples[i + 1]);
+    if (extreme.stable() != here.stable()) found.push_back(extreme);
+  }
+  samples.insert(samples.end(), found.begin(), found.end());
+  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.place < b.place; });
+  return samples;
+}
+
+}  // namespace
+
+std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places) {
+  const MarginCurve curve(margin);
+  const std::vector<Sample> samples = samples_of(curve, places);
+  std::vector<StableInterval> intervals;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!samples[i].stable()) continue;
+    const double from = i == 0 ? samples[i].place : curve.border(samples[i - 1], samples[i]);
+    while (i + 1 < samples.size() && samples[i + 1].stable()) ++i;
+    const double to = i + 1 < samples.size() ? curve.border(samples[i], samples[i + 1]) : samples[i].place;
+    intervals.push_back({from, to});
+  }
+  return intervals;
+}
+
+}  // namespace platoon

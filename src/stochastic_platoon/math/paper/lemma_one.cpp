@@ -1,0 +1,115 @@
+#include "stochastic_platoon/math/paper/lemma_one.hpp"
+
+#include <Eigen/LU>
+#include <stdexcept>
+#include <string>
+
+#include "stochastic_platoon/math/numerics/eigenvalues.hpp"
+
+namespace platoon {
+
+namespace {
+
+[[noreturn]] void refuse_unstable() {
+  throw std::invalid_argument("rho(A): must be < 1 for a stationary covariance to exist");
+}
+
+Eigen::MatrixXd kronecker(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) {
+  Eigen::MatrixXd product(left.rows() * right.rows(), left.cols() * right.cols());
+  for (Eigen::Index i = 0; i < left.rows(); ++i) {
+    for (Eigen::Index j = 0; j < left.cols(); ++j) {
+      product.block(i * right.rows(), j * right.cols(), right.rows(), right.cols()) = left(i, j) * right;
+    }
+  }
+  return product;
+}
+
+}  // namespace
+
+InitialString initial_string(const PlatoonModel& model, std::size_t followers) {
+  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
+  const StateSpace& vehicle = model.loop.realization;
+  const double h = model.headway;
+  const Eigen::Index n = vehicle.order();
+  const auto count = static_cast<Eigen::Index>(followers);
+  const Eigen::VectorXd equilibrium = unit_equilibrium(vehicle);
+  const Eigen::VectorXd left = vehicle.a() * equilibrium;
+  InitialString initial;
+  initial.response = Eigen::MatrixXd::Zero(n * count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    initial.response.block(i * n, i, n, 1) = h * equilibrium - (1.0 + h) * left;
+    if (i > 0) initial.response.block(i * n, i - 1, n, 1) = left - (1.0 + h) * vehicle.b();
+    if (i > 1) initial.response.block(i * n, i - 2, n, 1) = vehicle.b();
+  }
+  initial.mean = model.initial_position.mean * initial.response.rowwise().sum();
+  initial.covariance = model.initial_position.variance * initial.response * initial.response.transpose();
+  return initial;
+}
+
+Eigen::MatrixXd noise_covariance(const StringMatrices& string, double noise_variance) {
+  const Eigen::MatrixXd cross = string.a * string.b_a * string.b_b.transpose();
+  return noise_variance *
+         (string.b_a * string.b_a.transpose() + string.b_b * string.b_b.transpose() + cross + cross.transpose());
+}
+
+ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+  const std::vector<double> leader = leader_error(model, steps);
+  const StringMatrices string = string_matrices(model.loop.realization, model.headway, followers);
+  const InitialString initial = initial_string(model, followers);
+  const Eigen::MatrixXd first = model.noise_variance * string.b_a * string.b_a.transpose();
+  const Eigen::MatrixXd later = noise_covariance(string, model.noise_variance);
+  Eigen::VectorXd mean = initial.mean;
+  Eigen::MatrixXd covariance = initial.covariance;
+  const auto count = static_cast<std::size_t>(steps);
+  ErrorMoments moments{steps, followers, std::vector<double>(followers * count),
+                       std::vector<double>(followers * count)};
+  for (std::size_t k = 0; k < count; ++k) {
+    const Eigen::VectorXd errors = string.c * mean;
+    const Eigen::MatrixXd error_covariance = string.c * covariance * string.c.transpose();
+    for (std::size_t i = 0; i < followers; ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      moments.mean[i * count + k] = errors(row);
+      moments.variance[i * count + k] = error_covariance(row, row);
+    }
+    mean = (string.a * mean + string.b_o * leader[k]).eval();
+    covariance = (string.a * covariance * string.a.transpose() + (k == 0 ? first : later)).eval();
+  }
+  return moments;
+}
+
+Eigen::MatrixXd stationary_covariance_by_vec(const StringMatrices& string, double noise_variance) {
+  const Eigen::Index n = string.c.cols() / string.c.rows();
+  if (!(spectral_radius(string.a.topLeftCorner(n, n)) < 1.0)) refuse_unstable();
+  const Eigen::MatrixXd upsilon = noise_covariance(string, noise_variance);
+  const Eigen::Index size = upsilon.size();
+  const Eigen::MatrixXd map = Eigen::MatrixXd::Identity(size, size) - kronecker(string.a, string.a);
+  const Eigen::VectorXd vec = Eigen::Map<const Eigen::VectorXd>(upsilon.data(), size);
+  const Eigen::VectorXd solution = map.partialPivLu().solve(vec);
+  const Eigen::VectorXd errors = kronecker(string.c, string.c) * solution;
+  return Eigen::Map<const Eigen::MatrixXd>(errors.data(), string.c.rows(), string.c.rows());
+}
+
+Eigen::MatrixXd solve_discrete_lyapunov(const Eigen::MatrixXd& a, const Eigen::MatrixXd& q) {
+  if (a.rows() != a.cols() || q.rows() != a.rows() || q.cols() != a.cols()) {
+    throw std::invalid_argument("A: " + std::to_string(a.rows()) + " x " + std::to_string(a.cols()) +
+                                ", Q: " + std::to_string(q.rows()) + " x " + std::to_string(q.cols()) +
+                                ": must be square and of the same size");
+  }
+  Eigen::MatrixXd power = a;
+  Eigen::MatrixXd sum = q;
+  for (int doubling = 0; doubling < 64; ++doubling) {
+    const Eigen::MatrixXd more = power * sum * power.transpose();
+    sum += more;
+    if (!sum.allFinite()) break;
+    if (more.cwiseAbs().maxCoeff() <= 1e-18 * sum.cwiseAbs().maxCoeff()) return sum;
+    power = (power * power).eval();
+  }
+  refuse_unstable();  // not by its eigenvalues: those of a long string's A are ill-conditioned
+}
+
+Eigen::MatrixXd stationary_covariance_by_lyapunov(const StringMatrices& string, double noise_variance) {
+  const Eigen::MatrixXd covariance = solve_discrete_lyapunov(string.a, noise_covariance(string, noise_variance));
+  return string.c * covariance * string.c.transpose();
+}
+
+}  // namespace platoon

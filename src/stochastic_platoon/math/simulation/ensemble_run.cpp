@@ -1,0 +1,125 @@
+#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <future>
+#include <utility>
+
+#include "stochastic_platoon/math/simulation/platoon_string.hpp"
+#include "stochastic_platoon/math/statistics/batch_moments.hpp"
+#include "stochastic_platoon/math/statistics/error_averages.hpp"
+
+namespace platoon {
+
+namespace {
+
+// Of blocks that a thread holds: their siblings may be another thread's, and only what was handed over is joined with
+// these.
+constexpr std::size_t kMostOwnCells = 1u << 21;  // 32 MB
+
+std::size_t cells_of(const Ensemble& ensemble) {
+  return ensemble.followers * static_cast<std::size_t>(ensemble.steps);
+}
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range,
+                         MomentTable earlier, double hand_over_seconds)
+    : model_(model),
+      ensemble_(ensemble),
+      hand_over_seconds_(hand_over_seconds),
+      waiting_(earlier.missing(range)),
+      table_(std::move(earlier)) {
+  for (const RealizationRange& gap : waiting_) outstanding_ += gap.size();
+  std::reverse(waiting_.begin(), waiting_.end());
+  done_ = range.size() - outstanding_;
+  all_begun_ = waiting_.empty();
+}
+
+EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range)
+    : EnsembleRun(model, ensemble, range, MomentTable(cells_of(ensemble))) {}
+
+// Batches begin at multiples of their size, wherever the range does: few blocks each.
+bool EnsembleRun::take(RealizationRange* batch) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (waiting_.empty()) return false;
+  RealizationRange& next = waiting_.back();
+  const std::uint64_t multiple = (next.first / ensemble_.batch + 1) * ensemble_.batch;
+  *batch = {next.first, std::min(multiple, next.end)};
+  next.first = batch->end;
+  if (next.size() == 0) waiting_.pop_back();
+  all_begun_ = waiting_.empty();
+  return true;
+}
+
+bool EnsembleRun::hand_over(MomentTable& own) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::uint64_t count = own.count();
+  table_.merge(own);
+  own = MomentTable(own.cells());
+  outstanding_ -= count;
+  return outstanding_ == 0 && count > 0;
+}
+
+bool EnsembleRun::work() {
+  RealizationRange batch;
+  if (!take(&batch)) return false;
+  PlatoonString string(model_, ensemble_.seed, ensemble_.followers);
+  const KeptMoments kept = has_normal_errors(model_) ? KeptMoments::two : KeptMoments::four;
+  MomentTable own(cells_of(ensemble_));
+  double handed_over = now();
+  do {
+    BatchMoments moments(batch.first, batch.size(), own.cells(), kept);
+    string.run(batch.first, batch.size(), ensemble_.steps,
+               [&](std::size_t follower, std::int64_t step, const auto& errors) {
+                 moments.set(cell(follower, step, ensemble_.steps), errors.data());
+               });
+    own.add(std::move(moments));
+    done_ += batch.size();
+    const bool is_full = own.blocks().size() * own.cells() >= kMostOwnCells;
+    if (is_full || now() - handed_over >= hand_over_seconds_) {
+      if (hand_over(own)) return true;
+      handed_over = now();
+    }
+  } while (take(&batch));
+  return hand_over(own);
+}
+
+bool EnsembleRun::is_complete() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return outstanding_ == 0;
+}
+
+void EnsembleRun::read(const std::function<void(const MomentTable&)>& reader) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  reader(table_);
+}
+
+MomentTable EnsembleRun::release() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return std::move(table_);
+}
+
+void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& tick) {
+  std::vector<std::future<bool>> workers;
+  for (unsigned t = 0; t < std::max(threads, 1u); ++t)
+    workers.push_back(std::async(std::launch::async, [&run] { return run.work(); }));
+  for (auto& worker : workers) {
+    while (worker.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) tick();
+    worker.get();
+  }
+  tick();
+}
+
+MomentTable monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
+                        const std::function<void(std::uint64_t)>& progress) {
+  EnsembleRun run(model, ensemble, {0, ensemble.realizations});
+  complete(run, threads, [&] { progress(run.done()); });
+  return run.release();
+}
+
+}  // namespace platoon

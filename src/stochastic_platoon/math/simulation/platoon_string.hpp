@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/math/model/tracking_error.hpp"
+#include "stochastic_platoon/math/model/vehicle.hpp"
+
+namespace platoon {
+
+/// The whole string in one thread: the same vehicles, links and errors that run as nodes, called one after
+/// the other.
+class PlatoonString {
+public:
+  PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers);
+
+  using ErrorSink = std::function<void(std::size_t follower, std::int64_t step, const std::vector<double>& errors)>;
+
+  /// Runs realizations first .. first + count - 1 through steps -1 .. steps - 1 and tells zeta_i(k) for every
+  /// k >= 0.
+  void run(std::uint64_t first, std::size_t count, std::int64_t steps, const ErrorSink& sink);
+
+private:
+  // Steps a vehicle advances before its follower, so that its state stays in L1.
+  static constexpr std::int64_t kStepsAtOnce = 32;
+
+  LeaderVehicle leader_;
+  std::vector<FollowerVehicle> followers_;
+  std::vector<Link> links_;
+  std::vector<TrackingError> error_;
+
+  // Kept from batch to batch: nothing is allocated in steady state.
+  std::vector<std::vector<double>> latest_;  ///< y_i at the last step made, of every vehicle
+  std::vector<AlignedValues> predecessor_;   ///< y_{i-1}(from - 1), y_{i-1}(from), ...
+  std::vector<AlignedValues> own_;           ///< y_i(from - 1), y_i(from), ...
+  AlignedValues received_;
+  std::vector<double> errors_;
+};
+
+}  // namespace platoon

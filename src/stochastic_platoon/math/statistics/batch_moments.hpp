@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "stochastic_platoon/math/statistics/dyadic_range.hpp"
+#include "stochastic_platoon/math/statistics/moments.hpp"
+
+namespace platoon {
+
+/// Moments of every cell (a follower at a step) over one dyadic range of realizations.
+struct MomentBlock {
+  DyadicRange range;
+  std::vector<double> mean;                    ///< [m], one per cell
+  std::vector<double> squared_deviations;      ///< [m^2], one per cell
+  std::vector<double> cubed_deviations = {};   ///< [m^3], one per cell; empty where they are not kept
+  std::vector<double> fourth_deviations = {};  ///< [m^4], the same
+
+  /// Those of one cell; of a block that keeps two moments the others are 0.
+  Deviations deviations(std::size_t cell) const {
+    if (fourth_deviations.empty()) return {squared_deviations[cell], 0.0, 0.0};
+    return {squared_deviations[cell], cubed_deviations[cell], fourth_deviations[cell]};
+  }
+};
+
+/// Mean and sum of squared deviations of one cell over one dyadic range.
+struct MomentNode {
+  double mean;                     ///< [m]
+  double squared_deviations;       ///< [m^2]
+  double cubed_deviations = 0.0;   ///< [m^3]; 0 where it is not kept
+  double fourth_deviations = 0.0;  ///< [m^4]; the same
+};
+
+/// Values at [offset, offset + count) of a batch: either where they are already, or formed in `buffer`.
+using ValuesInTurn =
+    std::function<const double*(std::size_t offset, std::size_t count, double* buffer)>;  // count <= 512
+
+/// The nodes of one cell's values, one for each range of dyadic_cover(first_realization, count).
+///
+/// Values are paired by realization number, level by level, so a node's bits depend on its range alone and not
+/// on the batch in which it was formed. They are asked for in ascending tiles of at most 512.
+std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_t count, const ValuesInTurn& values,
+                                     KeptMoments kept = KeptMoments::two);
+
+/// Moments of one batch of realizations, cell by cell, as blocks of the tree that MomentTable keeps.
+class BatchMoments {
+public:
+  BatchMoments(std::uint64_t first_realization, std::size_t count, std::size_t cells,
+               KeptMoments kept = KeptMoments::two);
+
+  std::uint64_t first_realization() const { return first_; }
+  std::size_t count() const { return count_; }
+
+  /// Takes the cell's values, one for each realization of the batch [m]. Throws std::out_of_range if `cell` is
+  /// out of range.
+  void set(std::size_t cell, const double* values);
+
+  /// Takes the cell's nodes, as reduce_batch() forms them. Throws as above, and std::invalid_argument unless
+  /// there is one per block.
+  void set(std::size_t cell, const std::vector<MomentNode>& nodes);
+
+  const std::vector<MomentBlock>& blocks() const { return blocks_; }
+
+  /// Gives the blocks away and keeps none.
+  std::vector<MomentBlock> release() { return std::move(blocks_); }
+
+private:
+  void put(std::size_t block, std::size_t cell, const MomentNode& node);
+  void require_cell(std::size_t cell) const;
+
+  std::uint64_t first_;
+  std::size_t count_;
+  KeptMoments kept_;
+  std::vector<MomentBlock> blocks_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,76 @@
+#include "stochastic_platoon/math/statistics/time_statistics.hpp"
+
+#include <algorithm>
+
+namespace platoon {
+
+namespace {
+constexpr std::int64_t kBeforeAll = -2;
+}
+
+TimeStatistics::TimeStatistics(std::size_t followers, std::int64_t burn_in, std::vector<Moments> earlier)
+    : burn_in_(burn_in), counts_from_(burn_in), earlier_(std::move(earlier)), followers_(followers) {
+  earlier_.resize(followers);
+}
+
+void TimeStatistics::restart() {
+  earlier_ = moments();
+  followers_.assign(followers_.size(), Follower{});
+  if (leader_step_ != kNever) leader_step_ = kBeforeAll;
+  departed_ = kNever;
+  counts_from_ = burn_in_;
+}
+
+void TimeStatistics::saw_leader(std::int64_t step, bool by_model) {
+  leader_step_ = step;
+  if (!by_model) {
+    if (departed_ == kNever || step >= counts_from_) {
+      departed_ = step;
+      counted_from_ = counts_from_;
+    }
+    counts_from_ = std::max(counts_from_, step + 1 + burn_in_);
+  }
+  for (std::size_t i = 1; i <= followers_.size(); ++i) count_due(i);
+}
+
+bool TimeStatistics::counts(std::size_t follower, std::int64_t step) const {
+  if (departed_ == kNever) return step >= counts_from_;
+  const std::int64_t hops = static_cast<std::int64_t>(follower) - 1;
+  if (step >= departed_ + hops) return step >= counts_from_ + hops;
+  return step >= counted_from_ + (counted_from_ > burn_in_ ? hops : 0);
+}
+
+void TimeStatistics::add(const ReducedErrors& errors) {
+  // Of one realization: the error itself.
+  followers_.at(errors.follower - 1).early.emplace(errors.step, errors.nodes.front().mean);
+  count_due(errors.follower);
+}
+
+void TimeStatistics::count_due(std::size_t index) {
+  Follower& follower = followers_[index - 1];
+  const std::int64_t hops = static_cast<std::int64_t>(index) - 1;
+  for (auto next = follower.early.begin(); next != follower.early.end() && next->first == follower.next_step;
+       next = follower.early.erase(next), ++follower.next_step) {
+    if (leader_step_ != kNever && next->first > leader_step_ + hops) return;
+    if (counts(index, next->first)) follower.moments.add(next->second);
+  }
+}
+
+bool TimeStatistics::empty() const {
+  return last_step() < 0 &&
+         std::all_of(earlier_.begin(), earlier_.end(), [](const Moments& moments) { return moments.count == 0; });
+}
+
+std::int64_t TimeStatistics::last_step() const {
+  std::int64_t last = -1;
+  for (const Follower& follower : followers_) last = std::max(last, follower.next_step - 1);
+  return last;
+}
+
+std::vector<Moments> TimeStatistics::moments() const {
+  std::vector<Moments> all;
+  for (std::size_t i = 0; i < followers_.size(); ++i) all.push_back(merge(earlier_[i], followers_[i].moments));
+  return all;
+}
+
+}  // namespace platoon

@@ -1,0 +1,41 @@
+#include "stochastic_platoon/math/string/critical_loss.hpp"
+
+#include "stochastic_platoon/math/string/linked_string.hpp"
+
+namespace platoon {
+
+namespace {
+
+// Without losses the default link, and the types that have none either, hold the last position.
+PlatoonModel with_loss_stage(PlatoonModel model) {
+  if (model.link.loss) return model;
+  model.link.loss = LossModel{};
+  for (VehicleType& type : model.types) {
+    if (type.vehicle.link.loss) continue;
+    type.vehicle.link.loss = LossModel{};
+    type.inherited.loss_probability = true;
+  }
+  return model;
+}
+
+}  // namespace
+
+std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
+  const PlatoonModel model = with_loss_stage(given);
+  const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
+  if (types.empty()) return std::nullopt;
+  const int stride = given.link.loss ? 1 : 5;  // hundredths
+  std::vector<double> samples;
+  for (int i = 0; i < 99; i += stride) samples.push_back(0.01 * i);
+  samples.push_back(0.99);
+  const LinkedPattern pattern = linked_pattern(with_loss(model, model.link.loss->probability));
+  const auto margin = [&](double probability) {
+    return linked_string_margin(linked_pattern(with_loss(model, probability), pattern));
+  };
+  StableLosses losses{stable_intervals(margin, samples), {}, types};
+  if (losses.intervals.empty() || losses.intervals.front().from > 0.0) return losses;
+  if (losses.intervals.front().to < samples.back()) losses.critical = losses.intervals.front().to;
+  return losses;
+}
+
+}  // namespace platoon

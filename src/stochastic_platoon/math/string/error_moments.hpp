@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+
+namespace platoon {
+
+/// Mean and variance of the tracking errors zeta_i(k) for i = 1 .. followers, k = 0 .. steps-1; follower i at
+/// step k stands at (i-1) steps + k.
+struct ErrorMoments {
+  std::int64_t steps;
+  std::size_t followers;
+  std::vector<double> mean;      ///< [m]
+  std::vector<double> variance;  ///< [m^2]
+
+  double mean_at(std::size_t follower, std::int64_t step) const { return mean[index(follower, step)]; }
+  double variance_at(std::size_t follower, std::int64_t step) const { return variance[index(follower, step)]; }
+
+private:
+  std::size_t index(std::size_t follower, std::int64_t step) const {
+    return (follower - 1) * static_cast<std::size_t>(steps) + static_cast<std::size_t>(step);
+  }
+};
+
+/// Exact mean and variance of every tracking error, what Lemma 1 (lem:mean_square_all) says, from the
+/// structure of the string: eq. (mu_z_recursive_all) and S = 1 - HT make the response of zeta_{j+m} to the
+/// noise d_j
+///     g_0 = -HT,   g_m = S T^m for m >= 1,
+/// and to the initial position p_j, with w(k) = C A^{k+1} x the free motion that begins at x(-1) = x p_j, x
+/// the unit equilibrium,
+///     a_0 = -H w,  a_m = S T^{m-1} w for m >= 1 (sequences that begin at step -1).
+/// With P_d the noise variance, mu and V mean and variance of the initial positions, and zeta_0 the leader's
+/// error,
+///     mean(i, k) = (T^i zeta_0)(k) + mu sum_{m<i} a_m(k),
+///     variance(i, k) = sum_{m<i} (P_d sum_{l<=k} g_m(l)^2 + V a_m(k)^2).
+/// Behind a recorded leader the means are mean_errors_behind_recorded_leader(), the variances the same.
+/// The standstill distance cancels. In double for loops that plant and controller form with no slow poles, in
+/// extended precision by powers of z - 1 for all others; either way to 1e-12 of the largest term of a mean,
+/// and relatively of a variance. O(followers steps) time, O(steps) memory beyond the result. Holds for
+/// unstable loops too, as far as the numbers reach. Of any other platoon than the paper's they are
+/// linked_error_moments().
+///
+/// Throws std::invalid_argument unless followers >= 1 and steps >= 1, and when the loop has no equilibrium.
+ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
+
+/// zeta_0(k) [m] for k = 0 .. steps-1, the error of the leader behind the virtual leader: zeta_0 = S r_0
+/// (paper, assumption assum:leader). Throws as error_moments does.
+std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps);
+
+}  // namespace platoon

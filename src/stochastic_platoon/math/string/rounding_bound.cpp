@@ -1,0 +1,120 @@
+#include "stochastic_platoon/math/string/rounding_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "stochastic_platoon/math/string/loop_filter.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr double kRoundoff = std::numeric_limits<double>::epsilon() / 2.0;
+
+/// What the rounding of one unit of position adds up to until each step, in units of the roundoff.
+struct RoundingGains {
+  std::vector<double> position;  ///< of y
+  std::vector<double> error;     ///< of H y
+};
+
+RoundingGains rounding_gains(const StateSpace& vehicle, double headway, std::size_t steps) {
+  const Eigen::Index n = vehicle.order();
+  using Extended = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  const Eigen::VectorXd equilibrium = unit_equilibrium(vehicle);
+  const Extended unsettled = vehicle.a().cast<long double>() * equilibrium.cast<long double>() +
+                             vehicle.b().cast<long double>() - equilibrium.cast<long double>();
+  const Eigen::VectorXd weights =
+      (static_cast<double>(n) + 6.0) * (vehicle.a().cwiseAbs() * equilibrium.cwiseAbs() + vehicle.b().cwiseAbs()) +
+      unsettled.cwiseAbs().cast<double>() / kRoundoff;
+  const LoopFilter filter(vehicle);
+  RoundingGains gains{std::vector<double>(steps, 0.0), std::vector<double>(steps, 0.0)};
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const std::vector<double> response = filter.free_response(Eigen::VectorXd::Unit(n, j), steps);
+    double position = 0.0, error = 0.0, before = 0.0;
+    for (std::size_t k = 0; k < steps; ++k) {
+      position += std::abs(response[k]);
+      error += std::abs(response[k] + headway * (response[k] - before));
+      before = response[k];
+      gains.position[k] += weights(j) * position;
+      gains.error[k] += weights(j) * error;
+    }
+  }
+  return gains;
+}
+
+/// M(k) for k = 0 .. steps-1: half as far again as the leader, which a vehicle may overshoot.
+std::vector<double> largest_positions(const PlatoonModel& model, std::size_t followers, std::size_t steps) {
+  constexpr double kDeviations = 8.0;
+  const InitialPosition& initial = model.initial_position;
+  const double spread = static_cast<double>(followers) * model.standstill_distance + std::abs(initial.mean) +
+                        kDeviations * (std::sqrt(initial.variance) + std::sqrt(model.noise_variance));
+  std::vector<double> largest;
+  double farthest = 0.0;
+  for (std::size_t k = 0; k < steps; ++k) {
+    const double leader = k + 1 < model.recorded_leader.size() ? model.recorded_leader[k + 1]
+                                                               : model.leader.position(static_cast<std::int64_t>(k));
+    farthest = std::max(farthest, std::abs(leader));
+    largest.push_back(spread + 1.5 * farthest);
+  }
+  return largest;
+}
+
+}  // namespace
+
+double rounding_bound_of_a_metre(const StateSpace& vehicle, std::size_t steps) {
+  return steps == 0 ? 0.0 : kRoundoff * rounding_gains(vehicle, 0.0, steps).position.back();
+}
+
+namespace {
+
+// The largest of what the paper's platoons of its vehicles have, times what a predictor may enlarge it by.
+std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const ErrorMoments& moments) {
+  std::vector<double> largest(moments.variance.size(), 0.0);
+  for (const VehicleModel& vehicle : pattern(model)) {
+    PlatoonModel alike = model;
+    alike.types.clear();
+    alike.string.clear();
+    alike.link = LinkModel();
+    alike.loop = vehicle.loop;
+    alike.headway = vehicle.headway;
+    double predicted = 1.0;
+    if (vehicle.link.loss) {
+      for (const double c : vehicle.link.loss->predictor) predicted += std::abs(c);
+    }
+    const std::vector<double> bounds = rounding_bounds(alike, error_moments(alike, moments.followers, moments.steps));
+    for (std::size_t c = 0; c < bounds.size(); ++c) largest[c] = std::max(largest[c], predicted * bounds[c]);
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::vector<double> rounding_bounds(const PlatoonModel& model, const ErrorMoments& moments) {
+  if (!is_papers(model)) return linked_rounding_bounds(model, moments);
+  const auto steps = static_cast<std::size_t>(moments.steps);
+  const RoundingGains gains = rounding_gains(model.loop.realization, model.headway, steps);
+  const std::vector<double> largest = largest_positions(model, moments.followers, steps);
+  std::vector<double> unit_variance;
+  if (model.noise_variance == 0.0) {
+    PlatoonModel noisy = model;
+    noisy.noise_variance = 1.0;
+    noisy.initial_position.variance = 0.0;
+    noisy.recorded_leader.clear();
+    unit_variance = error_moments(noisy, moments.followers, moments.steps).variance;
+  }
+  std::vector<double> bounds;
+  bounds.reserve(moments.variance.size());
+  for (std::size_t i = 1; i <= moments.followers; ++i) {
+    for (std::size_t k = 0; k < steps; ++k) {
+      const std::size_t c = (i - 1) * steps + k;
+      const double unit = unit_variance.empty() ? moments.variance[c] / model.noise_variance : unit_variance[c];
+      const double ahead = 1.0 + std::sqrt(static_cast<double>(i) * static_cast<double>(k + 1) * unit);
+      bounds.push_back(kRoundoff * largest[k] *
+                       (4.0 * (1.0 + 2.0 * model.headway) + gains.error[k] + ahead * gains.position[k]));
+    }
+  }
+  return bounds;
+}
+
+}  // namespace platoon

@@ -1,0 +1,92 @@
+#include "stochastic_platoon/math/string/string_stability.hpp"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "stochastic_platoon/math/numerics/quadrature.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/linked_string.hpp"
+#include "stochastic_platoon/math/string/loop_spectrum.hpp"
+
+namespace platoon {
+
+namespace {
+
+/// Mean over the circle of |HT|^2 + |T|^2 |S|^2 / (1 - |T|^2).
+double mean_limit_spectrum(const LoopSpectrum& spectrum, const PatternGain& gain) {
+  std::vector<std::complex<double>> singular = spectrum.pole_frequencies();
+  for (const std::complex<double>& w : gain.margin_frequencies()) singular.push_back(w);
+  double coarse = std::numeric_limits<double>::quiet_NaN();
+  double before = std::numeric_limits<double>::infinity();
+  for (int refinement = 0; refinement <= 5; ++refinement) {
+    const Quadrature rule = half_circle_quadrature(singular, {0.0}, refinement);
+    long double sum = 0.0L;
+    for (std::size_t k = 0; k < rule.node.size(); ++k) {
+      const LoopSpectrumValue value = spectrum.at(rule.node[k]);
+      sum += rule.weight[k] * (value.complement + value.gain * value.ratio);
+    }
+    const auto fine = static_cast<double>(sum);
+    const double change = std::abs(fine - coarse) / fine;
+    if (is_converged(change, before)) return fine;
+    coarse = fine;
+    before = change;
+  }
+  return coarse;
+}
+
+}  // namespace
+
+bool judge_gain(const PatternGain& gain, const std::string& name, StringStability& verdict) {
+  verdict.peak_gain = 1.0;
+  verdict.peak_frequency = 0.0;
+  const LeastMargin least = gain.least();
+  if (least.sign == Sign::kBelow) {
+    const PatternGain::Peak peak = gain.peak();
+    verdict.peak_gain = 1.0 + peak.excess;
+    verdict.peak_frequency = peak.frequency;
+    verdict.reason = formatted("not string stable: %s exceeds 1 by %.6g at %.6g rad/sample", name.c_str(), peak.excess,
+                               peak.frequency);
+    return false;
+  }
+  verdict.mean_bounded = true;
+  if (least.sign == Sign::kAbove) return true;
+  if (gain.is_one()) {
+    verdict.reason = "not string stable: " + name +
+                     " = 1 at every frequency, where the variances grow without bound, though the means stay bounded";
+    return false;
+  }
+  verdict.peak_frequency = least.frequency;
+  verdict.undecided = true;
+  verdict.reason = formatted(
+      "undecided: %s is 1 at %.6g rad/sample to the rounding of the model's coefficients, so that they do not determine whether it stays below 1",
+      name.c_str(), least.frequency);
+  return false;
+}
+
+StringStability string_stability(const PlatoonModel& model) {
+  if (!is_papers(model)) return linked_string_stability(model);
+  const LoopSpectrum spectrum(model.loop, model.headway);
+  StringStability verdict;
+  verdict.spectral_radius = spectral_radius(model.loop);
+  verdict.mean_square_stable = verdict.spectral_radius < 1.0;
+  if (!verdict.mean_square_stable) {
+    verdict.reason = "not mean square stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is not below 1";
+    return verdict;
+  }
+  const PatternGain gain({rated_factor(delta_fraction(model.loop))});
+  if (!judge_gain(gain, "|T|", verdict)) return verdict;
+  if (spectrum.margin_zeros() > spectrum.sensitivity_zeros()) {
+    verdict.reason =
+        "not string stable: |T| < 1 for all w > 0, but 1 - |T|^2 vanishes so fast at w = 0 that the variances grow without bound";
+    return verdict;
+  }
+  verdict.string_stable = true;
+  verdict.limit_variance = mean_limit_spectrum(spectrum, gain) * model.noise_variance;
+  verdict.reason =
+      "string stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is below 1 and |T| is below 1 for all w > 0";
+  if (model.link.loss) verdict.loss_gain = 0.0;  // nothing is lost
+  return verdict;
+}
+
+}  // namespace platoon

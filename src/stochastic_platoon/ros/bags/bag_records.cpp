@@ -1,0 +1,154 @@
+#include "stochastic_platoon/ros/bags/bag_records.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <optional>
+#include <sstream>
+
+namespace platoon {
+
+namespace {
+
+constexpr std::string_view kVersionLine = "#ROSBAG V2.0\n";
+
+// Fields of the header of such a record.
+std::size_t fields_of(char kind) {
+  switch (static_cast<RecordKind>(kind)) {
+    case RecordKind::message:
+    case RecordKind::chunk:
+    case RecordKind::connection:
+      return 3;
+    case RecordKind::index:
+      return 4;
+    case RecordKind::file_header:
+      return 5;  // with "encryptor"
+    case RecordKind::chunk_info:
+      return 6;
+  }
+  return 0;
+}
+
+// Throws for a header that is not whole within `begin`. One that the end of the file cuts off has lost fields: where
+// all of them are there, its length is a changed one.
+void require_plausible_header(std::uint32_t length, std::string_view begin) {
+  if (length > kLongestHeader) throw BagDamage("a header is longer than any");
+  if (length <= begin.size()) return;
+  std::size_t fields = 0;
+  std::optional<std::size_t> all;
+  while (begin.size() >= 4) {
+    const auto field_length = little_endian<std::uint32_t>(begin.data());
+    begin.remove_prefix(4);
+    if (field_length > begin.size()) break;
+    if (field_length == 4 && begin.substr(0, 3) == "op=") all = fields_of(begin[3]);
+    begin.remove_prefix(field_length);
+    ++fields;
+  }
+  if (all && fields >= *all) throw BagDamage("the length of a header is not that of its fields");
+  throw BagCut("a record is cut off");
+}
+
+}  // namespace
+
+std::vector<std::string> bag_files(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>()};
+}
+
+Fields::Fields(std::string_view bytes) {
+  while (!bytes.empty()) {
+    if (bytes.size() < 4) throw BagDamage("a header makes no sense");
+    const auto length = little_endian<std::uint32_t>(bytes.data());
+    bytes.remove_prefix(4);
+    const std::string_view field = bytes.substr(0, length);
+    const std::size_t equals = field.find('=');
+    if (length > bytes.size() || equals == std::string_view::npos) throw BagDamage("a header makes no sense");
+    fields_.push_back({field.substr(0, equals), field.substr(equals + 1)});
+    bytes.remove_prefix(length);
+  }
+}
+
+std::string_view Fields::text(std::string_view name) const {
+  for (const Field& field : fields_) {
+    if (field.name == name) return field.value;
+  }
+  return {};
+}
+
+bool Fields::has_only(std::initializer_list<std::string_view> names) const {
+  return std::all_of(fields_.begin(), fields_.end(), [&names](const Field& field) {
+    return std::find(names.begin(), names.end(), field.name) != names.end();
+  });
+}
+
+bool Fields::operator==(const Fields& other) const {
+  return fields_.size() == other.fields_.size() &&
+         std::all_of(fields_.begin(), fields_.end(), [&other](const Field& field) {
+           return std::any_of(other.fields_.begin(), other.fields_.end(), [&field](const Field& its) {
+             return its.name == field.name && its.value == field.value;
+           });
+         });
+}
+
+std::uint32_t take_length(std::string_view& bytes) {
+  if (bytes.size() < 4) throw BagCut("a record is cut off");
+  const auto length = little_endian<std::uint32_t>(bytes.data());
+  bytes.remove_prefix(4);
+  return length;
+}
+
+Fields take_header(std::string_view& bytes) {
+  const std::uint32_t length = take_length(bytes);
+  require_plausible_header(length, bytes);
+  const Fields header(bytes.substr(0, length));
+  bytes.remove_prefix(length);
+  return header;
+}
+
+BagBytes::BagBytes(const std::string& file) : stream_(file, std::ios::binary) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error) || !stream_)
+    throw BagError(file + ": must be a bag file that can be read");
+  size_ = std::filesystem::file_size(file);
+  std::string line;
+  if (size_ < kVersionLine.size() || take(kVersionLine.size(), line) != kVersionLine)
+    throw BagError(file + ": is damaged or no bag: must begin with \"#ROSBAG V2.0\"");
+}
+
+std::uint32_t BagBytes::take_length() {
+  char bytes[4];
+  if (left() < 4 || !stream_.read(bytes, 4)) throw BagCut("a record is cut off");
+  position_ += 4;
+  return little_endian<std::uint32_t>(bytes);
+}
+
+std::string_view BagBytes::take(std::size_t count, std::string& buffer) {
+  if (count > left()) throw BagCut("a record is cut off");
+  if (buffer.size() < count) buffer.resize(count);
+  if (!stream_.read(buffer.data(), static_cast<std::streamsize>(count))) throw BagCut("the file became shorter");
+  position_ += count;
+  return std::string_view(buffer).substr(0, count);
+}
+
+Fields BagBytes::take_header(std::string& buffer) {
+  const std::uint32_t length = take_length();
+  if (length > kLongestHeader) throw BagDamage("a header is longer than any");
+  if (length > left()) require_plausible_header(length, take(left(), buffer));
+  return Fields(take(length, buffer));
+}
+
+void BagBytes::pass(std::uint64_t count) {
+  constexpr std::uint64_t kBuffered = 1u << 16;
+  if (count > left()) throw BagCut("a record is cut off");
+  if (count >= kBuffered) return seek(position_ + count);
+  stream_.ignore(static_cast<std::streamsize>(count));
+  position_ += count;
+}
+
+void BagBytes::seek(std::uint64_t position) {
+  stream_.clear();
+  stream_.seekg(static_cast<std::streamoff>(position));
+  position_ = position;
+}
+
+}  // namespace platoon

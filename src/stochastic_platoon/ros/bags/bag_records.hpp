@@ -1,0 +1,99 @@
+#pragma once
+
+#include <boost/container/small_vector.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+#include "stochastic_platoon/ros/bags/bag_source.hpp"
+
+namespace platoon {
+
+/// Values of a record's field "op" (rosbag format, version 2.0).
+enum class RecordKind : std::uint8_t {
+  message = 0x02,
+  file_header = 0x03,
+  index = 0x04,
+  chunk = 0x05,
+  chunk_info = 0x06,
+  connection = 0x07
+};
+
+constexpr std::size_t kLongestHeader = 1u << 16;  ///< bytes; a topic's name is the longest field
+/// Bytes of a chunk, packed or not: the longest batch (2^24 positions) and what may stand before it.
+constexpr std::size_t kLongestChunk = 17u << 23;
+
+template <typename Number>
+Number little_endian(const char* bytes) {
+  Number value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+/// The fields of a record's header, or of a connection: views into the bytes they were read from.
+class Fields {
+public:
+  /// Throws BagDamage for bytes that are no fields.
+  explicit Fields(std::string_view bytes);
+
+  /// Empty where there is none.
+  std::string_view text(std::string_view name) const;
+
+  /// Throws BagDamage where there is none of this size.
+  template <typename Number>
+  Number number(std::string_view name) const {
+    const std::string_view value = text(name);
+    if (value.size() != sizeof(Number)) throw BagDamage("a record lacks its field " + std::string(name));
+    return little_endian<Number>(value.data());
+  }
+
+  RecordKind kind() const { return static_cast<RecordKind>(number<std::uint8_t>("op")); }
+  bool has_only(std::initializer_list<std::string_view> names) const;
+
+  /// The same fields, in any order.
+  bool operator==(const Fields& other) const;
+  bool operator!=(const Fields& other) const { return !(*this == other); }
+
+private:
+  struct Field {
+    std::string_view name, value;
+  };
+  boost::container::small_vector<Field, 8> fields_;
+};
+
+/// Takes the next header off the front of `bytes`. Throws BagCut where they end within it, BagDamage for what is none.
+Fields take_header(std::string_view& bytes);
+
+/// Takes a length off the front of `bytes`. Throws BagCut where they end within it.
+std::uint32_t take_length(std::string_view& bytes);
+
+/// A bag as a sequence of bytes; a file that is shorter than expected throws BagCut.
+class BagBytes {
+public:
+  /// Reads the line with the version. Throws BagError for a file that cannot be read or is no bag of version 2.0.
+  explicit BagBytes(const std::string& file);
+
+  std::uint64_t position() const { return position_; }
+  std::uint64_t size() const { return size_; }
+  std::uint64_t left() const { return size_ - position_; }
+
+  /// The length that stands before a header or before data.
+  std::uint32_t take_length();
+  /// The next ones, in a buffer that grows with the longest.
+  std::string_view take(std::size_t count, std::string& buffer);
+  /// The next header. Throws BagDamage for one that is longer than any.
+  Fields take_header(std::string& buffer);
+  void pass(std::uint64_t count);
+  void seek(std::uint64_t position);
+
+private:
+  std::ifstream stream_;
+  std::uint64_t size_ = 0;
+  std::uint64_t position_ = 0;
+};
+
+}  // namespace platoon

@@ -1,0 +1,103 @@
+#include "stochastic_platoon/ros/bags/bag_writer.hpp"
+
+#include <std_msgs/String.h>
+
+#include <boost/make_shared.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr std::uint32_t kChunkBytes = 1u << 20;
+
+}  // namespace
+
+BagWriter::BagWriter(std::string name, const std::string& suffix, const std::string& compression,
+                     const RecordedConfiguration& configuration)
+    : name_(std::move(name)), suffix_(suffix) {
+  bag_.open(name_ + suffix_, rosbag::bagmode::Write);
+  try {
+    begin(compression, configuration);
+  } catch (...) {
+    abandon();
+    throw;
+  }
+}
+
+void BagWriter::begin(const std::string& compression, const RecordedConfiguration& configuration) {
+  write_behind_ = WriteBehind(name_ + suffix_);
+  bag_.setChunkThreshold(kChunkBytes);
+  if (compression == "lz4") bag_.setCompression(rosbag::compression::LZ4);
+  const auto header = boost::make_shared<ros::M_string>();
+  (*header)["callerid"] = "/recorder";
+  (*header)["latching"] = "1";
+  (*header)["md5sum"] = ros::message_traits::md5sum<std_msgs::String>();
+  (*header)["message_definition"] = ros::message_traits::definition<std_msgs::String>();
+  (*header)["topic"] = configuration.topic;
+  (*header)["type"] = ros::message_traits::datatype<std_msgs::String>();
+  std_msgs::String message;
+  message.data = configuration.json;
+  bag_.write(configuration.topic, ros::TIME_MIN, message, header);
+  checksum_topic_ = configuration.topic.substr(0, configuration.topic.rfind('/') + 1) + kChecksumTopic;
+  cover(configuration.topic, ros::TIME_MIN, message);
+  write_checksum();
+}
+
+// Its time is behind that of all it covers, and before that of all that follows.
+void BagWriter::write_checksum() {
+  if (uncovered_bytes_ == 0) return;
+  const ros::Duration nanosecond(0, 1);
+  const ros::Time time = later(latest_, nanosecond);
+  bag_.write(checksum_topic_, time, checksum_);
+  latest_ = later(time, nanosecond);
+  checksum_.digest = 0;
+  uncovered_bytes_ = 0;
+}
+
+void BagWriter::close() {
+  write_checksum();
+  closed_bytes_ = bytes();
+  bag_.close();
+  write_behind_.finish();
+}
+
+// rosbag writes its index when it closes a file, on destruction, too, where what fails ends the program.
+void BagWriter::abandon() noexcept try {
+  closed_bytes_ = bytes();
+  write_behind_.divert_others();
+  bag_.close();
+  write_behind_.finish();
+} catch (...) {
+}
+
+void BagWriter::complete() {
+  close();
+  sync_and_rename(name_ + suffix_, name_);
+}
+
+void BagWriter::set_suffix(const std::string& suffix) {
+  if (std::rename((name_ + suffix_).c_str(), (name_ + suffix).c_str()) != 0) {
+    throw std::runtime_error(name_ + suffix_ + ": cannot be renamed to " + name_ + suffix);
+  }
+  suffix_ = suffix;
+}
+
+std::string name_put_aside(const std::string& name, std::size_t count) {
+  return name + kActiveSuffix + "." + std::to_string(count);
+}
+
+std::string left_recording(const std::string& name) {
+  for (const std::string& file : {name, name + kActiveSuffix, name_put_aside(name, 1)}) {
+    if (std::filesystem::exists(file)) return file;
+  }
+  return "";
+}
+
+}  // namespace platoon

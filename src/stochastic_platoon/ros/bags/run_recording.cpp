@@ -1,0 +1,250 @@
+#include "stochastic_platoon/ros/bags/run_recording.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "stochastic_platoon/ros/bags/bag_reader.hpp"
+#include "stochastic_platoon/ros/messages/position.hpp"
+
+namespace platoon {
+
+using stochastic_platoon::ErrorStatistics;
+using stochastic_platoon::Position;
+
+namespace {
+
+constexpr char kRecoveredSuffix[] = ".recovered";
+
+// Realizations before it are recorded whole where this is the latest message of a stream.
+std::uint64_t whole_before(const BatchSchedule& schedule, const MessageId& id) {
+  return schedule.is_last_step(id.step) ? schedule.next(id.first_realization) : id.first_realization;
+}
+
+}  // namespace
+
+RunRecording::RunRecording(const Configuration& configuration, const std::string& name_space)
+    : configuration_(configuration),
+      name_space_(name_space),
+      recorded_configuration_{name_space + "/configuration", to_json(configuration).dump()},
+      part_begin_(configuration.run.first_realization),
+      arrivals_(configuration.run.schedule(), streams(), configuration.run.first_realization, 0) {
+  try {
+    recover();
+    if (!finished_ && !recording_) recording_ = record_to(kActiveSuffix);
+  } catch (...) {
+    abandon();
+    throw;
+  }
+}
+
+std::string topic_of_stream(std::size_t stream, const RunOptions& run, const std::string& name_space) {
+  return name_space + "/" +
+         (stream > run.followers ? predecessor_position_topic(stream - run.followers) : position_topic(stream));
+}
+
+std::string RunRecording::name_of_part(std::size_t part) const {
+  const std::string& name = configuration_.run.record;
+  if (configuration_.run.record_split_mb == 0) return name;
+  return name.substr(0, name.size() - 4) + "_" + std::to_string(part) + ".bag";
+}
+
+std::string RunRecording::next_put_aside() const {
+  return name_put_aside(name_of_part(part_), put_aside_.size() + 1);
+}
+
+std::unique_ptr<BagWriter> RunRecording::record_to(const std::string& suffix) const {
+  return std::make_unique<BagWriter>(name_of_part(part_), suffix, configuration_.run.record_compression,
+                                     recorded_configuration_);
+}
+
+DropReason RunRecording::receive(std::size_t stream, const Message& message) {
+  const MessageDescriptor descriptor = descriptor_of(*message);
+  const Arrivals::Admission admission = arrivals_.admit(stream, descriptor);
+  if (admission.drop != DropReason::none) return admission.drop;
+  if (admission.restarted) restarted();
+  take(stream, message);
+  const std::optional<CompleteBatch> batch = arrivals_.count(stream, descriptor);
+  if (batch) batch_complete();
+  return admission.drop;
+}
+
+void RunRecording::take(std::size_t stream, const Message& message) {
+  if (!recording_ || message->first_realization < arrivals_.committed()) return;  // recorded already
+  const std::pair<std::uint64_t, std::int64_t> key{message->first_realization, message->step};
+  Step& step = open_[key];
+  step.messages.resize(streams());
+  step.messages[stream] = message;
+  if (++step.arrived < step.messages.size()) return;
+  for (std::size_t s = 0; s < step.messages.size(); ++s) recording_->write(topic(s), *step.messages[s]);
+  recording_->end_step(configuration_.run.schedule().is_last_step(message->step));
+  open_.erase(key);
+  partial_ = true;
+}
+
+void RunRecording::restarted() {
+  open_.clear();
+  if (!partial_) return;
+  partial_ = false;
+  given_up_ = true;  // written again without it when the file is complete: now the run would wait
+}
+
+void RunRecording::batch_complete() {
+  partial_ = false;
+  const auto split_bytes = static_cast<std::uint64_t>(configuration_.run.record_split_mb) << 20;
+  if (!recording_ || split_bytes == 0 || recording_->bytes() < split_bytes || !complete_file()) return;
+  ++part_;
+  part_begin_ = arrivals_.committed();
+  recording_ = record_to(kActiveSuffix);
+}
+
+void RunRecording::receive(const ErrorStatistics& message) {
+  if (finished_ || message.header.stamp.isZero()) return;
+  if (recording_) recording_->write(name_space_ + "/error_statistics", message);
+  if (message.realizations == configuration_.run.realizations && message.step + 1 == configuration_.run.steps) {
+    final_statistics_ = true;
+  }
+}
+
+void RunRecording::finish() {
+  if (!complete_file()) return;
+  recording_.reset();
+  finished_ = true;
+}
+
+// Returns whether it is: not if that brought to light that something of it is lost.
+bool RunRecording::complete_file() {
+  const std::uint64_t committed = arrivals_.committed();
+  if (needs_rewriting()) rewrite();
+  if (arrivals_.committed() < committed) return false;
+  recording_->complete();
+  completed_bytes_ += recording_->bytes();
+  return true;
+}
+
+void RunRecording::abandon() noexcept {
+  if (recording_) recording_->abandon();
+  std::error_code ignored;  // the copy of rewrite(), if it was that which did not fit
+  std::filesystem::remove(name_of_part(part_) + kRecoveredSuffix, ignored);
+}
+
+void RunRecording::stop() {
+  if (finished_) return;
+  if (!put_aside_.empty()) rewrite();
+  recording_->close();
+}
+
+// What a killed recorder of the same launch has left behind.
+void RunRecording::recover() {
+  while (std::filesystem::exists(name_of_part(part_))) {
+    if (configuration_.run.record_split_mb == 0) {
+      arrivals_.resume_at(configuration_.run.realizations);
+      finished_ = true;
+      return;
+    }
+    ++part_;
+  }
+  if (part_ > 0) take_over(name_of_part(part_ - 1));
+  part_begin_ = arrivals_.committed();
+  while (std::filesystem::exists(next_put_aside())) {
+    put_aside_.push_back(next_put_aside());
+    take_over(put_aside_.back());
+  }
+  const std::string active = name_of_part(part_) + kActiveSuffix;
+  if (!std::filesystem::exists(active)) {
+    finished_ = part_ > 0 && put_aside_.empty() && arrivals_.complete();
+    return;
+  }
+  // What brings nothing is written over: a disk that is full leaves such a file at every try.
+  if (!take_over(active)) return;
+  put_aside_.push_back(next_put_aside());
+  std::filesystem::rename(active, put_aside_.back());
+}
+
+// Finds out up to where the batches in a file are whole, from the latest message of each stream: the steps are
+// written in their order, and what is whole is not recorded again. Returns whether the file holds anything that
+// those before it do not.
+bool RunRecording::take_over(const std::string& file) {
+  if (std::filesystem::file_size(file) == 0) return false;  // killed before its first byte
+  const BatchSchedule schedule = configuration_.run.schedule();
+  std::vector<std::optional<MessageId>> latest(streams());
+  const auto saw = [&](std::size_t stream, const Message& message) {
+    if (stream < latest.size()) latest[stream] = id_of(*message);
+  };
+  BagContent content;
+  content.configuration = [&](const PlatoonTopic&, const std::string& text) {
+    if (parse_configuration(text).run.launch_id == configuration_.run.launch_id) return;
+    throw ConfigurationError(
+        {"record: " + file +
+         ": is the unfinished recording of another run: must be another name, or that file moved away"});
+  };
+  content.position = [&](const PlatoonTopic& topic, const Message& message) { saw(topic.vehicle, message); };
+  content.predecessor_position = [&](const PlatoonTopic& topic, const Message& message) {
+    saw(configuration_.run.followers + topic.vehicle, message);
+  };
+  content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) { receive(*message); };
+  const auto all = [&] {
+    return std::all_of(latest.begin(), latest.end(), [](const auto& id) { return id.has_value(); });
+  };
+  for (std::size_t chunks = 1; !read_end_of_bag(file, chunks, content) && !all();) chunks *= 4;
+
+  std::uint64_t committed = configuration_.run.realizations;
+  std::uint32_t attempt = arrivals_.attempt();
+  for (const std::optional<MessageId>& id : latest) {
+    committed = std::min(committed, id ? whole_before(schedule, *id) : 0);
+    if (id) attempt = std::max(attempt, id->attempt);
+  }
+  const bool brings = schedule.endless() ? latest.front().has_value() : committed > arrivals_.committed();
+  // Of what is not whole nothing is taken over: the leader is to begin again.
+  arrivals_ = Arrivals(schedule, streams(), std::max(committed, arrivals_.committed()), attempt);
+  return brings;
+}
+
+// Copies what is whole in the unfinished files of this part, and puts the copy in their place.
+void RunRecording::rewrite() {
+  const BatchSchedule schedule = configuration_.run.schedule();
+  const std::string active = name_of_part(part_) + kActiveSuffix;
+  recording_->close();
+  std::vector<std::string> files = put_aside_;
+  files.push_back(active);
+
+  // A batch is whole in the latest attempt that recorded of it. Of an endless run all attempts count.
+  std::map<std::uint64_t, std::uint32_t> last_attempt;  // by first realization
+  BagContent content;
+  content.position = [&](const PlatoonTopic&, const Message& message) {
+    std::uint32_t& attempt = last_attempt[message->first_realization];
+    attempt = std::max(attempt, message->attempt);
+  };
+  if (!schedule.endless()) {
+    for (const std::string& file : files) read_bags({{file}, Accept::damaged}, content);
+  }
+
+  recording_ = record_to(kRecoveredSuffix);
+  Arrivals copied(schedule, streams(), part_begin_, 0);
+  const auto copy = [&](std::size_t stream, const Message& message) {
+    if (stream >= streams() || (!schedule.endless() && last_attempt[message->first_realization] != message->attempt))
+      return;
+    const MessageDescriptor descriptor = descriptor_of(*message);
+    if (copied.admit(stream, descriptor).drop != DropReason::none) return;
+    recording_->write(topic(stream), *message);
+    if (stream + 1 == streams()) recording_->end_step(schedule.is_last_step(message->step));
+    copied.count(stream, descriptor);
+  };
+  content.position = [&](const PlatoonTopic& topic, const Message& message) { copy(topic.vehicle, message); };
+  content.predecessor_position = [&](const PlatoonTopic& topic, const Message& message) {
+    copy(configuration_.run.followers + topic.vehicle, message);
+  };
+  content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) {
+    recording_->write(name_space_ + "/error_statistics", *message);
+  };
+  for (const std::string& file : files) read_bags({{file}, Accept::damaged}, content);
+
+  // In this order whoever is killed meanwhile leaves some of it twice, none of it out, and no gap in the numbers.
+  recording_->set_suffix(kActiveSuffix);
+  for (; !put_aside_.empty(); put_aside_.pop_back()) std::filesystem::remove(put_aside_.back());
+  given_up_ = copied.committed() < arrivals_.committed();
+  if (!given_up_) return;
+  arrivals_ = Arrivals(schedule, streams(), copied.committed(), arrivals_.attempt());
+  open_.clear();
+}
+
+}  // namespace platoon

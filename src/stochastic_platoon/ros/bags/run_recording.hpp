@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "stochastic_platoon/ros/bags/bag_writer.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/delivery/arrivals.hpp"
+
+namespace platoon {
+
+/// Streams of a recording: the positions of vehicles 0 .. N as 0 .. N, and what followers 1 .. N received as
+/// N + 1 .. 2 N; and the topic of each.
+inline std::size_t streams_of(const RunOptions& run) {
+  return 2 * run.followers + 1;
+}
+std::string topic_of_stream(std::size_t stream, const RunOptions& run, const std::string& name_space);
+
+/// Writes a platoon's messages to a bag, in the order of steps and vehicles: a step is written as soon as it
+/// has arrived from everyone, so that the messages kept are those of the steps on their way. What a finished
+/// file holds is whole batches, never a part of an attempt that was given up: if there was one, the file is
+/// written once more without it. (An endless run has no batches: its steps stay as they came.)
+///
+/// What a killed recorder left behind is put aside as FILE.active.1, .2, ...: of it only the end is read, so that
+/// the run goes on at once however much there is. It is put together with the rest when the file is finished or
+/// stopped.
+class RunRecording {
+public:
+  /// `name_space` is the platoon's, "/platoon". Goes on behind the whole batches of the unfinished file of the same
+  /// launch; nothing else is touched: throws ConfigurationError when such a file is of another launch.
+  RunRecording(const Configuration& configuration, const std::string& name_space);
+
+  DropReason receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
+  void receive(const stochastic_platoon::ErrorStatistics& message);
+
+  /// Everything has arrived, the final statistics included.
+  bool ready_to_finish() const { return !finished_ && arrivals_.complete() && final_statistics_; }
+
+  /// Closes, syncs and names the file. Unless something that was recorded cannot be read any more: then it is not
+  /// finished(), and those batches are to come again.
+  void finish();
+
+  /// Closes an unfinished file.
+  void stop();
+
+  /// Lets go of a file that could not be written, after a function of this object has thrown. Another object
+  /// then goes on with what the file holds.
+  void abandon() noexcept;
+
+  const Arrivals& arrivals() const { return arrivals_; }
+  bool finished() const { return finished_; }
+  /// The file will be written once more: without what was given up, with what was put aside.
+  bool needs_rewriting() const { return given_up_ || !put_aside_.empty(); }
+  /// Bytes written, over all files.
+  std::uint64_t bytes() const { return completed_bytes_ + (recording_ ? recording_->bytes() : 0); }
+
+private:
+  using Message = stochastic_platoon::Position::ConstPtr;
+  struct Step {
+    std::vector<Message> messages;  ///< per stream
+    std::size_t arrived = 0;
+  };
+  std::size_t streams() const { return streams_of(configuration_.run); }
+  std::string topic(std::size_t stream) const { return topic_of_stream(stream, configuration_.run, name_space_); }
+  void take(std::size_t stream, const Message& message);
+  void restarted();
+  void batch_complete();
+  bool complete_file();
+  void recover();
+  bool take_over(const std::string& file);
+  void rewrite();
+  std::string name_of_part(std::size_t part) const;
+  std::string next_put_aside() const;
+  std::unique_ptr<BagWriter> record_to(const std::string& suffix) const;
+
+  Configuration configuration_;
+  std::string name_space_;
+  RecordedConfiguration recorded_configuration_;
+  std::size_t part_ = 0;
+  std::map<std::pair<std::uint64_t, std::int64_t>, Step> open_;  ///< by first realization and step
+  std::vector<std::string> put_aside_;                           ///< files of this part, in their order
+  std::uint64_t part_begin_ = 0;                                 ///< first realization of this part
+  bool partial_ = false;                                         ///< the file ends with a part of a batch
+  bool given_up_ = false;  ///< the file holds a part of an attempt that was given up
+  Arrivals arrivals_;
+  bool final_statistics_ = false;
+  bool finished_ = false;
+  std::uint64_t completed_bytes_ = 0;
+  std::unique_ptr<BagWriter> recording_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,74 @@
+#include "stochastic_platoon/ros/nodes/channel.hpp"
+
+#include <boost/function.hpp>
+#include <utility>
+
+#include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
+
+namespace platoon {
+
+using stochastic_platoon::Position;
+
+Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
+                 const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded)
+    : superseded_(std::move(superseded)),
+      run_(configuration.run),
+      membership_(platoon, "channel", 0, [this](const Configuration& joined) { begin(joined); }),
+      messages_(messages),
+      told_(std::move(told)) {
+  for (std::uint32_t i = first; i <= last; ++i) {
+    wires_.push_back({i, std::nullopt, std::nullopt,
+                      PositionInput(membership_, platoon.resolveName(position_topic(i - 1)), " (channel)"),
+                      platoon.advertise<Position>(predecessor_position_topic(i), kUnboundedQueue), ros::Subscriber()});
+  }
+  membership_.join(configuration);
+  for (std::uint32_t i = first; i <= last; ++i) {
+    Wire& wire = wires_[i - first];
+    const boost::function<void(const PositionEvent&)> receive = [this, &wire](const PositionEvent& event) {
+      transmit(wire, event);
+    };
+    wire.sent = platoon.subscribe<Position, const PositionEvent&>(position_topic(i - 1), kUnboundedQueue, receive,
+                                                                  ros::VoidConstPtr(), no_delay());
+  }
+}
+
+void Channel::begin(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
+  if (run.followers != run_.followers || run.batch != run_.batch || run.record != run_.record) {
+    over_ = true;
+    return superseded_(configuration);
+  }
+  run_ = run;
+  told_->set_rate(run.rate);
+  for (Wire& wire : wires_) {
+    wire.link.emplace(configuration.model, run.seed, wire.follower);
+    wire.order.reset();
+    if (wire.link->keeps_state()) wire.order.emplace(run.schedule());
+  }
+}
+
+VitalSigns::Sources Channel::sources() const {
+  VitalSigns::Sources all;
+  for (const Wire& wire : wires_) all.emplace_back(&wire.input.activity(), &wire.input.drops());
+  return all;
+}
+
+void Channel::transmit(Wire& wire, const PositionEvent& event) {
+  const Position::ConstPtr message = event.getMessage();
+  const MessageId id = id_of(*message);
+  if (!wire.input.admits(event) || over_) return;
+  if (wire.order) {
+    if (!wire.input.takes(descriptor_of(*message), *wire.order, wire.follower)) return;
+  } else {
+    wire.input.takes(DropReason::none, id, message->position.size());
+  }
+  const auto received = messages_.take();
+  received->header = message->header;
+  set_id(message->run, id, *received);
+  wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), message->position, received->position);
+  if (told_->wanted()) told_->take(wire.follower - 1, *received);
+  publish(wire.received, received);
+}
+
+}  // namespace platoon

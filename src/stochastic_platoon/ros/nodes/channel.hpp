@@ -1,0 +1,62 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <stochastic_platoon/Position.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/ros/messages/message_pool.hpp"
+#include "stochastic_platoon/ros/observation/diagnostics.hpp"
+#include "stochastic_platoon/ros/observation/snapshots.hpp"
+#include "stochastic_platoon/ros/transport/position_input.hpp"
+#include "stochastic_platoon/ros/transport/run_membership.hpp"
+#include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/delivery/message_order.hpp"
+
+namespace platoon {
+
+/// The links into followers first .. last as one ROS component. A link without state, such as the paper's,
+/// passes every message on at once with the noise its name calls for, so that a restart has no consequence but
+/// what was on the way. One that keeps state takes its messages in turn, as a vehicle does, and so waits for a
+/// step -1 after a restart, which it asks the leader for. As a vehicle does, it may outlive runs.
+///
+/// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = first .. last. Both
+/// stochastic_platoon/Position.
+class Channel {
+public:
+  /// `told` takes what the followers are told, stream i - 1 of follower i. `superseded` is called with a configuration
+  /// that has taken the present one's place and is of another string, or of another recording.
+  Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
+          const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded);
+
+  /// What it has passed on and dropped, of each of its links.
+  VitalSigns::Sources sources() const;
+
+private:
+  struct Wire {
+    std::uint32_t follower;
+    std::optional<Link> link;
+    std::optional<MessageOrder> order;  ///< of a link that keeps state
+    PositionInput input;
+    ros::Publisher received;
+    ros::Subscriber sent;
+  };
+  void begin(const Configuration& configuration);
+  void transmit(Wire& wire, const PositionEvent& event);
+
+  RunMembership::Join superseded_;
+  RunOptions run_;
+  std::atomic<bool> over_{false};
+  RunMembership membership_;
+  MessagePool messages_;
+  std::shared_ptr<Snapshots> told_;
+  std::vector<Wire> wires_;  ///< never resized after construction: the callbacks point into it
+};
+
+}  // namespace platoon

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <stochastic_platoon/Position.h>
+#include <stochastic_platoon/Progress.h>
+
+#include <atomic>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/ros/messages/message_pool.hpp"
+#include "stochastic_platoon/ros/observation/diagnostics.hpp"
+#include "stochastic_platoon/ros/orders/leader_orders.hpp"
+#include "stochastic_platoon/ros/transport/run_membership.hpp"
+#include "stochastic_platoon/ros/transport/sole_publisher.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/delivery/credit.hpp"
+
+namespace platoon {
+
+/// Vehicle 0 as a ROS component: the closed loop behind the virtual leader, and the platoon's only clock. It
+/// publishes a step when the receivers' progress gives it credit, at most `rate` steps per second, and begins
+/// a batch again when it stalls. It may outlive runs of the same pace.
+///
+/// In an endless run it obeys orders: see LeaderOrders. A manoeuvre ends with its attempt.
+///
+/// Subscribes: progress (stochastic_platoon/Progress), and what LeaderOrders does. Publishes: vehicle_0/position
+/// (stochastic_platoon/Position).
+class Leader {
+public:
+  /// `superseded` is called with a configuration that has taken the present one's place and is of other batches,
+  /// another pace or other receivers.
+  Leader(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
+
+  /// A status of what it has published and of its credit.
+  Diagnostics::Fill status() const;
+
+private:
+  void begin(const Configuration& configuration);
+  std::string obey(const LeaderOrders::Order& order);
+  void receive(const ros::MessageEvent<const stochastic_platoon::Progress>& event);
+  void watch();
+  void publish_allowed();
+  bool publish_one();
+
+  /// What it is within one run.
+  struct RunState {
+    Credit credit;
+    LeaderVehicle vehicle;
+    ros::Duration period;
+    bool waits_for_observers;
+    std::map<std::string, SolePublisher> reporters;  ///< by the receiver they speak for
+    std::set<std::string> holding = {};              ///< receivers that say that they hold the platoon up
+    ros::Time stamp = {};                            ///< of the latest step published; zero before the first
+    std::optional<double> begin = {};                ///< [s] no step before
+  };
+
+  ros::NodeHandle platoon_;
+  RunOptions run_;
+  BatchSchedule schedule_;
+  bool paced_;
+  RunMembership::Join superseded_;
+  std::atomic<bool> over_{false};  ///< superseded
+  RunMembership membership_;
+  std::optional<RunState> run_state_;
+  MessagePool messages_;
+  Activity activity_;
+  RelaxedAtomic<std::int64_t> window_, unacknowledged_;  ///< steps
+  ros::Publisher position_;
+  ros::Subscriber progress_;
+  ros::SteadyTimer stall_timer_;
+  ros::SteadyTimer pace_timer_;
+  LeaderOrders orders_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,163 @@
+#include "stochastic_platoon/ros/nodes/recorder.hpp"
+
+#include <ros/console.h>
+
+#include <boost/function.hpp>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/run/delivery/vehicle_contract.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+
+namespace platoon {
+
+using stochastic_platoon::ErrorStatistics;
+using stochastic_platoon::Position;
+
+namespace {
+
+// Beyond what a file's own buffers take.
+constexpr std::uint64_t kBytesOfSuccess = 2u << 20;
+
+std::string parent_of(const std::string& name) {
+  return name.substr(0, name.rfind('/'));
+}
+
+}  // namespace
+
+// Does what the disk may refuse.
+template <typename Work>
+void Recorder::write(const Work& work) {
+  try {
+    work();
+  } catch (const ConfigurationError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    refusal_ = configuration_.run.record + ": cannot be written: " + error.what() + "; " +
+               free_space(configuration_.run.record);
+    if (!pause_.is_on()) ROS_ERROR_STREAM(refusal_ << ". The platoon waits, and goes on when there is room");
+    if (recording_) {
+      reported_ = recording_->arrivals();
+      recording_->abandon();
+      recording_.reset();
+    }
+    pause_.failed(now());
+  }
+}
+
+Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded)
+    : configuration_(configuration),
+      membership_(platoon, "recorder", run_identity(configuration), std::move(superseded)),
+      name_space_(parent_of(platoon.resolveName(kConfigurationTopic))),
+      reported_(configuration.run.schedule(), streams_of(configuration.run), configuration.run.first_realization, 0),
+      reports_(platoon, "recorder", configuration) {
+  ignore_file_size_signal();
+  begin();
+  for (std::size_t s = 0; s < streams_of(configuration.run); ++s) {
+    const std::string topic = topic_of_stream(s, configuration.run, name_space_);
+    inputs_.emplace_back(membership_, topic);
+  }
+  for (std::size_t s = 0; s < streams_of(configuration.run); ++s) {
+    const boost::function<void(const PositionEvent&)> callback = [this, s](const PositionEvent& event) {
+      receive(s, event);
+    };
+    positions_.push_back(
+        platoon.subscribe<Position, const PositionEvent&>(topic_of_stream(s, configuration.run, name_space_),
+                                                          kUnboundedQueue, callback, ros::VoidConstPtr(), no_delay()));
+  }
+  error_statistics_ =
+      platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics, this, no_delay());
+  // The leader of a run that a change begins waits for the recorder's first report: no position would tell of it.
+  progress_ = platoon.subscribe<stochastic_platoon::Progress>(
+      kProgressTopic, kUnboundedQueue,
+      [this](const stochastic_platoon::Progress::ConstPtr& message) { membership_.admits(message->run); });
+  links_ = positions_;
+  links_.push_back(error_statistics_);
+  timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
+}
+
+void Recorder::begin() {
+  write([this] {
+    recording_.emplace(configuration_, name_space_);
+    tried_at_ = recording_->bytes();
+    if (recording_->finished()) reports_.set_finished();
+  });
+}
+
+VitalSigns::Sources Recorder::sources() const {
+  VitalSigns::Sources all;
+  for (const PositionInput& input : inputs_) all.emplace_back(&input.activity(), &input.drops());
+  return all;
+}
+
+void Recorder::stop() {
+  if (recording_) write([this] { recording_->stop(); });
+}
+
+void Recorder::receive(std::size_t stream, const PositionEvent& event) {
+  const Position::ConstPtr message = event.getMessage();
+  if (!inputs_[stream].admits(event)) return;
+  if (message->header.stamp.isZero()) {
+    ROS_WARN_STREAM_THROTTLE(1.0, topic_of_stream(stream, configuration_.run, name_space_)
+                                      << ": dropped a message without a stamp, which a bag cannot hold; "
+                                      << named(Clause::stamp));
+    return;
+  }
+  reports_.saw(message->header.stamp.toNSec());
+  if (!recording_) return;
+  write([&] {
+    const DropReason drop = recording_->receive(stream, message);
+    if (!inputs_[stream].takes(drop, id_of(*message), message->position.size())) return;
+    if (!began_) began_ = now();
+    if (pause_.is_on() && recording_->bytes() > tried_at_ + kBytesOfSuccess) {
+      ROS_WARN_STREAM(configuration_.run.record << ": is recorded again");
+      pause_.succeeded();
+    }
+    reports_.report_if_due(recording_->arrivals());
+    finish();
+  });
+}
+
+void Recorder::receive_statistics(const ErrorStatistics::ConstPtr& message) {
+  if (!recording_) return;
+  write([&] {
+    recording_->receive(*message);
+    finish();
+  });
+}
+
+void Recorder::finish() {
+  if (!recording_->ready_to_finish()) return;
+  if (recording_->needs_rewriting()) ROS_INFO("writing the bag once more, without the attempts that were given up");
+  recording_->finish();
+  if (!recording_->finished()) {
+    ROS_WARN_STREAM(configuration_.run.record
+                    << ": a part of what was recorded cannot be read any more: what follows it is recorded again");
+    return report();
+  }
+  pause_.succeeded();
+  ROS_INFO_STREAM("recorded " << recording_->bytes() / 1000000 << " MB");
+  reports_.set_finished();
+  report();
+}
+
+void Recorder::tick() {
+  if (!recording_ && pause_.is_due(now())) begin();
+  if (reports_.is_linked(links_) || (recording_ && recording_->finished())) report();
+}
+
+// While nothing can be recorded the reports stay what they were: the first of a new recording then is less, and
+// the leader begins again at once.
+void Recorder::report() {
+  if (!recording_) {
+    reports_.set_blocked(refusal_);
+    return reports_.report(reported_);
+  }
+  const double megabytes = static_cast<double>(recording_->bytes()) * 1e-6;
+  const double seconds = began_ ? now() - *began_ : 0.0;
+  reports_.set_note(formatted("bag %.0f MB, %.0f MB/s", megabytes, seconds > 0.0 ? megabytes / seconds : 0.0));
+  reports_.report(recording_->arrivals());
+}
+
+}  // namespace platoon

@@ -1,0 +1,66 @@
+#include "stochastic_platoon/ros/observation/snapshots.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <utility>
+
+#include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/ros/transport/transport.hpp"
+
+namespace platoon {
+
+namespace {
+constexpr double kSnapshotPeriod = 0.05;  // [s]
+}
+
+Snapshots::Snapshots(ros::NodeHandle platoon, const std::string& topic, std::size_t streams,
+                     std::vector<TrackingError> errors)
+    : errors_(std::move(errors)),
+      assembly_(streams, kSnapshotPeriod),
+      publisher_(platoon.advertise<stochastic_platoon::Snapshot>(topic, 10)) {
+  timer_ = platoon.createSteadyTimer(ros::WallDuration(kSnapshotPeriod), [this](const auto&) { publish(); });
+}
+
+void Snapshots::set_rate(double rate) {
+  paced_ = rate > 0.0;
+  const std::lock_guard<SpinLock> lock(lock_);
+  assembly_.set_stride(std::max<std::int64_t>(1, std::llround(std::ceil(std::min(rate, 1e9) * kSnapshotPeriod))));
+}
+
+void Snapshots::take(std::size_t stream, const stochastic_platoon::Position& message) {
+  if (message.position.empty()) return;
+  const double present = now();
+  const std::lock_guard<SpinLock> lock(lock_);
+  if (message.run != run_) assembly_.clear();
+  run_ = message.run;
+  std::optional<Snapshot> complete = assembly_.take(stream, id_of(message), message.position.front(), present);
+  if (!complete) return;
+  complete_ = std::move(complete);
+  stamp_ = message.header.stamp;
+}
+
+// One thread publishes, and not the one that works on positions.
+void Snapshots::publish() {
+  const bool watched = publisher_.getNumSubscribers() > 0;
+  const bool was_wanted = wanted_.exchange(watched || paced_);
+  stochastic_platoon::Snapshot message;
+  std::optional<Snapshot> complete;
+  {
+    const std::lock_guard<SpinLock> lock(lock_);
+    if (was_wanted && !wanted_) assembly_.clear();
+    complete = std::exchange(complete_, std::nullopt);
+    message.run = run_;
+    message.header.stamp = stamp_;
+  }
+  if (!complete || !watched) return;
+  message.realization = complete->id.first_realization;
+  message.step = complete->id.step;
+  const std::vector<double>& own = complete->position;
+  for (std::size_t i = 1; i <= errors_.size(); ++i)
+    message.tracking_error.push_back(errors_[i - 1](own[i - 1], own[i], complete->position_before[i]));
+  message.position = std::move(complete->position);
+  publisher_.publish(message);
+}
+
+}  // namespace platoon

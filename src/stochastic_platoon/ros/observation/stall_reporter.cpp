@@ -1,0 +1,134 @@
+#include "stochastic_platoon/ros/observation/stall_reporter.hpp"
+
+#include <stochastic_platoon/Progress.h>
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/run/delivery/pipeline.hpp"
+#include "stochastic_platoon/run/delivery/stall_diagnosis.hpp"
+#include "stochastic_platoon/run/delivery/vehicle_contract.hpp"
+#include "stochastic_platoon/run/delivery/vehicle_name.hpp"
+
+namespace platoon {
+
+using stochastic_platoon::Progress;
+
+namespace {
+
+constexpr double kStartTime = 0.05;           // [s] a vehicle, from launch to its first message
+constexpr double kStallWithoutTimeout = 2.0;  // [s] until a stall is reported, where the leader waits for ever
+constexpr double kSettled = 0.3;              // [s] without a message until the progress of an attempt is examined
+
+}  // namespace
+
+void StallReporter::receive(const std::string& component, Notice notice) {
+  const bool room = notices_.size() <= run_.followers + run_.receivers().size();
+  if (room || notices_.count(component) > 0) notices_[component] = std::move(notice);
+}
+
+std::string StallReporter::text_of(const std::string& component) const {
+  const auto found = notices_.find(component);
+  return found == notices_.end() ? "" : found->second.text;
+}
+
+// A blocked attempt also brings messages: only more of them than in any attempt since the latest complete step are
+// progress.
+void StallReporter::note_arrival(const Arrivals& arrivals, double present) {
+  last_message_ = present;
+  const std::uint64_t messages = arrivals.messages();
+  if (messages > most_messages_) {
+    most_messages_ = messages;
+    watch_.arrived(present);
+  }
+  const Acknowledgement report = arrivals.acknowledgement();
+  const bool step = report.step != kNothingYet || report.first_realization > complete_.first_realization;
+  const bool new_step = step && std::tie(report.attempt, report.first_realization, report.step) !=
+                                    std::tie(complete_.attempt, complete_.first_realization, complete_.step);
+  if (new_step) {
+    most_messages_ = messages;
+    watch_.completed_step(present);
+  }
+  complete_ = report;
+}
+
+StallReporter::Change StallReporter::look(const Observation& seen, double present) {
+  const double pace = run_.rate > 0.0 ? 1.0 / run_.rate + (seen.began ? 0.0 : kObserverTime) : 0.0;
+  const double start = seen.began ? 0.0 : kStartTime * static_cast<double>(run_.followers);
+  const double patience = run_.stall_timeout > 0.0 ? run_.stall_timeout : kStallWithoutTimeout;
+  const StallWatch::Change change = watch_.look(present, 0.75 * patience + pace + start);
+  if (change == StallWatch::Change::moving) {
+    const std::string moving = formatted(", after %.1f s and %u retries", present - since_, retries(seen.arrivals));
+    culprit_.clear();
+    notices_.clear();
+    return {"", moving};
+  }
+  if (change == StallWatch::Change::stalled) {
+    culprit_ = reason(seen);
+    since_ = *watch_.last_arrival();
+    first_attempt_ = seen.arrivals.attempt();
+    return {culprit_, ""};
+  }
+  if (!watch_.stalled() || present - last_message_ <= kSettled) return {};
+  const std::string before = std::exchange(culprit_, reason(seen));
+  const auto name = [](const std::string& text) { return text.substr(0, text.find(';')); };
+  return {name(before) == name(culprit_) ? "" : culprit_, ""};
+}
+
+std::string StallReporter::start(const std::vector<std::size_t>& missing, const Arrivals& arrivals) const {
+  const auto is_external = [this](std::size_t vehicle) { return run_.is_external(vehicle); };
+  if (!missing.empty() && std::all_of(missing.begin(), missing.end(), is_external)) {
+    return "waiting for external " + vehicle_name(missing[0]) + ": start its node" +
+           (missing.size() > 1 ? formatted(" (and %zu more external vehicles)", missing.size() - 1) : std::string());
+  }
+  if (!missing.empty()) return formatted("waiting for %zu of %zu vehicles", missing.size(), run_.followers + 1);
+  const auto share = static_cast<double>(arrivals.messages()) /
+                     static_cast<double>(messages_of_first_step(run_.followers, run_.pipeline_depth(), run_.steps));
+  return formatted("first step: %.0f %%", 100.0 * std::min(share, 1.0));
+}
+
+std::string StallReporter::reason(const Observation& seen) const {
+  for (const auto& [component, notice] : notices_) {
+    if (notice.kind == Progress::BLOCKED) return component + " holds the platoon up: " + notice.text;
+  }
+  const std::vector<std::size_t> missing = seen.missing();
+  if (!missing.empty()) return reason_of_missing(missing);
+  const StallDiagnosis diagnosis = diagnose_stall(seen.arrivals.latest(), run_.schedule(), run_.pipeline_depth(),
+                                                  run_.external, seen.arrivals.latest_of_any_attempt());
+  if (!diagnosis.vehicle) return diagnosis.text;
+  return diagnosis.text + explanation_of(*diagnosis.vehicle, seen.arrivals) + breach_of(*diagnosis.vehicle, seen);
+}
+
+std::string StallReporter::reason_of_missing(const std::vector<std::size_t>& missing) const {
+  const std::string name = vehicle_name(missing.front());
+  if (missing.size() > 1) {
+    return std::to_string(missing.size()) + " of " + std::to_string(run_.followers + 1) +
+           " vehicles are not there, the first of them " + name;
+  }
+  return name +
+         (run_.is_external(missing.front()) ? " is external and not there: start its node; " : " is not there: ") +
+         "nobody publishes " + topics_.at(missing.front());
+}
+
+// The vehicle's notice, if it refers to this run as a whole or to the present attempt.
+std::string StallReporter::explanation_of(std::size_t vehicle, const Arrivals& arrivals) const {
+  const auto found = notices_.find(vehicle_name(vehicle));
+  if (found == notices_.end()) return "";
+  const Notice& notice = found->second;
+  const bool is_present = notice.kind == Progress::REJECTED || notice.attempt == arrivals.attempt();
+  return is_present ? "; it reports: " + notice.text : "";
+}
+
+// The contract clause that a blocking external vehicle violates.
+std::string StallReporter::breach_of(std::size_t vehicle, const Observation& seen) const {
+  if (!run_.is_external(vehicle)) return "";
+  const std::optional<DropReason> breach = seen.breach(vehicle);
+  const std::string dropped =
+      breach ? std::string("its last message was dropped, as ") + to_string(*breach) + "; " : "";
+  return "; the vehicle is external: " + dropped + named(breach ? *broken_clause(*breach) : Clause::answer);
+}
+
+}  // namespace platoon

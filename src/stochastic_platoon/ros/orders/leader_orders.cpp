@@ -1,0 +1,65 @@
+#include "stochastic_platoon/ros/orders/leader_orders.hpp"
+
+#include <ros/console.h>
+
+#include <boost/function.hpp>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+
+namespace platoon {
+
+LeaderOrders::LeaderOrders(ros::NodeHandle platoon, Obey obey) : obey_(std::move(obey)) {
+  advertise(platoon, "leader/brake", [](Manoeuvre& manoeuvre) {
+    manoeuvre.brake();
+    return formatted("the leader brakes by %g m/s^2 until it stands", Manoeuvre::kBraking);
+  });
+  advertise(platoon, "leader/accelerate", [](Manoeuvre& manoeuvre) {
+    manoeuvre.accelerate();
+    return formatted("the leader accelerates by %g m/s^2 until it is %g m/s faster", Manoeuvre::kAcceleration,
+                     Manoeuvre::kSpeedIncrease);
+  });
+  advertise(platoon, "leader/sinusoid", [](Manoeuvre& manoeuvre) {
+    manoeuvre.swing();
+    return formatted("the leader's speed swings by %g m/s with a period of %d steps", Manoeuvre::kAmplitude,
+                     static_cast<int>(Manoeuvre::kPeriod));
+  });
+  advertise(platoon, "leader/cruise", [](Manoeuvre& manoeuvre) {
+    if (!manoeuvre.is_under_way()) return std::string("the leader drives by the model file already");
+    manoeuvre.cruise();
+    return formatted("the leader goes back, by %g m/s^2, to the speed of the model file", Manoeuvre::kAcceleration);
+  });
+  speed_ = platoon.subscribe("leader/speed", 10, &LeaderOrders::receive_speed, this);
+}
+
+void LeaderOrders::advertise(ros::NodeHandle platoon, const std::string& service, const Order& order) {
+  using Request = std_srvs::Trigger::Request;
+  using Response = std_srvs::Trigger::Response;
+  const boost::function<bool(Request&, Response&)> serve = [this, service, order](Request&, Response& response) {
+    try {
+      response.message = obey_(order);
+      response.success = 1;
+      ROS_INFO_STREAM(response.message);
+    } catch (const std::exception& error) {
+      response.message = service + ": " + error.what();
+      ROS_WARN_STREAM(response.message);
+    }
+    return true;
+  };
+  services_.push_back(platoon.advertiseService(service, serve));
+}
+
+void LeaderOrders::receive_speed(const std_msgs::Float64::ConstPtr& message) {
+  const double speed = message->data;
+  try {
+    const std::string done = obey_([speed](Manoeuvre& manoeuvre) {
+      manoeuvre.drive_at(speed);
+      return formatted("the leader drives at %g m/s", speed);
+    });
+    ROS_INFO_STREAM(done);
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(1.0, "leader/speed: " << error.what());
+  }
+}
+
+}  // namespace platoon

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <std_msgs/Float64.h>
+#include <std_srvs/Trigger.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/math/model/manoeuvre.hpp"
+
+namespace platoon {
+
+/// What people may tell the leader (see Manoeuvre). What cannot be is refused in words, and the run goes on.
+///
+/// Subscribes: leader/speed (std_msgs/Float64) [m/s]. Services (std_srvs/Trigger): leader/brake, leader/accelerate,
+/// leader/sinusoid, and leader/cruise, which ends a manoeuvre.
+class LeaderOrders {
+public:
+  /// Gives an order and returns what becomes of it. Throws std::invalid_argument for what no leader can do.
+  using Order = std::function<std::string(Manoeuvre&)>;
+  /// Carries an order out, and returns what it does. Throws std::exception with the reason why not.
+  using Obey = std::function<std::string(const Order&)>;
+
+  LeaderOrders(ros::NodeHandle platoon, Obey obey);
+
+private:
+  void advertise(ros::NodeHandle platoon, const std::string& service, const Order& order);
+  void receive_speed(const std_msgs::Float64::ConstPtr& message);
+
+  Obey obey_;
+  std::vector<ros::ServiceServer> services_;
+  ros::Subscriber speed_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,110 @@
+#include "stochastic_platoon/ros/orders/run_change.hpp"
+
+#include <ros/console.h>
+#include <stochastic_platoon/Progress.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/ros/bags/bag_writer.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr double kAnswerTime = 0.02;  // [s] for the service's answer to get through
+
+std::string suffix_of(std::uint64_t number) {
+  return number == 1 ? "" : "-run" + std::to_string(number);
+}
+
+// "/tmp/live", "/tmp/live-run2", ...: that of another run of the same launch.
+std::string renamed(std::string stem, std::uint64_t from, std::uint64_t to, const std::string& extension) {
+  const auto drop = [&stem](const std::string& end) {
+    const bool there = stem.size() > end.size() && stem.compare(stem.size() - end.size(), end.size(), end) == 0;
+    if (there) stem.resize(stem.size() - end.size());
+  };
+  drop(extension);
+  drop(suffix_of(from));
+  return stem + suffix_of(to) + extension;
+}
+
+bool is_taken(const RunOptions& run) {
+  if (std::filesystem::exists(run.output)) return true;
+  return !run.record.empty() && !left_recording(run.record).empty();
+}
+
+}  // namespace
+
+Configuration changed(const Configuration& present, const std::map<std::string, std::string>& given) {
+  if (present.run.averaging() == Averaging::over_realizations) {
+    throw ConfigurationError(
+        {"steps: " + std::to_string(present.run.steps) +
+         ": must be 0 (an endless run, as live.launch's) for a change: statistics over realizations are of one configuration; launch another run instead"});
+  }
+  Configuration next = parse_configuration(configuration_document(present, given));
+  RunOptions& run = next.run;
+  run.resume = false;
+  do {
+    ++run.number;
+    run.output = renamed(present.run.output, present.run.number, run.number, "");
+    if (!run.record.empty()) run.record = renamed(present.run.record, present.run.number, run.number, ".bag");
+  } while (is_taken(run));
+  return next;
+}
+
+RunChange::RunChange(ros::NodeHandle platoon, const Configuration& present, Begin begin)
+    : platoon_(platoon),
+      present_(present),
+      begin_(std::move(begin)),
+      notices_(platoon.advertise<stochastic_platoon::Progress>(kProgressTopic, 10)),
+      service_(platoon.advertiseService(kChangeRunService, &RunChange::serve, this)) {}
+
+bool RunChange::serve(stochastic_platoon::ChangeRun::Request& request,
+                      stochastic_platoon::ChangeRun::Response& response) {
+  std::map<std::string, std::string> given;
+  const auto give = [&given](const char* name, const std::string& value) {
+    if (!value.empty()) given[name] = value;
+  };
+  give("headway", request.headway);
+  give("noise_variance", request.noise_variance);
+  give("loss", request.loss);
+  try {
+    const Configuration next = changed(asked_.value_or(present_), given);
+    lock_output(next.run)->leave_claim(::getppid());  // roslaunch, or the shell
+    // Before the answer: every node that comes back from a kill from now on takes part in this run.
+    platoon_.setParam("configuration", to_json(next).dump());
+    response.success = 1;
+    response.message = "run " + std::to_string(next.run.number) + " begins";
+    for (const auto& entry : given) response.message += ", " + entry.first + " " + entry.second;
+    response.message += ": its statistics start anew, results go to " + next.run.output;
+    asked_ = next;
+    asked_at_ = now();
+    ROS_INFO_STREAM(response.message);
+  } catch (const std::exception& error) {
+    response.message = std::string("change_run: refused: ") + error.what();
+    ROS_WARN_STREAM(response.message);
+  }
+  return true;
+}
+
+void RunChange::begin_if_asked() {
+  if (!asked_ || now() - asked_at_ < kAnswerTime) return;
+  const Configuration next = *std::exchange(asked_, std::nullopt);
+  // The leader ends the run that is over at once, and waits for the reports of the next.
+  stochastic_platoon::Progress notice;
+  notice.receiver = kChangeRunService;
+  notice.run = run_identity(next);
+  notice.step = kNothingYet;
+  notice.notice = stochastic_platoon::Progress::BEGINS;
+  notices_.publish(notice);
+  begin_(next);
+}
+
+}  // namespace platoon

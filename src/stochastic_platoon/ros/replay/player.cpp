@@ -1,0 +1,110 @@
+#include "stochastic_platoon/ros/replay/player.hpp"
+
+#include <ros/console.h>
+
+#include <algorithm>
+
+#include "stochastic_platoon/ros/bags/bag_statistics.hpp"
+#include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/ros/transport/transport.hpp"
+
+namespace platoon {
+
+using stochastic_platoon::ErrorStatistics;
+using stochastic_platoon::Position;
+using stochastic_platoon::Progress;
+
+namespace {
+
+constexpr double kIdlePeriod = 0.005;  // [s] between looks at the clock when nothing else happens
+
+}  // namespace
+
+Player::Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Configuration& configuration,
+               const PlayerOptions& options)
+    : run_(run_identity(configuration)),
+      schedule_(configuration.run.schedule()),
+      window_(configuration.run.window),
+      options_(options),
+      stream_(options.bags,
+              [](const PlatoonTopic& topic) {
+                return topic.kind == PlatoonTopic::Kind::position || topic.kind == PlatoonTopic::Kind::error_statistics;
+              }),
+      reading_(recorded_platoon(options.bags)),
+      upcoming_(next()),
+      paused_at_(options.paused ? std::optional<double>(now()) : std::nullopt) {
+  for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
+    positions_[i] = platoon.advertise<Position>(position_topic(i), kUnboundedQueue);
+  }
+  if (upcoming_) first_stamp_ = upcoming_->message->header.stamp;
+  const boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)> set_paused =
+      [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+        if (began_ && paused_at_ && !request.data) *began_ += now() - *paused_at_;
+        if (!request.data) paused_at_.reset();
+        if (request.data && !paused_at_) paused_at_ = now();
+        response.success = true;
+        response.message = request.data ? "paused" : "playing";
+        return true;
+      };
+  pause_ = private_node.advertiseService("pause_playback", set_paused);
+  progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &Player::receive, this, no_delay());
+  timer_ = platoon.createSteadyTimer(ros::WallDuration(kIdlePeriod), [this](const auto&) { play(); });
+}
+
+void Player::receive(const Progress::ConstPtr& message) {
+  if (message->run != run_) return;
+  heard_ = true;
+  const Acknowledgement report{0, message->first_realization, message->step};
+  if (!may_be_reported(schedule_, report)) return;
+  const std::int64_t acknowledged = steps_covered(schedule_, 0, report);
+  if (acknowledged != acknowledged_) last_progress_ = now();
+  acknowledged_ = acknowledged;
+  play();
+}
+
+// [s]. A ros::Duration would throw beyond 68 years, which the stamps of a bag may be apart.
+double Player::since_first(const Position& message) const {
+  return message.header.stamp.toSec() - first_stamp_.toSec();
+}
+
+// Beyond the window only when the monitor does not move: what the recording has of attempts that were given
+// up cannot complete.
+bool Player::may_publish(const Position& message) const {
+  if (options_.rate > 0.0) {
+    const double due = since_first(message) - options_.start;
+    if (now() - *began_ < due / options_.rate) return false;
+  }
+  return steps_covered(schedule_, 0, id_of(message)) <= acknowledged_ + window_ || now() - last_progress_ > 1.0;
+}
+
+void Player::play() {
+  if (!heard_ || paused_at_) return;
+  if (!began_) began_ = last_progress_ = now();
+  while (upcoming_ && may_publish(*upcoming_->message)) {
+    const auto position = positions_.find(upcoming_->topic.vehicle);
+    const bool left_out = since_first(*upcoming_->message) < options_.start;
+    const RecordedPosition due = *upcoming_;
+    reading_.take(due.topic, due.message);
+    upcoming_ = next();
+    if (!upcoming_) require_as_recorded();
+    due.message->run = run_;
+    if (position != positions_.end() && !left_out) position->second.publish(due.message);
+  }
+}
+
+// The next position. Figures before it are kept for the end.
+std::optional<RecordedPosition> Player::next() {
+  while (const std::optional<RecordedMessage> message = stream_.next()) {
+    if (message->topic.kind == PlatoonTopic::Kind::position)
+      return RecordedPosition{message->topic, std::get<Position::Ptr>(message->content)};
+    reading_.take(message->topic, std::get<ErrorStatistics::Ptr>(message->content));
+  }
+  return std::nullopt;
+}
+
+void Player::require_as_recorded() const {
+  const std::vector<std::string> changed = reading_.changed_figures();
+  if (!changed.empty()) throw BagError(options_.bags.files.front() + ": error_statistics: " + changed.front());
+}
+
+}  // namespace platoon

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <std_srvs/SetBool.h>
+#include <stochastic_platoon/Position.h>
+#include <stochastic_platoon/Progress.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/ros/bags/bag_stream.hpp"
+#include "stochastic_platoon/ros/bags/run_reading.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+
+namespace platoon {
+
+/// One recorded message of a vehicle.
+struct RecordedPosition {
+  PlatoonTopic topic;
+  stochastic_platoon::Position::Ptr message;
+};
+
+struct PlayerOptions {
+  BagSource bags;
+  double rate = 0.0;    ///< platoon time per wall time; 0: as fast as the monitor takes it
+  double start = 0.0;   ///< [s] of platoon time to leave out at the beginning
+  bool paused = false;  ///< wait for pause_playback to be called with false
+};
+
+/// Plays the positions of all vehicles of a recorded platoon, in the place of the vehicles, as messages of the
+/// present run. It goes no further ahead of the monitor's progress than the leader would, so nothing is lost
+/// at any rate. The last message is kept back until all of the recording is verified: a replay of a damaged bag never
+/// completes, and ends with a BagError.
+///
+/// Subscribes: progress (stochastic_platoon/Progress). Publishes: vehicle_<i>/position
+/// (stochastic_platoon/Position). Offers: ~pause_playback (std_srvs/SetBool), as
+/// rosbag play does.
+class Player {
+public:
+  /// Throws BagError as recorded_platoon() does.
+  Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Configuration& configuration,
+         const PlayerOptions& options);
+
+private:
+  void receive(const stochastic_platoon::Progress::ConstPtr& message);
+  void play();
+  std::optional<RecordedPosition> next();
+  void require_as_recorded() const;
+  double since_first(const stochastic_platoon::Position& message) const;
+  bool may_publish(const stochastic_platoon::Position& message) const;
+
+  std::uint64_t run_;
+  BatchSchedule schedule_;
+  std::int64_t window_;
+  PlayerOptions options_;
+  BagStream stream_;
+  RunReading reading_;  ///< of all that was read, whether it is published or not
+  std::optional<RecordedPosition> upcoming_;
+  std::map<std::size_t, ros::Publisher> positions_;  ///< by vehicle
+  bool heard_ = false;                               ///< the monitor has reported
+  std::int64_t acknowledged_ = 0;                    ///< steps
+  double last_progress_ = 0.0;                       ///< [s]
+  ros::Time first_stamp_;
+  std::optional<double> began_;      ///< [s] wall time of first_stamp_; moves on while paused
+  std::optional<double> paused_at_;  ///< [s]
+  ros::Subscriber progress_;
+  ros::ServiceServer pause_;
+  ros::SteadyTimer timer_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,236 @@
+#include "stochastic_platoon/ros/replay/vehicle_replay.hpp"
+
+#include <ros/console.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <tuple>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/ros/transport/progress_reports.hpp"
+#include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/run/delivery/vehicle_name.hpp"
+
+namespace platoon {
+
+using stochastic_platoon::Position;
+using stochastic_platoon::Progress;
+
+namespace {
+
+std::function<bool(const PlatoonTopic&)> only(PlatoonTopic::Kind kind, std::size_t vehicle) {
+  return [kind, vehicle](const PlatoonTopic& topic) { return topic.kind == kind && topic.vehicle == vehicle; };
+}
+
+// None at the end.
+Position::Ptr next_of(BagStream& stream) {
+  const std::optional<RecordedMessage> message = stream.next();
+  return message ? std::get<Position::Ptr>(message->content) : nullptr;
+}
+
+// As the leader of one follower waits.
+CreditLimits limits_of(const RunOptions& run) {
+  constexpr double kFirstStep = 0.1;     // [s]
+  constexpr double kPerPosition = 5e-7;  // [s]
+  const double sought = kFirstStep + kPerPosition * static_cast<double>(run.batch);
+  return {run.window, run.stall_timeout, run.stall_timeout > 0.0 ? std::min(sought, run.stall_timeout) : sought};
+}
+
+std::string its_clause(Clause clause) {
+  return "; the vehicle is external: " + named(clause);
+}
+
+constexpr double kSilentWait = 1.0;  // [s] for the vehicle to be there before the terminal shows that it is not
+
+}  // namespace
+
+VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags,
+                             std::size_t vehicle, bool external, double patience)
+    : name_(vehicle_name(vehicle)),
+      run_(run_identity(configuration)),
+      external_(external),
+      patience_(patience),
+      bags_(bags),
+      vehicle_(vehicle),
+      credit_(limits_of(configuration.run)),
+      publisher_(platoon.resolveName(position_topic(vehicle)), external ? its_clause(Clause::one_publisher) : ""),
+      drops_(platoon.resolveName(position_topic(vehicle)), external ? name_ : ""),
+      predecessor_position_(platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
+  if (!(patience > 0.0)) throw std::invalid_argument("patience: " + std::to_string(patience) + ": must be above 0 [s]");
+  open();
+  done_ = !expected_;
+  position_ = platoon.subscribe(position_topic(vehicle), kUnboundedQueue, &VehicleReplay::receive, this, no_delay());
+  progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &VehicleReplay::receive_note, this);
+  timer_ = platoon.createSteadyTimer(ros::WallDuration(0.02), [this](const auto&) { play(); });
+}
+
+// At the beginning of the batch that is due.
+void VehicleReplay::open() {
+  inputs_.emplace(bags_, only(PlatoonTopic::Kind::predecessor_position, vehicle_));
+  outputs_.emplace(bags_, only(PlatoonTopic::Kind::position, vehicle_));
+  input_ = next_of(*inputs_);
+  for (std::int64_t n = 0; n < credit_.upcoming(); ++n) input_ = next_of(*inputs_);
+  expected_ = next_of(*outputs_);
+  for (std::int64_t n = 0; n < batch_start_; ++n) expected_ = next_of(*outputs_);
+  compared_ = batch_start_;
+}
+
+void VehicleReplay::play() {
+  if (done_) return;
+  const bool linked = is_linked();
+  check_patience();
+  if (!linked || done_) return;
+  if (credit_.retry_if_stalled(now())) begin_again();
+  send_allowed();
+}
+
+bool VehicleReplay::is_linked() {
+  if (!began_) began_ = now();
+  const bool linked = predecessor_position_.getNumSubscribers() > 0 && position_.getNumPublishers() > 0;
+  if (!linked && !waiting_ && now() - *began_ > kSilentWait) {
+    ROS_INFO_STREAM("waiting for " << (external_ ? "external " : "") << name_ << (external_ ? ": start its node" : "")
+                                   << formatted(" (the replay ends after %g s)", patience_));
+    waiting_ = true;
+  }
+  return linked;
+}
+
+void VehicleReplay::check_patience() {
+  const double since = std::max(*began_, credit_.last_progress());
+  if (now() - since > patience_) end_with(silence());
+}
+
+void VehicleReplay::send_allowed() {
+  while (!done_ && input_ && credit_.may_send()) {
+    const Position::Ptr message = input_;
+    credit_.send(message->step == kInitialStep, now());
+    message->run = run_;
+    message->attempt += attempts_ahead_;
+    last_attempt_ = std::max(last_attempt_, message->attempt);
+    predecessor_position_.publish(message);
+    input_ = next_of(*inputs_);
+  }
+}
+
+void VehicleReplay::begin_again() {
+  open();
+  if (!input_ || !expected_) return end_with("the bag has changed while it was replayed");
+  const std::uint32_t recorded = input_->attempt;
+  if (last_attempt_ >= kLastAttempt || recorded > last_attempt_)
+    return end_with(formatted("%s: attempt %u is followed by none", name_.c_str(), last_attempt_));
+  attempts_ahead_ = last_attempt_ + 1 - recorded;
+  ROS_DEBUG_STREAM(name_ << ": attempt " << last_attempt_ + 1 << " begins");
+}
+
+MessageId VehicleReplay::expected_id() const {
+  MessageId id = id_of(*expected_);
+  id.attempt += attempts_ahead_;
+  return id;
+}
+
+void VehicleReplay::receive(const PositionEvent& event) {
+  const Position& live = *event.getMessage();
+  if (done_) return;
+  if (live.run != run_) return drop(DropReason::foreign_run, live);
+  if (publisher_.admits(event.getConnectionHeaderPtr(), live.run)) judge(live);
+}
+
+// What comes out of turn behind the answer that is due shows that this one is lost.
+void VehicleReplay::judge(const Position& live) {
+  const MessageId id = id_of(live), due = expected_id();
+  const auto place = [](const MessageId& of) { return std::tie(of.first_realization, of.step); };
+  if (id.attempt < due.attempt) return drop(DropReason::stale, live);
+  if (id.attempt == due.attempt && place(id) > place(due)) {
+    drop(DropReason::out_of_turn, live);
+    if (credit_.give_up(now())) begin_again();
+    return send_allowed();
+  }
+  compare(live, *expected_);
+  if (!difference_.empty()) {
+    done_ = true;
+    return;
+  }
+  drops_.forget_breach();
+  const bool begins_batch = id.step == kInitialStep;
+  if (begins_batch) batch_start_ = compared_;
+  credit_.answer(begins_batch, now());
+  ++compared_;
+  expected_ = next_of(*outputs_);
+  done_ = !expected_;
+  send_allowed();
+}
+
+void VehicleReplay::drop(DropReason reason, const Position& live) {
+  drops_.count(reason, id_of(live), live.position.size());
+}
+
+void VehicleReplay::receive_note(const Progress::ConstPtr& message) {
+  const bool missed = message->receiver == name_ && message->run == run_ && message->attempt == last_attempt_ &&
+                      message->notice == Progress::MISSED;
+  if (!missed || done_) return;
+  if (credit_.give_up(now())) begin_again();
+  send_allowed();
+}
+
+void VehicleReplay::end_with(const std::string& reason) {
+  reason_ = reason;
+  done_ = true;
+}
+
+// Why there is no verdict.
+std::string VehicleReplay::silence() const {
+  const std::string external_hint =
+      external_ ? "; the vehicle is external: start its node, and allow it more time with patience:=SECONDS" : "";
+  if (position_.getNumPublishers() == 0)
+    return name_ + " is not there: nobody publishes " + position_.getTopic() + external_hint;
+  if (predecessor_position_.getNumSubscribers() == 0)
+    return name_ + " is not there: nobody subscribes to " + predecessor_position_.getTopic() + external_hint;
+  const MessageId due = expected_id();
+  const std::optional<DropReason> breach = drops_.latest_breach();
+  const std::string what =
+      breach ? std::string("; its last message was dropped, as ") + to_string(*breach) : std::string();
+  return name_ +
+         formatted(" has not answered step %lld of the realizations from %llu within %g s, in %u attempts",
+                   static_cast<long long>(due.step), static_cast<unsigned long long>(due.first_realization), patience_,
+                   credit_.repetitions() + 1) +
+         what + "; " + named(breach ? *broken_clause(*breach) : Clause::answer);
+}
+
+void VehicleReplay::compare(const Position& live, const Position& recorded) {
+  const MessageId id = id_of(live), due = expected_id();
+  const bool same_message = id.attempt == due.attempt && id.first_realization == due.first_realization &&
+                            id.step == due.step && live.position.size() == recorded.position.size();
+  const std::size_t bytes = recorded.position.size() * sizeof(double);
+  if (same_message && std::memcmp(live.position.data(), recorded.position.data(), bytes) == 0) return;
+  if (same_message && external_) {
+    for (std::size_t r = 0; r < recorded.position.size(); ++r) {
+      const double apart = std::abs(live.position[r] - recorded.position[r]);
+      if (apart > largest_ || std::isnan(apart)) largest_ = apart;  // a NaN stays
+    }
+    return;
+  }
+  difference_ = formatted("step %lld of the realizations from %llu", static_cast<long long>(recorded.step),
+                          static_cast<unsigned long long>(recorded.first_realization));
+  for (std::size_t r = 0; same_message && r < recorded.position.size(); ++r) {
+    if (live.position[r] == recorded.position[r]) continue;
+    difference_ +=
+        formatted(": realization %zu is at %.17g m, was at %.17g m", r, live.position[r], recorded.position[r]);
+    break;
+  }
+}
+
+std::string VehicleReplay::verdict() const {
+  if (!reason_.empty()) return "no verdict: " + reason_;
+  if (!difference_.empty()) return name_ + " differs from the recording at " + difference_;
+  if (largest_ != 0.0) {
+    return name_ + formatted(": %lld messages as in the recording, positions at most %.3g m apart",
+                             static_cast<long long>(compared_), largest_);
+  }
+  return name_ + formatted(": %lld messages equal the recorded ones to the bit", static_cast<long long>(compared_));
+}
+
+}  // namespace platoon

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <stochastic_platoon/Position.h>
+#include <stochastic_platoon/Progress.h>
+
+#include <optional>
+#include <string>
+
+#include "stochastic_platoon/ros/bags/bag_stream.hpp"
+#include "stochastic_platoon/ros/transport/drop_counter.hpp"
+#include "stochastic_platoon/ros/transport/sole_publisher.hpp"
+#include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/delivery/replay_credit.hpp"
+
+namespace platoon {
+
+/// Puts one live follower behind the predecessor positions it was recorded with, and compares what it
+/// publishes with what was recorded, bit by bit; of an external vehicle it measures how far apart they are.
+/// The messages are those of the present run.
+///
+/// What is not answered is repeated from the beginning of its batch under a newer attempt, as the leader does (see
+/// ReplayCredit): a link may be up at one of its ends only, and a vehicle may be killed. The replay ends with a
+/// verdict, or with the reason why there is none once `patience` has passed without a new answer.
+///
+/// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), progress (stochastic_platoon/Progress: what the
+/// vehicle has missed). Publishes: vehicle_<i>/predecessor_position (stochastic_platoon/Position).
+class VehicleReplay {
+public:
+  /// `patience` [s] > 0.
+  VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags, std::size_t vehicle,
+                bool external, double patience);
+
+  /// There is a verdict, or a reason why there is none.
+  bool done() const { return done_; }
+
+  /// "vehicle_3: 2020 messages equal the recorded ones to the bit", or the first that does not; of an external vehicle
+  /// how far its positions are from them at most. Or why there is no verdict.
+  std::string verdict() const;
+  bool equal() const { return done_ && difference_.empty() && reason_.empty(); }
+
+private:
+  void open();
+  void play();
+  void send_allowed();
+  void begin_again();
+  bool is_linked();
+  void check_patience();
+  void receive(const PositionEvent& event);
+  void receive_note(const stochastic_platoon::Progress::ConstPtr& message);
+  void judge(const stochastic_platoon::Position& live);
+  void drop(DropReason reason, const stochastic_platoon::Position& live);
+  void compare(const stochastic_platoon::Position& live, const stochastic_platoon::Position& recorded);
+  MessageId expected_id() const;
+  std::string silence() const;
+  void end_with(const std::string& reason);
+
+  std::string name_;
+  std::uint64_t run_;
+  bool external_;
+  double patience_;  ///< [s]
+  BagSource bags_;
+  std::size_t vehicle_;
+  ReplayCredit credit_;
+  std::optional<BagStream> inputs_;
+  std::optional<BagStream> outputs_;
+  stochastic_platoon::Position::Ptr input_;     ///< to be sent next; none at the end
+  stochastic_platoon::Position::Ptr expected_;  ///< answer; the same
+  std::int64_t compared_ = 0;                   ///< recorded answers before the expected one
+  std::int64_t batch_start_ = 0;                ///< of them, before the batch in which answers are expected
+  std::uint32_t attempts_ahead_ = 0;            ///< attempts of this replay, less those recorded
+  std::uint32_t last_attempt_ = 0;              ///< that was sent
+  double largest_ = 0.0;                        ///< [m], between an external vehicle's position and the recorded one
+  std::string difference_;                      ///< the first one
+  std::string reason_;                          ///< why there is no verdict
+  bool done_ = false;
+  bool waiting_ = false;         ///< for the vehicle, as last said
+  std::optional<double> began_;  ///< [s] when the links were looked for first
+  SolePublisher publisher_;
+  DropCounter drops_;
+  ros::Publisher predecessor_position_;
+  ros::Subscriber position_;
+  ros::Subscriber progress_;
+  ros::SteadyTimer timer_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "stochastic_platoon/run/delivery/batch_schedule.hpp"
+
+namespace platoon {
+
+/// A number that one thread writes and others may read, each at its own time.
+template <typename Number>
+class RelaxedAtomic {
+public:
+  RelaxedAtomic() = default;
+  explicit RelaxedAtomic(Number value) : value_(value) {}
+  RelaxedAtomic(const RelaxedAtomic& other) : value_(other.get()) {}
+  RelaxedAtomic& operator=(Number value) {
+    value_.store(value, std::memory_order_relaxed);
+    return *this;
+  }
+  RelaxedAtomic& operator=(const RelaxedAtomic& other) { return *this = other.get(); }
+  RelaxedAtomic& operator++() { return *this = get() + 1; }
+  Number get() const { return value_.load(std::memory_order_relaxed); }
+
+private:
+  std::atomic<Number> value_{Number{}};
+};
+
+/// What a component has done last: for diagnostics.
+struct Activity {
+  RelaxedAtomic<std::int64_t> step{kNothingYet};
+  RelaxedAtomic<std::uint32_t> attempt;
+  RelaxedAtomic<std::uint64_t> messages;
+
+  void count(const MessageId& id) {
+    step = id.step;
+    attempt = id.attempt;
+    ++messages;
+  }
+};
+
+}  // namespace platoon

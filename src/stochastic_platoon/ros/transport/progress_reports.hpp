@@ -1,0 +1,55 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/subscriber.h>
+#include <stochastic_platoon/Progress.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/delivery/arrivals.hpp"
+#include "stochastic_platoon/run/delivery/report_pace.hpp"
+
+namespace platoon {
+
+constexpr double kHeartbeat = 0.05;  ///< [s] between reports when nothing else calls for one
+
+/// A receiver's reports on topic progress: what the leader's credit lives on.
+///
+/// The first report waits until every publisher can be heard, so that no attempt is wasted before.
+class ProgressReports {
+public:
+  ProgressReports(ros::NodeHandle platoon, const std::string& receiver, const Configuration& configuration);
+
+  /// Whether every one of these has a publisher, or once had.
+  bool is_linked(const std::vector<ros::Subscriber>& subscribers);
+
+  /// Reports carry the latest platoon time seen [ns].
+  void saw(std::uint64_t platoon_time);
+
+  /// Reports what has arrived, if a report is due.
+  void report_if_due(const Arrivals& arrivals);
+
+  void report(const Arrivals& arrivals);
+
+  void set_finished() { message_.finished = true; }
+  /// A text for the progress display.
+  void set_note(const std::string& note) { set_notice(stochastic_platoon::Progress::NONE, note); }
+  /// The receiver cannot go on, for this reason.
+  void set_blocked(const std::string& reason) { set_notice(stochastic_platoon::Progress::BLOCKED, reason); }
+
+private:
+  void set_notice(std::uint8_t notice, const std::string& note) {
+    message_.notice = notice;
+    message_.note = note;
+  }
+
+  ReportPace pace_;
+  bool linked_ = false;
+  stochastic_platoon::Progress message_;
+  ros::Publisher publisher_;
+};
+
+}  // namespace platoon

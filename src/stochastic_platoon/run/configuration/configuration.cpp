@@ -1,0 +1,185 @@
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/yaml_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/io/digest.hpp"
+
+namespace platoon {
+
+namespace {
+
+void require_version(Section& document, std::vector<std::string>& problems) {
+  if (!document.is_mapping()) return;
+  if (!document.has("version")) {
+    problems.emplace_back("version: missing: must be " + std::string(kVersion) +
+                          ", this program's (version 0.1.0 wrote none)");
+    return;
+  }
+  const std::string version = document.text("version");
+  if (version != kVersion) document.reject("version", version, std::string(kVersion) + ", this program's");
+}
+
+// followers^2 x steps of exact variances, a minute or so.
+constexpr double kMostLossResponses = 1e10;
+
+bool has_independent_losses(const PlatoonModel& model) {
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  return std::any_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& vehicle) {
+    return vehicle.link.loss && vehicle.link.loss->probability > 0.0 && vehicle.link.loss->is_independent();
+  });
+}
+
+void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, std::vector<std::string>& problems) {
+  const double most =
+      std::floor(std::sqrt(kMostLossResponses / static_cast<double>(std::max<std::int64_t>(run.steps, 1))));
+  if (run.steps == 0 || static_cast<double>(run.followers) <= most || !has_independent_losses(model)) return;
+  problems.push_back(formatted(
+      "run/followers: %zu: must be at most %.0f with losses and %lld steps, as every link's losses act on every vehicle behind it (steps: 0 averages over time instead)",
+      run.followers, most, static_cast<long long>(run.steps)));
+}
+
+}  // namespace
+
+Configuration parse_configuration(const YAML::Node& document) {
+  std::vector<std::string> problems;
+  Section root(document, "", problems);
+  if (problems.empty()) require_version(root, problems);
+  if (!problems.empty()) throw ConfigurationError(problems);
+  const RunOptions run = read_run_options(root.section("run"));
+  const std::optional<PlatoonModel> model = read_model(root.section("model"), problems);
+  root.reject_unknown_keys();
+  if (model && !model->recorded_leader.empty()) {
+    const auto needed = static_cast<std::size_t>(run.steps) + 1;
+    if (run.averaging() == Averaging::over_time || model->recorded_leader.size() < needed) {
+      problems.push_back("model/leader/positions: " + std::to_string(model->recorded_leader.size()) +
+                         " given: must be at least steps + 1 = " + std::to_string(needed) + ", and steps above 0");
+    }
+  }
+  if (model) require_feasible_theory(*model, run, problems);
+  if (!problems.empty()) throw ConfigurationError(problems);
+  return {*model, run};
+}
+
+Configuration parse_configuration(const std::string& text) {
+  YAML::Node document;
+  try {
+    document = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError({std::string("configuration: must be YAML or JSON: ") + error.what()});
+  }
+  return parse_configuration(document);
+}
+
+nlohmann::json to_json(const Configuration& configuration) {
+  return {{"version", kVersion}, {"model", to_json(configuration.model)}, {"run", to_json(configuration.run)}};
+}
+
+namespace {
+
+void require_known(const std::map<std::string, std::string>& given) {
+  std::set<std::string> known{"model"};
+  for (const Setting& setting : settings()) known.insert(setting.name);
+  std::string allowed;
+  for (const std::string& name : known) allowed += (allowed.empty() ? "" : ", ") + name;
+  std::vector<std::string> problems;
+  for (const auto& entry : given) {
+    if (known.count(entry.first) == 0) problems.push_back(entry.first + ": unknown setting: allowed are " + allowed);
+  }
+  if (!problems.empty()) throw ConfigurationError(problems);
+}
+
+// Down the path "a/b", whose mappings are made where they are missing. False where it leads through what is no
+// mapping and no list of that length.
+bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
+  const std::size_t slash = path.find('/');
+  const std::string key = path.substr(0, slash);
+  const bool leaf = slash == std::string::npos;
+  if (node.IsSequence()) {
+    const bool is_index = !key.empty() && key.size() < 9 && key.find_first_not_of("0123456789") == std::string::npos;
+    if (!is_index || std::stoul(key) >= node.size()) return false;
+    if (!leaf) return put_at(path.substr(slash + 1), value, node[std::stoul(key)]);
+    node[std::stoul(key)] = YAML::Clone(value);
+    return true;
+  }
+  if (!node.IsMap() && !node.IsNull()) return false;
+  if (leaf) {
+    node[key] = YAML::Clone(value);
+    return true;
+  }
+  if (!node[key]) node[key] = YAML::Node(YAML::NodeType::Map);
+  return put_at(path.substr(slash + 1), value, node[key]);
+}
+
+void put(const Setting& setting, const std::string& value, YAML::Node& document) {
+  if (setting.model_key == nullptr) {
+    document["run"][setting.name] = value;
+  } else if (!value.empty() && document["model"].IsMap()) {
+    // What is no mapping takes no override: read_model() says what is wrong with it.
+    put_at(setting.model_key, YAML::Node(value), document["model"]);
+  }
+}
+
+}  // namespace
+
+YAML::Node configuration_document(const std::map<std::string, std::string>& given) {
+  require_known(given);
+  YAML::Node document;
+  document["version"] = kVersion;
+  document["model"] = load_yaml(given.count("model") > 0 ? given.at("model") : "");
+  for (const Setting& setting : settings()) {
+    const auto value = given.find(setting.name);
+    put(setting, value == given.end() ? setting.default_value : value->second, document);
+  }
+  return document;
+}
+
+YAML::Node configuration_document(const Configuration& base, const std::map<std::string, std::string>& given) {
+  require_known(given);
+  YAML::Node document = YAML::Load(to_json(base).dump());
+  if (given.count("model") > 0 && !given.at("model").empty()) document["model"] = load_yaml(given.at("model"));
+  for (const Setting& setting : settings()) {
+    const auto value = given.find(setting.name);
+    if (value != given.end()) put(setting, value->second, document);
+  }
+  return document;
+}
+
+void override_value(YAML::Node& document, const std::string& name, const YAML::Node& value) {
+  for (const Setting& setting : settings()) {
+    if (name != setting.name) continue;
+    if (setting.model_key == nullptr) {
+      document["run"][name] = YAML::Clone(value);
+      return;
+    }
+    if (put_at(setting.model_key, value, document["model"])) return;
+    throw ConfigurationError({name + ": leads through what is no mapping in the model file"});
+  }
+  if (put_at(name, value, document["model"])) return;
+  throw ConfigurationError({name + ": must be a setting, or lead to a key of the model file"});
+}
+
+std::uint64_t run_identity(const Configuration& configuration) {
+  const std::uint64_t identity = digest(to_json(configuration).dump());
+  return identity == 0 ? 1 : identity;
+}
+
+nlohmann::json statistics_identity(const Configuration& configuration) {
+  nlohmann::json identity = to_json(configuration.model);
+  identity["version"] = kVersion;
+  identity["realization"] = to_json(configuration.model.loop.realization);
+  for (const VehicleType& type : configuration.model.types)
+    identity["vehicle_types"][type.name]["realization"] = to_json(type.vehicle.loop.realization);
+  identity["seed"] = configuration.run.seed;
+  identity["followers"] = configuration.run.followers;
+  identity["steps"] = configuration.run.steps;
+  if (configuration.run.averaging() == Averaging::over_time) identity["burn_in"] = configuration.run.burn_in;
+  if (!configuration.run.external.empty()) identity["external"] = configuration.run.external;
+  return identity;
+}
+
+}  // namespace platoon

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/math/model/leader_profile.hpp"
+#include "stochastic_platoon/run/configuration/section.hpp"
+
+namespace platoon {
+
+/// What drives vehicle 0: the speeds of the virtual leader, or recorded positions of vehicle 0.
+struct LeaderContent {
+  LeaderProfile profile{{}, 1.0};
+  std::vector<double> recorded;  ///< y_0(-1), y_0(0), ... [m]
+};
+
+/// Reads the key `leader` and reports what is wrong.
+LeaderContent read_leader(Section section, double sample_period, std::vector<std::string>& problems);
+
+}  // namespace platoon

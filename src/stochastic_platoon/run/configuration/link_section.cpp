@@ -1,0 +1,111 @@
+#include "stochastic_platoon/run/configuration/link_section.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/configuration/fraction.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr std::int64_t kLongestDelay = 10000;
+constexpr std::size_t kLongestPredictor = 10;
+
+TransferFunction read_noise_filter(Section& link) {
+  Section section = link.section("noise_filter");
+  TransferFunction filter = read_fraction(section);
+  if (filter.relative_degree() < 0)
+    link.reject("noise_filter", "more zeros than poles", "proper: no more zeros than poles");
+  const double radius = spectral_radius(delta_form(filter.denominator()));
+  if (radius >= 1.0)
+    link.reject("noise_filter", formatted("a pole of modulus %g", radius), "stable: poles inside the unit circle");
+  return filter;
+}
+
+std::vector<double> read_predictor(Section& section) {
+  if (!section.is_list("on_loss")) {
+    const std::string name = section.choice("on_loss", {"hold", "extrapolate", "a list of coefficients of sum 1"});
+    return name == "extrapolate" ? std::vector<double>{2.0, -1.0} : std::vector<double>{1.0};
+  }
+  const Eigen::VectorXd c = section.numbers("on_loss");
+  const double sum = c.sum(), size = c.cwiseAbs().sum();
+  if (std::abs(sum - 1.0) > 1e-12 * size) {
+    section.reject("on_loss", formatted("coefficients of sum %g", sum),
+                   "of sum 1, as a platoon moves: [1] holds, [2, -1] extrapolates");
+  }
+  if (static_cast<std::size_t>(c.size()) > kLongestPredictor) {
+    section.reject("on_loss", std::to_string(c.size()) + " coefficients",
+                   "at most " + std::to_string(kLongestPredictor));
+  }
+  return {c.data(), c.data() + c.size()};
+}
+
+void check_burst(Section& section, const LossModel& loss) {
+  const double q = loss.probability, least = std::max(1.0, q / (1.0 - q));
+  if (*loss.mean_burst >= least) return;
+  section.reject(
+      "mean_burst", formatted("%g", *loss.mean_burst),
+      formatted(
+          "at least %g, the larger of 1 and q / (1 - q) for q = %g: no chain has shorter bursts; independent losses have 1 / (1 - q) = %g",
+          least, q, loss.independent_burst()));
+}
+
+void check_growth(Section& section, const LossModel& loss) {
+  const double radius = second_moment_radius(loss);
+  if (radius < 1.0) return;
+  const double feedback = loss.is_independent() ? loss_feedback(loss) : std::nan("");
+  const std::string value = std::isfinite(feedback)
+                                ? formatted("predictions whose p q ||L F||^2 is %g", feedback)
+                                : formatted("predictions whose variance grows by a factor of %g a step", radius);
+  section.reject(
+      "on_loss", value,
+      formatted(
+          "one whose variance settles, p q ||L F||^2 < 1 where losses are independent, for a probability of %g (allow_unstable: true runs it all the same)",
+          loss.probability));
+}
+
+LossModel read_loss(Section section, const std::optional<LossModel>& base, bool allow_unstable) {
+  const std::size_t before = section.problems();
+  LossModel loss = base.value_or(LossModel());
+  if (!base || section.has("probability")) loss.probability = section.number("probability", kLossProbability);
+  if (section.has("mean_burst")) loss.mean_burst = section.number("mean_burst", kPositive);
+  if (loss.mean_burst && section.problems() == before) check_burst(section, loss);
+  if (section.has("on_loss")) loss.predictor = read_predictor(section);
+  section.reject_unknown_keys();
+  if (section.problems() > before) return LossModel();
+  if (!allow_unstable) check_growth(section, loss);
+  return loss;
+}
+
+nlohmann::json to_json(const LossModel& loss) {
+  nlohmann::json document = {{"probability", loss.probability}, {"on_loss", loss.predictor}};
+  if (loss.mean_burst) document["mean_burst"] = *loss.mean_burst;
+  return document;
+}
+
+}  // namespace
+
+LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable) {
+  LinkModel link = base;
+  if (section.has("noise_filter")) link.noise_filter = read_noise_filter(section);
+  if (section.has("quantisation_step")) link.quantisation_step = section.number("quantisation_step", kNotNegative);
+  if (section.has("delay")) link.delay = section.integer("delay", 0, kLongestDelay);
+  if (section.has("loss")) link.loss = read_loss(section.section("loss"), base.loss, allow_unstable);
+  section.reject_unknown_keys();
+  return link;
+}
+
+nlohmann::json to_json(const LinkModel& link) {
+  nlohmann::json document = nlohmann::json::object();
+  if (!link.has_white_noise()) document["noise_filter"] = to_json(link.noise_filter);
+  if (link.quantisation_step > 0.0) document["quantisation_step"] = link.quantisation_step;
+  if (link.delay > 0) document["delay"] = link.delay;
+  if (link.loss) document["loss"] = to_json(*link.loss);
+  return document;
+}
+
+}  // namespace platoon

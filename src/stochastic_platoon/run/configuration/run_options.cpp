@@ -1,0 +1,173 @@
+#include "stochastic_platoon/run/configuration/run_options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <set>
+#include <sstream>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+
+namespace platoon {
+
+namespace {
+constexpr std::int64_t kMaxFollowers = 1000000;
+// Of realizations and steps: what the noise's counter can name.
+constexpr std::int64_t kMaxCount = std::int64_t{1} << 46;
+
+// Cells of statistics: followers times steps. A run keeps some 200 bytes a cell.
+constexpr std::int64_t kMaxCells = 20000000;
+
+// Timers of ROS count nanoseconds in 64 bits, and seconds in 32.
+const Allowed kRate{"a finite number >= 0", std::numeric_limits<double>::quiet_NaN(), 0.0, 1e6};
+constexpr double kSlowestRate = 1e-6;
+const Allowed kStallTimeout{"a finite number >= 0", std::numeric_limits<double>::quiet_NaN(), 0.0, 1e6};
+constexpr double kShortestStall = 1e-3;
+
+constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
+
+// The launch files compare the words of the list: there is one way to write it.
+std::vector<std::size_t> read_external(Section& section, std::size_t followers) {
+  const std::string text = section.text("external");
+  std::set<std::size_t> external;
+  std::istringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
+    std::size_t vehicle = 0;
+    const auto read = std::from_chars(word.data(), word.data() + word.size(), vehicle);
+    const bool is_one = read.ec == std::errc() && std::to_string(vehicle) == word && vehicle >= 1 &&
+                        vehicle <= followers && external.insert(vehicle).second;
+    if (is_one && (text.empty() || text.back() != ',')) continue;
+    section.reject(
+        "external", printable(shortened(text)),
+        "numbers of followers from 1 to " + std::to_string(followers) + ", each once, separated by commas, as in 3,7");
+    return {};
+  }
+  return {external.begin(), external.end()};
+}
+
+Hosting parsed_hosting(const std::string& text) {
+  return text == to_string(Hosting::one_process) ? Hosting::one_process : Hosting::processes;
+}
+}  // namespace
+
+const char* to_string(Hosting hosting) {
+  switch (hosting) {
+    case Hosting::processes:
+      return "processes";
+    case Hosting::one_process:
+      return "one_process";
+    case Hosting::monte_carlo:
+      return "monte_carlo";
+    case Hosting::bag:
+      return "bag";
+  }
+  return "unknown";
+}
+
+std::uint64_t chosen_batch(const RunOptions& options) {
+  const bool recorded = !options.record.empty();
+  const std::uint64_t positions_of_a_step = std::uint64_t{1} << (recorded ? 21 : 22);
+  const std::uint64_t streams = recorded ? 2 * options.followers + 1 : options.followers;
+  std::uint64_t batch = recorded ? 32768 : 8192;
+  while (batch > 64 && batch * streams > positions_of_a_step) batch /= 2;
+  return std::min(batch, options.realizations);
+}
+
+std::int64_t chosen_window(std::uint64_t batch, std::size_t followers) {
+  const std::uint64_t positions_in_flight = std::uint64_t{5} << 19;  // 20 MiB
+  const std::uint64_t per_step = std::max<std::uint64_t>(batch * followers, 1);
+  return static_cast<std::int64_t>(std::clamp<std::uint64_t>(positions_in_flight / per_step, 4, 256));
+}
+
+RunOptions read_run_options(Section section) {
+  RunOptions options;
+  options.followers = static_cast<std::size_t>(section.integer("followers", 1, kMaxFollowers));
+  options.steps = section.integer("steps", 0, kMaxCount);
+  options.realizations = static_cast<std::uint64_t>(section.integer("realizations", 1, kMaxCount));
+  options.batch = static_cast<std::uint64_t>(section.integer("batch", 0, 1 << 24));
+  options.rate = section.number("rate", kRate);
+  if (options.rate > 0.0 && options.rate < kSlowestRate)
+    section.reject("rate", formatted("%g", options.rate), formatted("0 or at least %g", kSlowestRate));
+  options.seed = static_cast<std::uint64_t>(section.integer("seed", 0, INT64_MAX));
+  options.hosting =
+      parsed_hosting(section.choice("hosting", {to_string(Hosting::processes), to_string(Hosting::one_process)}));
+  options.output = section.text("output");
+  options.resume = section.boolean("resume");
+  options.first_realization = static_cast<std::uint64_t>(section.integer("first_realization", 0, kMaxCount));
+  options.record = section.text("record");
+  options.record_split_mb = section.integer("record_split_mb", 0, 1 << 30);
+  options.record_compression = section.choice("record_compression", {"none", "lz4"});
+  options.launch_id = section.text("launch_id");
+  options.number =
+      section.has("run_number") ? static_cast<std::uint64_t>(section.integer("run_number", 1, kMaxCount)) : 1;
+  options.window = section.integer("window", 0, 1 << 20);
+  options.stall_timeout = section.number("stall_timeout", kStallTimeout);
+  if (options.stall_timeout > 0.0 && options.stall_timeout < kShortestStall)
+    section.reject("stall_timeout", formatted("%g", options.stall_timeout),
+                   formatted("0 or at least %g", kShortestStall));
+  options.burn_in = section.integer("burn_in", 0, kMaxCount);
+  if (section.has("external")) options.external = read_external(section, options.followers);
+  section.reject_unknown_keys();
+  const auto followers = static_cast<std::int64_t>(options.followers);
+  if (options.steps > kMaxCells / followers) {
+    section.reject("steps x followers", std::to_string(options.steps) + " x " + std::to_string(followers),
+                   "at most " + std::to_string(kMaxCells) +
+                       ", as statistics are kept for each (steps: 0 averages over time instead)");
+  } else if (options.realizations > kMaxPositions / static_cast<std::uint64_t>((options.steps + 1) * (followers + 1))) {
+    section.reject("realizations x steps x followers",
+                   std::to_string(options.realizations) + " x " + std::to_string(options.steps) + " x " +
+                       std::to_string(followers),
+                   "below 2^63, which is what can be counted");
+  }
+  if (options.steps == 0) options.realizations = 1;
+  if (options.batch == 0) options.batch = chosen_batch(options);
+  options.batch = std::min(options.batch, options.realizations);
+  if (options.window == 0) options.window = chosen_window(options.batch, options.followers);
+  return options;
+}
+
+std::vector<std::string> RunOptions::receivers() const {
+  std::vector<std::string> names{"monitor"};
+  if (!record.empty()) names.emplace_back("recorder");
+  return names;
+}
+
+bool RunOptions::is_external(std::size_t follower) const {
+  return std::binary_search(external.begin(), external.end(), follower);
+}
+
+// In one process a message is used up at once, and the further a vehicle is ahead the longer its state stays
+// in the cache. Not where one of them is external, and waited for.
+std::size_t RunOptions::pipeline_depth() const {
+  constexpr std::size_t kOfProcesses = 128;
+  return hosting == Hosting::processes || !external.empty() ? kOfProcesses : followers;
+}
+
+nlohmann::json to_json(const RunOptions& options) {
+  nlohmann::json document = {{"followers", options.followers},
+                             {"steps", options.steps},
+                             {"realizations", options.realizations},
+                             {"batch", options.batch},
+                             {"rate", options.rate},
+                             {"seed", options.seed},
+                             {"hosting", to_string(options.hosting)},
+                             {"output", options.output},
+                             {"resume", options.resume},
+                             {"first_realization", options.first_realization},
+                             {"record", options.record},
+                             {"record_split_mb", options.record_split_mb},
+                             {"record_compression", options.record_compression},
+                             {"launch_id", options.launch_id},
+                             {"window", options.window},
+                             {"stall_timeout", options.stall_timeout},
+                             {"burn_in", options.burn_in}};
+  if (options.number > 1) document["run_number"] = options.number;
+  // Absent of others, so that their text stays what it was.
+  std::string external;
+  for (const std::size_t vehicle : options.external)
+    external += (external.empty() ? "" : ",") + std::to_string(vehicle);
+  if (!external.empty()) document["external"] = external;
+  return document;
+}
+
+}  // namespace platoon

@@ -1,0 +1,291 @@
+#include "stochastic_platoon/run/configuration/section.hpp"
+
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr char kUtf8[] = "UTF-8";
+constexpr double kUnbound = std::numeric_limits<double>::quiet_NaN();
+
+std::string whole_text(const YAML::Node& node) {
+  if (!node || node.IsNull()) return "(nothing)";
+  if (node.IsScalar()) return node.Scalar().empty() ? "(empty)" : node.Scalar();
+  YAML::Emitter emitter;
+  emitter << YAML::Flow << node;
+  return emitter.c_str();
+}
+
+// What a file says must not steer the terminal that it is shown on.
+std::string on_one_line(const std::string& text) {
+  std::string line;
+  for (const char c : text) {
+    const bool space = c == ' ' || c == '\n';
+    if (!space || line.empty() || line.back() != ' ') line += space ? ' ' : c;
+  }
+  return printable(line);
+}
+
+std::string shown(const YAML::Node& node) {
+  return on_one_line(shortened(whole_text(node)));
+}
+
+// The whole text as a number, in the C locale; nullopt for anything else. "nan" and "inf" are not read.
+std::optional<double> parsed_number(const YAML::Node& node) {
+  if (!node.IsScalar()) return std::nullopt;
+  std::istringstream stream(node.Scalar());
+  stream.imbue(std::locale::classic());
+  double value;
+  if (!(stream >> value) || !std::isfinite(value)) return std::nullopt;
+  return (stream >> std::ws).eof() ? std::optional<double>(value) : std::nullopt;
+}
+
+// A whole number, also as 1e9.
+std::optional<std::int64_t> parsed_integer(const YAML::Node& node) {
+  if (!node.IsScalar()) return std::nullopt;
+  std::istringstream stream(node.Scalar());
+  stream.imbue(std::locale::classic());
+  std::int64_t value;
+  if (stream >> value && (stream >> std::ws).eof()) return value;
+  if (node.Scalar().find_first_of("eE") == std::string::npos) return std::nullopt;
+  const std::optional<double> number = parsed_number(node);
+  constexpr double kEveryWholeNumberBelow = 9007199254740992.0;
+  if (!number || std::abs(*number) >= kEveryWholeNumberBelow || *number != std::floor(*number)) return std::nullopt;
+  return static_cast<std::int64_t>(*number);
+}
+
+std::optional<Eigen::VectorXd> parsed_numbers(const YAML::Node& node) {
+  if (!node.IsSequence() || node.size() == 0) return std::nullopt;
+  Eigen::VectorXd values(static_cast<Eigen::Index>(node.size()));
+  for (std::size_t i = 0; i < node.size(); ++i) {
+    const std::optional<double> value = parsed_number(node[i]);
+    if (!value) return std::nullopt;
+    values(static_cast<Eigen::Index>(i)) = *value;
+  }
+  return values;
+}
+
+// As JSON must be, which a text becomes part of.
+bool is_utf8(const std::string& text) {
+  try {
+    nlohmann::json(text).dump();
+    return true;
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+std::string at_most(double most) {
+  return formatted("at most %g in magnitude", most);
+}
+
+}  // namespace
+
+const Allowed kAnyFinite{"a finite number", kUnbound, kUnbound};
+const Allowed kPositive{"a finite number > 0", 0.0, kUnbound};
+const Allowed kNotNegative{"a finite number >= 0", kUnbound, 0.0};
+const Allowed kLossProbability{"a number from 0 to below 1", kUnbound, 0.0, kLargest, 1.0};
+
+Section::Section(const YAML::Node& node, const std::string& path, std::vector<std::string>& problems)
+    : node_(node), path_(path), problems_(problems) {
+  if (node_.IsNull() && !path.empty()) return;  // missing, and reported as such
+  if (!node_.IsMap()) {
+    problems_.push_back((path.empty() ? "the document" : path) + ": " + shown(node) + ": must be a mapping of keys");
+  }
+}
+
+bool Section::has(const std::string& key) {
+  known_.insert(key);
+  return node_.IsMap() && static_cast<const YAML::Node&>(node_)[key];
+}
+
+void Section::reject(const std::string& key, const std::string& value, const std::string& allowed) {
+  problems_.push_back(name(key) + ": " + value + ": must be " + allowed);
+}
+
+YAML::Node Section::require(const std::string& key, const std::string& allowed) {
+  known_.insert(key);
+  if (!node_.IsMap()) return {};
+  const YAML::Node value = static_cast<const YAML::Node&>(node_)[key];
+  if (!value || value.IsNull()) {
+    problems_.push_back(name(key) + ": missing: must be " + allowed);
+    return {};
+  }
+  return value;
+}
+
+double Section::number(const std::string& key, const Allowed& allowed) {
+  const YAML::Node node = require(key, allowed.text);
+  if (node.IsNull()) return 1.0;
+  const std::optional<double> value = parsed_number(node);
+  if (!value || *value <= allowed.above || *value < allowed.at_least || *value >= allowed.below) {
+    reject(key, shown(node), allowed.text);
+    return 1.0;
+  }
+  if (std::abs(*value) > allowed.most) {
+    reject(key, shown(node), at_most(allowed.most));
+    return 1.0;
+  }
+  return *value;
+}
+
+std::int64_t Section::integer(const std::string& key, std::int64_t least, std::int64_t most) {
+  const std::string allowed = "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  const YAML::Node node = require(key, allowed);
+  if (node.IsNull()) return least;
+  const std::optional<std::int64_t> value = parsed_integer(node);
+  if (!value || *value < least || *value > most) {
+    reject(key, shown(node), allowed);
+    return least;
+  }
+  return *value;
+}
+
+bool Section::boolean(const std::string& key) {
+  const YAML::Node node = require(key, "true or false");
+  if (node.IsNull()) return false;
+  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  if (text == "true" || text == "True") return true;
+  if (text != "false" && text != "False") reject(key, shown(node), "true or false");
+  return false;
+}
+
+std::string Section::text(const std::string& key) {
+  const YAML::Node node = require(key, "a text");
+  if (node.IsNull()) return "";
+  if (!node.IsScalar()) reject(key, shown(node), "a text");
+  if (!node.IsScalar()) return "";
+  if (!is_utf8(node.Scalar())) reject(key, shown(node), kUtf8);
+  return node.Scalar();
+}
+
+std::string Section::choice(const std::string& key, const std::vector<std::string>& choices) {
+  std::string allowed;
+  for (const std::string& choice : choices) allowed += (allowed.empty() ? "" : " or ") + choice;
+  const YAML::Node node = require(key, allowed);
+  if (node.IsNull()) return choices.front();
+  for (const std::string& choice : choices) {
+    if (node.IsScalar() && node.Scalar() == choice) return choice;
+  }
+  reject(key, shown(node), allowed);
+  return choices.front();
+}
+
+Eigen::VectorXd Section::numbers(const std::string& key, Eigen::Index longest) {
+  const std::string allowed = "a list of finite numbers";
+  const YAML::Node node = require(key, allowed);
+  if (node.IsNull()) return Eigen::VectorXd::Ones(1);
+  const std::optional<Eigen::VectorXd> values = parsed_numbers(node);
+  if (!values) {
+    reject(key, shown(node), allowed);
+  } else if (longest != kUnlimited && values->size() > longest) {
+    reject(key, std::to_string(values->size()) + " numbers", "at most " + std::to_string(longest));
+  } else if (values->cwiseAbs().maxCoeff() > kLargest) {
+    reject(key, shown(node), at_most(kLargest));
+  } else {
+    return *values;
+  }
+  return Eigen::VectorXd::Ones(1);
+}
+
+Eigen::MatrixXd Section::matrix(const std::string& key) {
+  const std::string allowed = "a list of rows of finite numbers, all of one length";
+  const YAML::Node node = require(key, allowed);
+  if (node.IsNull()) return Eigen::MatrixXd::Ones(1, 1);
+  constexpr auto kLongest = static_cast<std::size_t>(kLongestRow);
+  const std::size_t rows = node.IsSequence() ? node.size() : 0;
+  if (rows > kLongest || (rows > 0 && node[0].size() > kLongest)) {
+    reject(key, std::to_string(rows) + " rows of " + std::to_string(node[0].size()),
+           "at most " + std::to_string(kLongestRow) + " x " + std::to_string(kLongestRow));
+    return Eigen::MatrixXd::Ones(1, 1);
+  }
+  Eigen::MatrixXd values;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const std::optional<Eigen::VectorXd> row = parsed_numbers(node[i]);
+    if (!row || (i > 0 && row->size() != values.cols())) {
+      values.resize(0, 0);
+      break;
+    }
+    values.conservativeResize(values.rows() + 1, row->size());
+    values.bottomRows(1) = row->transpose();
+  }
+  if (values.size() > 0 && values.cwiseAbs().maxCoeff() <= kLargest) return values;
+  reject(key, shown(node), values.size() > 0 ? at_most(kLargest) : allowed);
+  return Eigen::MatrixXd::Ones(1, 1);
+}
+
+std::vector<std::string> Section::texts(const std::string& key) {
+  const std::string allowed = "a list of names, not empty";
+  const YAML::Node node = require(key, allowed);
+  if (node.IsNull()) return {};
+  std::vector<std::string> values;
+  for (std::size_t i = 0; node.IsSequence() && i < node.size(); ++i) {
+    if (!node[i].IsScalar()) {
+      values.clear();
+      break;
+    }
+    values.push_back(node[i].Scalar());
+    if (is_utf8(values.back())) continue;
+    reject(key, shown(node), kUtf8);
+    return {};
+  }
+  if (values.empty()) reject(key, shown(node), allowed);
+  return values;
+}
+
+std::vector<std::string> Section::keys() {
+  std::vector<std::string> found;
+  if (!node_.IsMap()) return found;
+  for (const auto& entry : node_) {
+    if (!entry.first.IsScalar()) continue;
+    if (!is_utf8(entry.first.Scalar())) {
+      known_.insert(entry.first.Scalar());
+      problems_.push_back(name(shown(entry.first)) + ": must be " + kUtf8);
+    } else if (known_.insert(entry.first.Scalar()).second) {
+      found.push_back(entry.first.Scalar());
+    }
+  }
+  return found;
+}
+
+bool Section::is_list(const std::string& key) {
+  return has(key) && static_cast<const YAML::Node&>(node_)[key].IsSequence();
+}
+
+Section Section::section(const std::string& key) {
+  return Section(require(key, "a mapping of keys"), name(key), problems_);
+}
+
+std::vector<Section> Section::sections(const std::string& key) {
+  const YAML::Node node = require(key, "a list of mappings");
+  if (node.IsNull()) return {};
+  if (!node.IsSequence()) reject(key, shown(node), "a list of mappings");
+  std::vector<Section> entries;
+  for (std::size_t i = 0; node.IsSequence() && i < node.size(); ++i) {
+    const std::string entry = name(key) + "[" + std::to_string(i) + "]";
+    if (node[i].IsNull()) problems_.push_back(entry + ": (nothing): must be a mapping of keys");
+    entries.emplace_back(node[i], entry, problems_);
+  }
+  return entries;
+}
+
+void Section::reject_unknown_keys() {
+  if (!node_.IsMap()) return;
+  std::string allowed;
+  for (const std::string& key : known_) allowed += (allowed.empty() ? "" : ", ") + key;
+  std::set<std::string> seen;
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
+    if (known_.count(key) == 0) problems_.push_back(name(shown(entry.first)) + ": unknown key: allowed are " + allowed);
+    if (!seen.insert(key).second) problems_.push_back(name(key) + ": given twice: must stand once");
+  }
+}
+
+}  // namespace platoon

@@ -1,0 +1,34 @@
+#include "stochastic_platoon/run/configuration/settings.hpp"
+
+namespace platoon {
+
+const std::vector<Setting>& settings() {
+  static const std::vector<Setting> all = {
+      {"headway", "", "time headway h in sample periods, above 0; empty: the model file's", "time_headway"},
+      {"noise_variance", "", "channel noise variance P_d [m^2], 0 or more; empty: the model file's", "noise_variance"},
+      {"loss", "", "loss probability of the link, from 0 to below 1; empty: the model file's",
+       "channel/loss/probability"},
+      {"delay", "", "delay of the link in whole steps, 0 or more; empty: the model file's", "channel/delay"},
+      {"followers", "20", "number of followers N, 1 or more", nullptr},
+      {"steps", "100", "steps per realization; 0: one endless realization with time averages", nullptr},
+      {"realizations", "10000", "number of realizations", nullptr},
+      {"batch", "0", "realizations per message; 0: choose", nullptr},
+      {"rate", "0", "steps per second of wall time; 0: as fast as possible", nullptr},
+      {"seed", "1", "seed of the noise", nullptr},
+      {"hosting", "processes", "processes: each vehicle its own node; one_process: all in one, no copies", nullptr},
+      {"output", "", "folder for the results; empty: a new one under the ROS home", nullptr},
+      {"resume", "false", "true: go on with the run in the output folder", nullptr},
+      {"record", "", "bag to record to, ends in .bag; empty: none", nullptr},
+      {"record_split_mb", "0", "begin another bag beyond this size in MiB; 0: one bag", nullptr},
+      {"record_compression", "none", "none or lz4", nullptr},
+      {"window", "0", "steps that may be unacknowledged; 0: choose", nullptr},
+      {"stall_timeout", "2.0", "seconds without progress before a batch is begun again; 0: never", nullptr},
+      {"external", "", "external vehicles, which platoon.launch does not start, as in 3,7; empty: none", nullptr},
+      {"burn_in", "200", "steps left out of the time averages of an endless run", nullptr},
+      {"launch_id", "", "names one launch; empty: a new one", nullptr},
+      {"first_realization", "0", "realizations before it come from earlier launches (configure finds out)", nullptr},
+  };
+  return all;
+}
+
+}  // namespace platoon

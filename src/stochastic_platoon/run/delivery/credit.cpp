@@ -1,0 +1,131 @@
+#include "stochastic_platoon/run/delivery/credit.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+namespace platoon {
+
+namespace {
+constexpr double kGrowth = 1.5;
+constexpr double kLongestStart = 3.0;  // [s] between attempts to start, where there is no stall_timeout
+
+}  // namespace
+
+Credit::Credit(const BatchSchedule& schedule, const CreditLimits& limits, const std::vector<std::string>& receivers)
+    : schedule_(schedule),
+      limits_(limits),
+      first_step_patience_(limits.first_step_timeout),
+      patience_(limits.stall_timeout) {
+  for (const std::string& name : receivers) receivers_[name] = Receiver{};
+}
+
+std::int64_t Credit::acknowledged() const {
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (const auto& entry : receivers_) {
+    const Receiver& receiver = entry.second;
+    least = std::min(least, receiver.in_attempt ? steps_covered(schedule_, start_, *receiver.latest) : 0);
+  }
+  return least;
+}
+
+bool Credit::all_reported() const {
+  return std::all_of(receivers_.begin(), receivers_.end(), [](const auto& entry) { return entry.second.latest; });
+}
+
+bool Credit::complete() const {
+  return all_reported() && std::all_of(receivers_.begin(), receivers_.end(), [this](const auto& entry) {
+           return schedule_.is_complete(entry.second.latest->first_realization);
+         });
+}
+
+bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& report, double now,
+                         std::uint64_t messages) {
+  const auto found = receivers_.find(receiver);
+  if (found == receivers_.end()) return false;
+  Receiver& sender = found->second;
+  const std::int64_t before = acknowledged();
+  const bool of_this_attempt = attempt_ > 0 && report.attempt == attempt_;
+  // Reports only grow: one that shrinks comes from a receiver that was restarted.
+  const auto extent = [](const Acknowledgement& of, const std::uint64_t& count) {
+    return std::tie(of.attempt, of.first_realization, of.step, count);
+  };
+  const bool lost = attempt_ > 0 && sender.latest && extent(report, messages) < extent(*sender.latest, sender.messages);
+  const bool through_a_batch = sender.latest && report.first_realization > sender.latest->first_realization;
+  sender.latest = report;
+  const bool more = of_this_attempt && messages > (sender.in_attempt ? sender.messages : 0);
+  if (more && !may_publish()) last_activity_ = now;
+  sender.messages = messages;
+  sender.in_attempt = of_this_attempt;
+  if (lost && !complete() && may_begin()) begin_attempt(now);
+  if (acknowledged() > before) {
+    flowed_ = true;
+    last_activity_ = now;
+    first_step_patience_ = limits_.first_step_timeout;
+    if (through_a_batch || now - attempt_began_ > patience_) patience_ = limits_.stall_timeout;
+  }
+  return true;
+}
+
+// Without a stall_timeout not once steps have flowed: in the platoon of a leader that comes up, too.
+bool Credit::may_begin() const {
+  if (limits_.stall_timeout > 0.0) return true;
+  if (attempt_ > 0) return !flowed_;
+  return std::all_of(receivers_.begin(), receivers_.end(),
+                     [](const auto& entry) { return entry.second.latest->step <= kInitialStep; });
+}
+
+bool Credit::may_publish() const {
+  const std::int64_t acknowledged_steps = acknowledged();
+  const std::int64_t allowed = acknowledged_steps == 0 ? 1 : limits_.window;
+  return !schedule_.is_complete(upcoming_.first_realization) && published_ - acknowledged_steps < allowed;
+}
+
+void Credit::begin_attempt(double now) {
+  start_ = schedule_.realizations;
+  for (auto& entry : receivers_) {
+    attempt_ = std::max(attempt_, entry.second.latest->attempt);
+    start_ = std::min(start_, entry.second.latest->first_realization);
+    entry.second.in_attempt = false;
+  }
+  ++attempt_;
+  upcoming_ = {attempt_, start_, kInitialStep};
+  published_ = 0;
+  attempt_began_ = last_activity_ = now;
+}
+
+std::optional<MessageId> Credit::next(double now) {
+  if (!all_reported() || complete()) return std::nullopt;
+  if (attempt_ == 0 && !may_begin()) return std::nullopt;
+  if (attempt_ == 0) begin_attempt(now);
+  if (!may_publish()) return std::nullopt;
+  const MessageId id = upcoming_;
+  if (published_ == acknowledged()) last_activity_ = now;  // idle until now: the wait for an answer begins here
+  ++published_;
+  if (schedule_.is_last_step(id.step)) {
+    upcoming_ = {attempt_, schedule_.next(id.first_realization), kInitialStep};
+  } else {
+    ++upcoming_.step;
+  }
+  return id;
+}
+
+void Credit::give_up(std::uint32_t attempt, double now) {
+  if (attempt == attempt_ && attempt_ > 0 && acknowledged() > 0 && !complete() && may_begin()) begin_attempt(now);
+}
+
+bool Credit::retry_if_stalled(double now) {
+  if (attempt_ == 0 || complete() || published_ == acknowledged()) return false;
+  const bool unanswered = acknowledged() == 0;
+  if (!may_begin()) return false;
+  double& patience = unanswered ? first_step_patience_ : patience_;
+  if (now - last_activity_ < patience) return false;
+  patience *= kGrowth;
+  // Nodes that are still coming up should not be kept waiting.
+  const double longest = limits_.stall_timeout > 0.0 ? kGrowth * limits_.stall_timeout : kLongestStart;
+  if (unanswered) patience = std::min(patience, std::max(limits_.first_step_timeout, longest));
+  begin_attempt(now);
+  return true;
+}
+
+}  // namespace platoon

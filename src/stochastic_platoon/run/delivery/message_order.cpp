@@ -1,0 +1,54 @@
+#include "stochastic_platoon/run/delivery/message_order.hpp"
+
+#include <tuple>
+
+namespace platoon {
+
+const char* to_string(DropReason drop) {
+  switch (drop) {
+    case DropReason::none:
+      return "in turn";
+    case DropReason::stale:
+      return "stale";
+    case DropReason::missed_start:
+      return "of an attempt whose start was missed";
+    case DropReason::out_of_turn:
+      return "out of turn";
+    case DropReason::wrong_size:
+      return "wrong batch size";
+    case DropReason::not_finite:
+      return "not finite";
+    case DropReason::foreign_run:
+      return "of another run";
+  }
+  return "unknown";
+}
+
+// Whether it is the next message of the present attempt.
+bool MessageOrder::continues(const MessageId& id) const {
+  if (schedule_.is_last_step(latest_->step)) {
+    return id.step == kInitialStep && id.first_realization == schedule_.next(latest_->first_realization);
+  }
+  return id.first_realization == latest_->first_realization && id.step == latest_->step + 1;
+}
+
+bool MessageOrder::has_missed(DropReason drop, const MessageId& id, std::int64_t first_loss) const {
+  if (!may_be_reported(schedule_, id)) return false;  // there is no such message
+  if (drop == DropReason::missed_start) return id.step >= first_loss;
+  return drop == DropReason::out_of_turn && latest_ && id.attempt == latest_->attempt &&
+         std::tie(id.first_realization, id.step) > std::tie(latest_->first_realization, latest_->step);
+}
+
+DropReason MessageOrder::receive(const MessageDescriptor& descriptor) {
+  const MessageId& id = descriptor.id;
+  if (latest_ && id.attempt < latest_->attempt) return DropReason::stale;
+  const bool new_attempt = !latest_ || id.attempt > latest_->attempt;
+  if (new_attempt && id.step != kInitialStep) return DropReason::missed_start;
+  if (!new_attempt && !continues(id)) return DropReason::out_of_turn;
+  if (descriptor.size == 0 || descriptor.size != schedule_.size(id.first_realization)) return DropReason::wrong_size;
+  if (!descriptor.finite) return DropReason::not_finite;
+  latest_ = id;
+  return DropReason::none;
+}
+
+}  // namespace platoon

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "stochastic_platoon/run/delivery/batch_schedule.hpp"
+
+namespace platoon {
+
+/// When a receiver reports: at once where the leader may be waiting for it (an attempt or a batch has begun,
+/// the run is complete), else after a quarter of the window. So the leader publishes several steps at a time
+/// and everyone behind it wakes up less often.
+class ReportPace {
+public:
+  ReportPace(const BatchSchedule& schedule, std::int64_t window)
+      : schedule_(schedule), stride_(std::max<std::int64_t>(window / 4, 1)) {}
+
+  bool is_due(const Acknowledgement& present) const {
+    if (present.attempt != reported_.attempt) return true;
+    const std::uint64_t start = reported_.first_realization;
+    const std::int64_t steps = steps_covered(schedule_, start, present) - steps_covered(schedule_, start, reported_);
+    const bool leader_may_wait = reported_.step == kNothingYet || schedule_.is_complete(present.first_realization);
+    return steps >= (leader_may_wait ? 1 : stride_);
+  }
+
+  void note_report(const Acknowledgement& present) { reported_ = present; }
+
+private:
+  BatchSchedule schedule_;
+  std::int64_t stride_;  ///< steps between reports
+  Acknowledgement reported_{0, 0, kNothingYet};
+};
+
+}  // namespace platoon

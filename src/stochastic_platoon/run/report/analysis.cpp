@@ -1,0 +1,295 @@
+#include "stochastic_platoon/run/report/analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/linked_string.hpp"
+#include "stochastic_platoon/math/string/rounding_bound.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+
+namespace platoon {
+
+namespace {
+
+nlohmann::json number(std::optional<double> value) {
+  return value && std::isfinite(*value) ? nlohmann::json(*value) : nlohmann::json();
+}
+
+nlohmann::json truth(std::optional<bool> value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+nlohmann::json numbers(const std::vector<double>& values) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const double value : values) list.push_back(number(value));
+  return list;
+}
+
+nlohmann::json rows(const std::vector<double>& values, std::size_t length) {
+  nlohmann::json list = nlohmann::json::array();
+  for (auto row = values.begin(); row != values.end(); row += static_cast<std::ptrdiff_t>(length)) {
+    list.push_back(numbers({row, row + static_cast<std::ptrdiff_t>(length)}));
+  }
+  return list;
+}
+
+nlohmann::json coefficients(const Polynomial& polynomial) {
+  return numbers({polynomial.data(), polynomial.data() + polynomial.size()});
+}
+
+std::string shown(std::optional<double> value, const char* unit) {
+  return value ? formatted("%.6g %s", *value, unit) : "none";
+}
+
+/// With six digits; none where it is not defined.
+std::string figure(double value, const char* unit) {
+  if (std::isnan(value)) return "none";
+  return std::isinf(value) ? std::string("beyond the range of double") : formatted("%.6g %s", value, unit);
+}
+
+std::string shown(const std::vector<HeadwayInterval>& intervals) {
+  std::string text;
+  for (const HeadwayInterval& interval : intervals) text += formatted(" [%.6g, %.6g]", interval.from, interval.to);
+  return text.empty() ? " none" : text;
+}
+
+/// " of default, truck" where a string has several types, of which these vary.
+std::string of_types(const PlatoonModel& model, const std::vector<std::string>& types) {
+  if (is_homogeneous(model)) return "";
+  std::string text;
+  for (const std::string& type : types) text += (text.empty() ? " of " : ", ") + type;
+  return text;
+}
+
+std::string headway_lines(const PlatoonModel& model, const Analysis& analysis) {
+  if (!analysis.headways) {
+    const bool followed = !types_with_default(model, &Inherited::headway).empty();
+    return std::string("Critical headway: none, as ") +
+           (followed ? "the closed loop itself was given and fits one headway\n"
+                     : "no vehicle of the string follows the default headway\n");
+  }
+  const StableHeadways& headways = *analysis.headways;
+  const std::string critical = headways.critical ? formatted("%.9g sample periods", *headways.critical) : "none";
+  return "Critical headway" + of_types(model, headways.types) + ": " + critical +
+         formatted("; string stable headways within [%.6g, %.6g]:", headways.searched.from, headways.searched.to) +
+         shown(headways.intervals) + "\n";
+}
+
+std::string loss_lines(const PlatoonModel& model, const Analysis& analysis) {
+  if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
+  const std::optional<double> critical = analysis.losses->critical;
+  std::string text = "Critical loss probability" + of_types(model, analysis.losses->types) +
+                     (model.link.loss ? ": " : " (a lost position is replaced by the last one received): ") +
+                     (critical ? formatted("%.9g", *critical) : "none");
+  text += "; string stable loss probabilities within [0, 0.99]:" + shown(analysis.losses->intervals) + "\n";
+  return text;
+}
+
+}  // namespace
+
+Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps, const StageObserver& begins) {
+  Analysis analysis{};
+  analysis.theory = theory_of(model);
+  analysis.integral_defect = integral_defect(model.loop, model.headway);
+  analysis.rounding = rounding_bound_of_a_metre(model.loop.realization, static_cast<std::size_t>(steps));
+  if (analysis.theory == Theory::none) return analysis;
+  begins("verdict");
+  analysis.stability = string_stability(model);
+  begins("stationary variances");
+  analysis.stationary_variance = stationary_variances(model, followers);
+  begins("mean and variance of every step");
+  analysis.moments = error_moments(model, followers, steps);
+  analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
+  begins("bounds");
+  if (is_papers(model)) {
+    if (analysis.stability.mean_square_stable) analysis.bounds = theorem_two_bounds(model, followers, steps);
+  } else {
+    analysis.stationary_mean = stationary_means(model, followers);
+  }
+  begins("stable headways");
+  analysis.headways = stable_headways(model);
+  begins("stable loss probabilities");
+  analysis.losses = stable_losses(model);
+  return analysis;
+}
+
+std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) {
+  if (!model.design && !(axes.headways.empty() && axes.gains.empty())) {
+    throw std::invalid_argument("closed_loop: given: must be plant and controller for a sweep over headways");
+  }
+  if (theory_of(model) == Theory::none)
+    throw std::invalid_argument("mean_burst: given: must be absent for a sweep, as there is no theory for bursts");
+  const auto or_own = [](const std::vector<double>& values, double own) {
+    return values.empty() ? std::vector<double>{own} : values;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double own_gain = model.design ? model.design->controller.numerator()(0) : nan;
+  std::vector<SweepPoint> points;
+  for (const double gain : or_own(axes.gains, own_gain)) {
+    for (const double loss : or_own(axes.losses, model.link.loss ? model.link.loss->probability : nan)) {
+      for (const double headway : or_own(axes.headways, model.headway)) {
+        PlatoonModel varied = model;
+        if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
+        if (!axes.headways.empty()) varied = with_headway(std::move(varied), headway);
+        if (!axes.losses.empty()) {
+          if (!varied.link.loss) varied.link.loss = LossModel();
+          varied = with_loss(std::move(varied), loss);
+        }
+        points.push_back({headway, gain, string_stability(varied), {}});
+        if (varied.link.loss) points.back().loss = loss;
+      }
+    }
+  }
+  return points;
+}
+
+std::string report(const PlatoonModel& model, const Analysis& analysis) {
+  const StringStability& stability = analysis.stability;
+  std::string text = formatted("h = %g, P_d = %g m^2: ", model.headway, model.noise_variance);
+  if (analysis.theory == Theory::none)
+    return text + "no theory, as losses come in bursts: monte_carlo measures what they do\n";
+  text += stability.reason + "\n";
+  text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
+          (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
+  text += std::isnan(stability.peak_gain)
+              ? "peak of |T|: none, as the errors do not settle\n"
+              : formatted("peak of |T| = %.9g at w = %.6g rad/sample\n", stability.peak_gain, stability.peak_frequency);
+  text += headway_lines(model, analysis) + loss_lines(model, analysis);
+  const std::vector<double>& stationary = analysis.stationary_variance;
+  text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
+          figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
+          shown(stability.limit_variance, "m^2") + "\n";
+  const std::vector<double>& means = analysis.stationary_mean;
+  const auto largest = std::max_element(means.begin(), means.end(),
+                                        [](double one, double other) { return std::abs(one) < std::abs(other); });
+  if (largest != means.end() && *largest != 0.0 && std::isfinite(*largest)) {
+    text += formatted("Stationary mean: up to %.6g m, of follower %zu: what delay and loss leave at constant speed\n",
+                      *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
+  }
+  text += formatted(
+      "Largest norms over %zu followers and %lld steps k: ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
+      analysis.moments.followers, static_cast<long long>(analysis.moments.steps),
+      figure(sequence_norm(analysis.norms.mean.data(), analysis.norms.mean.size(), NormOrder::kInfinity), "m").c_str(),
+      figure(sequence_norm(analysis.norms.variance.data(), analysis.norms.variance.size(), NormOrder::kInfinity), "m^2")
+          .c_str());
+  if (analysis.bounds) {
+    const TheoremTwoBounds& bounds = *analysis.bounds;
+    text += "Bounds of Theorem 2: mean " + shown(bounds.mean_bound, "m") + " (alpha_1 " + shown(bounds.alpha_1, "m") +
+            ", beta_1 " + shown(bounds.beta_1, "m") + "), variance " + shown(bounds.variance_bound, "m^2") +
+            " (alpha_2 " + shown(bounds.alpha_2, "m^2") + ", beta_2 " + shown(bounds.beta_2, "m^2") +
+            "; the paper's beta_2 " + shown(bounds.stated_beta_2, "m^2") + ")\n";
+  } else if (!is_papers(model)) {
+    text += "Bounds of Theorem 2: none, as they are of the paper's platoon\n";
+  } else {
+    text += "Bounds of Theorem 2: none, as rho(A) is not below 1\n";
+  }
+  if (analysis.rounding > 1e-9) {
+    text += formatted(
+        "Warning: a run keeps a position of 1 m to %.1g m only, as the coefficients of A, B and C lose digits in double; the figures above do not, but hold for the numbers given, each of which is a rounded one\n",
+        analysis.rounding);
+  }
+  if (analysis.integral_defect > 1e-9) {
+    text += formatted(
+        "Warning: A, B and C have T(1) = 1 and dT/dz(1) = -h to %.1g only: a verdict so near to its border, and as many digits of the limit, they do not determine\n",
+        analysis.integral_defect);
+  }
+  return text;
+}
+
+nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
+  const StringStability& stability = analysis.stability;
+  const auto steps = static_cast<std::size_t>(analysis.moments.steps);
+  if (analysis.theory == Theory::none) {
+    return {{"headway", model.headway},
+            {"noise_variance", model.noise_variance},
+            {"theory", to_string(analysis.theory)},
+            {"rounding", number(analysis.rounding)}};
+  }
+  nlohmann::json losses;
+  if (analysis.losses) {
+    losses = nlohmann::json::array();
+    for (const StableInterval& interval : analysis.losses->intervals) losses.push_back({interval.from, interval.to});
+  }
+  nlohmann::json headways = nlohmann::json::array();
+  if (analysis.headways) {
+    for (const HeadwayInterval& interval : analysis.headways->intervals)
+      headways.push_back({interval.from, interval.to});
+  }
+  nlohmann::json norms = {{"mean_l2", numbers(analysis.norms.mean)},
+                          {"variance_linf", numbers(analysis.norms.variance)},
+                          {"mean_bound", number(analysis.bounds ? analysis.bounds->mean_bound : std::nullopt)},
+                          {"variance_bound", number(analysis.bounds ? analysis.bounds->variance_bound : std::nullopt)}};
+  nlohmann::json bounds;
+  if (analysis.bounds) {
+    bounds = {{"alpha_1", number(analysis.bounds->alpha_1)},
+              {"beta_1", number(analysis.bounds->beta_1)},
+              {"alpha_2", number(analysis.bounds->alpha_2)},
+              {"beta_2", number(analysis.bounds->beta_2)},
+              {"stated_beta_2", number(analysis.bounds->stated_beta_2)}};
+  }
+  return {{"headway", model.headway},
+          {"noise_variance", model.noise_variance},
+          {"transfer",
+           {{"numerator", coefficients(model.loop.transfer.numerator())},
+            {"denominator", coefficients(model.loop.transfer.denominator())}}},
+          {"spectral_radius", stability.spectral_radius},
+          {"rounding", number(analysis.rounding)},
+          {"integral_defect", number(analysis.integral_defect)},
+          {"peak_gain", number(stability.peak_gain)},
+          {"peak_frequency", number(stability.peak_frequency)},
+          {"mean_square_stable", stability.mean_square_stable},
+          {"string_stable", truth(stability.decision())},
+          {"reason", stability.reason},
+          {"critical_headway", number(analysis.headways ? analysis.headways->critical : std::nullopt)},
+          {"stable_headways", analysis.headways ? headways : nlohmann::json()},
+          {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
+          {"theory", to_string(analysis.theory)},
+          {"loss_gain", number(stability.loss_gain)},
+          {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
+          {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
+          {"stable_loss_probabilities", losses},
+          {"stationary_mean", numbers(analysis.stationary_mean)},
+          {"stationary_variance", numbers(analysis.stationary_variance)},
+          {"limit_variance", number(stability.limit_variance)},
+          {"mean", rows(analysis.moments.mean, steps)},
+          {"variance", rows(analysis.moments.variance, steps)},
+          {"norms", norms},
+          {"bounds", bounds}};
+}
+
+nlohmann::json to_json(const std::vector<SweepPoint>& points) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const SweepPoint& point : points) {
+    list.push_back({{"headway", point.headway},
+                    {"gain", number(point.gain)},
+                    {"loss", number(point.loss)},
+                    {"loss_gain", number(point.stability.loss_gain)},
+                    {"spectral_radius", point.stability.spectral_radius},
+                    {"peak_gain", number(point.stability.peak_gain)},
+                    {"string_stable", truth(point.stability.decision())},
+                    {"limit_variance", number(point.stability.limit_variance)}});
+  }
+  return list;
+}
+
+std::string to_csv(const std::vector<SweepPoint>& points) {
+  const bool lossy = !points.empty() && points.front().loss;
+  std::string text = lossy ? "headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable\n"
+                           : "headway,gain,spectral_radius,peak_gain,string_stable\n";
+  // Empty where there is none, as without a controller or for an unstable vehicle.
+  const auto cell = [](double value) { return std::isnan(value) ? std::string(",") : formatted("%.17g,", value); };
+  for (const SweepPoint& point : points) {
+    const StringStability& stability = point.stability;
+    text += cell(point.headway) + cell(point.gain);
+    if (lossy) text += cell(*point.loss);
+    text += cell(stability.spectral_radius) + cell(stability.peak_gain);
+    if (lossy) text += cell(stability.loss_gain.value_or(std::nan("")));
+    text += stability.undecided ? "\n" : stability.string_stable ? "1\n" : "0\n";
+  }
+  return text;
+}
+
+}  // namespace platoon

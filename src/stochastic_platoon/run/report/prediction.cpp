@@ -1,0 +1,100 @@
+#include "stochastic_platoon/run/report/prediction.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <string>
+
+#include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/math/string/linked_moments.hpp"
+#include "stochastic_platoon/math/string/linked_string.hpp"
+#include "stochastic_platoon/math/string/rounding_bound.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+
+namespace platoon {
+
+const char* to_string(Theory theory) {
+  return theory == Theory::exact ? "exact" : "none";
+}
+
+Theory theory_of(const PlatoonModel& model) {
+  for (const VehicleModel& vehicle : pattern(model)) {
+    if (vehicle.link.loss && !vehicle.link.loss->is_independent()) return Theory::none;
+  }
+  return Theory::exact;
+}
+
+namespace {
+
+bool loses(const PlatoonModel& model) {
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  return std::any_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& vehicle) {
+    return vehicle.link.loss && vehicle.link.loss->probability > 0.0;
+  });
+}
+
+Prediction no_prediction(const Configuration& configuration, const std::string& reason) {
+  const RunOptions& run = configuration.run;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::size_t cells =
+      run.followers * static_cast<std::size_t>(run.averaging() == Averaging::over_time ? 1 : run.steps);
+  StringStability unknown;
+  unknown.spectral_radius = nan;
+  unknown.reason = "none, as " + reason;
+  return {unknown,
+          std::vector<double>(run.followers, nan),
+          std::vector<double>(cells, nan),
+          std::vector<double>(cells, nan),
+          {},
+          {},
+          Theory::none,
+          0};
+}
+
+// Leaves nothing of the followers from the first external vehicle on.
+void void_behind(const RunOptions& run, Prediction& prediction) {
+  const std::size_t steps = run.averaging() == Averaging::over_time ? 1 : static_cast<std::size_t>(run.steps);
+  const auto clear = [](std::vector<double>& values, std::size_t kept) {
+    std::fill(values.begin() + static_cast<std::ptrdiff_t>(kept), values.end(),
+              std::numeric_limits<double>::quiet_NaN());
+  };
+  clear(prediction.stationary_variance, prediction.followers_with_theory);
+  clear(prediction.mean, prediction.followers_with_theory * steps);
+  clear(prediction.variance, prediction.followers_with_theory * steps);
+  for (std::size_t i = prediction.followers_with_theory; i < prediction.error_correlation.size(); ++i)
+    prediction.error_correlation[i] = {};
+  prediction.stability.limit_variance.reset();
+  const std::size_t last = prediction.followers_with_theory;
+  prediction.stability.reason += "; this speaks of " +
+                                 std::string(last > 1 ? "followers 1 to " + std::to_string(last) : "follower 1") +
+                                 ", before vehicle_" + std::to_string(last + 1) + ", which is external";
+}
+
+}  // namespace
+
+Prediction predict(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
+  if (theory_of(configuration.model) == Theory::none) return no_prediction(configuration, "losses come in bursts");
+  if (run.followers_before_external() == 0)
+    return no_prediction(configuration, "vehicle_1, which the others follow, is external");
+  Prediction prediction{
+      string_stability(configuration.model), stationary_variances(configuration.model, run.followers), {}, {}};
+  if (run.averaging() == Averaging::over_time) {
+    prediction.mean = is_papers(configuration.model) ? std::vector<double>(run.followers, 0.0)
+                                                     : stationary_means(configuration.model, run.followers);
+    prediction.variance = prediction.stationary_variance;
+    prediction.error_correlation = error_correlations(configuration.model, run.followers);
+  } else {
+    ErrorMoments moments = loses(configuration.model) ? linked_error_moments(configuration.model, run.followers,
+                                                                             run.steps, &prediction.fourth_cumulant)
+                                                      : error_moments(configuration.model, run.followers, run.steps);
+    prediction.rounding = rounding_bounds(configuration.model, moments);
+    prediction.mean.swap(moments.mean);
+    prediction.variance.swap(moments.variance);
+  }
+  prediction.followers_with_theory = run.followers_before_external();
+  if (!run.external.empty()) void_behind(run, prediction);
+  return prediction;
+}
+
+}  // namespace platoon

@@ -1,0 +1,246 @@
+#include "stochastic_platoon/run/results/checkpoint.hpp"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/digest.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr std::size_t kMostCells = 20000000;  // of any run
+constexpr char kFormat[] = "stochastic_platoon checkpoint 3";
+
+nlohmann::json to_json(const MomentTable& table) {
+  nlohmann::json blocks = nlohmann::json::array();
+  for (const auto& entry : table.blocks()) {
+    const MomentBlock& block = entry.second;
+    blocks.push_back({{"first", block.range.first},
+                      {"level", block.range.level},
+                      {"mean", block.mean},
+                      {"squared_deviations", block.squared_deviations}});
+    if (block.fourth_deviations.empty()) continue;
+    blocks.back()["cubed_deviations"] = block.cubed_deviations;
+    blocks.back()["fourth_deviations"] = block.fourth_deviations;
+  }
+  return blocks;
+}
+
+nlohmann::json to_json(const std::vector<Moments>& averages) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const Moments& of : averages) rows.push_back({of.count, of.mean, of.squared_deviations});
+  return rows;
+}
+
+Checkpoint from_json(const nlohmann::json& document) {
+  const auto cells = document.at("cells").get<std::size_t>();
+  if (cells > kMostCells) throw std::runtime_error(std::to_string(cells) + " cells: must be fewer");
+  MomentTable table(cells);
+  for (const nlohmann::json& block : document.at("blocks")) {
+    table.add({{block.at("first").get<std::uint64_t>(), block.at("level").get<unsigned>()},
+               block.at("mean").get<std::vector<double>>(),
+               block.at("squared_deviations").get<std::vector<double>>(),
+               block.value("cubed_deviations", std::vector<double>()),
+               block.value("fourth_deviations", std::vector<double>())});
+  }
+  std::vector<Moments> averages;
+  for (const nlohmann::json& row : document.at("time_averages")) {
+    averages.push_back({row.at(0).get<std::uint64_t>(), row.at(1).get<double>(), row.at(2).get<double>()});
+  }
+  const nlohmann::json& tally = document.at("tally");
+  return {document.at("identity"),
+          document.at("launch_id").get<std::string>(),
+          {tally.at("positions_received").get<std::uint64_t>(), tally.at("attempts").get<std::uint32_t>(),
+           tally.at("wall_seconds").get<double>(), tally.at("platoon_time").get<std::uint64_t>()},
+          std::move(table),
+          std::move(averages),
+          {},
+          document.value("shard", nlohmann::json())};
+}
+
+// The lines before the content.
+std::string descriptor_of(const std::string& content) {
+  return formatted("%s\n%016llx\n", kFormat, static_cast<unsigned long long>(digest(content)));
+}
+
+bool has_no_gap(const MomentTable& table) {
+  std::uint64_t end = 0;
+  for (const auto& entry : table.blocks()) {
+    if (entry.second.range.first != end) return false;
+    end = entry.second.range.end();
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string identity_differences(const nlohmann::json& there, const nlohmann::json& here) {
+  // A key that only one of them has is a difference, too: the paper's channel has no key.
+  std::set<std::string> keys;
+  for (const nlohmann::json* identity : {&there, &here}) {
+    for (const auto& entry : identity->items()) keys.insert(entry.key());
+  }
+  std::string text;
+  for (const std::string& key : keys) {
+    const nlohmann::json other = there.value(key, nlohmann::json()), own = here.value(key, nlohmann::json());
+    if (other == own) continue;
+    text += (text.empty() ? "" : ", ") + key + " is " + shortened(other.dump()) + " there and " +
+            shortened(own.dump()) + " here";
+  }
+  for (const auto& entry : there.items()) {
+    if (here.contains(entry.key())) continue;
+    text += (text.empty() ? "" : ", ") + entry.key() + " is " + shortened(entry.value().dump()) +
+            " there and not given here";
+  }
+  return text;
+}
+
+void require_no_results(const std::string& output) {
+  for (const char* name : {"/statistics.csv", "/summary.json"}) {
+    if (!std::filesystem::exists(output + name)) continue;
+    throw ConfigurationError(
+        {"output: " + output +
+         ": holds results already, which are never written over, and no checkpoint to go on from: must be another folder"});
+  }
+}
+
+std::string extent_of(const Checkpoint& checkpoint) {
+  if (checkpoint.time_averages.empty()) return std::to_string(checkpoint.table.count()) + " realizations";
+  return "averages over " + std::to_string(checkpoint.time_averages.front().count) + " steps";
+}
+
+std::string checkpoint_file(const std::string& output) {
+  return output + "/checkpoint.cbor";
+}
+
+std::string previous_checkpoint_file(const std::string& output) {
+  return output + "/checkpoint.previous.cbor";
+}
+
+void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
+  nlohmann::json document = {{"identity", checkpoint.identity},
+                             {"launch_id", checkpoint.launch_id},
+                             {"tally",
+                              {{"positions_received", checkpoint.tally.positions_received},
+                               {"attempts", checkpoint.tally.attempts},
+                               {"wall_seconds", checkpoint.tally.wall_seconds},
+                               {"platoon_time", checkpoint.tally.platoon_time}}},
+                             {"cells", checkpoint.table.cells()},
+                             {"blocks", to_json(checkpoint.table)},
+                             {"time_averages", to_json(checkpoint.time_averages)}};
+  if (!checkpoint.shard.is_null()) document["shard"] = checkpoint.shard;
+  const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(document);
+  const std::string content(bytes.begin(), bytes.end());
+  const std::string file = checkpoint_file(output);
+  // Between the two names there is none of the latest, for a moment: then the one before it is read.
+  if (std::filesystem::exists(file)) std::filesystem::rename(file, previous_checkpoint_file(output));
+  write_atomically(file, descriptor_of(content) + content);
+}
+
+namespace {
+
+// Throws std::runtime_error naming the file and what is wrong.
+Checkpoint read_file(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw std::runtime_error(file + ": cannot be opened");
+  // In pieces: merge reads thousands of files, and the iterators of a stream take a byte at a time.
+  std::string bytes;
+  std::vector<char> piece(1 << 16);
+  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
+    bytes.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
+  const std::string any_heading = descriptor_of("");
+  try {
+    if (bytes.compare(0, sizeof kFormat - 1, kFormat) != 0)
+      throw std::runtime_error(std::string("it does not begin with \"") + kFormat + "\"");
+    if (bytes.size() < any_heading.size()) throw std::runtime_error("it is cut off");
+    const std::string content = bytes.substr(any_heading.size());
+    if (bytes.compare(0, any_heading.size(), descriptor_of(content)) != 0)
+      throw std::runtime_error("its digest is not that of its content");
+    return from_json(nlohmann::json::from_cbor(content));
+  } catch (const std::exception& error) {
+    throw DamagedCheckpoint(file + ": is not a checkpoint that can be read: " + error.what());
+  }
+}
+
+}  // namespace
+
+std::optional<Checkpoint> read_checkpoint(const std::string& output) {
+  const std::string latest = checkpoint_file(output), previous = previous_checkpoint_file(output);
+  std::string damage;
+  if (std::filesystem::exists(latest)) {
+    try {
+      return read_file(latest);
+    } catch (const std::runtime_error& error) {
+      if (!std::filesystem::exists(previous)) throw;
+      damage = error.what();
+    }
+  }
+  if (!std::filesystem::exists(previous)) return std::nullopt;
+  Checkpoint checkpoint = read_file(previous);
+  checkpoint.damage = damage;
+  return checkpoint;
+}
+
+std::optional<Checkpoint> starting_point(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
+  try {
+    require_writable_folder(run.output);
+  } catch (const std::runtime_error& error) {
+    throw ConfigurationError({std::string("output: ") + error.what() + ": must be a folder that can be written"});
+  }
+  std::optional<Checkpoint> found;
+  try {
+    found = read_checkpoint(run.output);
+  } catch (const std::runtime_error& error) {
+    throw ConfigurationError({std::string("output: ") + error.what()});
+  }
+  if (!found) {
+    require_no_results(run.output);
+    return std::nullopt;
+  }
+  if (!found->shard.is_null())
+    throw ConfigurationError({"output: " + run.output + ": holds a shard of a run: must be another folder"});
+  const bool same_launch = found->launch_id == run.launch_id && !run.launch_id.empty();
+  if (!same_launch && !run.resume) {
+    throw ConfigurationError({"output: " + run.output + ": holds a run of " + extent_of(*found) +
+                              ": must be another folder (or resume:=true to go on with that run)"});
+  }
+  const std::string differing = identity_differences(found->identity, statistics_identity(configuration));
+  if (!differing.empty()) {
+    throw ConfigurationError({"output: " + run.output + ": holds a run of another configuration: " + differing});
+  }
+  if (!has_no_gap(found->table)) {
+    throw ConfigurationError({"output: " + checkpoint_file(run.output) +
+                              ": must hold realizations 0, 1, ... without a gap: must be another folder"});
+  }
+  if (found->table.count() > run.realizations) {
+    throw ConfigurationError({"realizations: " + std::to_string(run.realizations) + ": must be at least the " +
+                              std::to_string(found->table.count()) + " that " + run.output + " holds already"});
+  }
+  return found;
+}
+
+std::unique_ptr<FolderLock> lock_output(const RunOptions& run) {
+  try {
+    require_writable_folder(run.output);
+    if (run.launch_id.empty()) return std::make_unique<FolderLock>(run.output, "process " + std::to_string(::getpid()));
+    // roslaunch starts a monitor again that is killed.
+    const bool started_again = std::getenv(kEndsWithLaunch) != nullptr;
+    return std::make_unique<FolderLock>(run.output, "launch " + run.launch_id, started_again ? ::getppid() : 0);
+  } catch (const std::runtime_error& error) {
+    throw ConfigurationError(
+        {std::string("output: ") + error.what() + ": must be a folder that can be written, and of one run"});
+  }
+}
+
+}  // namespace platoon

@@ -1,0 +1,103 @@
+#include "stochastic_platoon/run/results/run_report.hpp"
+
+#include <cmath>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+
+namespace platoon {
+
+namespace {
+
+// Which rows a terminal can take: all of a short string, the two ends of a long one.
+bool is_shown(std::size_t follower, std::size_t followers) {
+  return followers <= 30 || follower <= 10 || follower + 10 > followers;
+}
+
+std::string heading(const RunOptions& run, const RunResult& result) {
+  if (run.averaging() == Averaging::over_time) {
+    std::string text = formatted(
+        "time averages up to step %lld (variance over time; standard errors by the theory's correlation of successive errors)\n",
+        static_cast<long long>(result.last_step));
+    if (result.tally.attempts > 1) {
+      text += formatted("the run was begun %u times, each time left out up to step %lld and with new noise\n",
+                        result.tally.attempts, static_cast<long long>(run.burn_in) - 1);
+    }
+    return text;
+  }
+  return formatted("tracking errors at step %lld, %llu realizations\n", static_cast<long long>(run.steps - 1),
+                   static_cast<unsigned long long>(result.realizations));
+}
+
+std::string row(const ResultCell& of, bool has_theory) {
+  std::string text = formatted("%8zu %16.6g ", of.follower, of.measured.variance());
+  if (!has_theory) return text + formatted("%16s %14s %9s\n", "-", "-", "-");
+  if (std::isnan(of.share.variance)) return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
+  return text + formatted("%16.2g %14.6g %9.2f\n", standard_error_of_variance(of), of.theoretical_variance,
+                          scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share,
+                                 of.fourth_moment)
+                              .variance);
+}
+
+std::string table(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
+  std::string text = "follower   variance [m^2]   standard error   theory [m^2]         z\n";
+  for (const ResultCell& of : ResultCells(run, prediction, result).at(run.steps - 1)) {
+    if (is_shown(of.follower, run.followers)) {
+      text += row(of, of.follower <= prediction.followers_with_theory);
+    } else if (is_shown(of.follower - 1, run.followers)) {
+      text += "     ...\n";
+    }
+  }
+  return text;
+}
+
+std::string comparison(const Agreement& found, std::size_t cells, const char* of, bool papers) {
+  const bool agrees = found.agrees();
+  return formatted(
+      "%s: over all %zu %s the largest |z| is %.2f for the means and %.2f for the variances (chance alone exceeds %.2f at most once in 1000 runs)\n",
+      (std::string(agrees ? "Measurement agrees with " : "MEASUREMENT AND ") +
+       (papers   ? agrees ? "Lemma 1" : "LEMMA 1"
+        : agrees ? "the theory"
+                 : "THE THEORY") +
+       (agrees ? "" : " DISAGREE"))
+          .c_str(),
+      cells, of, found.max_abs_z_mean, found.max_abs_z_variance, found.plausible_z);
+}
+
+// "29000": two digits of it.
+std::string about(double number) {
+  const double unit = std::pow(10.0, std::floor(std::log10(number)) - 1.0);
+  return formatted(number < 1e15 ? "%.0f" : "%.2g", std::ceil(number / unit) * unit);
+}
+
+std::string no_verdict(std::uint64_t realizations, double needed) {
+  return formatted(
+             "No verdict: the tracking errors are not normal, and %llu realizations are too few to tell a difference from chance: ",
+             static_cast<unsigned long long>(realizations)) +
+         (std::isfinite(needed) ? "about " + about(needed) + " are needed, as far as these tell\n"
+                                : "no number is enough, as a fourth moment leaves the range of double\n");
+}
+
+}  // namespace
+
+std::string report(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
+  const RunOptions& run = configuration.run;
+  const StringStability& stability = prediction.stability;
+  std::string text = formatted("\nPlatoon of %zu followers, h = %g, P_d = %g m^2: ", run.followers,
+                               configuration.model.headway, configuration.model.noise_variance);
+  text += heading(run, result) + table(run, prediction, result);
+  const std::optional<Agreement> found = measured_agreement(run, prediction, result);
+  if (found) {
+    text +=
+        comparison(*found, cells_with_theory(run, prediction),
+                   run.averaging() == Averaging::over_time ? "followers" : "(i, k)", is_papers(configuration.model));
+  }
+  const std::optional<double> needed = realizations_needed(run, prediction, result);
+  if (!found && needed) text += no_verdict(result.realizations, *needed);
+  text += "Theory: " + stability.reason + ".\n";
+  if (stability.limit_variance) {
+    text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);
+  }
+  return text;
+}
+
+}  // namespace platoon

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "stochastic_platoon/run/results/run_result.hpp"
+
+namespace platoon {
+
+/// The table and the verdict for a terminal: per follower at the last step the measured variance with its
+/// standard error, the theoretical variance and the score; then whether all cells agree, and whether the
+/// platoon is string stable and why.
+std::string report(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
+
+}  // namespace platoon

@@ -1,0 +1,267 @@
+#include "stochastic_platoon/run/results/run_result.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <type_traits>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/checksum.hpp"
+
+namespace platoon {
+
+namespace {
+
+// Realizations from which on the means and variances of errors that are not normal are so themselves, and independent
+// errors that an average over time must be worth for what holds for many of them.
+constexpr std::uint64_t kEnoughForAnyDistribution = 1000;
+
+// Of the follower's average over time, a stretch in each attempt.
+IndependentShare share_of(const Prediction& prediction, const RunResult& result, std::size_t follower) {
+  if (prediction.error_correlation.empty()) return {std::nan(""), std::nan(""), std::nan("")};
+  const EffectiveSample of = prediction.error_correlation[follower - 1].of(
+      result.moments[follower - 1].count, std::max<std::uint64_t>(result.tally.attempts, 1));
+  return {of.mean, of.variance, of.expected};
+}
+
+nlohmann::json theory_json(const Prediction& prediction) {
+  if (prediction.theory == Theory::none) {
+    nlohmann::json unknown;
+    for (const char* key : {"spectral_radius", "peak_gain", "mean_square_stable", "string_stable",
+                            "stationary_variance", "limit_variance"})
+      unknown[key] = nullptr;
+    return unknown;
+  }
+  const StringStability& stability = prediction.stability;
+  nlohmann::json limit, stable;
+  if (stability.limit_variance) limit = *stability.limit_variance;
+  if (stability.decision()) stable = *stability.decision();
+  return {{"spectral_radius", stability.spectral_radius},          {"peak_gain", stability.peak_gain},
+          {"mean_square_stable", stability.mean_square_stable},    {"string_stable", stable},
+          {"stationary_variance", prediction.stationary_variance}, {"limit_variance", limit}};
+}
+
+nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
+  if (!agreement) return {{"max_abs_z_mean", nullptr}, {"max_abs_z_variance", nullptr}};
+  return {{"max_abs_z_mean", agreement->max_abs_z_mean}, {"max_abs_z_variance", agreement->max_abs_z_variance}};
+}
+
+// Infinity, which JSON has not, as null.
+nlohmann::json needed_json(std::optional<double> needed) {
+  return needed && std::isfinite(*needed) ? nlohmann::json(std::ceil(*needed)) : nlohmann::json();
+}
+
+// Of every follower's variance at the last step.
+nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
+  nlohmann::json errors = nlohmann::json::array();
+  for (const ResultCell& of : ResultCells(run, prediction, result).at(run.steps - 1))
+    errors.push_back(standard_error_of_variance(of));
+  return errors;
+}
+
+nlohmann::json summary_json(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
+  const RunOptions& run = configuration.run;
+  const bool over_time = run.averaging() == Averaging::over_time;
+  const std::uint64_t received = result.tally.positions_received;
+  const double steps = over_time ? static_cast<double>(received) / static_cast<double>(run.followers + 1)
+                                 : static_cast<double>(run.steps) * static_cast<double>(result.realizations);
+  const double vehicle_steps = static_cast<double>(run.followers) * steps;
+  const std::uint64_t expected = over_time ? received : positions_expected(run, result.realizations);
+  const double seconds = result.tally.wall_seconds;
+  return {{"version", kVersion},
+          {"complete", result.complete},
+          {"followers", run.followers},
+          {"steps", run.steps},
+          {"time_average", over_time},
+          {"realizations", result.realizations},
+          {"seed", run.seed},
+          {"hosting", to_string(run.hosting)},
+          {"attempts", result.tally.attempts},
+          {"positions_received", received},
+          {"positions_lost", static_cast<std::int64_t>(expected) - static_cast<std::int64_t>(received)},
+          {"wall_seconds", seconds},
+          {"vehicle_steps_per_second", seconds > 0.0 ? vehicle_steps / seconds : 0.0},
+          {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
+          {"agreement", agreement_json(measured_agreement(run, prediction, result))},
+          {"realizations_needed", needed_json(realizations_needed(run, prediction, result))},
+          {"theory", theory_json(prediction)}};
+}
+
+}  // namespace
+
+std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
+  if (prediction.fourth_cumulant.empty() || result.moments.empty()) return {};
+  const auto steps = static_cast<std::size_t>(run.steps);
+  std::vector<double> moments;
+  for (std::size_t row = 0; row < result.moments.size(); row += steps) {
+    double fourth = 0.0, square_of_variance = 0.0;
+    for (std::size_t c = row; c < row + steps; ++c) {
+      const Moments& of = result.moments[c];
+      if (of.count == 0 || std::isnan(of.fourth_deviations)) continue;
+      const auto n = static_cast<double>(of.count);
+      fourth += of.fourth_deviations / n;
+      square_of_variance += (of.squared_deviations / n) * (of.squared_deviations / n);
+    }
+    const double kurtosis = fourth / square_of_variance;
+    for (std::size_t c = row; c < row + steps; ++c) {
+      const double square = prediction.variance[c] * prediction.variance[c];
+      const double first_order = 3.0 * square + prediction.fourth_cumulant[c];
+      moments.push_back(kurtosis * square > first_order ? kurtosis * square : first_order);  // a NaN counts not
+    }
+  }
+  return moments;
+}
+
+ResultCells::ResultCells(const RunOptions& run, const Prediction& prediction, const RunResult& result)
+    : run_(run), prediction_(prediction), result_(result), fourth_moments_(fourth_moments(run, prediction, result)) {}
+
+std::vector<ResultCell> ResultCells::at(std::int64_t step) const {
+  const bool over_time = run_.averaging() == Averaging::over_time;
+  std::vector<ResultCell> cells;
+  for (std::size_t i = 1; i <= run_.followers; ++i) {
+    const std::size_t c = over_time ? i - 1 : cell(i, step, run_.steps);
+    // When a run is stopped, its vehicles are not all at the same step.
+    cells.push_back({i, over_time ? result_.last_steps[c] : step, result_.moments[c], prediction_.mean[c],
+                     prediction_.variance[c], prediction_.rounding.empty() ? 0.0 : prediction_.rounding[c],
+                     over_time ? share_of(prediction_, result_, i) : IndependentShare{},
+                     fourth_moments_.empty() ? std::nan("") : fourth_moments_[c]});
+  }
+  return cells;
+}
+
+namespace {
+
+double known_variance(const ResultCell& of) {
+  return std::isnan(of.theoretical_variance) ? of.measured.variance() : of.theoretical_variance;
+}
+
+}  // namespace
+
+double standard_error_of_mean(const ResultCell& of) {
+  return standard_error_of_mean(known_variance(of), of.measured.count, of.share.mean);
+}
+
+double standard_error_of_variance(const ResultCell& of) {
+  if (!std::isnan(of.fourth_moment)) {
+    const double v = of.theoretical_variance;
+    return std::sqrt((of.fourth_moment - v * v) / static_cast<double>(of.measured.count));
+  }
+  return std::isnan(of.measured.fourth_deviations)
+             ? standard_error_of_variance(known_variance(of), of.measured.count, of.share.variance)
+             : standard_error_of_variance(of.measured);
+}
+
+namespace {
+
+// Of each follower that has a theory; none where the averages are worth too few independent errors.
+std::optional<std::vector<IndependentShare>> shares_over_time(const Prediction& prediction, const RunResult& result) {
+  std::vector<IndependentShare> shares;
+  for (std::size_t i = 1; i <= std::min(prediction.followers_with_theory, result.moments.size()); ++i) {
+    shares.push_back(share_of(prediction, result, i));
+    const double worth =
+        static_cast<double>(result.moments[i - 1].count) * std::min(shares.back().mean, shares.back().variance);
+    if (!(worth >= static_cast<double>(kEnoughForAnyDistribution))) return std::nullopt;
+  }
+  if (shares.empty()) return std::nullopt;
+  return shares;
+}
+
+}  // namespace
+
+std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
+                                            const RunResult& result) {
+  if (prediction.theory == Theory::none) return std::nullopt;
+  std::vector<IndependentShare> shares;
+  if (run.averaging() == Averaging::over_time) {
+    const std::optional<std::vector<IndependentShare>> found = shares_over_time(prediction, result);
+    if (!found) return std::nullopt;
+    shares = *found;
+  } else {
+    const double needed = realizations_needed(run, prediction, result).value_or(2.0);
+    if (static_cast<double>(result.realizations) < std::max(needed, 2.0)) return std::nullopt;
+  }
+  const std::size_t judged = cells_with_theory(run, prediction);
+  const std::vector<double> fourth = fourth_moments(run, prediction, result);
+  if (judged == result.moments.size())
+    return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding, shares, fourth);
+  const auto of = [judged](const auto& values) {
+    return std::decay_t<decltype(values)>(
+        values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(judged, values.size())));
+  };
+  return agreement(of(result.moments), of(prediction.mean), of(prediction.variance), of(prediction.rounding), shares,
+                   of(fourth));
+}
+
+std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction,
+                                          const RunResult& result) {
+  if (prediction.theory == Theory::none || run.averaging() == Averaging::over_time) return std::nullopt;
+  const std::vector<double> fourth = fourth_moments(run, prediction, result);
+  if (fourth.empty()) {
+    const bool normal = result.moments.empty() || std::isnan(result.moments.front().fourth_deviations);
+    if (normal) return std::nullopt;
+    return static_cast<double>(kEnoughForAnyDistribution);
+  }
+  const std::size_t judged = std::min(cells_with_theory(run, prediction), fourth.size());
+  double needed = 2.0;
+  for (std::size_t c = 0; c < judged; ++c)
+    needed = std::max(needed, values_needed(prediction.variance[c], fourth[c], 2 * judged));
+  return needed;
+}
+
+std::size_t cells_with_theory(const RunOptions& run, const Prediction& prediction) {
+  return prediction.followers_with_theory *
+         (run.averaging() == Averaging::over_time ? 1 : static_cast<std::size_t>(run.steps));
+}
+
+std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations) {
+  return (run.followers + 1) * static_cast<std::uint64_t>(run.steps + 1) * realizations;
+}
+
+std::string statistics_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
+  const RunOptions& run = configuration.run;
+  std::string text = "vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance\n";
+  const auto add = [&](const ResultCell& of) {
+    text += formatted("%zu,%lld,%llu,%.17g,%.17g,", of.follower, static_cast<long long>(of.step),
+                      static_cast<unsigned long long>(of.measured.count),
+                      of.measured.count > 0 ? of.measured.mean : std::nan(""), of.measured.variance());
+    text += of.follower > prediction.followers_with_theory
+                ? ",\n"
+                : formatted("%.17g,%.17g\n", of.theoretical_mean, of.theoretical_variance);
+  };
+  if (run.averaging() == Averaging::over_time) {
+    for (const ResultCell& of : ResultCells(run, prediction, result).at(0)) add(of);
+    return text;
+  }
+  for (std::size_t i = 1; i <= run.followers; ++i) {
+    for (std::int64_t k = 0; k < run.steps; ++k) {
+      const std::size_t c = cell(i, k, run.steps);
+      add({i, k, result.moments[c], prediction.mean[c], prediction.variance[c]});
+    }
+  }
+  return text;
+}
+
+namespace {
+
+// A summary's own checksum is that of its text with these in its place.
+const std::string kNoChecksum(8, '0');
+
+std::string summary_text(nlohmann::json summary, const std::string& statistics) {
+  summary["crc32"] = {{"statistics", checksum(statistics)}, {"summary", kNoChecksum}};
+  std::string text = summary.dump(2) + "\n";
+  const std::string own = "\"summary\": \"";
+  return text.replace(text.find(own) + own.size(), kNoChecksum.size(), checksum(text));
+}
+
+}  // namespace
+
+void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
+  const std::string& output = configuration.run.output;
+  const std::string statistics = statistics_csv(configuration, prediction, result);
+  write_atomically(output + "/statistics.csv", statistics);
+  write_atomically(output + "/summary.json", summary_text(summary_json(configuration, prediction, result), statistics));
+}
+
+}  // namespace platoon

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "stochastic_platoon/run/io/folder_lock.hpp"
+#include "stochastic_platoon/run/io/retried_write.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/run_result.hpp"
+
+namespace platoon {
+
+/// The output folder of one run, locked: its checkpoints, about one a second, and its results. A write that fails is
+/// repeated after a pause. Knows no clock: times are arguments [s].
+class RunStore {
+public:
+  /// Throws ConfigurationError if another launch holds the folder.
+  RunStore(const Configuration& configuration, RetriedWrite::Log failed, RetriedWrite::Log recovered);
+
+  /// The checkpoint to continue from, see starting_point(). `damaged` gets a warning if the latest one is damaged.
+  std::optional<Checkpoint> start(const RetriedWrite::Log& damaged);
+
+  /// Whether a checkpoint with so many positions is to be saved now.
+  bool is_due(std::uint64_t positions, double now) const;
+  void save(const Checkpoint& checkpoint, double now);
+
+  /// False during the pause after a failure.
+  bool can_write(double now) const;
+
+  /// Saves the results of the complete run; false if that failed.
+  bool complete(const Checkpoint& checkpoint, const Prediction& prediction, const RunResult& result, double now);
+
+  /// Saves what there is of a stopped run. Throws std::runtime_error if that fails.
+  void stop(const Checkpoint& checkpoint, const Prediction& prediction, const RunResult& result);
+
+private:
+  Configuration configuration_;
+  std::unique_ptr<FolderLock> lock_;
+  RetriedWrite write_;
+  std::uint64_t saved_ = 0;            ///< positions in the latest checkpoint
+  std::optional<double> latest_ = {};  ///< [s], of the latest checkpoint of this launch
+};
+
+}  // namespace platoon

@@ -1,0 +1,145 @@
+#include "stochastic_platoon/run/scaling/shard_run.hpp"
+
+#include <chrono>
+#include <locale>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/retried_write.hpp"
+
+namespace platoon {
+
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void require_same_shard(const Checkpoint& found, const ShardRun& run) {
+  const std::string& output = run.configuration.run.output;
+  if (found.shard.is_null())
+    throw ConfigurationError(
+        {"output: " + output + ": holds a run of " + extent_of(found) + " and no shard: must be another folder"});
+  const std::string differing = identity_differences(found.identity, statistics_identity(run.configuration));
+  if (!differing.empty())
+    throw ConfigurationError({"output: " + output + ": holds a shard of another run: " + differing});
+  const ShardRun there = shard_run_of(found.shard);
+  const std::uint64_t realizations = there.configuration.run.realizations;
+  if (there.shard.index == run.shard.index && there.shard.of == run.shard.of &&
+      realizations == run.configuration.run.realizations)
+    return;
+  throw ConfigurationError({"output: " + output + ": holds " + name_of(there.shard) + " of " +
+                            std::to_string(realizations) + " realizations, and this is " + name_of(run.shard) + " of " +
+                            std::to_string(run.configuration.run.realizations) + ": must be another folder"});
+}
+
+// What the folder holds of the shard; none where it is empty, or what was there is damaged.
+std::optional<Checkpoint> held(const ShardRun& run, const ShardSettings& settings) {
+  const std::string& output = run.configuration.run.output;
+  std::optional<Checkpoint> found;
+  try {
+    found = read_checkpoint(output);
+  } catch (const DamagedCheckpoint& error) {
+    settings.warn(std::string(error.what()) + ": the shard begins anew");
+    return std::nullopt;
+  } catch (const std::runtime_error& error) {
+    throw ConfigurationError({std::string("output: ") + error.what()});
+  }
+  if (!found) {
+    require_no_results(output);
+    return std::nullopt;
+  }
+  if (!found->damage.empty()) settings.warn(found->damage + ": the one before it is used");
+  require_same_shard(*found, run);
+  return found;
+}
+
+}  // namespace
+
+Shard parse_shard(const std::string& text, std::uint64_t realizations) {
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  std::int64_t index = -1, of = 0;
+  char slash = 0;
+  if (stream >> index >> slash >> of && slash == '/' && stream.eof() && index >= 0 && of > index) {
+    const Shard shard{static_cast<std::uint64_t>(index), static_cast<std::uint64_t>(of)};
+    if (shard.of <= realizations && shard.of <= kMostShards) return shard;
+  }
+  throw ConfigurationError({"shard: " + shortened(text) + ": must be I/N, I from 0 to N - 1, N at most the " +
+                            std::to_string(realizations) + " realizations and " + std::to_string(kMostShards)});
+}
+
+std::string name_of(const Shard& shard) {
+  return "shard " + std::to_string(shard.index) + "/" + std::to_string(shard.of);
+}
+
+nlohmann::json to_json(const ShardRun& run) {
+  return {{"index", run.shard.index}, {"of", run.shard.of}, {"configuration", to_json(run.configuration)}};
+}
+
+ShardRun shard_run_of(const nlohmann::json& record) {
+  try {
+    // The parser knows the hostings that a launch may ask for.
+    nlohmann::json configuration = record.at("configuration");
+    configuration.at("run").at("hosting") = to_string(Hosting::one_process);
+    ShardRun run{parse_configuration(configuration.dump()),
+                 {record.at("index").get<std::uint64_t>(), record.at("of").get<std::uint64_t>()}};
+    run.configuration.run.hosting = Hosting::monte_carlo;
+    run.range();  // throws where there is no such shard
+    return run;
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(std::string("its shard cannot be read: ") + error.what());
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(std::string("its shard cannot be read: ") + error.what());
+  }
+}
+
+std::uint64_t compute_shard(const ShardRun& run, const ShardSettings& settings) {
+  const RunOptions& options = run.configuration.run;
+  const std::unique_ptr<FolderLock> lock = lock_output(options);
+  const double began = now();
+  const std::optional<Checkpoint> found = held(run, settings);
+  const double earlier_seconds = found ? found->tally.wall_seconds : 0.0;
+  EnsembleRun work(run.configuration.model,
+                   {options.seed, options.followers, options.steps, options.realizations, options.batch}, run.range(),
+                   found ? found->table : MomentTable(options.followers * static_cast<std::size_t>(options.steps)),
+                   settings.checkpoint_seconds);
+  const std::uint64_t held_before = work.done();
+  if (work.is_complete()) return 0;
+  const auto handed_over = [&work] {
+    std::uint64_t count = 0;
+    work.read([&count](const MomentTable& table) { count = table.count(); });
+    return count;
+  };
+  std::uint64_t saved = handed_over();
+  // Returns how many realizations it holds.
+  const auto write = [&] {
+    std::uint64_t count = 0;
+    work.read([&](const MomentTable& table) {
+      count = table.count();
+      const Tally tally{positions_expected(options, table.count()), 1, earlier_seconds + now() - began, 0};
+      write_checkpoint(options.output,
+                       {statistics_identity(run.configuration), options.launch_id, tally, table, {}, {}, to_json(run)});
+    });
+    return count;
+  };
+  double written = began;
+  RetriedWrite retried([&](const std::string& error) { settings.warn(error + ": it goes on without a checkpoint"); });
+  complete(work, settings.threads, [&] {
+    settings.progress(work.done());
+    const double present = now();
+    if (work.all_begun() || present - written < settings.checkpoint_seconds || !retried.is_due(present)) return;
+    // Nothing may have been handed over since: an empty checkpoint would be taken for progress.
+    if (handed_over() == saved) return;
+    if (retried(present, [&] { saved = write(); })) written = now();
+  });
+  write();
+  return work.done() - held_before;
+}
+
+}  // namespace platoon

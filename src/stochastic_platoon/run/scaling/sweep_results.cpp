@@ -1,0 +1,124 @@
+#include "stochastic_platoon/run/scaling/sweep_results.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/digest.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr char kFormat[] = "stochastic_platoon sweep point 1";
+
+std::string line_of(std::uint64_t digest) {
+  return formatted("%016llx\n", static_cast<unsigned long long>(digest));
+}
+
+// What a point's rows are a function of.
+std::uint64_t identity_of(const Sweep& sweep, std::uint64_t point) {
+  const Configuration configuration = sweep.configuration(point);
+  const nlohmann::json identity = {statistics_identity(configuration),
+                                   configuration.run.realizations,
+                                   sweep_heading(sweep),
+                                   sweep.name_of(point),
+                                   sweep.all_followers,
+                                   sweep.all_steps};
+  return digest(identity.dump());
+}
+
+// "1", "0", or nothing where it cannot be said.
+std::string truth(const std::optional<bool>& value) {
+  return value ? *value ? "1" : "0" : "";
+}
+
+std::string measured_columns(const ResultCell& of) {
+  return formatted("%llu,%.17g,%.17g,%.17g,%.17g,", static_cast<unsigned long long>(of.measured.count),
+                   of.measured.mean, standard_error_of_mean(of), of.measured.variance(),
+                   standard_error_of_variance(of));
+}
+
+}  // namespace
+
+std::string sweep_heading(const Sweep& sweep) {
+  std::string text = "point";
+  for (const SweepAxis& axis : sweep.axes) text += "," + axis.name;
+  return text +
+         ",vehicle,step,count,mean,mean_standard_error,variance,variance_standard_error,theoretical_mean,theoretical_variance,string_stable,agrees\n";
+}
+
+std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configuration& configuration,
+                       const Prediction& prediction, const RunResult& result) {
+  const RunOptions& run = configuration.run;
+  const bool known = prediction.theory == Theory::exact;
+  std::string begin = std::to_string(point);
+  for (const YAML::Node& value : sweep.values(point)) begin += "," + word_of(value);
+  std::optional<bool> stable, agrees;
+  if (known) stable = prediction.stability.decision();
+  if (const std::optional<Agreement> found = measured_agreement(run, prediction, result)) agrees = found->agrees();
+  const ResultCells of_step(run, prediction, result);
+  std::vector<std::vector<ResultCell>> cells;
+  for (std::int64_t k = sweep.all_steps ? 0 : run.steps - 1; k < run.steps; ++k) cells.push_back(of_step.at(k));
+  std::string text;
+  for (std::size_t i = sweep.all_followers ? 1 : run.followers; i <= run.followers; ++i) {
+    for (const std::vector<ResultCell>& at_step : cells) {
+      const ResultCell& of = at_step[i - 1];
+      text += begin + formatted(",%zu,%lld,", i, static_cast<long long>(of.step)) + measured_columns(of) +
+              (known ? formatted("%.17g,%.17g,", of.theoretical_mean, of.theoretical_variance) : ",,") + truth(stable) +
+              "," + truth(agrees) + "\n";
+    }
+  }
+  return text;
+}
+
+std::string point_file(const std::string& output, std::uint64_t point) {
+  return output + formatted("/points/%06llu.csv", static_cast<unsigned long long>(point));
+}
+
+std::string shard_folder(const std::string& output, std::uint64_t point, std::uint64_t shard) {
+  return output + formatted("/points/%06llu/shard-%llu", static_cast<unsigned long long>(point),
+                            static_cast<unsigned long long>(shard));
+}
+
+std::string point_content(const Sweep& sweep, std::uint64_t point, const std::string& rows) {
+  const std::string content = line_of(identity_of(sweep, point)) + rows;
+  return kFormat + std::string("\n") + line_of(digest(content)) + content;
+}
+
+std::optional<std::string> read_point(const Sweep& sweep, const std::string& output, std::uint64_t point,
+                                      std::string* damage) {
+  const std::string file = point_file(output, point);
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  const std::string format = kFormat + std::string("\n"), any_line = line_of(0);
+  const std::size_t heading = format.size() + any_line.size();
+  const std::string content = bytes.size() < heading ? "" : bytes.substr(heading);
+  if (bytes.compare(0, heading, format + line_of(digest(content))) != 0 || content.size() < any_line.size()) {
+    *damage = file + ": is not as it was written";
+    return std::nullopt;
+  }
+  if (content.compare(0, any_line.size(), line_of(identity_of(sweep, point))) != 0) {
+    throw ConfigurationError({"output: " + file + ": is of another sweep than point " + std::to_string(point) + " (" +
+                              sweep.name_of(point) + ") of this one: must be another folder"});
+  }
+  return content.substr(any_line.size());
+}
+
+void write_sweep(const Sweep& sweep, const std::string& output) {
+  std::string text = sweep_heading(sweep);
+  for (std::uint64_t point = 0; point < sweep.points(); ++point) {
+    std::string damage;
+    const std::optional<std::string> rows = read_point(sweep, output, point, &damage);
+    if (!rows) throw std::runtime_error(damage.empty() ? point_file(output, point) + ": is gone" : damage);
+    text += *rows;
+  }
+  write_atomically(output + "/sweep.csv", text);
+}
+
+}  // namespace platoon

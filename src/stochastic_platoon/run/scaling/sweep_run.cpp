@@ -1,0 +1,184 @@
+#include "stochastic_platoon/run/scaling/sweep_run.hpp"
+
+#include <chrono>
+#include <deque>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/report/prediction.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/scaling/merge.hpp"
+#include "stochastic_platoon/run/scaling/sweep_results.hpp"
+
+namespace platoon {
+
+namespace {
+
+Ensemble ensemble_of(const RunOptions& run) {
+  return {run.seed, run.followers, run.steps, run.realizations, run.batch};
+}
+
+struct ActivePoint {
+  ActivePoint(std::uint64_t at, std::string named, Configuration of)
+      : point(at),
+        name(std::move(named)),
+        configuration(std::move(of)),
+        run(configuration.model, ensemble_of(configuration.run), {0, configuration.run.realizations}) {}
+
+  const std::uint64_t point;
+  const std::string name;
+  const Configuration configuration;
+  EnsembleRun run;
+};
+
+struct FinishedPoint {
+  std::uint64_t point;
+  std::string content;
+};
+
+// Threads go from point to point: one begins the next while another is still at the last batch of the one before.
+class PointQueue {
+public:
+  PointQueue(const Sweep& sweep, const std::vector<std::uint64_t>& points) : sweep_(sweep), points_(points) {}
+
+  void work() {
+    while (const std::shared_ptr<ActivePoint> active = current()) {
+      if (active->run.work()) finish(*active);
+    }
+  }
+
+  std::deque<FinishedPoint> finished() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return std::exchange(finished_, {});
+  }
+
+  /// Realizations of all points.
+  std::uint64_t done() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    std::uint64_t sum = finished_realizations_;
+    for (const auto& active : active_) sum += active->run.done();
+    return sum;
+  }
+
+  /// Of the point begun last.
+  std::string name() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return active_.empty() ? "" : active_.back()->name;
+  }
+
+  /// No point is begun any more.
+  void stop() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    next_ = points_.size();
+  }
+
+private:
+  // Under the lock: YAML's nodes are not for several threads.
+  std::shared_ptr<ActivePoint> current() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!active_.empty() && !active_.back()->run.all_begun()) return active_.back();
+    if (next_ == points_.size()) return nullptr;
+    const std::uint64_t point = points_[next_++];
+    active_.push_back(std::make_shared<ActivePoint>(point, sweep_.name_of(point), sweep_.configuration(point)));
+    return active_.back();
+  }
+
+  void finish(ActivePoint& active) {
+    RunResult result;
+    result.complete = true;
+    result.realizations = active.configuration.run.realizations;
+    result.moments = active.run.release().totals();
+    const Prediction prediction = predict(active.configuration);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::string rows = sweep_rows(sweep_, active.point, active.configuration, prediction, result);
+    finished_.push_back({active.point, point_content(sweep_, active.point, rows)});
+    finished_realizations_ += result.realizations;
+    for (auto it = active_.begin(); it != active_.end(); ++it) {
+      if (it->get() != &active) continue;
+      active_.erase(it);
+      break;
+    }
+  }
+
+  const Sweep& sweep_;
+  const std::vector<std::uint64_t>& points_;
+  mutable std::mutex mutex_;
+  std::size_t next_ = 0;
+  std::deque<std::shared_ptr<ActivePoint>> active_;  ///< the latest begun at the back
+  std::deque<FinishedPoint> finished_;               ///< not written yet
+  std::uint64_t finished_realizations_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::uint64_t> missing_points(const Sweep& sweep, const SweepSettings& settings) {
+  std::vector<std::uint64_t> missing;
+  for (std::uint64_t point = 0; point < sweep.points(); ++point) {
+    std::string damage;
+    if (!read_point(sweep, settings.output, point, &damage)) missing.push_back(point);
+    if (!damage.empty()) settings.warn(damage + ": it is computed again");
+  }
+  return missing;
+}
+
+void compute_points(const Sweep& sweep, const std::vector<std::uint64_t>& points, const SweepSettings& settings) {
+  if (points.empty()) return;
+  PointQueue queue(sweep, points);
+  std::vector<std::future<void>> workers;
+  for (unsigned t = 0; t < settings.threads; ++t)
+    workers.push_back(std::async(std::launch::async, [&queue] { queue.work(); }));
+  const auto write = [&] {
+    for (const FinishedPoint& finished : queue.finished())
+      write_atomically(point_file(settings.output, finished.point), finished.content);
+    settings.progress(queue.done(), queue.name());
+  };
+  try {
+    for (auto& worker : workers) {
+      while (worker.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) write();
+      worker.get();
+    }
+    write();
+  } catch (...) {
+    queue.stop();
+    throw;  // the futures wait for their threads
+  }
+}
+
+void merge_points(const Sweep& sweep, const std::vector<std::uint64_t>& points, const SweepSettings& settings) {
+  std::vector<std::uint64_t> tasks;
+  std::vector<std::string> problems;
+  for (const std::uint64_t point : points) {
+    std::vector<std::string> folders;
+    for (std::uint64_t i = 0; i < sweep.shards; ++i) folders.push_back(shard_folder(settings.output, point, i));
+    const Configuration configuration = sweep.configuration(point);
+    try {
+      const MergedRun merged = merge(folders);
+      const std::string differing =
+          identity_differences(statistics_identity(merged.configuration), statistics_identity(configuration));
+      if (!differing.empty() || merged.result.realizations != configuration.run.realizations) {
+        throw ConfigurationError({folders.front() + ": is of another sweep than point " + std::to_string(point) + " (" +
+                                  sweep.name_of(point) + ") of this one: " + differing});
+      }
+      const std::string rows = sweep_rows(sweep, point, configuration, predict(configuration), merged.result);
+      write_atomically(point_file(settings.output, point), point_content(sweep, point, rows));
+    } catch (const IncompleteRun& error) {
+      for (const std::uint64_t shard : error.missing(sweep.shards)) tasks.push_back(point * sweep.shards + shard);
+      problems.insert(problems.end(), error.others().begin(), error.others().end());
+    } catch (const ConfigurationError& error) {
+      problems.push_back(error.problems().front());
+    }
+  }
+  if (!tasks.empty()) {
+    const std::string indices = array_indices(tasks);
+    problems.insert(problems.begin(),
+                    "tasks " + indices + ": missing: must be computed (sbatch --array=" + indices + ")");
+  }
+  if (!problems.empty()) throw ConfigurationError(abbreviated(problems));
+}
+
+}  // namespace platoon

@@ -1,0 +1,267 @@
+#include "stochastic_platoon/math/model/link.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <stdexcept>
+#include <vector>
+
+#include "stochastic_platoon/math/model/coloured_noise.hpp"
+#include "stochastic_platoon/math/model/delay_line.hpp"
+#include "stochastic_platoon/math/model/packet_loss.hpp"
+#include "stochastic_platoon/math/model/quantiser.hpp"
+#include "unit/paper_platoon.hpp"
+
+namespace platoon {
+namespace {
+
+using Values = std::vector<double>;
+
+constexpr std::uint64_t kSeed = 7;
+constexpr std::uint32_t kReceiver = 3;
+constexpr std::int64_t kSteps = 40;
+
+// y(k) of realization r: anything that is different for all of them.
+double sent(std::int64_t step, std::uint64_t realization) {
+  return 2.0 * static_cast<double>(step) + std::sin(static_cast<double>(3 * step) + static_cast<double>(realization));
+}
+
+// received[k + 1][r] of realizations 0 .. count - 1, in batches.
+std::vector<Values> through(Link& link, std::size_t count, std::size_t batch) {
+  std::vector<Values> received(kSteps + 1, Values(count));
+  for (std::size_t first = 0; first < count; first += batch) {
+    const std::size_t size = std::min(batch, count - first);
+    for (std::int64_t k = -1; k < kSteps; ++k) {
+      Values in(size), out;
+      for (std::size_t r = 0; r < size; ++r) in[r] = sent(k, first + r);
+      link.transmit(k, first, in, out);
+      std::copy(out.begin(), out.end(),
+                received[static_cast<std::size_t>(k + 1)].begin() + static_cast<std::ptrdiff_t>(first));
+    }
+  }
+  return received;
+}
+
+PlatoonModel platoon_with(const LinkModel& link, double noise_variance) {
+  PlatoonModel model = paper_platoon();
+  model.link = link;
+  model.noise_variance = noise_variance;
+  return model;
+}
+
+double normal(std::int64_t step, std::uint64_t realization) {
+  double value;
+  WhiteNoise(kSeed).fill({kReceiver, step}, realization, 1, &value);
+  return value;
+}
+
+double uniform(Purpose purpose, std::int64_t step, std::uint64_t realization) {
+  double value;
+  WhiteNoise(kSeed).fill_uniform({kReceiver, step, purpose}, realization, 1, &value);
+  return value;
+}
+
+// What the link of all stages does to one realization, written down from its definition.
+Values by_definition(const LinkModel& link, double noise_variance, std::uint64_t realization) {
+  const Polynomial &b = link.noise_filter.numerator(), &a = link.noise_filter.denominator();
+  Values in{sent(-1, realization)}, used, noise, g;  // from step -1 on; noise from step 0 on
+  used = in;
+  Values received{sent(-1, realization)};
+  bool lost_before = false;
+  const auto before = [](const Values& values, std::ptrdiff_t place) {
+    return place < 0 ? values.front() : values[static_cast<std::size_t>(place)];
+  };
+  for (std::int64_t k = 0; k < kSteps; ++k) {
+    double s = sent(k, realization);
+    if (link.quantisation_step > 0.0) {
+      const double step = link.quantisation_step, nu = step * (uniform(Purpose::dither, k, realization) - 0.5);
+      s = step * std::floor((s + nu) / step + 0.5) - nu;
+    }
+    g.push_back(normal(k, realization));
+    double d = 0.0;
+    const Eigen::Index lead = a.size() - b.size();
+    for (Eigen::Index j = 0; j < a.size() && j <= k; ++j) {
+      if (j >= lead) d += b(j - lead) * g[static_cast<std::size_t>(k - j)];
+      if (j > 0) d -= a(j) * noise[static_cast<std::size_t>(k - j)];
+    }
+    noise.push_back(d);
+    in.push_back(s + std::sqrt(noise_variance) * d);
+    const double arriving = before(in, k + 1 - link.delay);
+    double predicted = 0.0;
+    for (std::size_t j = 0; j < link.loss->predictor.size(); ++j)
+      predicted += link.loss->predictor[j] * before(used, k - static_cast<std::ptrdiff_t>(j));
+    const double q = link.loss->probability;
+    const double chance = !link.loss->mean_burst || k == 0 ? q
+                          : lost_before                    ? 1.0 - 1.0 / *link.loss->mean_burst
+                                                           : q / (*link.loss->mean_burst * (1.0 - q));
+    lost_before = uniform(Purpose::loss, k, realization) < chance;
+    used.push_back(lost_before ? predicted : arriving);
+    received.push_back(used.back());
+  }
+  return received;
+}
+
+LinkModel everything(bool bursts) {
+  LinkModel link;
+  link.noise_filter = {Eigen::Vector2d(0.8, 0.3), Eigen::Vector3d(1.0, -0.5, 0.1)};
+  link.quantisation_step = 0.25;
+  link.delay = 3;
+  link.loss = LossModel{0.3, bursts ? std::optional<double>(2.5) : std::nullopt, {1.5, -0.8, 0.3}};
+  return link;
+}
+
+TEST(Link, DoesWhatItsStagesAreDefinedToDoInTheirOrder) {
+  for (const bool bursts : {false, true}) {
+    const LinkModel model = everything(bursts);
+    Link link(platoon_with(model, 0.6), kSeed, kReceiver);
+    EXPECT_TRUE(link.keeps_state());
+    const std::vector<Values> received = through(link, 1030, 1030);
+    for (const std::size_t r : {0, 1, 511, 512, 1029}) {
+      const Values expected = by_definition(model, 0.6, r);
+      for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(received[k][r], expected[k], 1e-9) << k;
+    }
+  }
+}
+
+TEST(Link, HasTheSameBitsForEveryBatch) {
+  Link link(platoon_with(everything(true), 0.6), kSeed, kReceiver);
+  const std::vector<Values> whole = through(link, 600, 600);
+  for (const std::size_t batch : {1, 7, 512}) EXPECT_EQ(through(link, 600, batch), whole) << batch;
+}
+
+TEST(Link, OfThePaperIsTheAwgnChannelToTheBit) {
+  LinkModel never;
+  never.loss = LossModel{};
+  for (const LinkModel& model : {LinkModel(), never}) {
+    Link link(platoon_with(model, 0.6), kSeed, kReceiver);
+    EXPECT_FALSE(link.keeps_state());
+    const AwgnChannel channel(0.6, kSeed, kReceiver);
+    for (const std::int64_t k : {-1, 5, 0}) {
+      const Values in(700, 2.5);
+      Values one, other;
+      link.transmit(k, 100, in, one);
+      channel.transmit(k, 100, in, other);
+      EXPECT_EQ(one, other);
+    }
+  }
+}
+
+// Whatever draws by name alone can take up a batch anywhere.
+TEST(Link, KeepsStateJustWhereAStageDoes) {
+  const auto keeps_state = [](LinkModel link, double noise_variance) {
+    return Link(platoon_with(link, noise_variance), kSeed, kReceiver).keeps_state();
+  };
+  LinkModel quantised, delayed, coloured, lossy, scaled;
+  quantised.quantisation_step = 0.1;
+  delayed.delay = 1;
+  coloured.noise_filter = {Eigen::VectorXd::Ones(1), Eigen::Vector2d(1.0, -0.5)};
+  scaled.noise_filter = {2.0 * Eigen::VectorXd::Ones(1), Eigen::VectorXd::Ones(1)};
+  lossy.loss = LossModel{0.1, {}, {1.0}};
+  EXPECT_FALSE(keeps_state(quantised, 0.6));
+  EXPECT_FALSE(keeps_state(scaled, 0.6));
+  EXPECT_FALSE(keeps_state(coloured, 0.0));
+  EXPECT_TRUE(keeps_state(coloured, 0.6));
+  EXPECT_TRUE(keeps_state(delayed, 0.6));
+  EXPECT_TRUE(keeps_state(lossy, 0.6));
+}
+
+// Of uniform losses with stay 1 - 1/b: the fraction lost is binomial, its standard error that of the chain,
+// sqrt(q (1 - q) (1 + rho) / (1 - rho) / n) with rho = 1 - 1/b - q/(b (1 - q)).
+TEST(Link, LosesAsOftenAndAsLongAsItIsSaidTo) {
+  LinkModel model;
+  model.loss = LossModel{0.2, 4.0, {1.0}};
+  Link link(platoon_with(model, 0.0), kSeed, kReceiver);
+  const std::size_t count = 20000;
+  const std::vector<Values> received = through(link, count, count);
+  double losses = 0.0, bursts = 0.0, first = 0.0;
+  for (std::size_t r = 0; r < count; ++r) {
+    bool before = false;
+    for (std::size_t k = 1; k <= kSteps; ++k) {
+      const bool lost = received[k][r] == received[k - 1][r];
+      losses += lost ? 1.0 : 0.0;
+      bursts += lost && !before ? 1.0 : 0.0;
+      first += lost && k == 1 ? 1.0 : 0.0;
+      before = lost;
+    }
+  }
+  const double n = static_cast<double>(count) * kSteps, q = 0.2, rho = 0.75 - q / (4.0 * 0.8);
+  EXPECT_NEAR(losses / n, q, 4.0 * std::sqrt(q * (1.0 - q) * (1.0 + rho) / (1.0 - rho) / n));
+  EXPECT_NEAR(first / count, q, 4.0 * std::sqrt(q * (1.0 - q) / count)) << "stationary from k = 0 on";
+  // A burst begins with probability q / b a step, and at step 0 with q; its count varies by less than a Poisson's.
+  const double expected = static_cast<double>(count) * (q + (kSteps - 1) * q / 4.0);
+  EXPECT_NEAR(bursts, expected, 4.0 * std::sqrt(expected));
+}
+
+TEST(Quantiser, LeavesAWhiteErrorOfVarianceOfAStepSquaredOverTwelve) {
+  const double step = 0.5;
+  Quantiser quantiser(step, kSeed, kReceiver);
+  const std::size_t count = 100000;
+  Values before(count), error(count);
+  for (const std::int64_t k : {0, 1}) {
+    Values positions(count, 12.3);
+    quantiser.step(k, 0, count, positions.data());
+    double sum = 0.0, squares = 0.0, product = 0.0;
+    for (std::size_t r = 0; r < count; ++r) {
+      error[r] = positions[r] - 12.3;
+      EXPECT_LE(std::abs(error[r]), 0.5 * step + 1e-12);
+      sum += error[r];
+      squares += error[r] * error[r];
+      product += error[r] * before[r];
+    }
+    const double variance = step * step / 12.0, n = static_cast<double>(count);
+    EXPECT_NEAR(sum / n, 0.0, 4.0 * std::sqrt(variance / n));
+    EXPECT_NEAR(squares / n, variance, 4.0 * variance * std::sqrt(0.8 / n)) << "m4 - v^2 = 0.8 v^2";
+    EXPECT_NEAR(product / n, 0.0, 4.0 * variance / std::sqrt(n));
+    before = error;
+  }
+}
+
+TEST(LinkStages, RejectWhatTheyCannotBe) {
+  const TransferFunction improper(Eigen::Vector2d(1.0, 1.0), Eigen::VectorXd::Ones(1));
+  EXPECT_THROW(Quantiser(0.0, 1, 1), std::invalid_argument);
+  EXPECT_THROW(ColouredNoise(-1.0, LinkModel().noise_filter, 1, 1), std::invalid_argument);
+  EXPECT_THROW(ColouredNoise(1.0, improper, 1, 1), std::invalid_argument);
+  EXPECT_THROW(DelayLine(0), std::invalid_argument);
+  EXPECT_THROW(PacketLoss({1.0, {}, {1.0}}, 1, 1), std::invalid_argument);
+  EXPECT_THROW(PacketLoss({0.5, {}, {}}, 1, 1), std::invalid_argument);
+}
+
+// Holding: L F = z^-1 / (1 - q z^-1), of norm 1 / (1 - q^2).
+TEST(LossModel, KnowsTheFeedbackOfItsLosses) {
+  for (const double q : {0.01, 0.3, 0.9}) {
+    const LossModel hold{q, {}, {1.0}};
+    EXPECT_NEAR(loss_feedback(hold), q / (1.0 + q), 1e-14);
+    EXPECT_NEAR(second_moment_radius(hold), q, 1e-14);
+  }
+  const LossModel extrapolate{0.3, {}, {2.0, -1.0}};
+  double sum = 0.0, r1 = 1.0, r2 = 0.0;  // F's impulse response, and L F's a step later
+  for (int k = 0; k < 200; ++k) {
+    const double predicted = 2.0 * r1 - r2;
+    sum += predicted * predicted;
+    r2 = r1;
+    r1 = 0.3 * predicted;
+  }
+  EXPECT_NEAR(loss_feedback(extrapolate), 0.7 * 0.3 * sum, 1e-13);
+}
+
+// At the border of the second moments: p q ||L F||^2 = 1 just where their radius is 1.
+TEST(LossModel, HasTheSameBorderInBothForms) {
+  for (const std::vector<double>& c : {std::vector<double>{3.0, -2.0}, {2.5, -1.0, -0.5}, {3.0, -3.0, 1.0}}) {
+    double low = 0.0, high = 0.99;
+    while (high - low > 1e-12) {
+      const double q = 0.5 * (low + high);
+      (loss_feedback({q, {}, c}) < 1.0 ? low : high) = q;
+    }
+    EXPECT_LT(second_moment_radius({low - 1e-9, {}, c}), 1.0);
+    EXPECT_GT(second_moment_radius({high + 1e-9, {}, c}), 1.0);
+  }
+}
+
+TEST(LossModel, OfABurstThatIndependentLossesHaveIsIndependent) {
+  EXPECT_TRUE((LossModel{0.2, 1.0 / 0.8, {1.0}}).is_independent());
+  EXPECT_FALSE((LossModel{0.2, 2.0, {1.0}}).is_independent());
+}
+
+}  // namespace
+}  // namespace platoon

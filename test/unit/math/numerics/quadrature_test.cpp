@@ -1,0 +1,87 @@
+#include "stochastic_platoon/math/numerics/quadrature.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace platoon {
+namespace {
+
+template <typename Function>
+double integrate(const Quadrature& rule, const Function& f) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < rule.node.size(); ++k) sum += rule.weight[k] * f(rule.node[k]);
+  return sum;
+}
+
+TEST(Quadrature, GaussLegendreIsExactForPolynomialsBelowTwiceItsCount) {
+  for (const int count : {1, 2, 5, 16}) {
+    const Quadrature rule = gauss_legendre(count);
+    for (int power = 0; power < 2 * count; ++power) {
+      const double exact = power % 2 == 0 ? 2.0 / (power + 1) : 0.0;
+      EXPECT_NEAR(integrate(rule, [&](double x) { return std::pow(x, power); }), exact, 1e-14) << count << " " << power;
+    }
+  }
+}
+
+TEST(Quadrature, MeanOverTheCircleIsRightHoweverCloseThePolesAre) {
+  // The mean of 1 / |z - a|^2 is 1 / (1 - |a|^2) for |a| < 1, and of its real pairs accordingly.
+  for (const double radius : {0.0, 0.5, 0.9, 0.999, 0.999999}) {
+    for (const double angle : {0.0, 0.4, 2.0, 3.141592653589793}) {
+      const std::complex<double> a = std::polar(radius, angle);
+      const auto even = [&](double w) {
+        const std::complex<double> z = std::polar(1.0, w);
+        return 0.5 / std::norm(z - a) + 0.5 / std::norm(z - std::conj(a));
+      };
+      std::vector<std::complex<double>> singular;
+      if (radius > 0.0) singular.push_back(std::complex<double>(0.0, -1.0) * std::log(a));
+      const double exact = 1.0 / ((1.0 - radius) * (1.0 + radius));
+      const double tolerance = 1e-13 + 1e-15 / (1.0 - radius);  // of z itself
+      EXPECT_NEAR(integrate(half_circle_quadrature(singular, {}), even), exact, tolerance * exact) << a;
+    }
+  }
+}
+
+TEST(Quadrature, PeaksResolveFunctionsThatNarrowThere) {
+  const double peak = 1.3;
+  for (const double width : {1e-2, 1e-4, 1e-6}) {
+    const auto bump = [&](double w) { return std::exp(-std::pow((w - peak) / width, 2)); };
+    const double exact = width / std::sqrt(3.141592653589793);  // its integral, divided by pi
+    EXPECT_NEAR(integrate(half_circle_quadrature({}, {peak}), bump), exact, 1e-9 * exact) << width;
+  }
+}
+
+TEST(Quadrature, RefinementKeepsTheRuleConsistent) {
+  const auto one = [](double) { return 1.0; };
+  const Quadrature coarse = half_circle_quadrature({{1.0, 0.1}}, {0.0, 2.0});
+  const Quadrature fine = half_circle_quadrature({{1.0, 0.1}}, {0.0, 2.0}, 2);
+  EXPECT_EQ(fine.node.size(), 4 * coarse.node.size());
+  EXPECT_NEAR(integrate(coarse, one), 1.0, 1e-14);
+  EXPECT_NEAR(integrate(fine, one), 1.0, 1e-14);
+}
+
+// The mean of (1 - a^2) / (1 - 2 a cos w + a^2) e^{-j m w} over the circle is a^m.
+TEST(OscillatingWeights, IntegrateWhatTurnsOftenOnEveryPanel) {
+  for (const double a : {0.5, 0.9, 0.999}) {
+    const Quadrature rule = half_circle_quadrature({{0.0, -std::log(a)}}, {0.0}, 1);
+    for (const double m : {0.0, 3.0, 40.0, 1000.0, 10000.0}) {
+      const OscillatingWeights weights(rule, m);
+      double sum = 0.0;
+      for (std::size_t k = 0; k < rule.node.size(); ++k) {
+        const double w = rule.node[k], sine = std::sin(w / 2.0);
+        const double value = (1.0 - a) * (1.0 + a) / ((1.0 - a) * (1.0 - a) + 4.0 * a * sine * sine);
+        sum += value * (weights.applies_to(k) ? weights[k].real() : rule.weight[k] * std::cos(m * w));
+      }
+      EXPECT_NEAR(sum, std::pow(a, m), 1e-12) << a << " " << m;
+    }
+  }
+}
+
+TEST(Quadrature, RefusesNoNodesAndSingularitiesOnTheAxis) {
+  EXPECT_THROW(gauss_legendre(0), std::invalid_argument);
+  EXPECT_THROW(half_circle_quadrature({{1.0, 0.0}}, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace platoon

@@ -1,0 +1,24 @@
+#include "stochastic_platoon/math/numerics/text.hpp"
+
+#include <gtest/gtest.h>
+
+namespace platoon {
+namespace {
+
+TEST(Formatted, IsWhatPrintfPrints) {
+  EXPECT_EQ(formatted("%d of %s: %.3f", 7, "nine", 0.5), "7 of nine: 0.500");
+  EXPECT_EQ(formatted("%s", ""), "");
+}
+
+TEST(Formatted, IsOfAnyLength) {
+  const std::string text(5000, 'x');
+  EXPECT_EQ(formatted("<%s>", text.c_str()), "<" + text + ">");
+}
+
+TEST(Shortened, KeepsAShortTextAndTheBeginningOfALongOne) {
+  EXPECT_EQ(shortened(std::string(80, 'x')), std::string(80, 'x'));
+  EXPECT_EQ(shortened(std::string(81, 'x')), std::string(80, 'x') + "...");
+}
+
+}  // namespace
+}  // namespace platoon

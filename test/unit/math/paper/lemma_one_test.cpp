@@ -1,0 +1,104 @@
+#include "stochastic_platoon/math/paper/lemma_one.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "unit/math/string/example_loops.hpp"
+
+namespace platoon {
+namespace {
+
+TEST(LemmaOne, AgreesWithTheMomentsFromStructure) {
+  for (const ExampleLoop& example : example_loops()) {
+    const PlatoonModel model = model_with(example.loop, example.headway);
+    const ErrorMoments structure = error_moments(model, 4, 60);
+    const ErrorMoments dense = error_moments_by_lemma_one(model, 4, 60);
+    double scale = 0.0;
+    for (const double mean : dense.mean) scale = std::max(scale, std::abs(mean));
+    for (std::size_t at = 0; at < dense.mean.size(); ++at) {
+      EXPECT_NEAR(structure.mean[at], dense.mean[at], 1e-12 * scale) << example.name << " at " << at;
+      EXPECT_NEAR(structure.variance[at], dense.variance[at], 1e-10 * dense.variance[at])
+          << example.name << " at " << at;
+    }
+  }
+}
+
+TEST(LemmaOne, InitialStateIsThatOfVehiclesThatStoodStillAndMadeOneStep) {
+  const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
+  const StateSpace& loop = model.loop.realization;
+  const Eigen::Vector3d p(0.7, -1.1, 0.4);
+  const Eigen::VectorXd equilibrium = unit_equilibrium(loop);
+  const Eigen::VectorXd xi = initial_string(model, 3).response * p;
+  Eigen::VectorXd ahead = Eigen::VectorXd::Zero(3);  // x_{i-1}(0)
+  double heard = 0.0;                                // y_{i-1}(-1)
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Eigen::VectorXd before = equilibrium * p(i);
+    const Eigen::VectorXd now = loop.a() * before + loop.b() * heard;
+    const Eigen::VectorXd expected = ahead - now - 3.2 * (now - before);
+    EXPECT_LT((xi.segment(3 * i, 3) - expected).cwiseAbs().maxCoeff(), 1e-14);
+    ahead = now;
+    heard = loop.c() * before;
+  }
+}
+
+TEST(LemmaOne, AMeanShiftOfAllFollowersConcernsTheFirstTwoOnly) {
+  const InitialString initial = initial_string(model_with(paper_loop(3.2), 3.2), 5);
+  EXPECT_GT(initial.mean.head(6).norm(), 0.1);
+  EXPECT_LT(initial.mean.tail(9).norm(), 1e-14);
+  EXPECT_NEAR((initial.covariance - 0.3 * initial.response * initial.response.transpose()).norm(), 0.0, 1e-14);
+}
+
+TEST(LemmaOne, LyapunovSolutionLeavesNoResidual) {
+  const StringMatrices string = string_matrices(paper_loop(3.2).realization, 3.2, 6);
+  const Eigen::MatrixXd q = noise_covariance(string, 0.6);
+  const Eigen::MatrixXd p = solve_discrete_lyapunov(string.a, q);
+  EXPECT_LT((p - string.a * p * string.a.transpose() - q).cwiseAbs().maxCoeff(), 1e-13 * p.cwiseAbs().maxCoeff());
+}
+
+TEST(LemmaOne, LyapunovSolutionOfAScalarIsTheGeometricSum) {
+  const Eigen::MatrixXd a = Eigen::MatrixXd::Constant(1, 1, 0.999);
+  const Eigen::MatrixXd q = Eigen::MatrixXd::Constant(1, 1, 2.0);
+  EXPECT_NEAR(solve_discrete_lyapunov(a, q)(0, 0), 2.0 / (1.0 - 0.999 * 0.999), 1e-10);
+}
+
+TEST(LemmaOne, BothStationaryCovariancesAgreeInEveryEntry) {
+  const StringMatrices string = string_matrices(paper_loop(2.4).realization, 2.4, 4);
+  const Eigen::MatrixXd vec = stationary_covariance_by_vec(string, 0.6);
+  const Eigen::MatrixXd lyapunov = stationary_covariance_by_lyapunov(string, 0.6);
+  EXPECT_LT((vec - lyapunov).cwiseAbs().maxCoeff(), 1e-12 * vec.cwiseAbs().maxCoeff());
+}
+
+TEST(LemmaOne, RefusesWhatHasNoStationaryCovariance) {
+  const TransferFunction t = ramp_tracking(with_zeros({1.01, 0.2}, {}), 2.0, Polynomial::Zero(1));
+  const StringMatrices string = string_matrices(observable_canonical(t), 2.0, 2);
+  EXPECT_THROW(stationary_covariance_by_vec(string, 0.6), std::invalid_argument);
+  EXPECT_THROW(stationary_covariance_by_lyapunov(string, 0.6), std::invalid_argument);
+  EXPECT_THROW(solve_discrete_lyapunov(Eigen::MatrixXd::Identity(2, 2), Eigen::MatrixXd::Identity(2, 2)),
+               std::invalid_argument);
+  EXPECT_THROW(solve_discrete_lyapunov(Eigen::MatrixXd::Zero(2, 2), Eigen::MatrixXd::Identity(3, 3)),
+               std::invalid_argument);
+}
+
+TEST(LemmaOne, LyapunovSolutionKeepsItsDigitsForLongStrings) {
+  const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
+  const StringMatrices string = string_matrices(model.loop.realization, 3.2, 40);
+  // The eigenvalues of this A, of multiplicity 40, are not to be relied on: rho(A) = 0.527.
+  EXPECT_GT(string.a.eigenvalues().cwiseAbs().maxCoeff(), 0.6);
+  const double expected = stationary_variances(model, 40).back();
+  EXPECT_NEAR(stationary_covariance_by_lyapunov(string, 0.6)(39, 39), expected, 1e-11 * expected);
+}
+
+TEST(LemmaOne, RefusesAnEmptyStringAndAnEmptyRun) {
+  const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
+  EXPECT_THROW(initial_string(model, 0), std::invalid_argument);
+  EXPECT_THROW(error_moments_by_lemma_one(model, 0, 5), std::invalid_argument);
+  EXPECT_THROW(error_moments_by_lemma_one(model, 2, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace platoon

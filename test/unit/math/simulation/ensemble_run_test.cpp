@@ -1,0 +1,166 @@
+#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "stochastic_platoon/math/statistics/agreement.hpp"
+#include "stochastic_platoon/math/string/error_moments.hpp"
+#include "unit/paper_platoon.hpp"
+
+namespace platoon {
+namespace {
+
+const auto kNoProgress = [](std::uint64_t) {};
+
+TEST(MonteCarlo, GivesTheSameBitsForEveryNumberOfThreadsAndBatchSize) {
+  const PlatoonModel model = eventful_platoon(3.2);
+  const auto totals = [&](unsigned threads, std::uint64_t batch) {
+    const MomentTable table = monte_carlo(model, {3, 3, 20, 1501, batch}, threads, kNoProgress);
+    EXPECT_EQ(table.count(), 1501u);
+    return table.totals();
+  };
+  const std::vector<Moments> expected = totals(1, 8192);
+  ASSERT_EQ(expected.size(), 60u);
+  for (const unsigned threads : {1u, 2u, 3u}) {
+    for (const std::uint64_t batch : {1, 7, 8192}) {
+      const std::vector<Moments> found = totals(threads, batch);
+      for (std::size_t c = 0; c < found.size(); ++c) {
+        ASSERT_EQ(found[c].mean, expected[c].mean) << threads << " threads, batches of " << batch << ", cell " << c;
+        ASSERT_EQ(found[c].squared_deviations, expected[c].squared_deviations);
+      }
+    }
+  }
+}
+
+TEST(MonteCarlo, OfOtherSeedsIsAnotherSample) {
+  const PlatoonModel model = paper_platoon();
+  EXPECT_NE(monte_carlo(model, {1, 1, 4, 10, 10}, 1, kNoProgress).totals().back().mean,
+            monte_carlo(model, {2, 1, 4, 10, 10}, 1, kNoProgress).totals().back().mean);
+}
+
+// Means and variances of all (i, k) against theory, in units of the estimators' standard errors; the largest
+// of so many scores exceeds the bound once in a thousand samples, and this sample is fixed.
+TEST(MonteCarlo, AgreesWithTheory) {
+  for (const double headway : {3.2, 2.4}) {
+    const PlatoonModel model = eventful_platoon(headway);
+    const MomentTable table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
+    const ErrorMoments theory = error_moments(model, 5, 40);
+    const Agreement found = agreement(table.totals(), theory.mean, theory.variance);
+    const double bound = largest_plausible_score(2 * theory.mean.size());
+    EXPECT_LT(found.max_abs_z_mean, bound) << headway;
+    EXPECT_LT(found.max_abs_z_variance, bound) << headway;
+    EXPECT_GT(found.max_abs_z_mean, 1.0) << "too good to be true";
+  }
+}
+
+TEST(MonteCarlo, NoticesATheoryThatIsAFewPercentOff) {
+  PlatoonModel model = eventful_platoon(3.2);
+  const MomentTable table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
+  model.noise_variance *= 1.08;
+  const ErrorMoments theory = error_moments(model, 5, 40);
+  EXPECT_GT(agreement(table.totals(), theory.mean, theory.variance).max_abs_z_variance,
+            largest_plausible_score(2 * theory.mean.size()));
+}
+
+TEST(MonteCarlo, TellsItsProgressUpToTheEnd) {
+  std::vector<std::uint64_t> told;
+  monte_carlo(paper_platoon(), {1, 2, 5, 100, 7}, 3, [&told](std::uint64_t done) { told.push_back(done); });
+  ASSERT_FALSE(told.empty());
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_EQ(told.back(), 100u);
+}
+
+TEST(MonteCarlo, TakesNoThreadsForOne) {
+  EXPECT_EQ(monte_carlo(paper_platoon(), {1, 1, 2, 10, 3}, 0, kNoProgress).count(), 10u);
+}
+
+constexpr Ensemble kEnsemble{3, 2, 10, 1000, 32};
+
+void expect_same_totals(const MomentTable& found, const MomentTable& expected) {
+  ASSERT_EQ(found.count(), expected.count());
+  const std::vector<Moments> totals = found.totals(), others = expected.totals();
+  for (std::size_t c = 0; c < totals.size(); ++c) {
+    ASSERT_EQ(totals[c].mean, others[c].mean) << c;
+    ASSERT_EQ(totals[c].squared_deviations, others[c].squared_deviations) << c;
+  }
+}
+
+TEST(EnsembleRun, OfTheShardsOfAnyNumberGivesTheBitsOfOneRunInAnyOrder) {
+  const PlatoonModel model = eventful_platoon(3.2);
+  const MomentTable expected = monte_carlo(model, kEnsemble, 1, kNoProgress);
+  for (const std::uint64_t of : {1, 2, 3, 5, 7, 16, 31, 64}) {
+    MomentTable joined(expected.cells());
+    for (std::uint64_t at = 0; at < of; ++at) {
+      EnsembleRun shard(model, kEnsemble, range_of({(at * 37 + 5) % of, of}, kEnsemble.realizations));
+      EXPECT_TRUE(shard.work());
+      joined.merge(shard.release());
+    }
+    expect_same_totals(joined, expected);
+  }
+}
+
+TEST(EnsembleRun, ComputesWhatIsMissingAndNothingElse) {
+  const PlatoonModel model = eventful_platoon(3.2);
+  const RealizationRange range{100, 900};
+  EnsembleRun whole(model, kEnsemble, range);
+  complete(whole, 2, [] {});
+  const MomentTable expected = whole.release();
+  MomentTable earlier(expected.cells());
+  for (const RealizationRange& there : {RealizationRange{100, 131}, RealizationRange{400, 401}}) {
+    EnsembleRun part(model, kEnsemble, there);
+    part.work();
+    earlier.merge(part.release());
+  }
+  EnsembleRun rest(model, kEnsemble, range, earlier);
+  EXPECT_EQ(rest.done(), 32u);
+  EXPECT_FALSE(rest.is_complete());
+  EXPECT_TRUE(rest.work());
+  EXPECT_EQ(rest.done(), 800u);
+  EXPECT_TRUE(rest.is_complete());
+  expect_same_totals(rest.release(), expected);
+}
+
+TEST(EnsembleRun, HasNothingToDoWhereAllIsThere) {
+  const PlatoonModel model = paper_platoon();
+  EnsembleRun run(model, kEnsemble, {0, 64});
+  run.work();
+  EnsembleRun again(model, kEnsemble, {0, 64}, run.release());
+  EXPECT_TRUE(again.all_begun());
+  EXPECT_TRUE(again.is_complete());
+  EXPECT_FALSE(again.work());
+}
+
+TEST(EnsembleRun, ShowsWhatWasHandedOverWhichIsNeverWrong) {
+  const PlatoonModel model = eventful_platoon(3.2);
+  const MomentTable expected = monte_carlo(model, kEnsemble, 1, kNoProgress);
+  EnsembleRun run(model, kEnsemble, {0, kEnsemble.realizations}, MomentTable(expected.cells()), 0.0);
+  std::vector<MomentTable> shown;
+  std::thread worker([&run] { run.work(); });
+  while (!run.is_complete()) run.read([&shown](const MomentTable& table) { shown.push_back(table); });
+  worker.join();
+  run.read([&shown](const MomentTable& table) { shown.push_back(table); });
+  expect_same_totals(shown.back(), expected);
+  for (std::size_t at = 0; at < shown.size(); at += std::max<std::size_t>(shown.size() / 5, 1)) {
+    EnsembleRun rest(model, kEnsemble, {0, kEnsemble.realizations}, shown[at]);
+    rest.work();
+    expect_same_totals(rest.release(), expected);
+  }
+}
+
+TEST(EnsembleRun, IsMadeCompleteByOneOfItsThreads) {
+  const PlatoonModel model = paper_platoon();
+  for (const double hand_over_seconds : {0.0, 1e9}) {
+    EnsembleRun run(model, kEnsemble, {0, 1000}, MomentTable(20), hand_over_seconds);
+    std::atomic<int> completed{0};
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 4; ++t) threads.emplace_back([&] { completed += run.work() ? 1 : 0; });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(completed, 1);
+  }
+}
+
+}  // namespace
+}  // namespace platoon

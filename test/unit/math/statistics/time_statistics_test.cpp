@@ -1,0 +1,145 @@
+#include "stochastic_platoon/math/statistics/time_statistics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace platoon {
+namespace {
+
+void add(TimeStatistics& statistics, std::size_t follower, std::int64_t step, double error) {
+  statistics.add({follower, step, 0, 1, {{error, 0.0}}});
+}
+
+TEST(TimeStatistics, LeaveTheBurnInOut) {
+  TimeStatistics statistics(1, 10);
+  for (std::int64_t k = 0; k < 14; ++k) add(statistics, 1, k, k < 10 ? 1e6 : static_cast<double>(k));
+  EXPECT_EQ(statistics.moments()[0].count, 4u);
+  EXPECT_DOUBLE_EQ(statistics.moments()[0].mean, 11.5);
+  EXPECT_DOUBLE_EQ(statistics.moments()[0].variance(), 5.0 / 3.0);
+}
+
+TEST(TimeStatistics, WithoutBurnInTakeEveryStep) {
+  TimeStatistics statistics(1, 0);
+  add(statistics, 1, 0, 3.0);
+  EXPECT_EQ(statistics.moments()[0].count, 1u);
+}
+
+TEST(TimeStatistics, AreUndefinedDuringTheBurnIn) {
+  TimeStatistics statistics(1, 10);
+  add(statistics, 1, 9, 3.0);
+  EXPECT_EQ(statistics.moments()[0].count, 0u);
+  EXPECT_TRUE(std::isnan(statistics.moments()[0].variance()));
+}
+
+TEST(TimeStatistics, KeepFollowersApart) {
+  TimeStatistics statistics(3, 0);
+  add(statistics, 1, 0, 1.0);
+  add(statistics, 3, 0, 5.0);
+  add(statistics, 3, 1, 7.0);
+  ASSERT_EQ(statistics.moments().size(), 3u);
+  EXPECT_EQ(statistics.moments()[0].mean, 1.0);
+  EXPECT_EQ(statistics.moments()[1].count, 0u);
+  EXPECT_EQ(statistics.moments()[2].mean, 6.0);
+  EXPECT_THROW(add(statistics, 4, 0, 1.0), std::out_of_range);
+  EXPECT_THROW(add(statistics, 0, 0, 1.0), std::out_of_range);
+}
+
+TEST(TimeStatistics, HaveTheSameBitsInWhateverOrderTheStepsCome) {
+  TimeStatistics in_order(1, 2), shuffled(1, 2);
+  const auto error = [](std::int64_t k) { return 1.0 / static_cast<double>(3 + k * k % 17); };
+  for (std::int64_t k = 0; k < 40; ++k) add(in_order, 1, k, error(k));
+  for (std::int64_t k = 0; k < 40; k += 4) {
+    for (const std::int64_t j : {2, 0, 3, 1}) add(shuffled, 1, k + j, error(k + j));
+  }
+  EXPECT_EQ(shuffled.moments()[0].count, 38u);
+  EXPECT_EQ(shuffled.moments()[0].mean, in_order.moments()[0].mean);
+  EXPECT_EQ(shuffled.moments()[0].squared_deviations, in_order.moments()[0].squared_deviations);
+}
+
+TEST(TimeStatistics, WaitForTheStepThatIsMissing) {
+  TimeStatistics statistics(1, 0);
+  EXPECT_TRUE(statistics.empty());
+  add(statistics, 1, 1, 5.0);
+  EXPECT_TRUE(statistics.empty());
+  add(statistics, 1, 0, 3.0);
+  EXPECT_EQ(statistics.last_step(), 1);
+  EXPECT_EQ(statistics.moments()[0].mean, 4.0);
+}
+
+TEST(TimeStatistics, GoOnAfterARestartWithTheSameBurnIn) {
+  TimeStatistics statistics(2, 5);
+  for (std::int64_t k = 0; k < 8; ++k) add(statistics, 2, k, 4.0);
+  statistics.restart();
+  EXPECT_EQ(statistics.last_step(), -1);
+  EXPECT_FALSE(statistics.empty());
+  ASSERT_EQ(statistics.moments().size(), 2u);
+  EXPECT_EQ(statistics.moments()[1].count, 3u);
+  for (std::int64_t k = 0; k < 6; ++k) add(statistics, 2, k, 9.0);
+  EXPECT_EQ(statistics.moments()[1].count, 4u);
+  EXPECT_DOUBLE_EQ(statistics.moments()[1].mean, (3.0 * 4.0 + 9.0) / 4.0);
+  EXPECT_EQ(statistics.last_step(1), -1);
+  EXPECT_EQ(statistics.last_step(2), 5);
+}
+
+TEST(TimeStatistics, AreOfTheWholeSampleWhereverItBrokeOff) {
+  TimeStatistics broken(1, 0);
+  Moments expected;
+  for (std::int64_t k = 0; k < 20; ++k) {
+    const double error = std::sin(static_cast<double>(k));
+    if (k % 7 == 0) broken.restart();
+    add(broken, 1, k % 7, error);
+    expected.add(error);
+  }
+  EXPECT_EQ(broken.moments()[0].count, 20u);
+  EXPECT_NEAR(broken.moments()[0].mean, expected.mean, 1e-15);
+  EXPECT_NEAR(broken.moments()[0].variance(), expected.variance(), 1e-15);
+}
+
+TEST(TimeStatistics, GoOnFromEarlierOnes) {
+  TimeStatistics statistics(1, 1, {Moments{2, 5.0, 8.0}});
+  EXPECT_FALSE(statistics.empty());
+  add(statistics, 1, 0, 100.0);
+  add(statistics, 1, 1, 8.0);
+  EXPECT_EQ(statistics.moments()[0].count, 3u);
+  EXPECT_DOUBLE_EQ(statistics.moments()[0].mean, 6.0);
+}
+
+// Follower i is reached by the leader's step a at its own step a + i - 1.
+TEST(TimeStatistics, LeaveOutWhatAManoeuvreCausesAndABurnInBehindIt) {
+  constexpr std::int64_t kBurnIn = 5, kFrom = 20, kTo = 29;
+  for (const std::size_t follower : {1, 2, 4}) {
+    TimeStatistics statistics(4, kBurnIn);
+    statistics.saw_leader(-2, true);
+    const auto hops = static_cast<std::int64_t>(follower) - 1;
+    Moments expected;
+    for (std::int64_t k = 0; k < 60; ++k) {
+      add(statistics, follower, k, static_cast<double>(k * k % 31));
+      statistics.saw_leader(k - hops, k - hops < kFrom || k - hops > kTo);
+      const bool counts = k >= kBurnIn && (k < kFrom + hops || k > kTo + hops + kBurnIn);
+      if (counts) expected.add(static_cast<double>(k * k % 31));
+      ASSERT_EQ(statistics.moments()[follower - 1].count, expected.count) << k;
+    }
+    EXPECT_EQ(statistics.moments()[follower - 1].mean, expected.mean);
+    EXPECT_EQ(statistics.moments()[follower - 1].squared_deviations, expected.squared_deviations);
+  }
+}
+
+TEST(TimeStatistics, WaitForTheLeadersStepThatAnErrorDependsOn) {
+  TimeStatistics statistics(3, 0);
+  statistics.saw_leader(-2, true);
+  for (std::int64_t k = 0; k < 8; ++k) add(statistics, 3, k, 1.0);
+  EXPECT_EQ(statistics.moments()[2].count, 1u);  // step 0 hangs on the leader's step -2
+  statistics.saw_leader(3, true);
+  EXPECT_EQ(statistics.moments()[2].count, 6u);
+  statistics.saw_leader(4, false);
+  EXPECT_EQ(statistics.moments()[2].count, 6u);
+  statistics.restart();
+  for (std::int64_t k = 0; k < 3; ++k) add(statistics, 3, k, 1.0);
+  statistics.saw_leader(2, true);
+  EXPECT_EQ(statistics.moments()[2].count, 9u);
+}
+
+}  // namespace
+}  // namespace platoon

@@ -1,0 +1,138 @@
+#include "stochastic_platoon/math/string/critical_headway.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/string/string_stability.hpp"
+#include "unit/math/string/example_loops.hpp"
+
+namespace platoon {
+namespace {
+
+/// G = 1/(z-1)^2 with K = gain z / (z + 0.89), whatever the headway.
+HeadwayLaw fixed_gain(double gain) {
+  return [gain](double headway) {
+    const TransferFunction plant(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0));
+    return close_loop(plant, {Eigen::Vector2d(gain, 0.0), Eigen::Vector2d(1.0, 0.89)}, headway);
+  };
+}
+
+/// A plant with a lag that the controller cancels: T loses a mode at every headway.
+ClosedLoop cancelling(double headway) {
+  const TransferFunction plant(Polynomial::Constant(1, 0.02),
+                               multiply(Eigen::Vector3d(1.0, -2.0, 1.0), with_zeros({0.8, 0.5}, {})));
+  const TransferFunction controller(multiply(with_zeros({0.8}, {}), Eigen::Vector2d(1.0, -0.9)),
+                                    with_zeros({0.1, -0.2}, {}));
+  return close_loop(plant, controller, headway);
+}
+
+TEST(CriticalHeadway, OfThePapersExampleIsKnownInClosedForm) {
+  // 1 - |T|^2 ~ (h (1+h) - 2 / K(1)) w^2 with K(1) = 1.35 / (1.89 (1+h)): h = 2 * 1.89 / 1.35 = 2.8.
+  const StableHeadways found = stable_headways(paper_loop);
+  ASSERT_TRUE(found.critical.has_value());
+  EXPECT_NEAR(*found.critical, 2.8, 1e-11);
+  ASSERT_EQ(found.intervals.size(), 1u);
+  EXPECT_EQ(found.intervals[0].to, 1000.0);
+}
+
+TEST(CriticalHeadway, DoesNotExistWhereLongHeadwaysAreUnstableAgain) {
+  const StableHeadways found = stable_headways(fixed_gain(0.3));
+  EXPECT_FALSE(found.critical.has_value());
+  ASSERT_EQ(found.intervals.size(), 1u);
+  const double from = (-1.0 + std::sqrt(1.0 + 8.0 * 1.89 / 0.3)) / 2.0;  // h (1+h) = 2 / K(1)
+  EXPECT_NEAR(found.intervals[0].from, from, 1e-11);
+  EXPECT_NEAR(found.intervals[0].to, 4.88999962800, 1e-10);
+}
+
+TEST(CriticalHeadway, IsWhereTheVerdictTurns) {
+  const HeadwayLaw laws[] = {paper_loop, fixed_gain(0.3), fixed_gain(0.05), cancelling};
+  for (const HeadwayLaw& law : laws) {
+    const auto stable = [&](double h) { return string_stability(model_with(law(h), h)).string_stable; };
+    for (const HeadwayInterval& interval : stable_headways(law).intervals) {
+      EXPECT_TRUE(stable(interval.from + 1e-9));
+      EXPECT_FALSE(stable(interval.from - 1e-9));
+      EXPECT_TRUE(stable(interval.to - 1e-9));
+      if (interval.to < 1000.0) {
+        EXPECT_FALSE(stable(interval.to + 1e-9));
+      }
+    }
+  }
+}
+
+TEST(CriticalHeadway, MarginHasTheSignOfTheVerdict) {
+  for (const ExampleLoop& example : example_loops()) {
+    const bool stable = string_stability(model_with(example.loop, example.headway)).string_stable;
+    EXPECT_EQ(string_margin(example.loop, example.headway) > 0.0, stable) << example.name;
+  }
+  for (const ExampleLoop& example : string_stable_loops()) {
+    if (example.name.find("flat") != std::string::npos) continue;  // at the border: the margin is 0 but for rounding
+    EXPECT_GT(string_margin(example.loop, example.headway), 0.0) << example.name;
+  }
+}
+
+TEST(CriticalHeadway, FindsStretchesNarrowerThanTheSamples) {
+  // A gain for which h (1+h) - 2 / K(1) is sign (10^-4 - (h-3)^2), of that sign for 2.99 < h < 3.01 only.
+  const auto law = [](double sign) {
+    return [sign](double h) {
+      const double bump = sign * (1e-4 - (h - 3.0) * (h - 3.0));
+      return fixed_gain(2.0 * 1.89 / (h * (1.0 + h) - bump))(h);
+    };
+  };
+  const HeadwayRange range{2.7, 3.6, 8};
+  const StableHeadways island = stable_headways(law(1.0), range);
+  ASSERT_EQ(island.intervals.size(), 1u);
+  EXPECT_NEAR(island.intervals[0].from, 2.99, 1e-9);
+  EXPECT_NEAR(island.intervals[0].to, 3.01, 1e-9);
+  EXPECT_FALSE(island.critical.has_value());
+  const StableHeadways gap = stable_headways(law(-1.0), range);
+  ASSERT_EQ(gap.intervals.size(), 2u);
+  EXPECT_EQ(gap.intervals[0].from, 2.7);
+  EXPECT_NEAR(gap.intervals[0].to, 2.99, 1e-9);
+  EXPECT_NEAR(gap.intervals[1].from, 3.01, 1e-9);
+  EXPECT_EQ(gap.critical, gap.intervals[1].from);
+}
+
+TEST(CriticalHeadway, RefusesAnEmptyRangeAndTooFewSamples) {
+  EXPECT_THROW(stable_headways(paper_loop, {0.0, 1.0, 10}), std::invalid_argument);
+  EXPECT_THROW(stable_headways(paper_loop, {2.0, 1.0, 10}), std::invalid_argument);
+  EXPECT_THROW(stable_headways(paper_loop, {1.0, INFINITY, 10}), std::invalid_argument);
+  EXPECT_THROW(stable_headways(paper_loop, {1.0, 2.0, 1}), std::invalid_argument);
+}
+
+// A vehicle sampled at a kilohertz keeps headways of thousands of samples.
+TEST(CriticalHeadway, IsSoughtAboutTheModelsOwnHeadway) {
+  const double gain = 8.899078748072497e-10, h = 1890.0;
+  const TransferFunction plant(Eigen::Vector2d(gain, gain),
+                               Eigen::Vector4d(1.0, -2.9982201842503855, 2.996440368500771, -0.9982201842503855));
+  const TransferFunction controller(Eigen::Vector2d(1235.158157878057, -1234.4254979937014), Eigen::Vector2d(1.0, 0.0));
+  const HeadwayLaw law = [&](double headway) { return close_loop(plant, controller, headway); };
+  ASSERT_TRUE(string_stability(model_with(law(h), h)).string_stable);
+  const StableHeadways found = stable_headways(law, headways_about(h));
+  ASSERT_EQ(found.intervals.size(), 1u);
+  EXPECT_LE(found.intervals[0].from, h);
+  EXPECT_GE(found.intervals[0].to, h);
+  EXPECT_EQ(found.searched.to, 100.0 * h);
+}
+
+TEST(CriticalHeadway, NeverContradictsTheVerdictAtTheHeadwayAskedFor) {
+  const HeadwayLaw laws[] = {paper_loop, fixed_gain(0.3), cancelling};
+  for (const HeadwayLaw& law : laws) {
+    std::vector<double> headways{0.02, 1.0, 2.8, 4.0, 900.0, 2500.0};
+    for (const HeadwayInterval& interval : stable_headways(law).intervals) {
+      for (const double change : {-1e-12, -1e-14, 0.0, 1e-14, 1e-12})
+        headways.push_back(interval.from * (1.0 + change));
+    }
+    for (const double h : headways) {
+      const bool stable = string_stability(model_with(law(h), h)).string_stable;
+      bool inside = false;
+      for (const HeadwayInterval& interval : stable_headways(law, headways_about(h)).intervals)
+        inside = inside || (interval.from <= h && h <= interval.to);
+      EXPECT_EQ(inside, stable) << h;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace platoon

@@ -1,0 +1,205 @@
+#include "stochastic_platoon/ros/bags/bag_reader.hpp"
+
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <std_msgs/String.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/ros/bags/bag_writer.hpp"
+#include "unit/temporary_folder.hpp"
+
+namespace platoon {
+namespace {
+
+using stochastic_platoon::ErrorStatistics;
+using stochastic_platoon::Position;
+
+constexpr std::int64_t kSteps = 12;
+const std::string kPosition = "/platoon/vehicle_1/position", kReceived = "/platoon/vehicle_1/predecessor_position",
+                  kConfiguration = "/platoon/configuration";
+
+/// Recordings of a vehicle's positions and of what it received, in batches of three steps.
+class BagReaderTest : public testing::Test {
+protected:
+  // Steps from `first` on, of so many positions.
+  std::string record(const std::string& name, const std::string& compression, std::int64_t first = 0,
+                     std::size_t size = 4) const {
+    BagWriter bag(folder_ / name, "", compression, {kConfiguration, "{}"});
+    for (std::int64_t step = first; step < first + kSteps; ++step) {
+      Position message;
+      message.header.stamp = ros::Time(100.0 + 0.01 * static_cast<double>(step));
+      message.step = step;
+      message.position.assign(size, 0.1 * static_cast<double>(step));
+      bag.write(kPosition, message);
+      bag.write(kReceived, message);
+      bag.end_step(step % 3 == 2);
+    }
+    ErrorStatistics statistics;
+    statistics.header.stamp = ros::Time(100.0);
+    bag.write("/platoon/error_statistics", statistics);
+    bag.close();
+    return folder_ / name;
+  }
+
+  struct Found {
+    std::vector<std::int64_t> positions, received;
+    std::size_t others = 0;
+    BagRemainder remainder;
+  };
+
+  static Found read(const BagSource& source) {
+    Found found;
+    BagContent content;
+    content.position = [&](const PlatoonTopic&, const Position::ConstPtr& message) {
+      found.positions.push_back(message->step);
+    };
+    content.predecessor_position = [&](const PlatoonTopic&, const Position::ConstPtr& message) {
+      found.received.push_back(message->step);
+    };
+    content.configuration = [&](const PlatoonTopic&, const std::string&) { ++found.others; };
+    content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr&) { ++found.others; };
+    found.remainder = read_bags(source, content);
+    return found;
+  }
+
+  static std::string reason_to_refuse(const BagSource& source) {
+    try {
+      read(source);
+    } catch (const BagError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  static std::vector<std::int64_t> steps(std::int64_t end) {
+    std::vector<std::int64_t> all;
+    for (std::int64_t step = 0; step < end; ++step) all.push_back(step);
+    return all;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(BagReaderTest, ReadsWhatWasWritten) {
+  for (const char* compression : {"none", "lz4"}) {
+    const Found found = read({{record("run.bag", compression)}});
+    EXPECT_EQ(found.positions, steps(kSteps)) << compression;
+    EXPECT_EQ(found.received, steps(kSteps)) << compression;
+    EXPECT_EQ(found.others, 2u) << compression;
+  }
+}
+
+// The number is prime to those of bits in what repeats.
+TEST_F(BagReaderTest, RefusesAFileWithAnyFlippedBit) {
+  for (const char* compression : {"none", "lz4"}) {
+    const std::string content = content_of(record("run.bag", compression));
+    for (std::size_t bit = 0; bit < 8 * content.size(); bit += 509) {
+      std::string bent = content;
+      bent[bit / 8] = static_cast<char>(bent[bit / 8] ^ (1 << bit % 8));
+      for (const Accept accept : {Accept::whole, Accept::cut}) {
+        const BagSource source{{folder_.file("bent.bag", bent)}, accept};
+        if (accept == Accept::cut && reason_to_refuse(source).empty()) {
+          EXPECT_EQ(read(source).positions, steps(kSteps)) << compression << ", bit " << bit;
+        } else {
+          EXPECT_NE(reason_to_refuse(source), "") << compression << ", bit " << bit;
+        }
+      }
+    }
+  }
+}
+
+// rosbag takes what it says there for a place in the chunk.
+TEST_F(BagReaderTest, RefusesAFileWithAnyFlippedBitInItsIndex) {
+  const std::string file = record("run.bag", "none"), content = content_of(file);
+  const std::size_t index = content.find("count=", 4200);  // behind the header of the file and the chunk
+  ASSERT_NE(index, std::string::npos);
+  for (std::size_t bit = 8 * index; bit < 8 * content.size(); bit += 31) {
+    std::string bent = content;
+    bent[bit / 8] = static_cast<char>(bent[bit / 8] ^ (1 << bit % 8));
+    EXPECT_NE(reason_to_refuse({{folder_.file("bent.bag", bent)}}), "") << bit;
+  }
+}
+
+TEST_F(BagReaderTest, ReadsWholeStepsOfAFileThatIsCutAnywhere) {
+  for (const char* compression : {"none", "lz4"}) {
+    const std::string content = content_of(record("run.bag", compression));
+    std::size_t before = 0;
+    for (std::size_t size = 5000; size < content.size(); size += 97) {
+      const std::string cut = folder_.file("cut.bag", content.substr(0, size));
+      EXPECT_NE(reason_to_refuse({{cut}}), "") << compression << ", byte " << size;
+      const Found found = read({{cut}, Accept::cut});
+      EXPECT_NE(found.remainder.ending, "") << compression << ", byte " << size;
+      EXPECT_EQ(found.positions, steps(static_cast<std::int64_t>(found.positions.size())));
+      EXPECT_EQ(found.received, found.positions);
+      EXPECT_EQ(found.positions.size() % 3, 0u) << "checksums are behind three steps";
+      EXPECT_GE(found.positions.size(), before);
+      before = found.positions.size();
+    }
+    EXPECT_EQ(before, static_cast<std::size_t>(kSteps)) << compression;
+  }
+}
+
+TEST_F(BagReaderTest, OfDamageReadsWhatIsBeforeItIfAsked) {
+  const std::string file = record("run.bag", "none", 0, 5000);
+  std::string content = content_of(file);
+  content[content.size() / 2] = static_cast<char>(content[content.size() / 2] ^ 1);
+  const std::string bent = folder_.file("bent.bag", content);
+  EXPECT_NE(reason_to_refuse({{bent}, Accept::cut}), "");
+  const Found found = read({{bent}, Accept::damaged});
+  EXPECT_NE(found.remainder.ending.find("is damaged"), std::string::npos);
+  EXPECT_EQ(found.positions, steps(static_cast<std::int64_t>(found.positions.size())));
+  EXPECT_GT(found.positions.size(), 2u);
+  EXPECT_LT(found.positions.size(), static_cast<std::size_t>(kSteps));
+}
+
+TEST_F(BagReaderTest, ReadsSeveralFilesInTheOrderOfTheirTimes) {
+  const std::string first = record("run_2.bag", "none"), second = record("run_10.bag", "lz4", kSteps);
+  const Found found = read({{second, first}});
+  EXPECT_EQ(found.positions, steps(2 * kSteps));
+}
+
+TEST_F(BagReaderTest, RefusesAFileWithoutChecksumsUnlessItMayBeUnverified) {
+  const std::string file = folder_ / "plain.bag";
+  rosbag::Bag bag(file, rosbag::bagmode::Write);
+  std_msgs::String configuration;
+  bag.write(kConfiguration, ros::TIME_MIN, configuration);
+  bag.write(kPosition, ros::Time(1.0), Position());
+  bag.close();
+  EXPECT_NE(reason_to_refuse({{file}}).find("holds no checksums"), std::string::npos);
+  EXPECT_NE(reason_to_refuse({{file}, Accept::cut}).find("holds no checksums"), std::string::npos);
+  EXPECT_EQ(read({{file}, Accept::whole, true}).positions.size(), 1u);
+}
+
+TEST_F(BagReaderTest, RefusesMessagesBehindTheLastChecksum) {
+  const std::string file = record("run.bag", "none");
+  rosbag::Bag bag(file, rosbag::bagmode::Append);
+  bag.write("/chatter", ros::Time(200.0), std_msgs::String());
+  bag.close();
+  EXPECT_EQ(read({{file}}).remainder.foreign_topics, std::set<std::string>{"/chatter"});
+  bag.open(file, rosbag::bagmode::Append);
+  bag.write(kPosition, ros::Time(200.0), Position());
+  bag.close();
+  EXPECT_NE(reason_to_refuse({{file}}).find("its last messages have no checksum"), std::string::npos);
+}
+
+TEST_F(BagReaderTest, OfTheEndOfAFileReadsTheConfigurationAndTheLastSteps) {
+  const std::string file = record("run.bag", "none", 0, 100000);  // a chunk for each step
+  Found found;
+  BagContent content;
+  content.position = [&](const PlatoonTopic&, const Position::ConstPtr& message) {
+    found.positions.push_back(message->step);
+  };
+  content.configuration = [&](const PlatoonTopic&, const std::string&) { ++found.others; };
+  EXPECT_FALSE(read_end_of_bag(file, 3, content));
+  EXPECT_EQ(found.others, 1u);
+  ASSERT_FALSE(found.positions.empty());
+  EXPECT_GT(found.positions.front(), kSteps / 2);
+  EXPECT_EQ(found.positions.back(), kSteps - 1);
+  EXPECT_TRUE(read_end_of_bag(file, 1000, content));
+}
+
+}  // namespace
+}  // namespace platoon

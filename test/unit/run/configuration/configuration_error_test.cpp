@@ -1,0 +1,30 @@
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+
+#include <gtest/gtest.h>
+
+namespace platoon {
+namespace {
+
+TEST(ConfigurationError, OfOneProblemSaysIt) {
+  EXPECT_STREQ(ConfigurationError({"steps: -1: must be at least 0"}).what(), "steps: -1: must be at least 0");
+}
+
+TEST(ConfigurationError, OfSeveralProblemsListsThemAll) {
+  const ConfigurationError error({"a: 1: must be 2", "b: 3: must be 4"});
+  EXPECT_STREQ(error.what(), "2 errors:\n  a: 1: must be 2\n  b: 3: must be 4");
+  EXPECT_EQ(error.problems(), (std::vector<std::string>{"a: 1: must be 2", "b: 3: must be 4"}));
+}
+
+TEST(ConfigurationError, OfManyTwentyAreNamedAndTheOthersCounted) {
+  std::vector<std::string> problems(20, "a: 1: must be 2");
+  EXPECT_EQ(abbreviated(problems), problems);
+  problems.insert(problems.begin(), 3, "b: 3: must be 4");
+  const std::vector<std::string> named = abbreviated(problems);
+  ASSERT_EQ(named.size(), 21u);
+  EXPECT_EQ(named[2], "b: 3: must be 4");
+  EXPECT_EQ(named[19], "a: 1: must be 2");
+  EXPECT_EQ(named[20], "and 3 more");
+}
+
+}  // namespace
+}  // namespace platoon

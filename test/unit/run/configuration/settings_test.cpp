@@ -1,0 +1,45 @@
+#include "stochastic_platoon/run/configuration/settings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+#include <string>
+
+namespace platoon {
+namespace {
+
+std::string content_of(const std::string& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+TEST(Settings, HaveNamesOfTheirOwn) {
+  std::set<std::string> names;
+  for (const Setting& setting : settings()) EXPECT_TRUE(names.insert(setting.name).second) << setting.name;
+}
+
+// What a launch file says of an argument is written a second time there: roslaunch cannot ask.
+TEST(Settings, AreTheArgumentsOfTheLaunchFileWithTheirDefaultsAndMeaning) {
+  const std::string file = content_of(PLATOON_SOURCE_DIR "/launch/platoon.launch");
+  const std::regex argument("<arg name=\"(\\w+)\" default=\"([^\"]*)\" doc=\"([^\"]*)\"/>");
+  std::set<std::string> found;
+  for (auto match = std::sregex_iterator(file.begin(), file.end(), argument); match != std::sregex_iterator();
+       ++match) {
+    for (const Setting& setting : settings()) {
+      if ((*match)[1] != setting.name) continue;
+      EXPECT_EQ((*match)[2], setting.default_value) << setting.name;
+      EXPECT_EQ((*match)[3], setting.help) << setting.name;
+      found.insert(setting.name);
+    }
+  }
+  for (const Setting& setting : settings()) {
+    const std::set<std::string> of_configure{"launch_id", "first_realization"};
+    EXPECT_EQ(found.count(setting.name) + of_configure.count(setting.name), 1u) << setting.name;
+  }
+}
+
+}  // namespace
+}  // namespace platoon

@@ -1,0 +1,94 @@
+#include "stochastic_platoon/run/delivery/stall_diagnosis.hpp"
+
+#include <gtest/gtest.h>
+
+namespace platoon {
+namespace {
+
+const BatchSchedule kSchedule{80, 8, 10};  // steps -1 .. 9
+const std::optional<MessageId> kNone;
+constexpr std::size_t kAllLead = 1000;
+
+std::optional<MessageId> at(std::uint64_t first, std::int64_t step) {
+  return MessageId{2, first, step};
+}
+
+std::string culprit(const std::vector<std::optional<MessageId>>& latest, const BatchSchedule& schedule) {
+  return diagnose_stall(latest, schedule, kAllLead).text;
+}
+
+TEST(StallDiagnosis, NamesTheVehicle) {
+  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 6), at(8, 2), at(8, 3)}, kSchedule, kAllLead).vehicle, 2u);
+  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 6), at(8, 7)}, kSchedule, kAllLead).vehicle, 0u) << "the leader";
+  EXPECT_FALSE(diagnose_stall({at(8, 9), at(8, 7), at(8, 6)}, kSchedule, kAllLead).vehicle) << "the channel";
+}
+
+TEST(StallDiagnosis, IsTheOneFollowerThatIsBehind) {
+  EXPECT_EQ(culprit({at(8, 5), at(8, 6), at(8, 2), at(8, 3), at(8, 4)}, kSchedule),
+            "vehicle_2 has sent nothing since step 2 (realizations from 8)");
+}
+
+TEST(StallDiagnosis, IsAFollowerThatHasNeverBeenHeard) {
+  EXPECT_EQ(culprit({at(0, -1), at(0, 0), kNone, kNone}, kSchedule), "vehicle_2 has sent nothing at all");
+}
+
+TEST(StallDiagnosis, TellsWhatAFollowerHasSentInAnEarlierAttempt) {
+  EXPECT_EQ(diagnose_stall({at(0, -1), at(0, 0), kNone, kNone}, kSchedule, kAllLead, {},
+                           {at(8, 5), at(8, 6), at(8, 2), at(8, 3)})
+                .text,
+            "vehicle_2 has sent nothing since step 2 (realizations from 8)");
+}
+
+TEST(StallDiagnosis, IsAFollowerThatIsABatchBehind) {
+  EXPECT_EQ(culprit({at(16, 0), at(8, 9), at(8, 9), at(8, 9)}, kSchedule),
+            "vehicle_1 has sent nothing since step 9 (realizations from 8)");
+}
+
+// Of 12 followers and a longest lead of 4, numbers 3, 6, 9 and 12 lead.
+TEST(StallDiagnosis, KnowsWhoDoesNotLead) {
+  std::vector<std::optional<MessageId>> latest;
+  for (std::int64_t i = 0; i <= 12; ++i) latest.push_back(at(8, 2 + i / 3));
+  EXPECT_EQ(diagnose_stall(latest, kSchedule, 4).vehicle, 0u);
+  latest[7]->step = 3;  // its predecessor is at 4: it has not sent its own 4
+  EXPECT_EQ(diagnose_stall(latest, kSchedule, 4).vehicle, 7u);
+}
+
+// An own vehicle that is aligned has done all that it can with its predecessor's step.
+TEST(StallDiagnosis, DoesNotAskAnOwnVehicleToLead) {
+  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 5), at(8, 6)}, kSchedule, kAllLead, {1}).vehicle, 0u);
+  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 5), at(8, 6)}, kSchedule, kAllLead).vehicle, 1u);
+  EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 4), at(8, 5)}, kSchedule, kAllLead, {1}).vehicle, 1u);
+}
+
+TEST(StallDiagnosis, IsTheOnlyFollowerOrTheChannel) {
+  EXPECT_EQ(culprit({at(8, 5), at(8, 4)}, kSchedule),
+            "vehicle_1 has sent nothing since step 4 (realizations from 8): it or the channel is down");
+  EXPECT_EQ(culprit({at(8, 5), kNone}, kSchedule), "vehicle_1 has sent nothing at all: it or the channel is down");
+}
+
+TEST(StallDiagnosis, IsTheChannelWhenAllFollowersAreBehind) {
+  EXPECT_EQ(culprit({at(8, 9), at(8, 7), at(8, 6), at(8, 5)}, kSchedule),
+            "channel has passed nothing on: all followers wait, vehicle_1 has sent nothing since step 7 "
+            "(realizations from 8)");
+}
+
+TEST(StallDiagnosis, IsTheLeaderWhenEveryFollowerHasSentWhatItCould) {
+  EXPECT_EQ(culprit({at(8, 5), at(8, 6), at(8, 7)}, kSchedule),
+            "vehicle_0 (leader) has sent nothing since step 5 (realizations from 8)");
+  EXPECT_EQ(culprit({at(8, 9), at(8, 9), at(8, 9)}, kSchedule),
+            "vehicle_0 (leader) has sent nothing since step 9 (realizations from 8)");
+  EXPECT_EQ(culprit({kNone, kNone, kNone}, kSchedule), "vehicle_0 (leader) has sent nothing at all");
+}
+
+TEST(StallDiagnosis, AreSeveralFollowersWhenSomeAreBehind) {
+  EXPECT_EQ(culprit({at(8, 9), at(8, 7), at(8, 8), at(8, 6), at(8, 7)}, kSchedule),
+            "vehicle_1 has sent nothing since step 7 (realizations from 8); the same holds for 1 more");
+}
+
+TEST(StallDiagnosis, OfAnEndlessRunIsFoundToo) {
+  EXPECT_EQ(culprit({at(0, 500), at(0, 501), at(0, 40), at(0, 41)}, BatchSchedule{1, 1, 0}),
+            "vehicle_2 has sent nothing since step 40 (realizations from 0)");
+}
+
+}  // namespace
+}  // namespace platoon

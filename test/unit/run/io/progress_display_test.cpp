@@ -1,0 +1,74 @@
+#include "stochastic_platoon/run/io/progress_display.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace platoon {
+namespace {
+
+// What a job of 100 realizations prints where standard output is no terminal, told at these times.
+template <typename Job>
+std::string printed(const Job& job) {
+  testing::internal::CaptureStdout();
+  ProgressDisplay display(100, "realizations", 50.0, "vehicle-steps");
+  job(display);
+  display.finish();
+  return testing::internal::GetCapturedStdout();
+}
+
+std::ptrdiff_t lines(const std::string& text) {
+  return std::count(text.begin(), text.end(), '\n');
+}
+
+TEST(ProgressDisplay, PrintsALinePerTenthWhereThereIsNoTerminal) {
+  const std::string text = printed([](ProgressDisplay& display) {
+    for (std::uint64_t done = 0; done <= 100; ++done) display.update(done, 0.01 * static_cast<double>(done));
+  });
+  EXPECT_EQ(lines(text), 10);
+  EXPECT_EQ(text.find('\r'), std::string::npos);
+  EXPECT_NE(text.find("100 %  100/100 realizations"), std::string::npos);
+}
+
+TEST(ProgressDisplay, PrintsALineAfterTenSecondsWithoutATenth) {
+  EXPECT_EQ(lines(printed([](ProgressDisplay& display) {
+              for (int second = 0; second <= 25; ++second) display.update(1, second);
+            })),
+            2);
+}
+
+TEST(ProgressDisplay, TellsRateAndTimeLeft) {
+  const std::string text = printed([](ProgressDisplay& display) {
+    display.update(0, 100.0);
+    display.update(20, 104.0);
+  });
+  EXPECT_EQ(text, "[######........................]  20 %  20/100 realizations  250 vehicle-steps/s  16 s left\n");
+}
+
+TEST(ProgressDisplay, OfAResumedJobCountsTheRateFromWhereItBegan) {
+  const std::string text = printed([](ProgressDisplay& display) {
+    display.update(60, 100.0);
+    display.update(80, 110.0);
+  });
+  EXPECT_NE(text.find("80/100 realizations  100 vehicle-steps/s  10 s left"), std::string::npos) << text;
+}
+
+TEST(ProgressDisplay, TellsOfAPreparationThatTakesLong) {
+  const std::string text = printed([](ProgressDisplay& display) {
+    for (int second = 0; second <= 15; ++second)
+      display.prepare("waiting for " + std::to_string(20 - second) + " vehicles", second);
+  });
+  EXPECT_EQ(text, "waiting for 10 vehicles\n");
+}
+
+TEST(ProgressDisplay, EndsItsLineWithTheNote) {
+  const std::string text = printed([](ProgressDisplay& display) {
+    display.set_note("bag 12 MB");
+    display.update(0, 0.0);
+    display.update(50, 1.0);
+  });
+  EXPECT_NE(text.find("s left  bag 12 MB\n"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace platoon

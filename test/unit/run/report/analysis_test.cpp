@@ -1,0 +1,101 @@
+#include "stochastic_platoon/run/report/analysis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "unit/paper_platoon.hpp"
+
+namespace platoon {
+namespace {
+
+LoopDesign paper_design() {
+  return {TransferFunction(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0)),
+          TransferFunction(Eigen::Vector2d(1.35, 0.0), Eigen::Vector2d(1.0, 0.89)), true};
+}
+
+PlatoonModel model_at(double headway) {
+  PlatoonModel model = paper_platoon();
+  model.design = paper_design();
+  model.headway = headway;
+  model.loop = close_loop(*model.design, headway);
+  return model;
+}
+
+TEST(Analysis, HasEveryKeyWithItsShape) {
+  const PlatoonModel model = model_at(3.2);
+  const nlohmann::json document = to_json(model, analyze(model, 7, 30));
+  for (const char* key : {"spectral_radius", "peak_gain", "peak_frequency", "critical_headway", "limit_variance"}) {
+    EXPECT_TRUE(document.at(key).is_number()) << key;
+  }
+  EXPECT_EQ(document.at("mean_square_stable"), true);
+  EXPECT_EQ(document.at("string_stable"), true);
+  EXPECT_EQ(document.at("stationary_variance").size(), 7u);
+  EXPECT_EQ(document.at("mean").size(), 7u);
+  EXPECT_EQ(document.at("variance").at(6).size(), 30u);
+  EXPECT_EQ(document.at("norms").at("mean_l2").size(), 7u);
+  EXPECT_EQ(document.at("norms").at("variance_linf").size(), 7u);
+  EXPECT_TRUE(document.at("norms").at("mean_bound").is_number());
+  EXPECT_TRUE(document.at("norms").at("variance_bound").is_number());
+  EXPECT_EQ(document.at("transfer").at("denominator").size(), 4u);
+  ASSERT_EQ(document.at("stable_headways").size(), 1u);
+  // 2 * 1.89 / 1.35
+  EXPECT_NEAR(document.at("stable_headways").at(0).at(0).get<double>(), 2.8, 1e-9);
+  EXPECT_NEAR(document.at("critical_headway").get<double>(), 2.8, 1e-9);
+}
+
+TEST(Analysis, WarnsWhereTheCoefficientsDoNotDetermineAFineVerdict) {
+  PlatoonModel model = model_at(3.2);
+  const StateSpace exact = model.loop.realization;
+  model.design.reset();
+  model.loop = closed_loop_from(exact);
+  const std::string warning = "Warning: A, B and C have T(1) = 1";
+  EXPECT_EQ(report(model, analyze(model, 2, 10)).find(warning), std::string::npos);
+  EXPECT_NE(report(model, analyze(model, 2, 10)).find("of one follower sqrt(sum of mean(k)^2)"), std::string::npos);
+  model.loop = closed_loop_from(StateSpace(exact.a(), exact.b() * (1.0 + 1e-6), exact.c()));
+  const Analysis analysis = analyze(model, 2, 10);
+  EXPECT_NEAR(analysis.integral_defect, 1e-6 * (1.0 + 3.2 / 4.2), 1e-12);
+  EXPECT_NE(report(model, analysis).find(warning), std::string::npos);
+}
+
+TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
+  const PlatoonModel unstable_string = model_at(2.4);
+  const nlohmann::json document = to_json(unstable_string, analyze(unstable_string, 3, 10));
+  EXPECT_TRUE(document.at("limit_variance").is_null());
+  EXPECT_TRUE(document.at("norms").at("variance_bound").is_null());
+  PlatoonModel unstable_loop = model_at(0.3);
+  unstable_loop.allow_unstable = true;
+  ASSERT_GT(spectral_radius(unstable_loop.loop.realization), 1.0);
+  const Analysis analysis = analyze(unstable_loop, 3, 10);
+  const nlohmann::json other = to_json(unstable_loop, analysis);
+  EXPECT_TRUE(other.at("stationary_variance").at(0).is_null());
+  EXPECT_TRUE(other.at("peak_gain").is_null());
+  EXPECT_NE(report(unstable_loop, analysis).find("not mean square stable"), std::string::npos);
+}
+
+TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
+  PlatoonModel model = paper_platoon();
+  model.design.reset();
+  const nlohmann::json document = to_json(model, analyze(model, 2, 5));
+  EXPECT_TRUE(document.at("critical_headway").is_null());
+  EXPECT_TRUE(document.at("stable_headways").is_null());
+  EXPECT_THROW(sweep(model, {{3.0}, {}, {}}), std::invalid_argument);
+}
+
+TEST(Sweep, CoversHeadwaysAndGainsAndMeetsTheSinglePoints) {
+  const std::vector<SweepPoint> points = sweep(model_at(3.2), {{2.4, 3.2}, {1.35, 9.0}, {}});
+  ASSERT_EQ(points.size(), 4u);
+  EXPECT_FALSE(points[0].stability.string_stable);
+  EXPECT_TRUE(points[1].stability.string_stable);
+  EXPECT_NEAR(points[1].stability.spectral_radius, string_stability(model_at(3.2)).spectral_radius, 1e-12);
+  EXPECT_FALSE(points[3].stability.mean_square_stable);
+  std::istringstream csv(to_csv(points));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line, "headway,gain,spectral_radius,peak_gain,string_stable");
+  std::getline(csv, line);
+  EXPECT_EQ(line.substr(line.size() - 2), ",0");
+}
+
+}  // namespace
+}  // namespace platoon

@@ -1,0 +1,77 @@
+#include "stochastic_platoon/run/report/prediction.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stochastic_platoon/math/string/error_moments.hpp"
+#include "unit/paper_run.hpp"
+
+namespace platoon {
+namespace {
+
+TEST(Prediction, IsTheTheoryOfEveryCell) {
+  const Configuration configuration = paper_run("");
+  const Prediction prediction = predict(configuration);
+  const ErrorMoments moments = error_moments(configuration.model, 2, 3);
+  EXPECT_EQ(prediction.mean, moments.mean);
+  EXPECT_EQ(prediction.variance, moments.variance);
+  ASSERT_EQ(prediction.stationary_variance.size(), 2u);
+  EXPECT_NEAR(prediction.stability.spectral_radius, 0.5274, 0.00005);
+}
+
+TEST(Prediction, OfAnEndlessRunIsStationary) {
+  Configuration configuration = paper_run("");
+  configuration.run.steps = 0;
+  const Prediction prediction = predict(configuration);
+  EXPECT_EQ(prediction.mean, (std::vector<double>{0.0, 0.0}));
+  EXPECT_EQ(prediction.variance, prediction.stationary_variance);
+}
+
+TEST(Prediction, TakesTheRecordedLeaderOfTheModel) {
+  Configuration configuration = paper_run("");
+  const Prediction behind_profile = predict(configuration);
+  configuration.model.recorded_leader = {0.0, 1.0, 2.0, 3.0};
+  const Prediction behind_recording = predict(configuration);
+  EXPECT_NE(behind_recording.mean, behind_profile.mean);
+  EXPECT_EQ(behind_recording.variance, behind_profile.variance);
+}
+
+TEST(Prediction, IsVoidFromTheFirstExternalVehicleOn) {
+  Configuration configuration = paper_run("");
+  const Prediction whole = predict(configuration);
+  configuration.run.external = {2};
+  for (const std::int64_t steps : {std::int64_t{3}, std::int64_t{0}}) {
+    configuration.run.steps = steps;
+    const Prediction prediction = predict(configuration);
+    EXPECT_EQ(prediction.theory, Theory::exact);
+    EXPECT_EQ(prediction.followers_with_theory, 1u);
+    const std::size_t per_follower = steps == 0 ? 1 : 3;
+    for (std::size_t c = 0; c < per_follower; ++c) {
+      EXPECT_TRUE(std::isfinite(prediction.variance[c]));
+      if (steps > 0) {
+        EXPECT_EQ(prediction.variance[c], whole.variance[c]);
+      }
+      EXPECT_TRUE(std::isnan(prediction.mean[per_follower + c]));
+      EXPECT_TRUE(std::isnan(prediction.variance[per_follower + c]));
+    }
+    EXPECT_EQ(prediction.stationary_variance[0], whole.stationary_variance[0]);
+    EXPECT_TRUE(std::isnan(prediction.stationary_variance[1]));
+    EXPECT_FALSE(prediction.stability.limit_variance) << "the string does not go on so";
+    EXPECT_NE(prediction.stability.reason.find("; this speaks of follower 1, before vehicle_2, which is external"),
+              std::string::npos);
+  }
+}
+
+TEST(Prediction, OfAStringBehindAnExternalVehicleIsNone) {
+  Configuration configuration = paper_run("");
+  configuration.run.external = {1};
+  const Prediction prediction = predict(configuration);
+  EXPECT_EQ(prediction.theory, Theory::none);
+  EXPECT_EQ(prediction.followers_with_theory, 0u);
+  EXPECT_TRUE(std::isnan(prediction.variance[0]));
+  EXPECT_EQ(prediction.stability.reason, "none, as vehicle_1, which the others follow, is external");
+}
+
+}  // namespace
+}  // namespace platoon

@@ -1,0 +1,164 @@
+#include "stochastic_platoon/run/results/run_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <utility>
+
+#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "unit/run/results/result_with.hpp"
+
+namespace platoon {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST(Report, SaysThatMeasurementAndTheoryAgree) {
+  const Configuration configuration = paper_run("");
+  const Prediction prediction = predict(configuration);
+  const std::string text = report(configuration, prediction, result_with(configuration, prediction, 0.5));
+  EXPECT_NE(text.find("Measurement agrees with Lemma 1"), std::string::npos);
+  EXPECT_NE(text.find("tracking errors at step 2, 20 realizations"), std::string::npos);
+  EXPECT_NE(text.find("Theory: "), std::string::npos);
+  EXPECT_NE(text.find("Stationary variance along an endless string: "), std::string::npos);
+}
+
+TEST(Report, SaysThatMeasurementAndTheoryDisagree) {
+  const Configuration configuration = paper_run("");
+  const Prediction prediction = predict(configuration);
+  for (const double score : {5.0, -5.0}) {
+    const std::string text = report(configuration, prediction, result_with(configuration, prediction, score));
+    EXPECT_NE(text.find("MEASUREMENT AND LEMMA 1 DISAGREE"), std::string::npos) << score;
+  }
+  RunResult only_mean = result_with(configuration, prediction);
+  only_mean.moments.back().mean += 3.0;
+  EXPECT_NE(report(configuration, prediction, only_mean).find("MEASUREMENT AND LEMMA 1 DISAGREE"), std::string::npos);
+  RunResult only_variance = result_with(configuration, prediction);
+  only_variance.moments.back().squared_deviations *= 5.0;
+  EXPECT_NE(report(configuration, prediction, only_variance).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
+            std::string::npos);
+}
+
+TEST(Report, SaysThatSomethingUndefinedDoesNotAgree) {
+  const Configuration configuration = paper_run("");
+  const Prediction prediction = predict(configuration);
+  for (std::size_t c = 0; c < prediction.mean.size(); ++c) {
+    RunResult result = result_with(configuration, prediction, 0.5);
+    result.moments[c].mean = kNaN;
+    EXPECT_NE(report(configuration, prediction, result).find("MEASUREMENT AND LEMMA 1 DISAGREE"), std::string::npos)
+        << "NaN in cell " << c;
+  }
+}
+
+/// The report of a Monte Carlo of two followers and twenty steps.
+std::string report_of(const Configuration& configuration, const Prediction& prediction, std::uint64_t realizations,
+                      std::uint64_t seed, double noise_factor = 1.0) {
+  RunResult result;
+  result.realizations = realizations;
+  PlatoonModel model = configuration.model;
+  model.noise_variance *= noise_factor;
+  result.moments = monte_carlo(model, {seed, 2, 20, realizations, 1024}, 1, [](std::uint64_t) {}).totals();
+  return report(configuration, prediction, result);
+}
+
+Configuration lossy_run(double probability, double noise_variance, std::vector<double> predictor) {
+  Configuration configuration = paper_run("");
+  configuration.run.steps = 20;
+  configuration.model.noise_variance = noise_variance;
+  configuration.model.link.loss = LossModel{probability, {}, std::move(predictor)};
+  return configuration;
+}
+
+// A run of 1000 has about 40 losses, two a step: most cells have met one that has gone by, or none.
+TEST(Report, GivesNoVerdictBehindLossesThatAreTooRare) {
+  const Configuration configuration = lossy_run(0.001, 1e-4, {1.0});
+  const Prediction prediction = predict(configuration);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const std::string text = report_of(configuration, prediction, 1000, seed);
+    EXPECT_NE(text.find("No verdict: the tracking errors are not normal, and 1000 realizations are too few"),
+              std::string::npos)
+        << text;
+    const std::size_t about = text.find("from chance: about ");
+    ASSERT_NE(about, std::string::npos) << text;
+    const double needed = std::stod(text.substr(about + 19));
+    EXPECT_GE(needed, 23000.0) << "that of single losses is known";
+    EXPECT_LE(needed, 100000.0);
+    EXPECT_EQ(text.find("DISAGREE"), std::string::npos) << text;
+  }
+  EXPECT_NE(report_of(configuration, prediction, 30000, 1).find("Measurement agrees with the theory"),
+            std::string::npos);
+  EXPECT_NE(report_of(configuration, prediction, 30000, 1).find("at most once in 1000 runs"), std::string::npos);
+}
+
+// 400 runs, of which 0.4 may be beyond the bound: three are beyond it once in a hundred times.
+TEST(Report, DisagreesByChanceNoMoreOftenThanItSaysBehindLosses) {
+  for (const std::uint64_t realizations : {100u, 400u, 1000u}) {
+    const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
+    const Prediction prediction = predict(configuration);
+    int agreed = 0, disagreed = 0;
+    for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+      const std::string text = report_of(configuration, prediction, realizations, seed);
+      agreed += text.find("Measurement agrees") != std::string::npos ? 1 : 0;
+      disagreed += text.find("DISAGREE") != std::string::npos ? 1 : 0;
+    }
+    EXPECT_LE(disagreed, 2) << realizations;
+    if (realizations == 1000) {
+      EXPECT_GT(agreed, 300) << "it is a verdict";
+    }
+  }
+}
+
+TEST(Report, FindsNoiseThatIsFivePercentOffBehindLosses) {
+  const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
+  const Prediction prediction = predict(configuration);
+  for (const double factor : {1.05, 0.95}) {
+    EXPECT_NE(report_of(configuration, prediction, 300000, 1, factor).find("MEASUREMENT AND THE THEORY DISAGREE"),
+              std::string::npos)
+        << factor;
+  }
+}
+
+// However wide: what is measured does not talk itself out of a verdict.
+TEST(Report, FindsAVarianceManyTimesTheTheorysBehindLosses) {
+  const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
+  const Prediction prediction = predict(configuration);
+  for (const double factor : {0.2, 5.0, 100.0}) {
+    EXPECT_NE(report_of(configuration, prediction, 3000, 1, factor).find("MEASUREMENT AND THE THEORY DISAGREE"),
+              std::string::npos)
+        << factor;
+  }
+}
+
+TEST(Report, ShowsBothEndsOfALongString) {
+  Configuration configuration = paper_run("");
+  configuration.run.followers = 100;
+  const Prediction prediction = predict(configuration);
+  const std::string text = report(configuration, prediction, result_with(configuration, prediction, 0.5));
+  EXPECT_NE(text.find("\n      10 "), std::string::npos);
+  EXPECT_EQ(text.find("\n      11 "), std::string::npos);
+  EXPECT_NE(text.find("     ...\n"), std::string::npos);
+  EXPECT_NE(text.find("\n      91 "), std::string::npos);
+  EXPECT_NE(text.find("\n     100 "), std::string::npos);
+}
+
+TEST(Report, LabelsTimeAveragesAsSuch) {
+  Configuration configuration = paper_run("");
+  configuration.run.steps = 0;
+  configuration.run.realizations = 1;
+  configuration.run.burn_in = 200;
+  RunResult result;
+  result.realizations = 1;
+  result.last_step = 999;
+  result.moments = {Moments{800, 0.1, 79.9}, Moments{800, 0.2, 159.8}};
+  result.last_steps = {999, 998};
+  const std::string text = report(configuration, predict(configuration), result);
+  EXPECT_NE(text.find("time averages up to step 999"), std::string::npos);
+  EXPECT_EQ(text.find("was begun"), std::string::npos);
+  result.tally.attempts = 3;
+  EXPECT_NE(report(configuration, predict(configuration), result).find("was begun 3 times, each time left out"),
+            std::string::npos);
+  EXPECT_EQ(text.find("agrees"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace platoon

@@ -1,0 +1,91 @@
+#include "stochastic_platoon/run/results/run_store.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "unit/run/results/result_with.hpp"
+#include "unit/temporary_folder.hpp"
+
+namespace platoon {
+namespace {
+
+class RunStoreTest : public testing::Test {
+protected:
+  RunStoreTest() : configuration_(paper_run(folder_ / "run")), prediction_(predict(configuration_)) {}
+
+  RunStore store() {
+    return RunStore(
+        configuration_, [this](const std::string& text) { failures_.push_back(text); },
+        [this](const std::string& text) { recoveries_.push_back(text); });
+  }
+  Checkpoint checkpoint(std::uint64_t positions) const {
+    return {statistics_identity(configuration_),
+            configuration_.run.launch_id,
+            {positions, 1, 0.5, 0},
+            MomentTable(configuration_.run.followers * static_cast<std::size_t>(configuration_.run.steps))};
+  }
+  /// A folder in the place of a file keeps it from being written, whoever writes.
+  void block(const std::string& file) { std::filesystem::create_directories(file + "/in the way"); }
+
+  TemporaryFolder folder_;
+  Configuration configuration_;
+  Prediction prediction_;
+  std::vector<std::string> failures_, recoveries_;
+};
+
+TEST_F(RunStoreTest, SavesAboutOncePerSecondIfPositionsHaveArrived) {
+  RunStore store = this->store();
+  EXPECT_FALSE(store.start([](const std::string&) {}));
+  EXPECT_FALSE(store.is_due(0, 0.0)) << "nothing has arrived";
+  ASSERT_TRUE(store.is_due(10, 0.0));
+  store.save(checkpoint(10), 0.0);
+  EXPECT_TRUE(read_checkpoint(configuration_.run.output));
+  EXPECT_FALSE(store.is_due(20, 0.9));
+  EXPECT_TRUE(store.is_due(20, 1.0));
+  EXPECT_FALSE(store.is_due(10, 1.0)) << "nothing new";
+}
+
+TEST_F(RunStoreTest, RepeatsResultsThatCannotBeWrittenAndReportsItOnce) {
+  RunStore store = this->store();
+  const std::string file = configuration_.run.output + "/statistics.csv";
+  block(file);
+  const RunResult result = result_with(configuration_, prediction_);
+  EXPECT_FALSE(store.complete(checkpoint(20), prediction_, result, 5.0));
+  EXPECT_FALSE(store.can_write(5.5)) << "a pause of a second";
+  ASSERT_TRUE(store.can_write(6.0));
+  EXPECT_FALSE(store.complete(checkpoint(20), prediction_, result, 6.0));
+  EXPECT_FALSE(store.can_write(7.9)) << "then of two";
+  std::filesystem::remove_all(file);
+  EXPECT_TRUE(store.complete(checkpoint(20), prediction_, result, 8.0));
+  EXPECT_NE(content_of(file), "");
+  ASSERT_EQ(failures_.size(), 1u);
+  EXPECT_NE(failures_[0].find("statistics.csv"), std::string::npos) << failures_[0];
+  ASSERT_EQ(recoveries_.size(), 1u);
+  EXPECT_EQ(recoveries_[0], configuration_.run.output + ": can be written again");
+}
+
+TEST_F(RunStoreTest, AStoppedRunKeepsItsLatestCheckpoint) {
+  RunStore store = this->store();
+  store.save(checkpoint(10), 0.0);
+  const std::string before = content_of(checkpoint_file(configuration_.run.output));
+  store.stop(checkpoint(10), prediction_, result_with(configuration_, prediction_));
+  EXPECT_EQ(content_of(checkpoint_file(configuration_.run.output)), before) << "nothing new";
+  store.stop(checkpoint(11), prediction_, result_with(configuration_, prediction_));
+  EXPECT_NE(content_of(checkpoint_file(configuration_.run.output)), before);
+}
+
+TEST_F(RunStoreTest, OneStoreAtATimeHoldsTheFolder) {
+  const RunStore first = store();
+  Configuration other = configuration_;
+  other.run.launch_id = "another launch";
+  EXPECT_THROW(RunStore(
+                   other, [](const std::string&) {}, [](const std::string&) {}),
+               ConfigurationError);
+}
+
+}  // namespace
+}  // namespace platoon

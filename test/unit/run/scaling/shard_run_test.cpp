@@ -1,0 +1,153 @@
+#include "stochastic_platoon/run/scaling/shard_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "unit/run/scaling/shard_fixture.hpp"
+#include "unit/temporary_folder.hpp"
+
+namespace platoon {
+namespace {
+
+std::string refusal(const ShardRun& run) {
+  try {
+    compute_shard(run, {});
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string refused(const std::string& text, std::uint64_t realizations = 1000) {
+  try {
+    parse_shard(text, realizations);
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ParseShard, TakesIOfN) {
+  EXPECT_EQ(parse_shard("0/1", 1).of, 1u);
+  EXPECT_EQ(parse_shard("63/64", 1000).index, 63u);
+}
+
+TEST(ParseShard, RefusesEverythingElseByName) {
+  for (const char* text : {"64/64", "-1/64", "0/0", "1", "", "a/b", "1/2/3", "1/2x", "0/1001", "1.5/2"}) {
+    EXPECT_EQ(refused(text), "shard: " + std::string(text) +
+                                 ": must be I/N, I from 0 to N - 1, N at most the 1000 realizations and 1000000");
+  }
+  EXPECT_NE(refused("0/1000001", 2000000), "");
+}
+
+TEST(ShardRun, ComesBackFromItsRecord) {
+  const ShardRun run = paper_shard("/somewhere", 3, 7);
+  const ShardRun read = shard_run_of(nlohmann::json::parse(to_json(run).dump()));
+  EXPECT_EQ(read.shard.index, 3u);
+  EXPECT_EQ(read.shard.of, 7u);
+  EXPECT_EQ(read.configuration.run.realizations, 1000u);
+  EXPECT_EQ(read.configuration.run.hosting, Hosting::monte_carlo);
+  EXPECT_EQ(statistics_identity(read.configuration), statistics_identity(run.configuration));
+}
+
+TEST(ShardRun, OfARecordThatIsNoneIsAnError) {
+  nlohmann::json record = to_json(paper_shard("/somewhere", 3, 7));
+  record["index"] = 7;
+  EXPECT_THROW(shard_run_of(record), std::runtime_error);
+  record["index"] = "three";
+  EXPECT_THROW(shard_run_of(record), std::runtime_error);
+  EXPECT_THROW(shard_run_of(nlohmann::json::object()), std::runtime_error);
+  EXPECT_THROW(shard_run_of(5), std::runtime_error);
+}
+
+TEST(ComputeShard, LeavesItsRealizationsAndIsRecognizedWhenItIsComplete) {
+  const TemporaryFolder folder;
+  const ShardRun run = paper_shard(folder.path(), 2, 7);
+  EXPECT_EQ(compute_shard(run, {}), run.range().size());
+  const std::optional<Checkpoint> left = read_checkpoint(folder.path());
+  EXPECT_EQ(left->table.count(), run.range().size());
+  EXPECT_TRUE(left->table.missing(run.range()).empty());
+  const std::string before = content_of(checkpoint_file(folder.path()));
+  EXPECT_EQ(compute_shard(run, {}), 0u);
+  EXPECT_EQ(content_of(checkpoint_file(folder.path())), before);
+}
+
+// Its checkpoint as a kill leaves it: some batches, not all of them in a row.
+Checkpoint broken_off(const ShardRun& run) {
+  Checkpoint checkpoint{statistics_identity(run.configuration), run.configuration.run.launch_id, {}, MomentTable(6)};
+  checkpoint.shard = to_json(run);
+  const RunOptions& options = run.configuration.run;
+  const RealizationRange range = run.range();
+  for (const RealizationRange& part :
+       {RealizationRange{range.first, range.first + 24}, RealizationRange{range.first + 32, range.first + 40}}) {
+    EnsembleRun some(run.configuration.model,
+                     {options.seed, options.followers, options.steps, options.realizations, options.batch}, part);
+    some.work();
+    checkpoint.table.merge(some.release());
+  }
+  return checkpoint;
+}
+
+TEST(ComputeShard, GoesOnFromItsCheckpointToTheSameBits) {
+  const TemporaryFolder whole, killed;
+  compute_shard(paper_shard(whole.path(), 2, 7), {});
+  const ShardRun run = paper_shard(killed.path(), 2, 7);
+  write_checkpoint(killed.path(), broken_off(run));
+  EXPECT_EQ(compute_shard(run, {}), run.range().size() - 32);
+  const std::vector<Moments> found = read_checkpoint(killed.path())->table.totals(),
+                             expected = read_checkpoint(whole.path())->table.totals();
+  for (std::size_t c = 0; c < expected.size(); ++c) {
+    EXPECT_EQ(found[c].mean, expected[c].mean);
+    EXPECT_EQ(found[c].squared_deviations, expected[c].squared_deviations);
+  }
+}
+
+TEST(ComputeShard, BeginsAnewWhereItsCheckpointIsDamagedAndSaysSo) {
+  const TemporaryFolder folder;
+  const ShardRun run = paper_shard(folder.path(), 2, 7);
+  compute_shard(run, {});
+  std::string bent = content_of(checkpoint_file(folder.path()));
+  const std::string sound = bent;
+  bent[bent.size() / 2] = static_cast<char>(bent[bent.size() / 2] ^ 1);
+  folder.file("checkpoint.cbor", bent);
+  std::string said;
+  ShardSettings settings;
+  settings.warn = [&said](const std::string& text) { said += text; };
+  EXPECT_EQ(compute_shard(run, settings), run.range().size());
+  EXPECT_NE(said.find("its digest is not that of its content: the shard begins anew"), std::string::npos) << said;
+  EXPECT_EQ(read_checkpoint(folder.path())->table.count(), run.range().size());
+}
+
+TEST(ComputeShard, RefusesTheFolderOfAnotherShardAndOfAnotherRun) {
+  const TemporaryFolder folder;
+  ShardRun run = paper_shard(folder.path(), 2, 7);
+  compute_shard(run, {});
+  run.shard.index = 3;
+  EXPECT_EQ(refusal(run), "output: " + folder.path() +
+                              ": holds shard 2/7 of 1000 realizations, and this is shard 3/7 of 1000: must be "
+                              "another folder");
+  run.shard.index = 2;
+  run.configuration.run.realizations = 1001;
+  EXPECT_NE(refusal(run).find("of 1000 realizations, and this is shard 2/7 of 1001"), std::string::npos);
+  run.configuration.run.realizations = 1000;
+  run.configuration.run.seed = 2;
+  EXPECT_EQ(refusal(run), "output: " + folder.path() + ": holds a shard of another run: seed is 1 there and 2 here");
+}
+
+TEST(ComputeShard, RefusesTheFolderOfAWholeRunAndOfResults) {
+  const TemporaryFolder run_folder, results;
+  const ShardRun run = paper_shard(run_folder.path(), 0, 7);
+  Checkpoint whole = broken_off(run);
+  whole.shard = nullptr;
+  write_checkpoint(run_folder.path(), whole);
+  EXPECT_EQ(refusal(run),
+            "output: " + run_folder.path() + ": holds a run of 32 realizations and no shard: must be another folder");
+  results.file("statistics.csv", "of another run");
+  EXPECT_NE(refusal(paper_shard(results.path(), 0, 7)).find("holds results already, which are never written over"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace platoon

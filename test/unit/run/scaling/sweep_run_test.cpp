@@ -1,0 +1,178 @@
+#include "stochastic_platoon/run/scaling/sweep_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
+#include "stochastic_platoon/run/scaling/shard_run.hpp"
+#include "stochastic_platoon/run/scaling/sweep_results.hpp"
+#include "unit/temporary_folder.hpp"
+
+namespace platoon {
+namespace {
+
+const std::string kText =
+    "vary: {loss: [0, 0.1], headway: [2.4, 3.2]}\nfollowers: 2\nsteps: 5\nrealizations: 2000\nshards: 3\n";
+
+Sweep sweep_of(const std::string& text = kText) {
+  const TemporaryFolder folder;
+  return read_sweep(folder.file("sweep.yaml", text), {}, PLATOON_SOURCE_DIR "/config/paper.yaml");
+}
+
+SweepSettings settings_of(const TemporaryFolder& folder, unsigned threads = 2) {
+  std::filesystem::create_directories(folder / "points");
+  SweepSettings settings;
+  settings.output = folder.path();
+  settings.threads = threads;
+  return settings;
+}
+
+std::string computed(const Sweep& sweep, unsigned threads) {
+  const TemporaryFolder folder;
+  const SweepSettings settings = settings_of(folder, threads);
+  compute_points(sweep, missing_points(sweep, settings), settings);
+  EXPECT_TRUE(missing_points(sweep, settings).empty());
+  write_sweep(sweep, folder.path());
+  return content_of(folder / "sweep.csv");
+}
+
+std::vector<std::vector<std::string>> table_of(const std::string& csv) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    rows.emplace_back();
+    std::istringstream cells(line + ",");
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  return rows;
+}
+
+double error_of_lossy(const Configuration& configuration, const std::vector<Moments>& moments, std::size_t cell) {
+  RunResult result;
+  result.moments = moments;
+  const Prediction prediction = predict(configuration);
+  const double v = prediction.variance[cell], n = static_cast<double>(moments[cell].count);
+  return std::sqrt((fourth_moments(configuration.run, prediction, result)[cell] - v * v) / n);
+}
+
+TEST(Sweep, HasARowPerPointAndFollowerOfMeasurementAndTheory) {
+  const Sweep sweep = sweep_of();
+  const auto table = table_of(computed(sweep, 2));
+  ASSERT_EQ(table.size(), 9u);
+  ASSERT_NE(table[1][12], table[3][12]) << "h = 2.4 and 3.2 differ";
+  ASSERT_EQ(table[0],
+            (std::vector<std::string>{"point", "loss", "headway", "vehicle", "step", "count", "mean",
+                                      "mean_standard_error", "variance", "variance_standard_error", "theoretical_mean",
+                                      "theoretical_variance", "string_stable", "agrees"}));
+  for (std::uint64_t point = 0; point < 4; ++point) {
+    const Configuration configuration = sweep.configuration(point);
+    const std::vector<Moments> expected =
+        monte_carlo(configuration.model, {1, 2, 5, 2000, 512}, 1, [](std::uint64_t) {}).totals();
+    const ErrorMoments theory = error_moments(configuration.model, 2, 5);
+    for (std::size_t vehicle = 1; vehicle <= 2; ++vehicle) {
+      const std::vector<std::string>& row = table[1 + 2 * point + vehicle - 1];
+      const std::size_t c = cell(vehicle, 4, 5);
+      EXPECT_EQ(row[0], std::to_string(point));
+      EXPECT_EQ(row[2], point % 2 == 0 ? "2.4" : "3.2");
+      EXPECT_EQ(row[3] + row[4] + row[5], std::to_string(vehicle) + "42000");
+      EXPECT_EQ(std::stod(row[6]), expected[c].mean);
+      EXPECT_EQ(std::stod(row[7]), standard_error_of_mean(theory.variance[c], 2000));
+      EXPECT_EQ(std::stod(row[8]), expected[c].variance());
+      EXPECT_EQ(std::stod(row[9]), point < 2 ? standard_error_of_variance(theory.variance[c], 2000)
+                                             : error_of_lossy(configuration, expected, c));
+      EXPECT_EQ(std::stod(row[10]), theory.mean[c]);
+      EXPECT_EQ(std::stod(row[11]), theory.variance[c]);
+      EXPECT_EQ(row[12], string_stability(configuration.model).string_stable ? "1" : "0");
+      EXPECT_EQ(row[13], "1");
+    }
+  }
+}
+
+TEST(Sweep, LeavesEmptyWhatThereIsNoTheoryOf) {
+  const Sweep sweep = sweep_of(
+      "vary: {channel: [{loss: {probability: 0.1, mean_burst: 2.5, on_loss: hold}}]}\nfollowers: 2\nsteps: "
+      "5\n"
+      "realizations: 2000\nkeep: {followers: last, steps: all}\n");
+  const auto table = table_of(computed(sweep, 1));
+  ASSERT_EQ(table.size(), 6u);
+  EXPECT_EQ(table[1][2], "2");
+  EXPECT_EQ(table[5][3], "4");
+  for (std::size_t column = 9; column < 13; ++column) EXPECT_EQ(table[1][column], "") << column;
+}
+
+TEST(Sweep, IsTheSameForEveryNumberOfThreadsAndAfterABreak) {
+  const Sweep sweep = sweep_of();
+  const std::string expected = computed(sweep, 1);
+  EXPECT_EQ(computed(sweep, 3), expected);
+  const TemporaryFolder folder;
+  const SweepSettings settings = settings_of(folder);
+  compute_points(sweep, {2, 1}, settings);
+  EXPECT_EQ(missing_points(sweep, settings), (std::vector<std::uint64_t>{0, 3}));
+  compute_points(sweep, missing_points(sweep, settings), settings);
+  write_sweep(sweep, folder.path());
+  EXPECT_EQ(content_of(folder / "sweep.csv"), expected);
+}
+
+TEST(Sweep, OfTasksOfAnArrayIsTheSame) {
+  const Sweep sweep = sweep_of();
+  const TemporaryFolder folder;
+  const SweepSettings settings = settings_of(folder);
+  const auto task = [&](std::uint64_t number) {
+    ShardRun part{sweep.configuration(number / 3), {number % 3, 3}};
+    part.configuration.run.output = shard_folder(folder.path(), number / 3, number % 3);
+    compute_shard(part, {});
+  };
+  for (const std::uint64_t number : {11, 0, 1, 2, 4, 6, 7, 8}) task(number);
+  try {
+    merge_points(sweep, missing_points(sweep, settings), settings);
+    ADD_FAILURE();
+  } catch (const ConfigurationError& error) {
+    EXPECT_EQ(error.problems().front(), "tasks 3,5,9-10: missing: must be computed (sbatch --array=3,5,9-10)");
+  }
+  EXPECT_EQ(missing_points(sweep, settings), (std::vector<std::uint64_t>{1, 3}));
+  for (const std::uint64_t number : {3, 5, 9, 10}) task(number);
+  merge_points(sweep, missing_points(sweep, settings), settings);
+  write_sweep(sweep, folder.path());
+  EXPECT_EQ(content_of(folder / "sweep.csv"), computed(sweep, 1));
+}
+
+TEST(Sweep, RecognizesAPointThatWasChangedInAnyByteAndThoseOfAnotherSweep) {
+  const Sweep sweep = sweep_of();
+  const TemporaryFolder folder;
+  SweepSettings settings = settings_of(folder);
+  std::string said;
+  settings.warn = [&said](const std::string& text) { said = text; };
+  compute_points(sweep, {1}, settings);
+  const std::string file = point_file(folder.path(), 1), sound = content_of(file);
+  const auto expect_missing = [&](const std::string& bent) {
+    std::ofstream(file, std::ios::binary) << bent;
+    said.clear();
+    EXPECT_EQ(missing_points(sweep, settings).size(), 4u);
+    EXPECT_NE(said.find("is not as it was written: it is computed again"), std::string::npos);
+  };
+  for (std::size_t place = 0; place < sound.size() && !HasFailure(); ++place) {
+    std::string bent = sound;
+    bent[place] = static_cast<char>(bent[place] ^ (1 << (place % 8)));
+    expect_missing(bent);
+    expect_missing(sound.substr(0, place));
+  }
+  std::ofstream(file, std::ios::binary) << sound;
+  EXPECT_EQ(missing_points(sweep, settings).size(), 3u);
+  EXPECT_THROW(missing_points(sweep_of(kText + "seed: 2\n"), settings), ConfigurationError);
+}
+
+TEST(Sweep, EndsWithAnErrorWhereAPointCannotBeWritten) {
+  const TemporaryFolder folder;
+  SweepSettings settings;
+  settings.output = folder / "none";
+  settings.threads = 2;
+  EXPECT_THROW(compute_points(sweep_of(), {0, 1, 2, 3}, settings), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace platoon
