@@ -1,5 +1,5 @@
-# Sourced by launch/demo and test/run: installs the packages, builds, and gives this shell the ROS environment.
-# Nothing is done twice: no apt where all packages are there, no rebuild where nothing changed.
+# Sourced by launch/demo and test/run: installs the packages, builds, and sets the ROS environment in this shell.
+# Skips apt if all packages are installed, and the build if nothing changed.
 
 platoon_packages=(
   cmake g++ make
@@ -14,7 +14,7 @@ platoon_test_packages=(
   libgtest-dev librandom123-dev librostest-dev python3-mpmath python3-rostest python3-selenium librosbag-dev python3-rosbag
 )
 
-# Installs what is missing of the packages given.
+# Installs the given packages that are missing.
 platoon_install() {
   local missing=() package
   for package in "$@"; do
@@ -32,16 +32,16 @@ platoon_install() {
   "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
 }
 
-# Packages, build, environment. Arguments: further packages. platoon_targets: what to build; platoon_testing=ON: with tests, whose
-# packages a build without them does not need.
+# Installs, builds and sets the environment. Arguments: further packages. Variables: platoon_targets: the targets to build;
+# platoon_testing=ON: builds the tests (their packages are not installed otherwise).
 platoon_setup() {
-  # Catkin breaks with a python3 other than Debian's.
+  # Catkin fails with a python3 other than Debian's.
   export PATH=/usr/bin:$PATH
   platoon_install "${platoon_packages[@]}" "$@"
   local build=$source_folder/build devel=$source_folder/devel
   local testing=${platoon_testing:-OFF}
-  # rosrun passes over everything under <package>/build, hence a devel space beside it. Of one that lies there still, roslaunch
-  # would find each program twice.
+  # rosrun searches all of <package>/build, so the devel space is beside it. With an old one still in build, roslaunch would find
+  # each program twice.
   if ! grep -qsxF "CATKIN_DEVEL_PREFIX:PATH=$devel" "$build/CMakeCache.txt"; then
     rm -rf "$build/devel" "$build/CMakeCache.txt"
   fi
@@ -54,12 +54,12 @@ platoon_setup() {
   set +u
   . "$devel/setup.bash"
   set -u
-  # Everything stays on this machine.
+  # Restricts all traffic to this machine.
   export ROS_HOSTNAME=localhost
   unset ROS_IP
 }
 
-# A TCP port for a master: free now, and outside the range that the system hands out to others in the meantime.
+# A TCP port for a master: free now, and outside the range from which the system assigns ports.
 platoon_free_port() {
   /usr/bin/python3 - <<'PYTHON'
 import random, socket

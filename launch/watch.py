@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""watch.py FOLDER ARGUMENT...: roslaunch platoon.launch with these arguments and with its results in FOLDER, on a quiet screen.
+"""watch.py FOLDER ARGUMENT...: runs roslaunch platoon.launch with these arguments and writes its results to FOLDER.
 
-Shows the run's progress, on one line where the screen is a terminal, and its table. All that roslaunch and the nodes print goes to
-FOLDER.log; where the run does not end complete, that is shown, too, and the status is 1.
+Prints only the run's progress (on one line of a terminal) and its table. The output of roslaunch and the nodes goes to
+FOLDER.log; if the run does not complete, it is printed as well, and the status is 1.
 """
 
 import json
@@ -17,7 +17,7 @@ PROGRESS = re.compile(r"\[[#.]+\] +[0-9]+ %")
 TABLE_BEGINS = re.compile(r"Platoon of ")
 TABLE_GOES_ON = re.compile(r"follower |[ 0-9.e+-]+[0-9]$")
 
-INTERRUPTED = 130  # the status of what Ctrl-C has ended
+INTERRUPTED = 130  # exit status after Ctrl-C
 
 
 class Screen:
@@ -39,7 +39,7 @@ class Screen:
         self.progress_shown = False
 
     def show(self, line):
-        """Of a line of the log, what is worth seeing."""
+        """Prints a line of the log if it is progress or part of the table."""
         if PROGRESS.match(line):
             self.progress(line)
             return
@@ -50,7 +50,7 @@ class Screen:
 
 
 def follow(log, process, screen):
-    """Shows the lines of the growing log until the process has ended and all of it is read."""
+    """Shows the lines of the growing log until the process has ended and the whole log is read."""
     unfinished = ""
     while True:
         ended = process.poll() is not None
@@ -81,7 +81,7 @@ def main(folder, *arguments):
         print("roslaunch's own output: " + log_name, flush=True)
         try:
             follow(log, process, screen)
-        except KeyboardInterrupt:  # roslaunch has it, too, and ends its nodes
+        except KeyboardInterrupt:  # roslaunch receives it as well and ends its nodes
             process.wait()
             return INTERRUPTED
         finally:

@@ -23,21 +23,21 @@ class Follower:
 
     def receive(self, message):
         latest = self.latest
-        if message.step == -1:  # a batch begins: everything starts anew
+        if message.step == -1:  # a batch begins: reset
             if latest and message.run == latest.run and batch(message) <= batch(latest):
                 return
             self.start(len(message.position))
         elif not latest or (message.run, batch(message), message.step) != (latest.run, batch(latest), latest.step + 1):
             return
         self.latest = message
-        received, message.position = message.position, self.y  # the answer: the same message with the own position at this step
+        received, message.position = message.position, self.y  # answer with the same message and the own position at this step
         self.out.publish(message)
         self.move(received)
 
     def start(self, size):
         model = json.loads(rospy.get_param("/platoon/configuration"))["model"]
         self.h, self.delta = model["time_headway"], model["standstill_distance"]
-        self.y = self.y_before = np.full(size, -self.index * self.delta)  # y(k), y(k - 1): it stands still
+        self.y = self.y_before = np.full(size, -self.index * self.delta)  # y(k), y(k - 1): at rest
         self.u = np.zeros(size)
 
     def move(self, received):

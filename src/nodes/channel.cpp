@@ -1,6 +1,5 @@
-// The channels into all followers. Where the run is recorded, the recorder sits beside them: every position
-// passes through here anyway, so that of the 2 N + 1 recorded topics only the last vehicle's crosses a socket
-// for it.
+// The channels into all followers. If the run is recorded, this node also hosts the recorder: every position passes
+// through here anyway, so that only one of the 2 N + 1 recorded topics, the last vehicle's, needs a socket for it.
 
 #include "stochastic_platoon/ros/nodes/channel.hpp"
 

@@ -1,5 +1,5 @@
-// The conformance test of anybody's vehicle: drives vehicle I alone through the vehicle contract (msg/README.md), and
-// prints a verdict for each of its clauses. Ends with status 0 when all of them hold.
+// The conformance test of an external vehicle: tests vehicle I alone against the vehicle contract (msg/README.md) and
+// prints a verdict for each clause. Exits with status 0 if all clauses hold.
 
 #include <ros/init.h>
 #include <ros/master.h>
@@ -60,7 +60,7 @@ Arguments parsed(int argc, char** argv) {
   return arguments;
 }
 
-// Two batches, of 1000 and of 1.
+// Two batches, of 1000 and of 1 realizations.
 platoon::Configuration run_of(const Arguments& arguments, const std::string& name) {
   std::map<std::string, std::string> settings = arguments.settings;
   settings["followers"] = std::to_string(arguments.vehicle);
@@ -71,7 +71,7 @@ platoon::Configuration run_of(const Arguments& arguments, const std::string& nam
   return platoon::parse_configuration(platoon::configuration_document(settings));
 }
 
-// Throws when a platoon is there, whose run would be disturbed.
+// Throws if a platoon is running, because the test would disturb its run.
 void require_no_run(const ros::NodeHandle& platoon) {
   const std::string topic = platoon.resolveName(platoon::kConfigurationTopic);
   const std::vector<std::string> names = platoon::registered_publishers(topic);
@@ -80,7 +80,7 @@ void require_no_run(const ros::NodeHandle& platoon) {
                            ": a platoon is there; end it, or use another master or namespace (ROS_NAMESPACE)");
 }
 
-// The parameter is what it was, when it is over.
+// Restores the parameter at the end.
 class KeptConfiguration {
 public:
   explicit KeptConfiguration(const ros::NodeHandle& platoon) : platoon_(platoon) {
@@ -131,7 +131,7 @@ void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
   }
   for (const platoon::Clause clause : platoon::kVehicleContract) {
     if (clause == breach->clause) {
-      print(clause, "BROKEN", breach->what);  // even if it held at first: a second publisher may come later
+      print(clause, "BROKEN", breach->what);  // even if it held at first: a second publisher may appear later
     } else if (held.count(clause) == 0) {
       print(clause, "not reached");
     }

@@ -1,5 +1,5 @@
-// One follower. Parameter ~index: i of vehicle_<i>, 1 or more. It outlives runs: where there is none yet, or
-// none that has a vehicle of its index, it waits for one.
+// One follower. Parameter ~index: i of vehicle_<i>, 1 or more. It outlives runs: without a run that has a vehicle of
+// its index, it waits for one.
 
 #include "stochastic_platoon/ros/nodes/follower.hpp"
 
@@ -16,7 +16,7 @@ std::uint32_t read_index() {
       {"~index: " + (given ? std::to_string(index) : std::string("missing")) + ": must be a whole number, 1 or more"});
 }
 
-// The present run, if there is one that this vehicle can take part in.
+// The present run, if this vehicle can take part in it.
 std::optional<platoon::Configuration> present_run(const ros::NodeHandle& platoon, std::uint32_t index) {
   try {
     std::optional<platoon::Configuration> found = platoon::read_configuration(platoon);
@@ -43,7 +43,7 @@ void run(ros::NodeHandle platoon) {
 
 }  // namespace
 
-// No rosout: with one publisher per vehicle it would cost more than the platoon.
+// No rosout: one publisher per vehicle would cost more than the platoon.
 int main(int argc, char** argv) {
   return platoon::run_node(argc, argv, {"follower", ros::init_options::NoRosout}, run);
 }

@@ -1,5 +1,5 @@
 // Plays a bag into a monitor. Parameters: ~bags (file names, separated by spaces in one text), ~unverified (read bags
-// without checksums), ~rate, ~start, ~pause. A bag that is damaged ends it with status 1.
+// without checksums), ~rate, ~start, ~pause. Exits with status 1 if a bag is damaged.
 
 #include "stochastic_platoon/ros/replay/player.hpp"
 

@@ -1,5 +1,5 @@
-// Lives as long as the run: as a required node of a launch file its end ends the launch. It ends, with status
-// 0, when all receivers report that they have finished.
+// Exits with status 0 when all receivers report that they have finished. It is a required node of its launch
+// file: its exit ends the launch.
 
 #include <stochastic_platoon/Progress.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 using stochastic_platoon::Progress;
 
-// Of each receiver whether it has finished. As the leader does, it takes a receiver's reports from one node alone.
+// Whether each receiver has finished. Like the leader, it accepts a receiver's reports from one node only.
 class Finished {
 public:
   Finished(const ros::NodeHandle& platoon, const platoon::Configuration& configuration)

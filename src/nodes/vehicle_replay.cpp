@@ -1,7 +1,7 @@
-// Puts one live follower behind what it was recorded with. Parameters: ~bags, ~unverified, ~vehicle, ~patience (60 [s]
-// without a new answer). Ends with status 0 when all that the follower publishes equals the recording to the bit, else
-// with 1, as it does with the reason why there is no verdict. With ~external the vehicle is an external one: its
-// messages must be those of the recording, its positions may be others.
+// Replays a recording to one live follower. Parameters: ~bags, ~unverified, ~vehicle, ~patience (60 [s] without a new
+// answer). Exits with status 0 if all messages of the follower equal the recording bit for bit, else, or if there is no
+// verdict, with status 1 and the reason. With ~external the vehicle is an external one: its messages must be those of
+// the recording, but its positions may differ.
 
 #include "stochastic_platoon/ros/replay/vehicle_replay.hpp"
 

@@ -1,5 +1,5 @@
-// What the theory says of a platoon, without running it: a report on the terminal, all numbers as JSON or CSV
-// on request.
+// The results of the theory for a platoon, without running it: a report on the terminal; all numbers as JSON or CSV on
+// request.
 
 #include <unistd.h>
 
@@ -22,7 +22,7 @@
 
 namespace {
 
-// FROM:TO:COUNT as COUNT equally spaced values of [least, below). Throws ConfigurationError naming the option.
+// The allowed values of FROM and TO: [least, below).
 struct Range {
   double least, below;
   const char* text;
@@ -30,6 +30,7 @@ struct Range {
 const Range kAboveZero{std::numeric_limits<double>::min(), 1e300, "0 < FROM"};
 const Range kProbability{0.0, 1.0, "0 <= FROM"};
 
+// FROM:TO:COUNT as COUNT equally spaced values. Throws ConfigurationError naming the option.
 std::vector<double> values_of(const std::string& option, const std::string& text, const Range& range) {
   const std::optional<platoon::Spaced> spaced = platoon::parse_spaced(text);
   if (!spaced || !(spaced->from >= range.least) || !(spaced->to < range.below) || spaced->count > 1000000) {
@@ -41,7 +42,7 @@ std::vector<double> values_of(const std::string& option, const std::string& text
   return values;
 }
 
-/// Shows on a terminal what is computed, from half a second on.
+/// Shows the present computation on a terminal, from half a second on.
 class StageDisplay {
 public:
   StageDisplay() {
@@ -98,7 +99,7 @@ std::vector<platoon::SweepPoint> run_sweep(const platoon::PlatoonModel& model,
   return platoon::sweep(model, axes);
 }
 
-// "-" where there is none, as for an unstable vehicle.
+// "-" for a missing value, as for an unstable vehicle.
 std::string column(double value) {
   return std::isnan(value) ? "           -" : platoon::formatted(" %11.9g", value);
 }

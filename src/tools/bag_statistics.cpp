@@ -1,5 +1,5 @@
-// The results of a recorded run, straight from its bag and without a master: the same statistics.csv and
-// summary.json, to the bit.
+// The results of a recorded run, directly from its bag and without a master: bit for bit the same statistics.csv and
+// summary.json.
 
 #include <malloc.h>
 
@@ -70,7 +70,7 @@ platoon::BagStatistics read(const Arguments& arguments) {
   return statistics;
 }
 
-// Whether the bag gives what was asked for; says on standard error what is wrong with it.
+// Whether the bag provides the requested results; prints all problems to standard error.
 bool is_usable(const platoon::BagStatistics& statistics, const Arguments& arguments) {
   if (arguments.bags.unverified)
     std::cerr << arguments.bags.files.front() << ": read without its checksums: a changed bit may go unnoticed\n";
@@ -93,7 +93,7 @@ bool is_usable(const platoon::BagStatistics& statistics, const Arguments& argume
 
 int main(int argc, char** argv) {
   try {
-    // Freed memory serves the next message: given back to the system and asked for again, it would cost its page
+    // Keep freed memory for the next message: returning it to the system and allocating it again would cost page
     // faults.
     mallopt(M_TRIM_THRESHOLD, 1 << 27);
     mallopt(M_TOP_PAD, 1 << 24);
@@ -109,7 +109,7 @@ int main(int argc, char** argv) {
       configuration.run.resume = false;
       configuration.run.launch_id.clear();
       const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-      platoon::starting_point(configuration);  // refuses a folder that holds results
+      platoon::starting_point(configuration);  // throws if the folder holds results
       platoon::write_results(configuration, prediction, statistics.result);
     }
     if (arguments.csv) {

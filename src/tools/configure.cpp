@@ -1,6 +1,6 @@
-// Makes one configuration of a model file and launch arguments, checks all of it, and prints it for the
-// parameter server. platoon.launch runs it before any node starts: what is wrong is said once, and nothing is
-// started or written over.
+// Combines a model file and launch arguments to one configuration, checks all of it, and prints it for the parameter
+// server. platoon.launch runs it before any node starts, so that a problem is reported once, before anything is started
+// or overwritten.
 
 #include <unistd.h>
 
@@ -29,7 +29,7 @@ std::string new_launch_name() {
   return std::string(date) + "-" + std::to_string(::getpid());
 }
 
-// ROS keeps what it writes under ROS_HOME, by default ~/.ros.
+// ROS writes its files to ROS_HOME, by default ~/.ros.
 std::string new_output_folder(const std::string& launch) {
   const char* ros_home = std::getenv("ROS_HOME");
   const char* home = std::getenv("HOME");
@@ -39,7 +39,8 @@ std::string new_output_folder(const std::string& launch) {
   return (ros_home != nullptr ? std::string(ros_home) : std::string(home) + "/.ros") + "/stochastic_platoon/" + launch;
 }
 
-// Where roslaunch and every node keep their logs. Without it they end with a riddle, one by one.
+// The folder in which roslaunch and every node keep their logs. Without it the nodes fail one by one with an obscure
+// message.
 void require_log_folder() {
   const char* log_folder = std::getenv("ROS_LOG_DIR");
   const char* ros_home = std::getenv("ROS_HOME");
@@ -66,7 +67,7 @@ std::string absolute(const std::string& path) {
   return std::filesystem::absolute(path).lexically_normal().string();
 }
 
-// Throws ConfigurationError unless the bag can be written without touching another.
+// Throws ConfigurationError unless the bag can be written without overwriting another.
 void require_free_recording(const platoon::RunOptions& run) {
   if (run.record.empty()) return;
   const std::string stem = run.record.size() > 4 ? run.record.substr(0, run.record.size() - 4) : "";
@@ -85,7 +86,7 @@ void require_free_recording(const platoon::RunOptions& run) {
   }
 }
 
-// Those that are not empty: of a launch file's arguments, those that were given.
+// The settings that are not empty, that is, those given to the launch file.
 std::map<std::string, std::string> given(const std::map<std::string, std::string>& settings) {
   std::map<std::string, std::string> found;
   for (const auto& entry : settings) {
@@ -94,12 +95,12 @@ std::map<std::string, std::string> given(const std::map<std::string, std::string
   return found;
 }
 
-// As roslaunch understands an argument.
+// The values that roslaunch accepts as true.
 bool is_true(const std::string& text) {
   return text == "true" || text == "True" || text == "1";
 }
 
-// The recorded configuration for another run: nothing of where and how the recorded one ran.
+// The recorded configuration for another run, without its record, resume, rate and first_realization.
 platoon::Configuration recorded(const platoon::BagSource& bags) {
   platoon::Configuration configuration = platoon::recorded_platoon(bags).configuration;
   configuration.run.record.clear();
@@ -153,7 +154,7 @@ int main(int argc, char** argv) {
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
     const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
     if (start) configuration.run.first_realization = start->table.count();
-    lock->leave_claim(::getppid());  // until the monitor of this launch is there; roslaunch is the parent
+    lock->leave_claim(::getppid());  // until the monitor of this launch starts; roslaunch is the parent
     std::cout << platoon::to_json(configuration).dump() << "\n";
     return 0;
   } catch (const std::exception& error) {

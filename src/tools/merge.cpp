@@ -1,4 +1,4 @@
-// Joins the shards that monte_carlo --shard has computed to the results of one run, to the bit.
+// Joins the shards computed by monte_carlo --shard: bit for bit the results of one run.
 
 #include <filesystem>
 #include <iostream>
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
     configuration.run.resume = false;
     configuration.run.launch_id.clear();
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-    platoon::starting_point(configuration);  // refuses a folder that holds results
+    platoon::starting_point(configuration);  // throws if the folder holds results
     const platoon::Prediction prediction = platoon::predict(configuration);
     platoon::write_results(configuration, prediction, merged.result);
     std::cout << platoon::report(configuration, prediction, merged.result) << "Results: " << configuration.run.output

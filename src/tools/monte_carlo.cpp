@@ -1,5 +1,5 @@
-// The platoon's Monte Carlo in one process, without ROS: the same vehicles, channels and statistics as the
-// nodes', and the same bits. Writes the same statistics.csv and summary.json, or a shard for merge.
+// The platoon's Monte Carlo in one process, without ROS: the same vehicles, channels and statistics as in the nodes,
+// with the same bits. Writes the same statistics.csv and summary.json, or a shard for merge.
 
 #include <chrono>
 #include <iostream>
@@ -55,7 +55,7 @@ void run_whole(const platoon::Configuration& configuration, unsigned threads) {
 void run_shard(platoon::Configuration configuration, const std::string& text, const std::string& seconds,
                unsigned threads) {
   const platoon::Shard shard = platoon::parse_shard(text, configuration.run.realizations);
-  // A shard that is begun again is the same one: it takes over what it has left, its lock included.
+  // A restarted shard keeps its name, so that it takes over its folder and its lock.
   configuration.run.launch_id = platoon::name_of(shard);
   const platoon::ShardRun part{configuration, shard};
   const platoon::RealizationRange range = part.range();

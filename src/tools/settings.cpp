@@ -28,7 +28,7 @@ std::string help_of(const std::string& name) {
   throw std::logic_error(name + ": is no setting");
 }
 
-// The settings are named as the launch arguments, the options as is usual on a command line.
+// Settings have the names of launch arguments; options have hyphens, as usual on a command line.
 std::string option_name(std::string setting) {
   std::replace(setting.begin(), setting.end(), '_', '-');
   return setting;
@@ -50,7 +50,7 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
   std::map<std::string, std::string> given;
   try {
     options::variables_map values;
-    // No abbreviations: a mistyped option must not be taken for another.
+    // No abbreviations: a mistyped option must not match another one.
     const int style = options::command_line_style::unix_style & ~options::command_line_style::allow_guessing;
     options::options_description known = description;
     options::positional_options_description positionals;

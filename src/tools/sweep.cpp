@@ -1,5 +1,5 @@
-// A sweep of runs: what varies stands in a file, and one table comes out. On all cores of this machine, or task by
-// task as an array of a cluster's scheduler.
+// A sweep of runs: reads the axes from a file and writes one table. Runs on all cores of this machine, or task by task
+// as an array of a cluster's scheduler.
 
 #include <algorithm>
 #include <chrono>
@@ -26,11 +26,11 @@ void warn(const std::string& text) {
   std::cerr << text << "\n";
 }
 
-// The folder of the sweep, for this process alone.
+// Locks the folder of the sweep for this process.
 std::unique_ptr<platoon::FolderLock> lock_folder(const std::string& output) {
   platoon::RunOptions run{};
   run.output = output;
-  run.launch_id = "sweep";  // one that is begun again goes on with its folder at once
+  run.launch_id = "sweep";  // a restarted sweep takes its folder again at once
   std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(run);
   platoon::require_no_results(output);
   std::filesystem::create_directories(output + "/points");

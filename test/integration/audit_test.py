@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Holds what analyze says of random platoons to an independent computation in 120 digits (mpmath).
+"""Compares analyze for random platoons with an independent computation in 120 digits (mpmath).
 
-Draws admissible models of the kinds that have broken something before: the paper's platoon of orders 1 to 6, plain ones,
-sampled at a kilohertz, with long headways, near the border of string stability, with factors that nearly cancel, A, B, C in
-skewed coordinates; cars with an actuator's lag and an input delay; and over links that colour, delay, quantise and lose: strings
-of one, of several and of many types of vehicle. For each the tables, stationary values, verdict, limits, loss gain, and both
-sides of headways and loss probabilities are computed here again, from the numbers in the model file, by other methods (audit/).
+Draws admissible models of kinds that revealed errors before: the paper's platoon of orders 1 to 6: plain models, sampled at a
+kilohertz, with long headways, near the border of string stability, with factors that nearly cancel, A, B, C in skewed
+coordinates; cars with actuator lag and input delay; strings of one, several and many vehicle types over links that colour, delay,
+quantise and lose. For each model the audit recomputes the tables, stationary values, verdict, limits, loss gain, and the verdicts
+on both sides of critical headways and loss probabilities, from the numbers in the model file and with other methods (audit/).
 
 audit_test.py [ANALYZE] [--models M] [--seed SEED] [--kind KIND] [--keep FOLDER] [--model FILE ...]
 """
@@ -33,7 +33,7 @@ from audit.polynomials import slope, value
 MODELS = 39  # three of each kind
 KINDS = paper_models.KINDS + string_models.KINDS
 SLOW = 0.5    # [s] of CPU, followers 20 and steps 100
-MOST_LEFT_OUT = 0.1  # of the models, refused or undecided by analyze
+MOST_LEFT_OUT = 0.1  # largest share of models that analyze rejects or leaves undecided
 
 
 def is_papers(model):
@@ -43,13 +43,13 @@ def is_papers(model):
 
 
 def admitted(model):
-    """Whether the assumptions hold."""
+    """Whether the model satisfies the assumptions."""
     if not is_papers(model) or "vehicle_types" in model:
         return string_models.admissible(model)
     loop = loops.loop_of(model)
     if loop.rho >= 1 - mpf(10) ** -7:
         return False
-    if "closed_loop" in model:  # skewed so far that its digits do not hold double integral action
+    if "closed_loop" in model:  # rounding of a strongly skewed A, B, C can destroy double integral action
         gain = value(loop.n, mpf(1)) / value(loop.d, mpf(1))
         rise = (value(slope(loop.n), mpf(1)) - gain * value(slope(loop.d), mpf(1))) / value(loop.d, mpf(1))
         return abs(gain - 1) <= 5e-5 and abs(rise + loop.h) <= 5e-4 * (1 + loop.h)
@@ -79,7 +79,7 @@ class Audit:
             file.unlink()
 
     def reported(self, name, kind, file, result):
-        """Whether analyze admits the model; then all numbers are in `result`."""
+        """Runs analyze; returns whether it accepts the model. Its numbers are then in `result`."""
         before = os.times()
         done = subprocess.run([self.analyze, "--model", str(file), "--followers", str(strings.FOLLOWERS), "--steps",
                                str(strings.STEPS), "--json", str(result)], capture_output=True, text=True,

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Bags lose nothing and give the same bits back; damaged ones are refused with a clear error."""
+"""Recorded bags are complete and reproduce the run bit for bit; damaged ones are rejected with a clear error."""
 
 import json
 import os
@@ -114,7 +114,7 @@ class RecordAndReplay(BagTest):
             self.bag = os.path.join(self.folder, hosting + ".bag")
             self.output = os.path.join(self.folder, hosting)
             self.check(500, hosting, 3000, model=model, output=self.output)
-            # The truck, by the headway and the distance of its own type.
+            # The truck, with the headway and standstill distance of its own type.
             replay = self.launch("replay.launch", bag=self.bag, drive="vehicle_3", output="")
             replay.wait()
             self.assertIn("vehicle_3: 126 messages equal the recorded ones to the bit", replay.text())
@@ -141,7 +141,7 @@ class RecordAndReplay(BagTest):
         live_platoon.wait_for(lambda: live_platoon.process_of("/plain", environment["ROS_MASTER_URI"]), "rosbag record")
         terminal = self.launch(master=environment["ROS_MASTER_URI"], followers=20, steps=100, realizations=4, batch=2, rate=100, stay=True)
         live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
-        time.sleep(2.0)  # a node that ends drops what it has not sent yet, and rosbag record shows nothing of what it has received
+        time.sleep(2.0)  # an ending node drops unsent messages, and rosbag record does not show how much it has received
         recorder.send_signal(2)
         recorder.wait()
         terminal.interrupt()
@@ -182,7 +182,7 @@ class Drive(BagTest):
                     realizations=3000).wait()
         summary = live_platoon.completed_summary(again)
         self.assertEqual((summary["followers"], summary["seed"], summary["realizations"]), (3, 5, 3000))
-        # The theory takes the recorded leader, too: largest of 180 normal scores, exceeded once in 1000 runs.
+        # The theory uses the recorded leader. Bound: the largest of 180 normal scores exceeds it once in 1000 runs.
         self.assertLess(summary["agreement"]["max_abs_z_mean"], 4.6)
         self.assertLess(summary["agreement"]["max_abs_z_variance"], 4.6)
 
@@ -200,19 +200,19 @@ class Damaged(BagTest):
             with self.subTest(unverified=unverified):
                 self.output = os.path.join(self.folder, "unverified{}".format(unverified))
                 terminal = self.launch("replay.launch", bag=forged, unverified=unverified)
-                terminal.wait()  # it ends by itself
+                terminal.wait()  # ends by itself
                 self.assertIn(reason, terminal.text())
                 self.assertFalse(live_platoon.completed_summary(self.output), terminal.text())
 
     def test_a_replay_ends_with_the_reason_whatever_bit_is_wrong(self):
-        """Of a position that a vehicle received, of the index behind a chunk, of the end of the file."""
+        """Flips a bit in a received position, in the index after a chunk, and at the end of the file."""
         with open(os.path.join(DATA, "small.bag"), "rb") as file:
             content = file.read()
         with rosbag.Bag(os.path.join(DATA, "small.bag")) as bag:
             values = [message.position[1] for _, message, _ in bag.read_messages("/platoon/vehicle_2/predecessor_position")]
         received = content.find(struct.pack("<d", values[3]))
         end = struct.unpack("<Q", content[content.find(b"index_pos=") + 10:][:8])[0]
-        offset = end - 1  # the last byte of the index behind the last chunk
+        offset = end - 1  # the last byte of the index after the last chunk
         for place, drive, reason in ((received, "vehicle_2", "messages are not as they were recorded"),
                                      (received, "", "messages are not as they were recorded"),
                                      (offset, "", "the index is not that of the messages"),
@@ -278,7 +278,7 @@ class Killed(BagTest):
                 terminal = self.launch(record=self.bag, followers=2, steps=10, realizations=100, hosting=hosting, stay="true")
                 live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output) and os.path.exists(self.bag), "the bag")
                 live_platoon.kill("/platoon/" + node, terminal.master)
-                # What has not heard of the run's end before it.
+                # A program that starts after the end of the run.
                 ended = subprocess.run([live_platoon.executable("until_complete")], timeout=20, stdout=subprocess.DEVNULL,
                                        env=dict(os.environ, ROS_MASTER_URI=terminal.master, ROS_NAMESPACE="platoon"))
                 self.assertEqual(ended.returncode, 0)
@@ -296,7 +296,7 @@ class Killed(BagTest):
 
 
 class FullDisk(BagTest):
-    """A limit on the size of a node's files is a disk without room, and can be lifted."""
+    """A limit on the size of a node's files simulates a full disk, and can be lifted."""
 
     def limit(self, terminal, node, size):
         process = live_platoon.wait_for(lambda: live_platoon.process_of(node, terminal.master), node)
@@ -309,9 +309,9 @@ class FullDisk(BagTest):
             with self.subTest(hosting=hosting):
                 output, bag = (os.path.join(self.folder, hosting + suffix) for suffix in ("", ".bag"))
                 terminal = self.launch(record=bag, hosting=hosting, rate=400, batch=500, output=output, **settings)
-                self.limit(terminal, node, 1000000)  # less than a batch, as each try begins a file of its own
+                self.limit(terminal, node, 1000000)  # less than a batch, as each attempt begins a new file
                 terminal.wait_for_text("the platoon stands still: recorder holds the platoon up: " + bag)
-                time.sleep(4.0)  # it is tried again, and still there is no room
+                time.sleep(4.0)  # retries fail as well
                 self.limit(terminal, node, resource.RLIM_INFINITY)
                 terminal.wait()
                 text = terminal.text()
@@ -398,7 +398,7 @@ class SmallBag(unittest.TestCase):
         def change(topic, message):
             if topic.endswith("vehicle_2/position") and message.step == 3 and message.first_realization == 4:
                 bits = bytearray(struct.pack("<2d", *message.position))
-                bits[1] ^= 1  # the ninth lowest bit
+                bits[1] ^= 1  # bit 8, counted from the lowest
                 message.position = struct.unpack("<2d", bits)
 
         self.refused(self.bent("bent.bag", change),
@@ -406,7 +406,7 @@ class SmallBag(unittest.TestCase):
                      options=["--unverified"])
 
     def test_every_value_that_was_changed_is_recognized(self):
-        """One bit of one position after the other, also of those that no statistics are made of."""
+        """Flips one bit of one position at a time, also of positions that do not enter the statistics."""
         with open(self.small, "rb") as file:
             content = file.read()
         values = set()
@@ -468,7 +468,7 @@ class SmallBag(unittest.TestCase):
         self.refused(bag, "vehicle_2/position: step 3 of the realizations from 0 comes twice", options=["--unverified"])
 
     def test_what_rosbag_compressed_is_as_good(self):
-        """As `rosbag compress` does it: every message in the order of times, as it is."""
+        """As `rosbag compress` does: copies every message unchanged, ordered by time."""
         for compression in (rosbag.Compression.BZ2, rosbag.Compression.LZ4):
             path = os.path.join(self.folder, "compressed.bag")
             with rosbag.Bag(self.small) as source, rosbag.Bag(path, "w", compression=compression) as target:
@@ -478,7 +478,7 @@ class SmallBag(unittest.TestCase):
                 self.assertEqual(bag_statistics(path, "--csv").stdout, file.read())
 
     def test_the_checksums_are_what_their_message_says(self):
-        """By another program: see msg/Checksum.msg."""
+        """An independent computation of the checksums: see msg/Checksum.msg."""
         messages = digest = checksums = since = 0
         with rosbag.Bag(self.small) as bag:
             for topic, (_, content, _, _, kind), time_ in bag.read_messages(raw=True):
@@ -520,7 +520,7 @@ class SmallBag(unittest.TestCase):
             self.assertIn("4 realizations" if share < 0.9 else "6 realizations", result.stdout)
 
     def test_any_cut_and_any_flipped_byte_is_survived(self):
-        """A cut leaves whole batches; what is bent is rejected, unless it is where nothing follows that counts."""
+        """A truncated file gives whole batches; a changed byte is rejected unless nothing relevant follows it."""
         with open(os.path.join(DATA, "small_statistics.csv")) as file:
             right = file.read()
         with open(self.small, "rb") as file:

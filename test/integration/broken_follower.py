@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Followers of one's own, each of which breaks one clause of the vehicle contract: broken_follower.py INDEX:FAULT...
+"""External followers that each violate one clause of the vehicle contract: broken_follower.py INDEX:FAULT...
 
-Without its fault a follower is where its predecessor was heard a step before.
+Apart from its fault, a follower takes the position that it received from its predecessor one step before.
 """
 
 import sys
@@ -11,15 +11,15 @@ import rospy
 from rospy.numpy_msg import numpy_msg
 from stochastic_platoon.msg import Position
 
-STEP = 5  # at which those go wrong that do so once
+STEP = 5  # the step of faults that occur once
 
 
 class Follower:
     def __init__(self, index, fault):
         topic = "/platoon/vehicle_{}/".format(index)
         self.fault, self.latest, self.y = fault, None, np.zeros(1)
-        self.faults = ["answer", "twice", "size", "finite", "wrong_run"]  # of `each`
-        self.batches, self.silent = 0, False                              # of the attempt
+        self.faults = ["answer", "twice", "size", "finite", "wrong_run"]  # the faults of `each`
+        self.batches, self.silent = 0, False                              # in this attempt
         self.out = rospy.Publisher(topic + "position", numpy_msg(Position), queue_size=0, tcp_nodelay=True)
         rospy.Subscriber(topic + "predecessor_position", numpy_msg(Position), self.receive, tcp_nodelay=True,
                          queue_size=1 if fault == "queues" else None)
@@ -29,9 +29,9 @@ class Follower:
             return message.step == -1 and not self.is_old(message)
         same = (message.run, message.attempt, message.first_realization) == \
             (self.latest.run, self.latest.attempt, self.latest.first_realization)
-        if self.fault == "attempt":  # takes a message of any
+        if self.fault == "attempt":  # accepts messages of any attempt
             same = (message.run, message.first_realization) == (self.latest.run, self.latest.first_realization)
-        if self.fault == "foreign":  # of any run
+        if self.fault == "foreign":  # accepts messages of any run
             same = message.attempt == self.latest.attempt
         due = (self.latest.step, self.latest.step + 1) if self.fault == "turn" else (self.latest.step + 1,)
         return same and message.step in due
@@ -53,7 +53,7 @@ class Follower:
         first_run = self.latest.run if self.latest else message.run
         self.latest = Position(run=message.run, attempt=message.attempt, first_realization=message.first_realization, step=message.step)
         if self.fault == "run":
-            self.latest.run = first_run  # keeps to its first one
+            self.latest.run = first_run  # keeps the first run
         if not self.silent and self.fault != "mute":
             self.answer(message)
         self.y = message.position
@@ -83,7 +83,7 @@ class Follower:
         self.out.publish(answer)
 
     def present_fault(self, message):
-        """Its own; or of `each` in turn the next one in the second batch of every attempt, whose rest is silence."""
+        """The follower's fault now. `each`: the next fault of the list in the second batch of every attempt, then silence."""
         if self.fault != "each" or self.batches < 2 or not self.faults:
             return None if self.fault == "each" else self.fault
         self.silent = True

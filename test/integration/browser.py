@@ -30,7 +30,7 @@ class Browser:
         self.driver.get(url)
 
     def run(self, script, *arguments):
-        """What the script returns, in the page."""
+        """Runs a script in the page; returns its result."""
         return self.driver.execute_script(script, *arguments)
 
     def text(self, selector):
@@ -44,7 +44,7 @@ class Browser:
         self.device("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
 
     def complaints(self):
-        """What the page has said to the console since it was asked last."""
+        """Warnings and errors on the console since the last call."""
         return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
 
     def picture(self, path):

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""A car with its own clock and dynamics: it drives a second behind the point it is referred to, and says where it is. It knows no platoon.
+"""A simulated car with its own clock and dynamics, without knowledge of the platoon.
 
-With an argument it writes down, in that file, every place that it reports ("at X") and every one that it is referred to ("to X").
+It follows a reference point with a time gap of a second and reports its position.
+With a file name as argument it logs every reported position ("at X") and every reference ("to X") to that file.
 """
 
 import sys
@@ -42,7 +43,7 @@ while not rospy.is_shutdown():
     time.sleep(PERIOD)
     present = time.monotonic()
     passed, before = present - before, present
-    while reference is not None and passed > 0.0:  # in steps of its own, however long it was not scheduled
+    while reference is not None and passed > 0.0:  # fixed steps, also after a scheduling gap
         step = min(passed, PERIOD)
         passed -= step
         a = min(max(GAIN * (reference - x - GAP * v), -STRONGEST), STRONGEST)

@@ -1,4 +1,4 @@
-"""A Slurm cluster of its own for a test: munged, slurmctld and two slurmd on this machine's loopback, without systemd."""
+"""A private Slurm cluster for a test: munged, slurmctld and two slurmd on the loopback interface, without systemd."""
 
 import os
 import shutil
@@ -44,7 +44,7 @@ KillWait=2
 
 
 def why_not():
-    """Why no cluster can run here; empty if it can."""
+    """The reason why no cluster can run here; empty if one can."""
     missing = [program for program in PROGRAMS if not shutil.which(program, path=PATH)]
     if missing:
         return "needs " + ", ".join(missing) + " (packages slurmctld, slurmd, slurm-client, munge)"
@@ -52,7 +52,7 @@ def why_not():
 
 
 def processes_with(word):
-    """Processes whose environment has this word."""
+    """Ids of the processes with this word in their environment."""
     found = []
     for name in os.listdir("/proc"):
         try:
@@ -67,7 +67,7 @@ def processes_with(word):
 class Cluster:
     def __init__(self):
         self.folder = tempfile.mkdtemp(prefix="platoon_slurm_")
-        self.mark = "PLATOON_CLUSTER=" + self.folder  # in the environment of all that belongs to it
+        self.mark = "PLATOON_CLUSTER=" + self.folder  # in the environment of all its processes
         os.chmod(self.folder, 0o755)
         self.file = os.path.join(self.folder, "slurm.conf")
         self.environment = dict(os.environ, PATH=PATH, SLURM_CONF=self.file)
@@ -112,12 +112,12 @@ class Cluster:
         return [line.strip() for line in self.run("sinfo", "--noheader", "--Node", "--format=%T").splitlines()]
 
     def jobs(self):
-        """(task, state, node) of all that waits or runs."""
+        """(task, state, node) of all pending and running tasks."""
         lines = self.run("squeue", "--noheader", "--array", "--format=%i|%T|%N").splitlines()
         return [tuple(line.strip().split("|")) for line in lines if line.count("|") == 2]
 
     def power_off(self, node):
-        """The node's daemon dies, and all that runs on it, at once and without a word."""
+        """Kills the node's daemon and all its tasks without notice."""
         self.daemons[node].send_signal(signal.SIGKILL)
         self.daemons[node].wait()
         victims = set(processes_with("PLATOON_NODE=" + self.folder + "/" + node))

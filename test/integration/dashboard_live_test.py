@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""The page in headless Chromium while a platoon runs: it moves, names who holds the platoon up, gives orders, and outlives its node."""
+"""The page in headless Chromium while a platoon runs: it updates, names the node that blocks the run, sends commands, and
+survives a restart of its node."""
 
 import json
 import os
@@ -18,15 +19,15 @@ from terminal import Terminal, start_master
 FOLLOWERS = 5
 RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, burn_in=20, headway=3.2, dashboard=True)
 
-# How many pixels of a canvas have a colour, within what smoothing at edges changes.
+# The number of pixels of a canvas that have a colour, with a tolerance for smoothed edges.
 PIXELS = """const canvas = document.getElementById(arguments[0]), [r, g, b] = arguments[1];
 const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
 let count = 0;
 for (let at = 0; at < data.length; at += 4) count += Math.abs(data[at] - r) + Math.abs(data[at + 1] - g) + Math.abs(data[at + 2] - b) < 6;
 return count"""
-# Keeps the page's stream of news at hand, before the page runs.
+# Makes the page's event stream accessible as window.stream; runs before the page's own scripts.
 KEEP_STREAM = "window.EventSource = class extends EventSource { constructor(...words) { super(...words); window.stream = this; } }"
-# Tells the page of so many snapshots more as fast as it draws, 150 a frame, each with what else comes at twenty a second.
+# Sends the page so many snapshots, 150 per frame, together with the other events that accompany them at twenty per second.
 TELL = '''const [snapshots, first, followers] = arguments, done = arguments[arguments.length - 1];
 const tell = (kind, news) => window.stream.dispatchEvent(new MessageEvent(kind, {data: JSON.stringify(news)}));
 const values = () => Array.from({length: followers}, () => 2 + Math.random());
@@ -73,7 +74,7 @@ class Live(Page):
         return state(self.url).get("step") or 0
 
     def steps_on(self):
-        """The platoon moves, and the page with it: another step stands among the facts."""
+        """Waits until the page shows a new step among the facts."""
         facts = self.browser.text("#facts")
         self.wait_for_page("document.getElementById('facts').textContent != {}".format(json.dumps(facts)), "another step")
 
@@ -104,7 +105,7 @@ class Live(Page):
         try:
             self.wait_for_page("!document.getElementById('culprit').hidden && document.getElementById('culprit').textContent.includes('vehicle_3')",
                                "the name of the vehicle that is stopped")
-            for _ in range(40):  # through several retries
+            for _ in range(40):  # during several retries
                 self.assertIn("vehicle_3", state(self.url)["culprit"] or "nobody")
                 time.sleep(0.2)
             self.assertGreater(state(self.url)["retries"], 0)
@@ -146,8 +147,8 @@ class Live(Page):
                 self.browser.driver.execute_async_script(TELL, snapshots, first, FOLLOWERS)
                 self.browser.device("HeapProfiler.collectGarbage")
                 return self.browser.device("Runtime.getHeapUsage")["usedSize"]
-            # The first tenth fills what is bounded; an hour has 72000 snapshots. What is used goes up and down by a megabyte; a strip that
-            # kept its columns grew by 12, and 50 bytes kept of each snapshot would be 3.
+            # An hour has 72000 snapshots; the first tenth fills all bounded buffers. Heap use varies by 1 MB. Unbounded columns
+            # of the strip took 12 MB more, and 50 bytes kept per snapshot would take 3 MB.
             filled = heap_after(7200, 10 ** 6)
             self.assertLess(heap_after(64800, 10 ** 6 + 7200) - filled, 3000000)
         finally:
@@ -160,7 +161,7 @@ class Live(Page):
         self.wait_for_page("document.querySelectorAll('#stable-headways i').length == 1", "the mark")
         left, right, track = self.browser.run('''const box = name => document.querySelector(name).getBoundingClientRect();
             const mark = box("#stable-headways i"); return [mark.left, mark.right, box("#headway")].map(x => x.left === undefined ? x : [x.left, x.right])''')
-        # The middle of the slider's thumb goes from 8 pixels behind its left end to 8 before its right end.
+        # The centre of the slider's thumb moves from 8 pixels right of its left end to 8 pixels left of its right end.
         place = (left - track[0] - 8.0) / (track[1] - track[0] - 16.0)
         self.assertAlmostEqual(place, (2.8 - 0.5) / (6.0 - 0.5), delta=0.02)
         self.assertAlmostEqual(right, track[1] - 8.0, delta=1.0)

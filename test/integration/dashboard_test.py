@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The page in headless Chromium against running platoons: what it shows is what the monitor says, where it should stand, and it
-outlives its node."""
+"""The page in headless Chromium against running platoons: it shows the monitor's numbers at the right places, and survives a
+restart of its node."""
 
 import http.client
 import json
@@ -29,7 +29,7 @@ def address(terminal):
 
 
 def ask(url, method="GET", path="/state.json", body=None, **headers):
-    """Status and content of an answer."""
+    """Sends a request; returns status and content of the answer."""
     connection = http.client.HTTPConnection(url[len("http://"):], timeout=30)
     connection.request(method, path, body, {name.replace("_", "-"): value for name, value in headers.items()})
     answer = connection.getresponse()
@@ -39,7 +39,7 @@ def ask(url, method="GET", path="/state.json", body=None, **headers):
 
 
 def state(url):
-    """/state.json; nothing while the dashboard is away."""
+    """The content of /state.json; empty while the dashboard is not reachable."""
     try:
         return ask(url)[1]
     except (OSError, ValueError):
@@ -77,11 +77,11 @@ class Page(LaunchTest):
         return self.browser
 
     def wait_for_page(self, condition, what):
-        """Until a JavaScript expression holds in the page."""
+        """Waits until a JavaScript expression is true in the page."""
         return live_platoon.wait_for(lambda: self.browser.run("return " + condition), what + " on the page", 60.0)
 
     def page_has(self, expected):
-        """The table shows these numbers of state.json, to the bit."""
+        """Checks that the table shows these numbers of state.json, to the bit."""
         self.wait_for_page("document.querySelectorAll('#table tbody tr').length == {} || (document.getElementById('table-card').open = true, false)"
                            .format(len(expected["variance"])), "the table")
         columns = [numbers(column) for column in zip(*self.browser.run(TABLE))]
@@ -113,7 +113,7 @@ class Page(LaunchTest):
 
 
 class Ensemble(Page):
-    """A complete run that stays up: nothing changes any more."""
+    """A complete run whose nodes stay up: its state is constant."""
 
     @classmethod
     def setUpClass(cls):
@@ -228,7 +228,7 @@ class Ensemble(Page):
         self.assertEqual(state(self.url)["variance"], self.state["variance"])
 
     def test_a_page_of_another_origin_cannot_send_a_command(self):
-        """The browser itself, from a page that another server gave."""
+        """Uses the browser itself, with a page from another server."""
         folder = self.folder
         with open(os.path.join(folder, "other.html"), "w") as file:
             file.write("<p>another origin")
@@ -245,7 +245,8 @@ class Ensemble(Page):
               body: '{"command": "brake"}'}).then(answer => answer.type, error => "refused");
             Promise.all([send("application/json", "cors"), send("text/plain", "no-cors"),
               fetch(arguments[0] + "/state.json").then(() => "read", () => "refused")]).then(done)""", self.url)
-        # Without asking, a page may send text and never sees the answer: the server refuses that (test/unit/watching_test.py).
+        # Without a preflight request a page may send text, without access to the answer: the server rejects it
+        # (test/unit/watching_test.py).
         self.assertEqual(outcome, ["refused", "opaque", "refused"])
         browser.complaints()
 
@@ -284,7 +285,7 @@ class OtherRuns(Page):
             terminal = self.launch(**dict(RUN, headway=3.2, realizations=300, dashboard_port=port))
             terminal.wait_for_text("the dashboard has no address: localhost:{}: Address already in use".format(port))
             live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
-        url = address(terminal)  # tried again when the port is free
+        url = address(terminal)  # retried until the port is free
         final = live_platoon.wait_for(lambda: state(url).get("complete") and state(url), "the final figures")
         browser = self.open(url)
         self.page_has(final)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""launch/demo as a person runs it: on a terminal, into a file, and when it fails."""
+"""launch/demo as users run it: on a terminal, redirected to a file, and when it fails."""
 
 import json
 import os
@@ -61,7 +61,7 @@ class Demo(unittest.TestCase):
                               stderr=subprocess.STDOUT, universal_newlines=True, errors="replace")
 
     def run_demo_on_a_terminal(self, realizations):
-        """Status, and what came to the terminal."""
+        """Exit status and output on the terminal."""
         ours, theirs = pty.openpty()
         process = subprocess.Popen([DEMO, self.results], env=self.environment(realizations), stdout=theirs, stderr=theirs,
                                    stdin=theirs)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Vehicles of one's own in the string: the examples, the conformance test of anybody's vehicle, and what breaks its contract."""
+"""External vehicles in the string: the examples, the conformance test check_vehicle, and violations of the vehicle contract."""
 
 import csv
 import json
@@ -21,7 +21,7 @@ CLAUSES = ("one_publisher", "answer", "size", "finite", "stamp", "turn", "attemp
 
 
 def rows(output):
-    """Of statistics.csv by (vehicle, step): mean, variance, theoretical mean and variance; None where empty."""
+    """statistics.csv as {(vehicle, step): [mean, variance, theoretical mean, theoretical variance]}; empty cells are None."""
     with open(os.path.join(output, "statistics.csv")) as file:
         return {(int(row["vehicle"]), int(row["step"])):
                 [float(row[name]) if row[name] else None
@@ -85,7 +85,7 @@ class Example(ExternalTest):
         measured, expected = rows(self.output), rows(folder)
         self.assertEqual(measured.keys(), expected.keys())
         for cell, (mean, variance, *_) in expected.items():
-            # Positions reach 100 m, whose last bit is 1.4e-14 m; errors are of some 0.1 m.
+            # Positions reach 100 m, where the last bit is 1.4e-14 m; errors are about 0.1 m.
             self.assertLess(abs(measured[cell][0] - mean), 1e-11, cell)
             self.assertLess(abs(measured[cell][1] - variance), 1e-11, cell)
 
@@ -124,11 +124,11 @@ class Example(ExternalTest):
         self.assertGreater(os.path.getsize(figure + ".png"), 10000)
 
     def check_replay(self, bag):
-        # The same node, behind what it received: no other vehicle is there.
+        # Replays its input to the same node; no other vehicle runs.
         terminal = self.launch("replay.launch", master=self.master, bag=bag, drive="vehicle_2", external=2, output="")
         terminal.wait()
         self.assertIn("vehicle_2: 153 messages equal the recorded ones to the bit", terminal.text())
-        # What was recorded of another vehicle is the built-in one's.
+        # The other vehicle was recorded from the built-in implementation.
         self.start_example(3)
         terminal = self.launch("replay.launch", master=self.master, bag=bag, drive="vehicle_3", external=3, output="")
         terminal.wait()
@@ -190,7 +190,7 @@ class Contract(ExternalTest):
         self.assertRegex(said, r"/platoon/vehicle_2/position: dropped a message that is out of turn: .*vehicle_2 is external: it violates clause 6 of")
         summary = live_platoon.completed_summary(self.output)
         self.assertEqual(summary["positions_lost"], 0)
-        # One more for each breach from the second on, whatever it took to come up.
+        # One more attempt for each violation from the second on, independent of the attempts at start-up.
         second = re.search(r"/platoon/vehicle_2/position: dropped a message that is out of turn: attempt (\d+), realizations from 200,", said)
         self.assertEqual(summary["attempts"], int(second.group(1)) + 4)
 
@@ -215,7 +215,7 @@ class Contract(ExternalTest):
 
 
 class Car(ExternalTest):
-    """In 8 s of wall time; PLATOON_MINUTE=1 in the environment: in the minute that a car takes."""
+    """A simulated car, in 8 s of wall time; with PLATOON_MINUTE=1 in the environment in real time, one minute."""
 
     STEPS = 600 if "PLATOON_MINUTE" in os.environ else 400
     SPEED = 5.0   # [m/s]
@@ -223,14 +223,14 @@ class Car(ExternalTest):
     HEADWAY = 3.2
 
     def recorded(self, bag, topic):
-        """The one position at each step, in order."""
+        """The position at each step, in order (one realization)."""
         with rosbag.Bag(bag) as opened:
             found = {message.step: message.position for _, message, _ in opened.read_messages(["/platoon/" + topic])}
         self.assertEqual(sorted(found), list(range(-1, self.STEPS)))
         return [found[step][0] for step in sorted(found)]
 
     def test_a_car_that_has_never_heard_of_positions_drives_as_vehicle_2_of_4(self):
-        """What passes through the adapter, to the bit. Where the car is at a step depends on how the machine schedules it."""
+        """Checks values that pass through the adapter, to the bit. The car's position at a step depends on scheduling."""
         period = 0.1 if "PLATOON_MINUTE" in os.environ else 0.02
         model = self.model_with(sample_period=period, noise_variance=0.0001,
                                 leader="{{speed: [{{from_step: 0, value: {}}}]}}".format(self.SPEED))
@@ -257,7 +257,7 @@ class Car(ExternalTest):
         for k in range(self.STEPS):  # lists begin with step -1
             error = before[k + 1] - own[k + 1] - self.HEADWAY * (own[k + 1] - own[k])
             self.assertAlmostEqual(measured[2, k][0], error, 9)
-        # It drives: a second behind, and as far as what it is late by.
+        # The car follows: a second behind, plus its lag.
         self.assertGreater(own[-1], 0.3 * before[-1])
         self.assertLess(own[-1], before[-1])
         self.assertAlmostEqual(measured[1, self.STEPS - 1][0], 0.0, delta=0.2)
@@ -269,7 +269,7 @@ class Car(ExternalTest):
         self.assertGreaterEqual(int(said[-1]["missed ticks"]), 0)
 
     def check_what_passes(self, log, own, received):
-        """The platoon has been sent places that the car reported, in that order; the car was referred to places that the platoon sent."""
+        """Checks that the platoon received positions that the car reported, in order, and the car references from the platoon."""
         with open(log) as file:
             lines = [line.split() for line in file.read().splitlines()]
         places = [float(x) - self.START for word, x in lines if word == "at"]
@@ -337,7 +337,7 @@ class OtherPackage(ExternalTest):
             self.assertAlmostEqual(own, other, 9)
         self.assertEqual(variances[1][0], built_in[0])
         self.assertLess(abs(means[0]), 0.5)   # some standard errors of 0.04 m
-        self.assertGreater(means[1], 10.0)    # it cannot keep up with a leader that drives off
+        self.assertGreater(means[1], 10.0)    # it cannot keep up with an accelerating leader
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Faults of a running platoon's nodes, and how long the platoon takes to go on behind them."""
+"""Injects faults into the nodes of a running platoon and measures the time until the platoon recovers."""
 
 import json
 import os
@@ -16,19 +16,19 @@ PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
 def children(process):
-    """Process ids of the children of one that may have started them from any of its threads."""
+    """Process ids of the children of a process, started by any of its threads."""
     found = []
     try:
         for task in os.listdir("/proc/{}/task".format(process)):
             with open("/proc/{}/task/{}/children".format(process, task)) as file:
                 found += [int(word) for word in file.read().split()]
     except OSError:
-        pass  # has ended
+        pass  # the process has ended
     return found
 
 
 def nodes(*launches):
-    """Process id of each node that these roslaunch processes have started, by its name."""
+    """Process ids, by node name, of the nodes that these roslaunch processes have started."""
     found = {}
     for launch in launches:
         for process in children(launch):
@@ -42,7 +42,7 @@ def nodes(*launches):
 
 
 def footprint(process):
-    """Resident memory [bytes] and open descriptors; None of a process that is not there any more."""
+    """Resident memory [bytes] and number of open descriptors; None if the process has ended."""
     try:
         with open("/proc/{}/statm".format(process)) as file:
             resident = int(file.read().split()[1]) * PAGE
@@ -52,7 +52,7 @@ def footprint(process):
 
 
 class ShiftedClock:
-    """A clock of the day that jumps, for the processes of an environment: a preload of its own, as the machine's clock is everybody's."""
+    """A jump of the system clock for the processes of one environment only, through a preloaded library."""
 
     def __init__(self, folder):
         self.shim, self.file, self.shift = os.path.join(folder, "shifted_clock.so"), os.path.join(folder, "shift"), 0.0
@@ -70,12 +70,12 @@ class ShiftedClock:
 
 
 class ProgressWatch:
-    """What the monitor reports of the latest run.
+    """The monitor's progress reports of the latest run.
 
-    The platoon has recovered from a node's end when the monitor reports step 0 or a later one of an attempt that is newer than any
-    reported before: every vehicle has then been heard of in two steps that the fault did not see. Where the node that ended is the one
-    that reports, it must be over a new connection instead. From a SIGSTOP it has recovered when, after the SIGCONT, the monitor reports
-    more than before. All of it counts from when the signal (the SIGCONT) was sent.
+    The platoon has recovered from the end of a node when the monitor reports step 0 or later of an attempt newer than any
+    reported before: it has then received two steps of every vehicle after the fault. If the node that ended is the monitor
+    itself, the report must come over a new connection instead. The platoon has recovered from a SIGSTOP when, after the SIGCONT,
+    the monitor reports more than before. Recovery times count from the signal, for a SIGSTOP from the SIGCONT.
     """
 
     def __init__(self):
@@ -85,13 +85,13 @@ class ProgressWatch:
         self.subscriber = rospy.Subscriber("/platoon/progress", Progress, self.receive, queue_size=None, tcp_nodelay=True)
 
     def forget(self):
-        """What is reported from now on is of a run that is new."""
+        """Discards everything reported so far: the next report belongs to a new run."""
         with self.lock:
             self.run = None
             self.latest = (0, 0, -2, 0)  # attempt, first realization, step, messages
             self.most = 0                # attempt
             self.connection = None
-            self.changed = None          # [s] when it last was more than before
+            self.changed = None          # [s] time of the latest progress
             self.finished = False
 
     def run_is_over(self):
@@ -114,7 +114,7 @@ class ProgressWatch:
             self.lock.notify_all()
 
     def moved_on_from(self, reporter):
-        """A condition that holds once the platoon has recovered from the end of a node that reports, or does not, just now."""
+        """A condition that holds once the platoon has recovered from a node that ends now; `reporter`: the monitor's node."""
         with self.lock:
             run, attempt, connection = self.run, self.most, self.connection
         if reporter:
@@ -122,7 +122,7 @@ class ProgressWatch:
         return lambda: (self.run != run or self.latest[0] > attempt) and self.latest[2] >= 0
 
     def another_run(self, before):
-        """A condition that holds once steps of another run than that are reported."""
+        """A condition that holds once step 0 or later of a run other than `before` is reported."""
         return lambda: self.run not in (None, before) and self.latest[2] >= 0
 
     def more(self):
@@ -145,7 +145,7 @@ class ProgressWatch:
             return self.changed
 
     def wait_for_flow(self, seconds, ended, deadline):
-        """Waits until reports have told of more and more for so many seconds."""
+        """Waits until the reports have shown steady progress for so many seconds; False if the run ends before."""
         begin = time.monotonic()
         while not ended():
             present = time.monotonic()
@@ -161,16 +161,16 @@ class ProgressWatch:
 
 
 class Injector:
-    """Sends the faults of a group to the nodes of these launches, and says when and to whom."""
+    """Sends the faults of a group to the nodes of these launches, and prints each with its time."""
 
     def __init__(self, watch, launches, began, say, clock=None):
         self.watch, self.launches, self.began, self.say, self.clock = watch, launches, began, say, clock
-        self.headway = None  # of the latest order that was answered
-        self.stopped = {}  # process: when to continue it [s]
+        self.headway = None  # headway of the latest order that was answered
+        self.stopped = {}  # process: time of its SIGCONT [s]
         self.sent = 0
 
     def continue_due(self, present=float("inf")):
-        """The conditions of recovery of those that go on now."""
+        """Sends the SIGCONTs that are due; returns their recovery conditions."""
         conditions = []
         for process in [process for process, until in self.stopped.items() if until <= present]:
             del self.stopped[process]
@@ -181,7 +181,7 @@ class Injector:
         return conditions
 
     def send(self, fault):
-        """Its condition of recovery, with when it was sent; none if there is no such process just now, or if it is stopped."""
+        """Sends a fault. Returns [(time sent [s], recovery condition)], empty for a SIGSTOP or if the process does not exist."""
         if fault.signal in ("CLOCK", "ORDER"):
             return self.jump(fault) if fault.signal == "CLOCK" else self.order(fault)
         process = nodes(*self.launches).get(fault.victim)
@@ -209,7 +209,7 @@ class Injector:
         return condition
 
     def order(self, fault):
-        """Of an order that was answered: that the run is of it; none of one that nobody was there to answer."""
+        """Calls change_run. Returns the condition that the new run makes progress; none if the call was not answered."""
         before = self.watch.run
         try:
             rospy.wait_for_service("/platoon/change_run", 5.0)
@@ -224,7 +224,7 @@ class Injector:
         return [(time.monotonic(), self.watch.another_run(before))]
 
     def send_all(self, group):
-        """All faults of a group, to the last SIGCONT; the conditions of recovery with the times they count from."""
+        """Sends all faults of a group, up to the last SIGCONT; returns the recovery conditions with their start times [s]."""
         begin, waiting, conditions = time.monotonic(), list(group.faults), []
         try:
             while waiting or self.stopped:
@@ -239,5 +239,5 @@ class Injector:
 
 
 def configuration():
-    """Of the latest run of the platoon: model and run."""
+    """The configuration of the platoon's latest run: model and run."""
     return json.loads(rospy.get_param("/platoon/configuration"))

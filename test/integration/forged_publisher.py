@@ -1,4 +1,4 @@
-"""A publisher that gives itself another node's name, as anybody can who reaches the nodes: ROS 1 asks nobody who he is."""
+"""A publisher under another node's name. Any process that reaches the nodes can do this: ROS 1 does not authenticate clients."""
 
 import io
 import socket
@@ -18,7 +18,7 @@ def packed(fields):
 
 
 class ForgedPublisher:
-    """Publishes on a topic to one node, beside the topic's real publisher and under its name."""
+    """Publishes on a topic to one node under the name of the topic's real publisher."""
 
     def __init__(self, topic, message, name, subscriber):
         self.topic = topic
@@ -35,7 +35,7 @@ class ForgedPublisher:
         self.link_up()
 
     def link_up(self):
-        """Tells the node that the topic has one more publisher, as the master would, and waits for it."""
+        """Announces one more publisher of the topic to the node, as the master does, and waits for the node to connect."""
         self.link = None
         master = rosgraph.Master("/forger")
         publishers = dict(master.getSystemState()[0]).get(self.topic, [])
@@ -58,6 +58,6 @@ class ForgedPublisher:
         framed = struct.pack("<I", len(buffer.getvalue())) + buffer.getvalue()
         try:
             self.link.sendall(framed)
-        except OSError:  # the master has told the node who publishes: a node has said something on the topic for the first time
+        except OSError:  # the master sent the node its list of publishers, because another node began to publish on the topic
             self.link_up()
             self.link.sendall(framed)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What is wrong in a model file or a launch argument is refused with these words, by the program that platoon.launch has check them."""
+"""Faults in a model file or a launch argument are rejected with these messages, by the program that platoon.launch runs first."""
 
 import os
 import shutil
@@ -20,7 +20,7 @@ HUGE = "must be at most 1e+100 in magnitude"
 ALLOWED = ("allowed are allow_unstable, channel, closed_loop, controller, initial_position, leader, noise_variance, plant, sample_period, "
            "standstill_distance, string, time_headway, vehicle_types")
 
-# A part of the paper's model file, what stands in its place, and what is said of that.
+# A part of the paper's model file, its replacement, and the message.
 REPLACED = [
     ("time_headway: 3.2", "time_headway: 0", "model/time_headway: 0: " + POSITIVE),
     ("time_headway: 3.2", "time_headway: -3.2", "model/time_headway: -3.2: " + POSITIVE),
@@ -93,7 +93,7 @@ REPLACED = [
      "model/controller/divide_by_one_plus_headway: 1: must be true or false"),
 ]
 
-# The same of the model file that gives a closed loop.
+# The same for a model file with a closed loop: A, B, C and the message.
 LOOP = "closed_loop: {{A: {}, B: {}, C: {}}}\n"
 LOOPS = [
     (("[]", "[1]", "[1]"), "model/closed_loop/A: []: " + ROWS),
@@ -108,7 +108,7 @@ LOOPS = [
     (("[" + "[1], " * 101 + "[1]]", "[1]", "[1]"), "model/closed_loop/A: 102 rows of 1: must be at most 100 x 100"),
 ]
 
-# A whole model file.
+# A whole model file and the message.
 FILES = [
     ("", "model: missing: " + MAPPING),
     ("# nothing\n", "model: missing: " + MAPPING),
@@ -125,7 +125,7 @@ FILES = [
 
 EXTERNAL = "must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"
 
-# A launch argument.
+# A launch argument, its value and the message.
 ARGUMENTS = [
     ("followers", "0", "run/followers: 0: must be a whole number from 1 to 1000000"),
     ("followers", "-1", "run/followers: -1: must be a whole number from 1 to 1000000"),
@@ -191,7 +191,7 @@ class Refused(unittest.TestCase):
         self.output = os.path.join(self.folder, "run")
 
     def check(self, said, **given):
-        """Refused with these words, on lines that can be shown, before anything was made."""
+        """Checks that the input is rejected with these words, in printable lines, before any file is created."""
         settings = dict({"model": live_platoon.shared("config", "paper.yaml"), "output": self.output}, **given)
         command = [live_platoon.executable("configure")]
         for name, value in settings.items():

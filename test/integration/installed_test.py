@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""The package as others get it: catkin_lint, an install space, and runs of what is installed there without the checkout.
+"""The installed package: catkin_lint, an install space, and runs of the installed programs without the checkout.
 
-By default the build beside the checkout is installed and the checkout is hidden behind an empty folder, where the system allows that.
-`installed_test.py --workspace` builds a copy with `catkin build` in a temporary workspace instead (four minutes of two cores): without
-optimisation and several files at once, to save time; the bits must be those of the optimised build all the same. Without catkin-tools and
-catkin-lint there is nothing to test: status 77.
+By default the test installs the build beside the checkout and hides the checkout behind an empty folder if the system allows it.
+`installed_test.py --workspace` builds a copy with `catkin build` in a temporary workspace instead (four minutes of two cores):
+without optimisation and as a unity build, to save time; the results must still equal the optimised build bit for bit. Without
+catkin-tools and catkin-lint the test is skipped: status 77.
 """
 
 import argparse
@@ -22,7 +22,7 @@ SETTINGS = dict(followers=2, steps=20, realizations=100)
 
 
 def run(command, folder, inside=(), **environment):
-    """Its output, of a shell that knows nothing of this one's workspace."""
+    """The output of a command in a shell without the environment of this workspace."""
     done = subprocess.run(list(inside) + ["bash", "-c", command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                           universal_newlines=True, errors="replace",
                           env=dict(environment, HOME=folder, PATH="/usr/bin:/bin", ROS_HOSTNAME="localhost"))
@@ -32,7 +32,7 @@ def run(command, folder, inside=(), **environment):
 
 
 def install_by_catkin_build(folder, _):
-    # A ROS outside of /usr is what the workspace extends.
+    # The workspace extends a ROS outside of /usr.
     setup = "/opt/ros/{}/setup.bash".format(os.environ.get("ROS_DISTRO", ""))
     underlay = ". {}; ".format(setup) if os.path.exists(setup) else ""
     run(underlay + "catkin config --init --install --cmake-args -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= "
@@ -44,10 +44,10 @@ def install_by_catkin_build(folder, _):
 
 
 def install_the_build(folder, build):
-    """Returns the command under which nothing of the checkout is seen."""
+    """Installs the build; returns a command prefix under which the checkout is hidden."""
     prefix = os.path.join(folder, "install")
     run("cmake --install {} --prefix {}".format(build, prefix), folder)
-    # What catkin adds when it installs a workspace.
+    # Files that catkin adds when it installs a workspace.
     open(os.path.join(prefix, ".catkin"), "w").close()
     for file in ("_setup_util.py", "setup.sh", "setup.bash"):
         shutil.copy(os.path.join(build, "catkin_generated", "installspace", file), prefix)
@@ -102,7 +102,7 @@ class Installed(unittest.TestCase):
         self.check_in_ros("rosrun stochastic_platoon rospy_follower.py 2")
 
     def check_in_ros(self, vehicle):
-        """On a master of its own, all of whose processes end with the shell."""
+        """Runs check_vehicle on its own master; all processes end with the shell."""
         port = live_platoon.free_port()
         said = self.installed("trap 'kill $(jobs -p); wait' EXIT; roscore -p {} > /dev/null & "
                               "until rosnode list > /dev/null 2>&1; do sleep 0.2; done; {} & "

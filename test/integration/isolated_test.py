@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What of a running platoon listens where, and that launch/isolated keeps it from everybody."""
+"""The sockets on which a running platoon listens, and that launch/isolated makes them unreachable from outside."""
 
 import glob
 import os
@@ -16,7 +16,7 @@ NODES = ["vehicle_0", "vehicle_1", "vehicle_2", "channel", "monitor"]
 
 
 def children(process):
-    """It, and all that it has started."""
+    """Process ids of a process and all its descendants."""
     found = [process]
     for file in glob.glob("/proc/{}/task/*/children".format(process)):
         with open(file) as listed:
@@ -60,7 +60,7 @@ class Listening(LaunchTest):
         return {name_of(process): (process, listening(process)) for process in children(terminal.process.pid)}
 
     def check_sockets(self, found):
-        """TCPROS and everything in Python listens for this machine only; roscpp's XML-RPC server listens for everybody."""
+        """TCPROS and all Python servers listen on the loopback interface only, roscpp's XML-RPC server on all interfaces."""
         for name in NODES:
             self.assertEqual([where for where, _ in found[name][1]], ["everywhere", "this machine"], name)
         for name in ("roslaunch", "rosmaster"):

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""kill -9 of any node in mid-run costs time, never a sample: the statistics are those of an undisturbed run to the bit."""
+"""kill -9 of any node during a run costs time but no sample: the statistics equal those of an undisturbed run to the bit."""
 
 import sys
 import unittest

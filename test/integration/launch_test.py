@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a person does at the terminal: roslaunch with good and bad arguments, Ctrl-C, going on."""
+"""Use from the terminal: roslaunch with valid and invalid arguments, Ctrl-C, resume."""
 
 import glob
 import json
@@ -18,7 +18,7 @@ from terminal import LaunchTest
 
 class BadInput(LaunchTest):
     def refused(self, *said, **arguments):
-        """The launch ends with an error that says all of this, before any node starts and without a trace in the output."""
+        """Checks that the launch ends with all these words, before any node starts and without writing to the output."""
         terminal = self.launch(**arguments)
         self.assertNotEqual(terminal.wait(), 0)
         text = terminal.text()
@@ -100,7 +100,7 @@ class StopAndResume(LaunchTest):
         self.assertFalse(stopped["complete"])
         self.assertGreater(stopped["realizations"], 0)
         self.assertLess(stopped["realizations"], 2000)
-        # Another batch size, too: the statistics depend on the realizations alone.
+        # With another batch size: the statistics depend on the realizations only.
         settings = dict(self.SETTINGS, batch=100)
         self.launch(realizations=2000, resume="true", **settings).wait()
         summary = live_platoon.completed_summary(self.output)
@@ -123,7 +123,7 @@ class StopAndResume(LaunchTest):
 
 
 class Surroundings(LaunchTest):
-    """What is around a launch: odd paths, a home that cannot be written, masters and roslaunch itself that die."""
+    """The environment of a launch: unusual paths, a read-only home folder, the death of the master and of roslaunch."""
 
     def test_a_quote_in_a_path_is_refused_in_words(self):
         for argument in ("output", "record", "model"):
@@ -201,7 +201,7 @@ class Surroundings(LaunchTest):
     def test_a_killed_channel_with_state_needs_no_timeout(self):
         settings = dict(followers=3, steps=400, realizations=2, model=live_platoon.shared("config", "lossy.yaml"))
         terminal = self.launch(batch=1, rate=100, stall_timeout=100, **settings)
-        terminal.wait_for_text("1/2 realizations")  # in the last batch, as a later one would show the gap
+        terminal.wait_for_text("1/2 realizations")  # in the last batch: a later one would reveal the gap
         live_platoon.kill("/platoon/channel", terminal.master)
         terminal.wait(60.0)
         self.assertEqual(live_platoon.completed_summary(self.output)["attempts"], 2)
@@ -246,7 +246,7 @@ class FullDisk(LaunchTest):
         settings = dict(followers=6, steps=100, realizations=1000)
         terminal = self.launch(rate=400, batch=100, **settings)
         monitor = live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/monitor", terminal.master), "the monitor")
-        resource.prlimit(monitor, resource.RLIMIT_FSIZE, (9000, resource.RLIM_INFINITY))  # what it prints is less
+        resource.prlimit(monitor, resource.RLIMIT_FSIZE, (9000, resource.RLIM_INFINITY))  # its log is smaller
         terminal.wait_for_text("100 %")
         time.sleep(2.0)
         self.assertIsNone(terminal.process.poll(), "ended without results")
@@ -294,7 +294,7 @@ class Endless(LaunchTest):
     def test_time_averages_are_labelled_and_approach_the_stationary_variance(self):
         terminal = self.launch(followers=2, steps=0, burn_in=50)
         terminal.wait_for_text("process[platoon/monitor")
-        time.sleep(4.0)  # the run has no end to wait for: this is how long it averages
+        time.sleep(4.0)  # the averaging time of this endless run
         terminal.interrupt()
         with open(self.output + "/summary.json") as file:
             summary = json.load(file)

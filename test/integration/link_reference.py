@@ -1,6 +1,8 @@
-"""The moments of a platoon over links, written from their definition alone, with nothing of the package: the whole string's state
-(every vehicle, every register of every link) and its mean and covariance step by step, by numpy. A model is the model file's
-dictionary."""
+"""Reference moments of a platoon over links, from their definition only and without code of the package.
+
+Propagates mean and covariance of the whole string's state (every vehicle, every register of every link) step by step with numpy.
+A model is the dictionary of the model file.
+"""
 
 import numpy as np
 
@@ -17,7 +19,7 @@ def polynomials_of(vehicle):
 
 
 def state_space(numerator, denominator):
-    """Controllable canonical form (the package runs the observable one): A, B, C, D."""
+    """A, B, C, D in controllable canonical form (the package uses the observable one)."""
     n = len(denominator) - 1
     b = np.concatenate([np.zeros(n + 1 - len(numerator)), numerator])
     feed = b[0]
@@ -32,7 +34,7 @@ def state_space(numerator, denominator):
 
 
 def merged(base, own):
-    """What a type does not give is as in the default vehicle; links key by key."""
+    """A vehicle type with missing keys filled from the default vehicle; links are merged key by key."""
     result = {key: value for key, value in base.items() if key not in ("vehicle_types", "string")}
     for key, value in own.items():
         result[key] = merged(base.get(key, {}), value) if key in ("channel", "loss") else value
@@ -52,7 +54,7 @@ def predictor_of(loss):
 
 
 class Part:
-    """One follower and its link: its places in the state and its matrices."""
+    """One follower and its link: indices into the state, and matrices."""
 
     def __init__(self, vehicle, start):
         link = vehicle.get("channel", {})
@@ -135,7 +137,7 @@ def moments(model, followers, steps):
         above = own
     error = [(y[i - 1] if i else place(size)) - y[i] - parts[i].h * (y[i] - y_before[i]) for i in range(followers)]
 
-    # Step -1: everything stands still; what is passed on is the position itself.
+    # Step -1: all vehicles are at rest; links pass the position unchanged.
     y0_state = np.zeros(len(leader[1]))
     mean, covariance = np.zeros(size), np.zeros((size, size))
     position_mean, source = 0.0, None

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The shipped models of links and mixed strings: the theory and the measurement of this package against a plain simulation by
-numpy, written here with nothing of the package and with random numbers of its own."""
+"""The shipped models of links and mixed strings: theory and measurement of the package against a plain numpy simulation with its
+own random numbers and without code of the package."""
 
 import csv
 import io
@@ -18,8 +18,8 @@ import live_platoon
 
 FOLLOWERS, STEPS, REALIZATIONS = 7, 40, 40000
 
-# The largest of 2 N K normal scores exceeds this with probability 1e-3 (Bonferroni); of two estimates, each with its own error,
-# the standard errors add in squares.
+# The largest of 2 N K normal scores exceeds this with probability 1e-3 (Bonferroni). For two independent estimates the squared
+# standard errors add.
 BOUND = 5.0
 
 
@@ -28,7 +28,7 @@ def simulated(model, seed):
     random = np.random.default_rng(seed)
     vehicles = link_reference.vehicles_of(model, FOLLOWERS)
     leader = link_reference.vehicles_of(dict(model, string=["default"]), 1)[0]
-    speed = 0.1 * 20.0  # of every shipped model: [m] a step from step 0 on
+    speed = 0.1 * 20.0  # [m/step] from step 0 on, in every shipped model
     r0 = np.concatenate([[0.0], speed * np.arange(STEPS + 1)])  # steps -1, 0, ...
     place = 0.0
     above = np.repeat(follow(leader, r0[:, None], 0.0, None), REALIZATIONS, axis=1)
@@ -43,7 +43,7 @@ def simulated(model, seed):
 
 
 def follow(vehicle, heard, place, delta):
-    """y(-1), y(0), ... from what is heard at steps -1, 0, ...; by A, B, C or by plant and controller."""
+    """y(-1), y(0), ... for the inputs received at steps -1, 0, ...; from A, B, C or from plant and controller."""
     if "closed_loop" in vehicle:
         loop = vehicle["closed_loop"]
         a, b, c = np.array(loop["A"]), np.array(loop["B"]), np.array(loop["C"])
@@ -65,7 +65,7 @@ def received(vehicle, sent, random):
     noisy = sent.copy()
     noisy[1:] += np.sqrt(vehicle["noise_variance"]) * random.standard_normal(sent[1:].shape)
     used = [noisy[0]]
-    q = chance = loss["probability"]  # of a stationary chain: a burst lasts 1 / (1 - stay) on average
+    q = chance = loss["probability"]  # stationary Markov chain; mean burst length 1 / (1 - stay)
     stay, enter = q, q
     if "mean_burst" in loss:
         stay, enter = 1.0 - 1.0 / loss["mean_burst"], q / (1.0 - q) / loss["mean_burst"]
@@ -108,7 +108,7 @@ class ShippedModels(unittest.TestCase):
             self.assertTrue(np.isnan(theoretical_mean).all() and np.isnan(theoretical_variance).all())
         self.assertLess(np.abs((mean - own_mean) / of_mean).max(), BOUND * np.sqrt(2.0))
         self.assertLess(np.abs((variance - own_variance) / of_variance).max(), BOUND * np.sqrt(2.0))
-        self.assertGreater(np.abs((variance - own_variance) / of_variance).max(), 0.5)  # these are two measurements
+        self.assertGreater(np.abs((variance - own_variance) / of_variance).max(), 0.5)  # the two measurements are independent
 
     def test_lossy(self):
         self.check("lossy.yaml")

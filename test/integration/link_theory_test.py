@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""What analyze says of platoons over links, against independent computations: the second moments of the whole string's state
-(link_reference.py) and, for decisions and limits, sums over a fine grid of frequencies."""
+"""analyze for platoons over links, against independent computations: second moments of the whole string's state
+(link_reference.py) and, for verdicts and limits, sums over a fine frequency grid."""
 
 import itertools
 import json
@@ -75,8 +75,8 @@ CASES = {
 
 
 def grid(model, points=1 << 16):
-    """Per vehicle of one pattern over a grid on the circle that leaves out z = 1 (w = 2 pi (j + 1/2) / points):
-    |T^|^2, |T F|^2, |(1 - L) F|^2, kappa, N_d, |1 - H T^|^2, |H|^2, and ebar."""
+    """For each vehicle of a pattern |T^|^2, |T F|^2, |(1 - L) F|^2, kappa, N_d, |1 - H T^|^2, |H|^2 and ebar, on a grid of the
+    unit circle without z = 1 (w = 2 pi (j + 1/2) / points)."""
     w = 2.0 * np.pi * (np.arange(points) + 0.5) / points
     z = np.exp(1j * w)
     found = []
@@ -92,7 +92,7 @@ def grid(model, points=1 << 16):
         h = vehicle["time_headway"]
         policy = (1.0 + h) - h / z
         colour = link.get("noise_filter", {"numerator": [1.0], "denominator": [1.0]})
-        # W by powers of z, numerator and denominator each
+        # W, numerator and denominator in powers of z
         noise = np.abs(np.polyval(colour["numerator"], z) / np.polyval(colour["denominator"], z)) ** 2
         square = lambda x: np.abs(x) ** 2
         found.append({
@@ -124,7 +124,7 @@ class Analyze(unittest.TestCase):
                 theory = self.analyze(model, 6, 50)
                 means, variances = link_reference.moments(model, 6, 50)
                 np.testing.assert_allclose(np.array(theory["mean"]), means, rtol=1e-10, atol=1e-10)
-                # Where nothing is random yet, or any more, the reference keeps its own rounding.
+                # Cells with zero variance hold the rounding errors of the reference.
                 np.testing.assert_allclose(np.array(theory["variance"]), variances, rtol=1e-10, atol=1e-13 * variances.max())
                 self.assertEqual(theory["theory"], "exact")
 
@@ -156,7 +156,7 @@ class Analyze(unittest.TestCase):
                                                                   vehicles[l]["loss_gain"]) if vehicles[l]["kappa"] else 0.0
                                    for l in range(count)] for j in range(count)])
                 radius = np.abs(np.linalg.eigvals(gains)).max()
-                # The grid converges as its distance to the singular frequencies is resolved: far below this.
+                # The grid resolves the singular frequencies: its error is far below the tolerance.
                 self.assertAlmostEqual((theory["loss_gain"] or 0.0) / (radius or 1.0), 1.0 if radius else 0.0, delta=1e-9)
                 if not theory["string_stable"]:
                     self.assertIsNone(theory["limit_variance"])
@@ -176,7 +176,7 @@ class Analyze(unittest.TestCase):
             self.assertTrue(theory["string_stable"])
             return 1.0 - theory["stationary_variance"][-1] / theory["limit_variance"]
 
-        # What is left of the sum behind N vehicles falls as N^(-3/2), as 1 - |T^|^2 begins with w^2 and |S|^2 with w^4.
+        # The remainder of the sum after N vehicles decays like N^(-3/2), as 1 - |T^|^2 begins with w^2 and |S|^2 with w^4.
         self.assertLess(rest(4000), 2e-6)
         self.assertAlmostEqual(rest(1000) / rest(4000), 8.0, delta=0.1)
 
@@ -187,7 +187,7 @@ class Analyze(unittest.TestCase):
         model = model_of(3, {"loss": {"probability": 0.05, "on_loss": "extrapolate"}})
         critical = self.analyze(model, 1, 2)["critical_loss_probability"]
         at = lambda q: model_of(3, {"loss": {"probability": q, "on_loss": "extrapolate"}})
-        # There the loss gain is 1: the grid says so, too.
+        # At the critical probability the loss gain is 1, also on the grid.
         for q, stable in ((critical - 1e-7, True), (critical + 1e-7, False)):
             vehicle = grid(at(q))[0]
             gain = vehicle["kappa"] * np.mean(vehicle["innovation"] * vehicle["loss_gain"] / (1.0 - vehicle["gain"]))
@@ -195,7 +195,7 @@ class Analyze(unittest.TestCase):
             self.assertEqual(self.stable(at(q)), stable)
 
     def test_decides_right_on_both_sides_of_a_gain_of_one(self):
-        # Delay moves no modulus: the border is that of the paper's headway with |T| = 1.
+        # Delay does not change |T|: the border is the paper's critical headway, with |T| = 1.
         border = self.analyze(model_of(3), 1, 2)["critical_headway"]
         for h, stable in ((border * (1.0 + 1e-7), True), (border * (1.0 - 1e-7), False)):
             self.assertEqual(self.stable(model_of(3, {"delay": 2}, time_headway=h)), stable)
@@ -217,7 +217,7 @@ class Analyze(unittest.TestCase):
         theory = self.analyze(model_of(3, {"loss": {"probability": 0.1, "mean_burst": 3.0, "on_loss": "hold"}}))
         self.assertEqual(theory["theory"], "none")
         self.assertNotIn("variance", theory)
-        # Unless their bursts are those of independent losses.
+        # A mean burst that independent losses have as well is admitted.
         independent = self.analyze(model_of(3, {"loss": {"probability": 0.5, "mean_burst": 2.0, "on_loss": "hold"}}))
         self.assertEqual(independent["variance"],
                          self.analyze(model_of(3, {"loss": {"probability": 0.5, "on_loss": "hold"}}))["variance"])

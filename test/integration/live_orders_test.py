@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""An endless platoon from outside: snapshots, manoeuvres, another headway within a run, who holds it up; in both hostings."""
+"""Control of an endless platoon from outside, in both hostings: snapshots, manoeuvres, change of headway, stall diagnosis."""
 
 import csv
 import json
@@ -20,7 +20,7 @@ NOISE_VARIANCE = 0.6
 
 
 class Topic:
-    """What comes on a topic while it is listened to."""
+    """Collects the messages of a topic."""
 
     def __init__(self, name, kind):
         import rospy
@@ -41,7 +41,7 @@ class Topic:
 
 
 def setUpModule():
-    """One master for all: rospy keeps to the one that it began with."""
+    """Starts one master for all tests: rospy cannot change its master."""
     import rospy
     folder = tempfile.mkdtemp()
     unittest.addModuleCleanup(shutil.rmtree, folder, ignore_errors=True)
@@ -141,7 +141,7 @@ class Manoeuvres(Orders):
         terminal = self.endless(hosting)
 
         def speeds():
-            """Of the leader [m/s], between the latest snapshots."""
+            """Speeds of the leader [m/s] between the latest snapshots."""
             last = list(snapshots.messages)[-20:]
             return [(b.position[0] - a.position[0]) / (0.1 * (b.step - a.step)) for a, b in zip(last, last[1:]) if b.step > a.step]
 
@@ -167,7 +167,7 @@ class Manoeuvres(Orders):
         self.assertTrue(self.trigger("cruise").success)
         speed_is(20.0)
         terminal.wait_for_text("the leader drives by the model file again: averages go on in 100 steps", 60)
-        # A try that begins again begins by the model file.
+        # A new attempt starts with the leader of the model file.
         self.assertTrue(self.trigger("brake").success)
         live_platoon.kill("/platoon/platoon" if hosting == "one_process" else "/platoon/vehicle_3", self.master)
         speed_is(20.0)
@@ -249,19 +249,19 @@ class Changes(Orders):
         unstable, _ = averaged(2.4, first_run)
         terminal.interrupt()
         self.assertGreater(unstable.variance[-1], 3.0 * stable.variance[-1])
-        # Each run in a folder of its own.
+        # Each run has its own folder.
         for folder, headway in ((self.output, 3.2), (self.output + "-run2", 2.4)):
             with open(os.path.join(folder, "summary.json")) as file:
                 summary = json.load(file)
             self.assertTrue(summary["time_average"])
             self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)
-            # Of twice FOLLOWERS scores, of averages worth thousands of independent errors.
+            # 2 FOLLOWERS scores; each average is worth thousands of independent errors.
             for score in summary["agreement"].values():
                 if not live_platoon.SANITIZED:
                     self.assertLess(score, 5.0)
             with open(os.path.join(folder, "statistics.csv")) as file:
                 self.assertEqual(len(list(csv.DictReader(file))), FOLLOWERS)
-        # And each in a bag of its own, as far as it was recorded when it ended.
+        # Each run has its own bag, recorded up to the end of the run.
         for suffix, headway in (("", 3.2), ("-run2", 2.4)):
             read = os.path.join(self.folder, hosting + suffix + "-read")
             subprocess.run([live_platoon.executable("bag_statistics"), bag + suffix + ".bag.active", "--output", read], check=True,
@@ -314,7 +314,7 @@ class Changes(Orders):
 
 class Diagnosed(Orders):
     def statuses(self, topic):
-        """The latest of each name, as (level, dictionary)."""
+        """The latest status for each name as (level, dictionary)."""
         found = {}
         for message in list(topic.messages):
             for status in message.status:
@@ -363,7 +363,7 @@ class Diagnosed(Orders):
         terminal = self.endless("processes", followers=5, stall_timeout=0.5)
 
         def of_monitor():
-            """Culprit and retries, of each of its statuses."""
+            """(culprit, retries) of each status of the monitor."""
             found = []
             for message in list(topic.messages):
                 for status in message.status:

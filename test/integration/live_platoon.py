@@ -1,4 +1,4 @@
-"""What the integration tests ask a running platoon, and how they wait: for conditions, with a deadline."""
+"""Access to a running platoon for the integration tests, and waiting for conditions with a deadline."""
 
 import json
 import os
@@ -16,12 +16,12 @@ import rospkg
 
 SANITIZED = "PLATOON_SANITIZED" in os.environ
 PATIENCE = 5.0 if SANITIZED else 1.0
-UNDISTURBED = 5 if SANITIZED else 1  # attempts at most: slowed down, the first step may take longer than a stall
+UNDISTURBED = 5 if SANITIZED else 1  # most attempts: in a sanitized build the first step may take longer than the stall timeout
 DEADLINE = 150.0  # [s] for a run to complete on a busy machine
 
 
 def skip_without(*programs):
-    """Ends the test as skipped, with the reason, where these are not installed, as in a workspace on another system."""
+    """Skips the test (status 77) and prints the reason if any of these programs is not installed."""
     missing = [program for program in programs if not shutil.which(program)]
     if missing:
         print("skipped: needs " + ", ".join(missing))
@@ -29,7 +29,7 @@ def skip_without(*programs):
 
 
 def wait_for(condition, what, deadline=DEADLINE):
-    """The first true value of condition(); an AssertionError that names `what` once the deadline has passed."""
+    """Waits for condition(); returns its first true value. Raises AssertionError, which names `what`, after the deadline [s]."""
     end = time.monotonic() + deadline * PATIENCE
     while time.monotonic() < end:
         value = condition()
@@ -40,7 +40,7 @@ def wait_for(condition, what, deadline=DEADLINE):
 
 
 def free_port():
-    """A port for a master: free now, and outside the range that the system hands out to others in the meantime."""
+    """A port for a master: free now, and outside the range from which the system assigns ports."""
     while True:
         port = random.randrange(20000, 32000)
         with socket.socket() as listener:
@@ -52,7 +52,7 @@ def free_port():
 
 
 def completed_summary(output):
-    """summary.json of a completed run, None before."""
+    """The content of summary.json of a completed run; None before."""
     try:
         with open(os.path.join(output, "summary.json")) as file:
             summary = json.load(file)
@@ -102,7 +102,7 @@ def reference(output, **settings):
 
 
 def process_of(node, master=None):
-    """Process id of a node, of this test's own master unless another is given; None while it cannot be told."""
+    """Process id of a node on the given master (default: this test's); None while it is unknown."""
     caller = "/integration_test"
     try:
         with xmlrpc.client.ServerProxy(master or rosgraph.get_master_uri()) as proxy:
@@ -114,7 +114,7 @@ def process_of(node, master=None):
 
 
 def kill(node, master=None):
-    """kill -9, and wait until roslaunch has put another process in its place."""
+    """Kills a node with SIGKILL and waits until roslaunch has restarted it."""
     before = wait_for(lambda: process_of(node, master), node)
     os.kill(before, signal.SIGKILL)
     wait_for(lambda: process_of(node, master) not in (None, before), node + " to come back")

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Every command line of the README, and of those beside config, launch and msg, works as it is typed, in a fresh shell with
-another HOME; long ones are cut short."""
+"""Every command line of the READMEs (root, config, launch, msg) works as written, in a fresh shell with another HOME; long runs
+are shortened."""
 
 import os
 import re
@@ -16,10 +16,10 @@ import live_platoon
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SETUP = "devel/setup.bash"
-if not os.path.exists(os.path.join(PACKAGE, SETUP)):  # in a catkin workspace it is the workspace's
+if not os.path.exists(os.path.join(PACKAGE, SETUP)):  # in a catkin workspace: the workspace's setup.bash
     SETUP = os.path.join(os.environ["CMAKE_PREFIX_PATH"].split(":")[0], "setup.bash")
 COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "rosservice", "rostopic", "cmp", "parallel")
-ORDERS = ("rosservice", "rostopic")  # to the platoon of the line before
+ORDERS = ("rosservice", "rostopic")  # orders to the platoon of the line before
 NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it",
            "./launch/demo live": "demo_test.py runs it",
            "cmake -S launch/examples/saturated_follower -B /tmp/follower -DPYTHON_EXECUTABLE=/usr/bin/python3 && make -C /tmp/follower":
@@ -30,7 +30,7 @@ NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.p
            "external_vehicle_test.py gives it a car",
            "roslaunch stochastic_platoon replay.launch bag:=/tmp/external.bag drive:=vehicle_3 external:=3": "external_vehicle_test.py replays into it"}
 
-# What the test adds to a line that begins so; the first that fits.
+# (beginning of a line, arguments that the test adds); the first match applies.
 SHORTER = (
     ("roslaunch stochastic_platoon live.launch", "rviz:=false followers:=3 rate:=100"),
     ("roslaunch stochastic_platoon platoon.launch hosting:=one_process", "realizations:=200 steps:=5"),
@@ -39,7 +39,7 @@ SHORTER = (
     ("rosrun stochastic_platoon monte_carlo --realizations 1e9 --shard", "--steps 20"),
     ("rosrun stochastic_platoon monte_carlo", "--realizations 200 --steps 20"),
 )
-# What stays up in a terminal of its own, what shows that it is up, and in which of the next lines it is needed.
+# (command that stays up in its own terminal, output that shows that it is up, words of the following lines that need it).
 STANDING = (
     ("roslaunch stochastic_platoon followers.launch", "process[platoon/vehicle_20", "last:="),
     ("roscore", "started core service [/rosout]", " 3|external:="),
@@ -52,7 +52,7 @@ FILES = ("README.md", "config/README.md", "launch/README.md", "msg/README.md")
 
 
 def command_lines():
-    """The indented lines of the READMEs, but for the picture of the layout."""
+    """The indented lines of the READMEs, without the layout diagram."""
     text = ""
     for name in FILES:
         with open(os.path.join(PACKAGE, name)) as file:
@@ -69,7 +69,7 @@ class Readme(unittest.TestCase):
         os.mkdir(cls.home)
         cls.environment = dict(HOME=cls.home, PATH="/usr/bin:/bin", LANG="C.UTF-8", TERM="dumb", ROS_HOSTNAME="localhost",
                                ROS_MASTER_URI="http://localhost:{}".format(live_platoon.free_port()), REALIZATIONS="1000",
-                               PYTHONUNBUFFERED="1")  # else what it says waits in roslaunch for more
+                               PYTHONUNBUFFERED="1")  # otherwise roslaunch buffers its output
 
     @classmethod
     def tearDownClass(cls):
@@ -116,9 +116,9 @@ class Readme(unittest.TestCase):
             return False
 
     def end_live(self, line, process):
-        """Ctrl-C for what stays up, once it has shown that it is up."""
+        """Interrupts a live platoon once it is up and has averages."""
         live_platoon.wait_for(lambda: "process[platoon/monitor" in self.said() or process.poll() is not None, line)
-        time.sleep(6.0)  # it has no end to wait for: some steps for its averages
+        time.sleep(6.0)  # some steps for the averages of this endless run
         self.interrupt(process)
         self.assertIn("time averages", self.said())
 

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Replays behind external followers end with a verdict or with the reason why there is none.
+"""Replays that drive external followers end with a verdict, or with the reason why there is none.
 
-replays_test.py --count 500 [--busy 4] [--lanes 3] [--minutes 60]: so many replays of one recording, or as many as begin in that time, each
-with a follower of its own that is started at the same time, beside busy loops, several at once; prints how many ended with which verdict, and
-has status 0 when all are right.
+replays_test.py --count 500 [--busy 4] [--lanes 3] [--minutes 60]: runs `count` replays of one recording, or as many as begin in
+`minutes`, in `lanes` parallel lanes beside `busy` busy loops, each with a new follower that starts at the same time. Prints the
+number of replays for each outcome; status 0 if all are right.
 """
 
 import argparse
@@ -26,13 +26,13 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 RUN = dict(followers=2, steps=20, realizations=30, batch=10)
 MESSAGES = 3 * 21
 EQUAL = "vehicle_2: {} messages equal the recorded ones to the bit".format(MESSAGES)
-# The example computes as the built-in vehicle does, but for rounding.
+# The example equals the built-in vehicle except for rounding.
 APART = r"vehicle_2: {} messages as in the recording, positions at most (\S+) m apart".format(MESSAGES)
-LONGEST = 300.0  # [s] for a replay to end: one that hangs does so for ever
+LONGEST = 300.0  # [s] limit for a replay: one that hangs never ends
 
 
 def record(folder):
-    """A bag of RUN with built-in vehicles."""
+    """Records RUN with built-in vehicles; returns the bag."""
     bag = os.path.join(folder, "run.bag")
     terminal = Terminal(folder, "platoon.launch", output=os.path.join(folder, "run"), record=bag, **RUN)
     try:
@@ -45,7 +45,7 @@ def record(folder):
 
 
 def ended(text):
-    """What a replay printed in the end: a verdict, a reason, or nothing."""
+    """The outcome of a replay from its output: a verdict, a reason, or nothing."""
     apart = re.search(APART, text)
     if EQUAL in text or (apart and float(apart.group(1)) < 1e-11):
         return "right"
@@ -55,7 +55,7 @@ def ended(text):
 
 
 class Followers:
-    """External vehicles on a master of their own, and the replays behind which they are put."""
+    """External vehicles on their own master, and the replays that drive them."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -70,7 +70,7 @@ class Followers:
         return subprocess.Popen(command, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def replay(self, bag, command, **arguments):
-        """What a replay behind the vehicle that this command starts printed; an AssertionError if it does not end."""
+        """The output of a replay that drives the vehicle started by this command. Raises AssertionError if it does not end."""
         vehicle = self.start(*command) if command else None
         terminal = Terminal(self.folder, "replay.launch", master=self.master, bag=bag, drive="vehicle_2", external=2, output="", **arguments)
         try:
@@ -90,7 +90,7 @@ def example():
 
 
 def run_lane(bag, numbers, deadline):
-    """How the replays of one lane ended, and the text of those that did not end right."""
+    """Runs the replays of one lane. Returns counts of the outcomes, and the output of the replays that were not right."""
     folder = tempfile.mkdtemp()
     followers = Followers(folder)
     outcomes, texts = collections.Counter(), []
@@ -113,7 +113,7 @@ def run_lane(bag, numbers, deadline):
 
 
 def run_many(bag, count, busy, lanes, seconds=float("inf")):
-    """All of them beside so many busy loops: outcomes, and texts of those that did not end right."""
+    """Runs all lanes beside so many busy loops. Returns as run_lane."""
     loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(busy)]
     deadline = time.monotonic() + seconds
     try:
@@ -146,7 +146,7 @@ class Replays(LaunchTest):
         self.assertEqual(ended(text), "right", text)
 
     def test_a_follower_that_is_killed_and_comes_back_costs_attempts_and_the_verdict_comes(self):
-        # A vehicle of the same node name takes its place, as one that is started again does: the first has answered too slowly to end.
+        # A vehicle with the same node name replaces the first one, as after a restart. The first answers too slowly to complete.
         slow = self.followers.start(os.path.join(HERE, "slow_accept.py"), "2", "3600")
         self.addCleanup(slow.wait)
         self.addCleanup(slow.kill)
@@ -154,7 +154,7 @@ class Replays(LaunchTest):
         terminal = Terminal(self.folder, "replay.launch", master=self.followers.master, bag=self.bag, drive="vehicle_2", external=2, output="")
         self.addCleanup(terminal.end)
         live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/vehicle_replay", self.followers.master), "the replay")
-        time.sleep(1.0)  # it sends, and nothing comes
+        time.sleep(1.0)  # the replay sends and receives nothing
         slow.send_signal(signal.SIGKILL)
         slow.wait()
         again = self.followers.start(*example())

@@ -15,7 +15,7 @@ FIRST = dict(headway=3.2, seed=1, steps=20, realizations=600, batch=50)
 
 class KeptFollowers(LaunchTest):
     def begin(self, master, number, **settings):
-        """A launch on a kept master that brings vehicles 0 to 2."""
+        """Starts a launch on a kept master with vehicles 0 to 2."""
         return self.launch(master=master, output=os.path.join(self.folder, "run{}".format(number)), followers=4, first=1,
                            last=2, **settings)
 
@@ -35,7 +35,7 @@ class KeptFollowers(LaunchTest):
         for number, change in enumerate([{}, {"headway": 3.3}, {"seed": 2}, {"steps": 31, "batch": 7}]):
             settings = dict(FIRST, **change)
             summary = self.end(self.begin(kept.master, number, **settings), number, **settings)
-            # Attempts are numbered anew, and the first ones succeed: nothing of an earlier run is climbed over.
+            # Attempts start from the beginning and the first ones succeed: the attempts of an earlier run have no effect.
             self.assertLessEqual(summary["attempts"], 3)
 
     def test_started_behind_the_first_launch_they_serve_the_next(self):
@@ -49,7 +49,7 @@ class KeptFollowers(LaunchTest):
         self.assertLessEqual(summary["attempts"], 3)
 
     def test_vehicles_that_start_over_within_a_standing_launch(self):
-        """All nodes stay, and only the configuration changes: everyone starts over under it."""
+        """All nodes stay up and only the configuration changes: all of them restart with it."""
         output = os.path.join(self.folder, "run0")
         terminal = self.launch(output=output, followers=3, stay=True, **FIRST)
         live_platoon.wait_for(lambda: live_platoon.completed_summary(output), "the first run to complete")
@@ -62,7 +62,7 @@ class KeptFollowers(LaunchTest):
         text = subprocess.run(command, check=True, stdout=subprocess.PIPE, universal_newlines=True).stdout
         with xmlrpc.client.ServerProxy(terminal.master) as master:
             master.setParam("/test", "/platoon/configuration", text)
-        # One node that is told, by a restart, tells all others by its messages.
+        # One restarted node reads the new configuration; its messages spread the new run to all others.
         live_platoon.kill("/platoon/monitor", terminal.master)
         live_platoon.wait_for(lambda: live_platoon.completed_summary(again), "the second run to complete")
         expected = {name: value for name, value in changed.items() if name != "batch"}

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A run of the shipped launch file completes, loses nothing, agrees with the theory and equals monte_carlo to the bit."""
+"""A run of the shipped launch file completes without loss, agrees with the theory and equals monte_carlo to the bit."""
 
 import sys
 import unittest
@@ -28,13 +28,13 @@ class Run(unittest.TestCase):
         self.assertEqual(self.summary["realizations"], self.realizations)
 
     def test_it_agrees_with_the_theory_within_the_error_of_the_estimators(self):
-        # The largest of 2 N K normal scores exceeds this with probability 1e-3 (Bonferroni, N K <= 10^4); the sample variance
-        # is normal enough for it from some thousand realizations on.
+        # The largest of 2 N K normal scores exceeds this with probability 1e-3 (Bonferroni, N K <= 10^4). The sample variance is
+        # sufficiently normal from about a thousand realizations on.
         if self.realizations < 2000:
             return
         self.assertLess(self.summary["agreement"]["max_abs_z_mean"], 5.5)
         self.assertLess(self.summary["agreement"]["max_abs_z_variance"], 5.5)
-        self.assertGreater(self.summary["agreement"]["max_abs_z_variance"], 0.5)  # it is a measurement
+        self.assertGreater(self.summary["agreement"]["max_abs_z_variance"], 0.5)  # it is measured, not computed
 
     def test_it_equals_monte_carlo_to_the_bit(self):
         reference = live_platoon.reference(self.output, followers=self.followers, steps=self.steps, headway=self.headway,
@@ -43,7 +43,7 @@ class Run(unittest.TestCase):
         self.assertEqual(live_platoon.statistics(self.output), reference)
 
     def test_the_verdict_on_string_stability_is_the_papers(self):
-        # Of the links and strings run here, too.
+        # The verdict is the same for the links and mixed strings in this test.
         self.assertTrue(self.summary["theory"]["mean_square_stable"])
         self.assertEqual(self.summary["theory"]["string_stable"], self.headway == 3.2)
 

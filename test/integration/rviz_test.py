@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""live.launch with RViz on a screen of its own, drawn in software: the picture shows the vehicles in their colours, in their order."""
+"""live.launch with RViz on a virtual screen, rendered in software: the picture shows the vehicles in their colours and order."""
 
 import os
 import struct
@@ -11,13 +11,13 @@ import numpy
 from matplotlib.colors import rgb_to_hsv
 from terminal import LaunchTest
 
-# Hues of followers 1 to 5 (ros/observation/road_scene.cpp: dark blue over green and yellow to dark red), in degrees.
+# Hues [deg] of followers 1 to 5 (ros/observation/road_scene.cpp): from dark blue through green and yellow to dark red.
 HUES = (240, 176, 90, 48, 0)
-ENOUGH = 60  # pixels of a hue: the vehicles far away are some hundred
+ENOUGH = 60  # fewest pixels of a hue: distant vehicles have about a hundred
 
 
 def picture(frame_buffer):
-    """The screen as rows x columns x RGB from 0 to 1: what Xvfb keeps in a file, in the format of xwd."""
+    """The screen as an array (rows, columns, RGB from 0 to 1), from Xvfb's frame buffer file in xwd format."""
     with open(frame_buffer, "rb") as file:
         content = file.read()
     header = struct.unpack(">25I", content[:100])
@@ -27,7 +27,7 @@ def picture(frame_buffer):
 
 
 def places(image):
-    """Where the picture has each follower's hue, as (row, column) on average; None where it has too little of it."""
+    """The mean (row, column) of each follower's hue in the picture; None if it has too few pixels."""
     hsv = rgb_to_hsv(image)
     found = []
     for hue in HUES:
@@ -39,7 +39,7 @@ def places(image):
 
 class Picture(LaunchTest):
     def screen(self):
-        """A screen without a monitor; its name."""
+        """Starts a virtual screen; returns its name."""
         reading, writing = os.pipe()
         server = subprocess.Popen(["Xvfb", "-displayfd", str(writing), "-screen", "0", "1400x700x24", "-nolisten", "tcp",
                                    "-fbdir", self.folder], pass_fds=(writing,), stderr=subprocess.DEVNULL)
@@ -61,7 +61,7 @@ class Picture(LaunchTest):
             return found if None not in found else None
         found = live_platoon.wait_for(all_there, "all colours", 90)
         rows, columns = [place[0] for place in found], [place[1] for place in found]
-        # From behind: the last one is nearest, below and to the left of all.
+        # Seen from behind: the last vehicle is nearest, at the lower left.
         self.assertEqual(rows, sorted(rows), found)
         self.assertEqual(columns, sorted(columns, reverse=True), found)
         self.assertGreater(columns[0] - columns[-1], 100)

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""A platoon on three machines: a link that is down for 10 s and a machine that is gone for good cost time, never a bit.
+"""A platoon on three machines: a link outage of 10 s and the permanent loss of a machine cost time but do not change a bit.
 
-The machines are network namespaces that a bridge joins, in a network, process and mount namespace of this test, with which everything
-in it ends. Where that is not allowed there is nothing to test: status 77.
+The machines are network namespaces connected by a bridge, inside a network, process and mount namespace of this test, so that
+everything ends with it. Without permission for namespaces the test is skipped: status 77.
 """
 
 import os
@@ -21,7 +21,7 @@ FOLLOWERS_GIVEN = ["unshare", "--net", "--mount", "--pid", "--fork", "--kill-chi
 BRIDGE = "10.77.0.254"
 MASTER = "http://10.77.0.1:11311"
 SETTINGS = dict(followers=20, steps=20, realizations=6400)
-DOWN = 10.0  # [s]
+DOWN = 10.0  # [s] duration of the outage
 
 
 def network(command):
@@ -29,18 +29,18 @@ def network(command):
 
 
 def own_namespaces():
-    """The command that runs another one in namespaces of its own: as root, or as root of a user namespace."""
+    """The command prefix that runs a command in its own namespaces: as root, or as root of a user namespace."""
     if os.geteuid() != 0:
         return FOLLOWERS_GIVEN + ["--user", "--map-root-user"]
     return FOLLOWERS_GIVEN
 
 
 class Machine:
-    """A network namespace with an address, joined to the others by the bridge."""
+    """A network namespace with an address, connected to the bridge."""
 
     def __init__(self, number, address=None):
         self.name, self.address = "machine{}".format(number), address or "10.77.0.{}".format(number)
-        self.port = "port{}".format(number)  # of the bridge
+        self.port = "port{}".format(number)  # on the bridge
         network("netns add " + self.name)
         network("link add {0} type veth peer name eth0 netns {1}".format(self.port, self.name))
         network("link set {} master road up".format(self.port))
@@ -60,7 +60,7 @@ class SeveralMachines(LaunchTest):
     def setUp(self):
         super().setUp()
         network("link set lo up")
-        # Of an address of its own: else it is the lowest of its ports', and changes with them, which the others learn late.
+        # A fixed hardware address: by default it is the lowest of the ports' and changes with them, which the others learn late.
         network("link add road address 02:00:00:00:00:fe type bridge")
         network("address add {}/24 dev road".format(BRIDGE))
         network("link set road up")
@@ -72,7 +72,7 @@ class SeveralMachines(LaunchTest):
         return terminal
 
     def power_off(self, machine, terminal):
-        """Gone in silence: what is sent to it from now on is not answered, and nothing says goodbye."""
+        """Removes a machine without notice: it closes no connection and answers no packet."""
         machine.set_link("down")
         for process in self.faults.children(terminal.process.pid) + [terminal.process.pid]:
             os.kill(process, signal.SIGKILL)
@@ -80,7 +80,7 @@ class SeveralMachines(LaunchTest):
         network("netns delete " + machine.name)
 
     def recovers(self, what):
-        """From now on."""
+        """Waits until the platoon has recovered; prints the time from now."""
         began = time.monotonic()
         recovered = self.watch.wait(self.watch.moved_on_from(False), lambda: self.run.process.poll() is not None, 60.0)
         self.assertIsNotNone(recovered, what + ": the run was over before:\n" + self.run.text())
@@ -109,7 +109,7 @@ class SeveralMachines(LaunchTest):
 
         self.flows()
         self.power_off(self.third, lost)
-        # Under its address: ROS's master would wait for the answer of nodes that are registered under one that nobody has any more.
+        # The new machine takes the old address: otherwise the ROS master would wait for nodes registered at an unused address.
         fourth = Machine(4, self.third.address)
         self.launch_on(fourth, "followers.launch", first=11, last=20)
         self.recovers("a machine replaced by another")
@@ -122,7 +122,7 @@ class SeveralMachines(LaunchTest):
 
 
 def why_not():
-    """Why there can be no machines here; empty if there can."""
+    """The reason why the test cannot run here; empty if it can."""
     missing = [program for program in ("ip", "nsenter", "unshare") if not shutil.which(program)]
     if missing:
         return "needs " + ", ".join(missing)
@@ -135,8 +135,8 @@ def why_not():
 if __name__ == "__main__":
     if INSIDE in sys.argv:
         sys.argv.remove(INSIDE)
-        subprocess.run(["mount", "-t", "tmpfs", "tmpfs", "/run"], check=True)  # where ip keeps the names of namespaces
-        unittest.main(warnings="ignore")  # those of rospy
+        subprocess.run(["mount", "-t", "tmpfs", "tmpfs", "/run"], check=True)  # for the namespace names of ip
+        unittest.main(warnings="ignore")  # rospy's warnings
     reason = why_not()
     if reason:
         print("skipped: " + reason)

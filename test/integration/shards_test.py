@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Shards, their merge and sweeps as programs: killed in the middle, on a full disk, and told what is wrong."""
+"""Shards, their merge and sweeps as programs: killed during the run, on a full disk, and with invalid input."""
 
 import glob
 import json
@@ -12,7 +12,7 @@ import unittest
 
 import live_platoon
 
-# Seconds of one thread, with a checkpoint soon: none is over before it can be killed.
+# A shard takes seconds on one thread and writes its first checkpoint early, so that it can be killed before it ends.
 REALIZATIONS = 100000 if live_platoon.SANITIZED else 400000
 LONG = ["--realizations", str(REALIZATIONS), "--checkpoint-seconds", "0.1", "--batch", "128"]
 SWEEP = "vary: {headway: 2.4:4:20}\nfollowers: 10\nsteps: 100\nrealizations: 20000\n"
@@ -76,7 +76,7 @@ class Shards(ShardsTest):
                       self.shard("12345/1000000", "--realizations", "1e9"))
 
     def test_on_a_full_disk_it_fails_and_is_not_complete(self):
-        # A limit on the size of files ends a write as a full disk does.
+        # A limit on the file size makes a write fail like a full disk.
         self.assertIn("checkpoint.cbor.part: cannot be written: File too large",
                       self.shard("0/2", "--realizations", "2000", before="ulimit -f 8; ", status=1))
         self.assertEqual(glob.glob(self.path("0_of_2", "*.cbor*")), [])

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""slow_accept.py INDEX SECONDS: the example follower, whose links take so long to register a subscriber.
+"""slow_accept.py INDEX SECONDS: the example follower with a delay of SECONDS before it registers a subscriber.
 
-rospy answers a subscriber's handshake before it registers the connection, and what it publishes in between reaches nobody: here that
-takes SECONDS, as it does on a machine that schedules another thread there.
+rospy answers a subscriber's handshake before it registers the connection; messages published in between are lost. The delay
+simulates a machine that schedules another thread at this point.
 """
 
 import sys

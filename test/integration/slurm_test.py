@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""launch/shards.sbatch on a real Slurm, which the test starts itself: tasks killed in the middle, a node lost, and the same bits."""
+"""launch/shards.sbatch on a real Slurm that the test starts: the same bits after tasks are killed and a node is lost."""
 
 import glob
 import os
@@ -13,7 +13,7 @@ import live_platoon
 
 SCRIPT = live_platoon.shared("launch", "shards.sbatch")
 SHARDS = 4
-REALIZATIONS = "2e5" if live_platoon.SANITIZED else "1e6"  # seconds a task: none is over before it can be killed
+REALIZATIONS = "2e5" if live_platoon.SANITIZED else "1e6"  # a task takes seconds, so that it can be killed before it ends
 OPTIONS = ["--realizations", REALIZATIONS, "--batch", "128", "--checkpoint-seconds", "0.2"]
 SWEEP = "vary: {headway: [2.4, 3.2]}\nfollowers: 3\nsteps: 20\nrealizations: 2000\nshards: 2\n"
 
@@ -34,7 +34,7 @@ class OnACluster(unittest.TestCase):
         self.output = os.path.join(self.folder, "run")
 
     def submit(self, *words, **environment):
-        """Numbers of the array's job and of the merge's."""
+        """Submits; returns the job numbers of the array and of the merge."""
         said = self.cluster.run(SCRIPT, *words, environment=environment)
         self.assertRegex(said, r"^tasks: job \d+, merge: job \d+, ")
         return said.split()[2].rstrip(","), said.split()[5].rstrip(",")
@@ -53,7 +53,7 @@ class OnACluster(unittest.TestCase):
         return text
 
     def on_both_nodes(self, array):
-        """The task of each node that runs and has left a checkpoint; None unless both nodes have one."""
+        """For each node its running task that has a checkpoint; None unless both nodes have one."""
         on = {node: task.split("_")[1] for task, state, node in self.cluster.jobs()
               if task.startswith(array + "_") and state == "RUNNING"
               and os.path.exists(os.path.join(self.output, "shards", task.split("_")[1], "checkpoint.cbor"))}
@@ -75,7 +75,7 @@ class OnACluster(unittest.TestCase):
             self.check_went_on(array, on[node])
 
     def check_went_on(self, array, task):
-        """Begun twice, it has computed less than all of its shard the second time."""
+        """Checks that a task that was started twice computed only part of its shard the second time."""
         with open(os.path.join(self.output, "logs", "{}_{}.txt".format(array, task))) as file:
             text = file.read()
         ends = [line for line in text.splitlines() if "computed now" in line]

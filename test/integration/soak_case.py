@@ -1,21 +1,21 @@
-"""What a soak does: runs and faults, drawn from a seed alone. Nothing here starts, stops or looks at anything."""
+"""The runs and faults of a soak, determined by its seed. This module starts, stops and observes nothing."""
 
 import random
 from dataclasses import dataclass, field
 
 SIGNALS = ("SIGKILL", "SIGSTOP", "SIGTERM")
-MODELS = ("paper.yaml", "lossy.yaml", "mixed.yaml")  # of config
+MODELS = ("paper.yaml", "lossy.yaml", "mixed.yaml")  # in config
 BURN_IN = 50
 
 
 @dataclass
 class Fault:
-    """A signal to a node; CLOCK: the clock of the day jumps; ORDER: change_run with another headway."""
+    """A signal to a node; CLOCK: a jump of the system clock; ORDER: change_run with another headway."""
     signal: str
     victim: str   # a node's name without its namespace
     delay: float  # [s] after the moment of its group
     hold: float   # [s] from SIGSTOP to SIGCONT
-    value: float = 0.0  # of CLOCK by how much [s], of ORDER the headway
+    value: float = 0.0  # CLOCK: the jump [s]; ORDER: the headway
 
     def __str__(self):
         if self.signal == "CLOCK":
@@ -28,11 +28,11 @@ class Fault:
 
 @dataclass
 class Group:
-    """Faults that belong together; the next group waits until the platoon moves again. One fault alone is an isolated one.
+    """Faults that belong together; the next group waits until the run makes progress again. A single fault is an isolated one.
 
-    start: once its first victim's process exists, and then `after` seconds. flow: after that many seconds of undisturbed flow.
-    commit, checkpoint: the same, and then with the next batch that is committed or checkpoint that is being written. finish: `after`
-    seconds behind the commit of the last realization.
+    start: `after` seconds after the first victim's process exists. flow: after that many seconds of undisturbed progress. commit,
+    checkpoint: as flow, then when the next batch is committed or the next checkpoint is being written. finish: `after` seconds
+    after the commit of the last realization.
     """
     moment: str
     after: float
@@ -41,8 +41,8 @@ class Group:
 
 @dataclass
 class Run:
-    settings: dict   # what the statistics depend on: of the launch and of monte_carlo
-    arguments: dict  # what they must not depend on: of the launch alone
+    settings: dict   # settings of the launch and of monte_carlo, on which the statistics depend
+    arguments: dict  # settings of the launch only, on which the statistics must not depend
     record: bool
     groups: list
 
@@ -52,7 +52,7 @@ class Run:
 
     @property
     def clock(self):
-        """Whether the clock of the day jumps in it."""
+        """Whether the system clock jumps during the run."""
         return any(fault.signal == "CLOCK" for group in self.groups for fault in group.faults)
 
     def __str__(self):
@@ -62,7 +62,7 @@ class Run:
 
 @dataclass
 class Case:
-    """Runs on one master, one after the other; vehicles from `kept` on, if any, are of followers.launch and outlive the runs."""
+    """Consecutive runs on one master. Vehicles from `kept` on (0: none) are started by followers.launch and outlive the runs."""
     number: int
     followers: int
     kept: int = 0
@@ -71,12 +71,12 @@ class Case:
 
 @dataclass
 class Scale:
-    followers: int  # at most
-    seconds: tuple  # [s] of an undisturbed run: at least, at most
-    gap: tuple      # [s] of flow between groups
-    hold: float     # [s] at most between SIGSTOP and SIGCONT
-    kept_share: float  # of the cases
-    many_kills: int  # in a case of many kills; 0: no such cases
+    followers: int  # largest number
+    seconds: tuple  # [s] shortest and longest undisturbed run
+    gap: tuple      # [s] shortest and longest progress between groups
+    hold: float     # [s] longest time between SIGSTOP and SIGCONT
+    kept_share: float  # share of cases with kept followers
+    many_kills: int  # kills in a case of many kills; 0: no such cases
     launch: dict    # arguments of every launch
 
 
@@ -96,7 +96,7 @@ def nodes_of(hosting, followers):
 
 
 def draw_fault(rng, nodes, scale, signals=SIGNALS):
-    # As often the nodes that there is one of as the followers.
+    # Unique nodes are drawn as often as followers.
     few = [node for node in nodes if node in ("channel", "monitor", "vehicle_0", "platoon")]
     victim = rng.choice(few if few and rng.random() < 0.5 else nodes)
     return Fault(rng.choices(signals, (5, 3, 2)[:len(signals)])[0], victim, 0.0, rng.uniform(0.05, scale.hold))
@@ -107,7 +107,7 @@ def draw_headway(rng):
 
 
 def draw_order(rng, nodes):
-    """change_run, and most often the end of who took it, or of who goes by it, or of all, as soon as it is answered."""
+    """change_run, usually with a kill as soon as it is answered: of the node that takes it, of it and the leader, or of all."""
     takes = [node for node in nodes if node in ("monitor", "platoon")]
     victims = rng.choice(([], takes, takes, takes + [node for node in nodes if node == "vehicle_0"], nodes))
     return [Fault("ORDER", "monitor", 0.0, 0.0, draw_headway(rng))] + [Fault("SIGKILL", victim, 0.0, 0.0) for victim in victims]
@@ -119,13 +119,13 @@ def draw_group(rng, moment, nodes, scale, endless=False):
     if moment not in ("start", "finish"):
         if drawn < 0.1:
             return Group(moment, after, [Fault("SIGKILL", node, 0.0, 0.0) for node in nodes])
-        if drawn < 0.2:  # of a clock that jumps back behind a kill roslaunch would wait until it is where it was
+        if drawn < 0.2:  # no kill after a jump back: roslaunch would wait until the clock catches up
             jump = rng.choice((-3600.0, -2.0, 0.7, 3600.0, 1e8))
             kill = [draw_fault(rng, nodes, scale, ("SIGKILL",))] if jump > 0 and rng.random() < 0.5 else []
             return Group(moment, after, [Fault("CLOCK", "", 0.0, 0.0, jump)] + kill)
         if endless and drawn < 0.5:
             return Group(moment, after, draw_order(rng, nodes))
-        if moment == "checkpoint" and drawn < 0.6:  # of who writes it
+        if moment == "checkpoint" and drawn < 0.6:  # the node that writes it
             writer = [node for node in nodes if node in ("monitor", "platoon")]
             return Group(moment, after, [draw_fault(rng, writer, scale, ("SIGKILL",))])
     faults = [draw_fault(rng, nodes, scale)]
@@ -147,14 +147,14 @@ def draw_groups(rng, nodes, scale, seconds, endless):
     while planned < seconds:
         moment = "flow" if endless else rng.choice(("flow", "flow", "commit", "checkpoint"))
         groups.append(draw_group(rng, moment, nodes, scale, endless))
-        planned += groups[-1].after + 0.2  # some is flow before it is noticed as such
+        planned += groups[-1].after + 0.2  # some time passes before progress is detected
     if not endless and rng.random() < 0.4:
         groups.append(draw_group(rng, "finish", nodes, scale))
     return groups
 
 
 def draw_size(rng, run, followers, hosting, seconds):
-    """Steps, realizations, batch and rate of a run that would take about so long, if nothing happened, on two busy cores."""
+    """Draws steps, realizations, batch and rate of a run that takes about `seconds` undisturbed on two busy cores."""
     steps = log_uniform(rng, 5, 100)
     paced = rng.random() < 0.5
     rate = max(log_uniform(rng, 50, 400), 2 * steps) if paced else 0
@@ -164,7 +164,7 @@ def draw_size(rng, run, followers, hosting, seconds):
     pace = min(messages, positions / batch) / (2 * followers + 1)   # [steps/s]
     batches = max(1, int(seconds * (min(rate, pace) if paced else pace) / (steps + 1)))
     realizations = batches * batch - rng.randrange(batch)
-    if run.record:  # on the disk 16 bytes a position
+    if run.record:  # 16 bytes per position on the disk
         realizations = max(1, min(realizations, int(4e6 / ((steps + 1) * (followers + 1)))))
     run.settings.update(steps=steps, realizations=realizations)
     run.arguments.update(batch=0 if not paced and rng.random() < 0.2 else batch, rate=rate)
@@ -188,7 +188,7 @@ def draw_run(rng, case, scale, endless_share=0.1):
 
 
 def draw_many_kills(rng, case, scale):
-    """One run with kill after kill, of some nodes only: the others tell whether memory and descriptors grow with the kills."""
+    """One run with many kills of half the nodes: the others show whether memory and descriptors grow with the kills."""
     nodes = nodes_of("processes", case.followers)
     victims = rng.sample(nodes, (len(nodes) + 1) // 2)
     steps, rate, gap, batch = 20, 200, 0.3, log_uniform(rng, 16, 512)
@@ -199,7 +199,7 @@ def draw_many_kills(rng, case, scale):
 
 
 def draw_case(seed, number, scale):
-    """Case `number` of a seed: the same whatever came before it."""
+    """Case `number` of a seed, independent of all other cases."""
     rng = random.Random("{}/{}".format(seed, number))
     case = Case(number, rng.randint(2, scale.followers))
     if scale.many_kills and number % 25 == 5:

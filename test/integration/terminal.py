@@ -1,4 +1,4 @@
-"""roslaunch as a person runs it, for tests that start it themselves."""
+"""roslaunch as run from a terminal, for tests that start it themselves."""
 
 import os
 import shutil
@@ -9,22 +9,22 @@ import unittest
 
 import live_platoon
 
-# Each master asks rosversion twice for parameters that nobody here reads: two Python programs, a tenth of a short launch.
+# Each master runs rosversion twice for parameters that the tests do not need: two Python programs, a tenth of a short launch.
 QUICK = os.path.join(os.path.dirname(os.path.abspath(__file__)), "quick")
 
 
 class Terminal:
-    """One roslaunch of a shipped launch file, on a master of its own unless one is given, with what it prints.
+    """One roslaunch of a shipped launch file with its output, on its own master unless one is given.
 
-    `inside` is a command that runs another one, elsewhere; `environment` is what that needs of its own.
+    `inside` is a command prefix, for example for another network namespace; `environment` replaces the default environment.
     """
 
     def __init__(self, folder, file, master=None, inside=(), environment=None, **arguments):
-        self.master = master or "http://localhost:{}".format(live_platoon.free_port())  # which roslaunch starts
+        self.master = master or "http://localhost:{}".format(live_platoon.free_port())  # roslaunch starts it
         self.log = tempfile.NamedTemporaryFile("w+", dir=folder, suffix=".log", delete=False)
         environment = environment or dict(os.environ, ROS_HOSTNAME="localhost")
         environment = dict(environment, ROS_MASTER_URI=self.master, ROS_HOME=folder,
-                           PYTHONUNBUFFERED="1",  # else what it says waits in roslaunch for more
+                           PYTHONUNBUFFERED="1",  # otherwise roslaunch buffers its output
                            PATH=QUICK + ":" + environment["PATH"])
         words = ["{}:={}".format(name, value) for name, value in arguments.items()]
         self.process = subprocess.Popen(list(inside) + ["roslaunch", "stochastic_platoon", file] + words,
@@ -35,7 +35,7 @@ class Terminal:
             return file.read()
 
     def wait_for_text(self, words, deadline=live_platoon.DEADLINE):
-        """Waits until it has printed these words; an AssertionError with all it has printed if it ends or takes too long."""
+        """Waits until roslaunch has printed these words. Raises AssertionError with the output if it ends or takes too long."""
         try:
             live_platoon.wait_for(lambda: words in self.text() or self.process.poll() is not None, words, deadline)
             if words not in self.text():
@@ -58,7 +58,7 @@ class Terminal:
 
 
 def start_master(folder):
-    """A master that outlives launches: its process and its address."""
+    """Starts a master that outlives launches; returns its process and address."""
     port = live_platoon.free_port()
     master = "http://localhost:{}".format(port)
     environment = dict(os.environ, ROS_MASTER_URI=master, ROS_HOSTNAME="localhost", ROS_HOME=folder)
@@ -78,7 +78,7 @@ class LaunchTest(unittest.TestCase):
         self.output = os.path.join(self.folder, "run")
 
     def roscore(self):
-        """A master that outlives launches; its address."""
+        """Starts a master that outlives launches; returns its address."""
         core, master = start_master(self.folder)
         self.addCleanup(core.wait)
         self.addCleanup(core.terminate)
@@ -92,7 +92,7 @@ class LaunchTest(unittest.TestCase):
         return terminal
 
     def model_with(self, **changes):
-        """The paper's model file with some lines replaced; None leaves a line out."""
+        """The paper's model file with some lines replaced; None removes a line."""
         with open(live_platoon.shared("config", "paper.yaml")) as file:
             lines = file.read().splitlines()
         for key, value in changes.items():

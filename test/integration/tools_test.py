@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The tools that need no master, as programs: what all have in common, and the bits of the paper's example."""
+"""The tools that need no master, as programs: their common behaviour, and the bits of the paper's example."""
 
 import hashlib
 import os
@@ -40,7 +40,7 @@ class EveryTool(unittest.TestCase):
 
 class BadInput(unittest.TestCase):
     def refused(self, said, tool, *arguments):
-        """It ends at once with these words, and with nothing else on the screen."""
+        """Checks that the tool fails at once with these words and no other output."""
         done = subprocess.run([live_platoon.executable(tool)] + list(arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               universal_newlines=True, timeout=live_platoon.DEADLINE)
         self.assertEqual(done.returncode, 1, done.stderr)
@@ -76,7 +76,7 @@ class BadInput(unittest.TestCase):
 @unittest.skipIf(live_platoon.SANITIZED, "a sanitizer has memory of its own")
 class Memory(unittest.TestCase):
     def test_that_of_a_monte_carlo_does_not_grow_with_the_realizations(self):
-        """Blocks of 320 kB, one a realization: those whose siblings another thread has must not pile up."""
+        """Each realization is a block of 320 kB. Blocks that wait for those of another thread must not accumulate."""
         with tempfile.TemporaryDirectory() as folder:
             process = subprocess.Popen([live_platoon.executable("monte_carlo"), "--followers", "50", "--steps", "400", "--batch", "1",
                                         "--realizations", "2000", "--threads", "4", "--output", os.path.join(folder, "run")],
@@ -84,13 +84,16 @@ class Memory(unittest.TestCase):
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = status
         self.assertEqual(status, 0)
-        # 32 MB a thread, and what is being joined: 0.23 GB. All blocks at once were 1 GB.
+        # 32 MB per thread plus the blocks being merged: 0.23 GB. All blocks together took 1 GB.
         self.assertLess(usage.ru_maxrss, 400000)
 
 
 class PaperExample(unittest.TestCase):
-    """20 followers, 100 steps, 10000 realizations, seed 1. A change that is meant to give other numbers changes these digests, and
-    says so in CHANGELOG.rst: recordings and checkpoints of before then no longer go with the program."""
+    """20 followers, 100 steps, 10000 realizations, seed 1.
+
+    An intended change of the numbers changes these digests and must be in CHANGELOG.rst: older recordings and checkpoints then no
+    longer match the program.
+    """
 
     def setUp(self):
         self.folder = tempfile.mkdtemp()

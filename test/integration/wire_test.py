@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What is wrong on the wire is dropped, counted and reported, and never used; what is right can be followed by anyone."""
+"""Invalid messages on the platoon's topics are dropped, counted and reported, and never used; any node can read valid ones."""
 
 import math
 import re
@@ -20,7 +20,7 @@ BATCH = 10
 REALIZATIONS = 1200
 LAST_ATTEMPT = 2**32 - 1
 END_OF_TIME = genpy.Time()
-END_OF_TIME.secs = END_OF_TIME.nsecs = 2**32 - 1  # so many nanoseconds are none
+END_OF_TIME.secs = END_OF_TIME.nsecs = 2**32 - 1  # an invalid number of nanoseconds
 
 
 def message(run, attempt, first, step, position):
@@ -49,18 +49,18 @@ class Wire(unittest.TestCase):
 
     @classmethod
     def node(cls, name):
-        """The node that holds the component of this name."""
+        """The node that hosts the component of this name."""
         return "/platoon/platoon" if rospy.get_param("~hosting") == "one_process" else "/platoon/" + name
 
     @classmethod
     def now(cls):
-        """Progress in the middle of a batch: then its step -1 and its present step are past for certain."""
+        """A progress report from the middle of a batch: its step -1 and its present step are certainly past."""
         return live_platoon.wait_for(
             lambda: next((p for p in cls.progress[-1:] if p.first_realization >= 100 and p.step >= 2), None), "the first batches")
 
     @classmethod
     def send_as_a_second_publisher(cls):
-        """What would be in turn, from a node that is not the one that publishes there."""
+        """Sends messages that would be in turn, from a node that is not the topic's publisher."""
         topics = ["/platoon/vehicle_2/position", "/platoon/vehicle_2/predecessor_position"]
         publishers = [rospy.Publisher(topic, Position, queue_size=100) for topic in topics]
         reporter = rospy.Publisher("/platoon/progress", Progress, queue_size=100)
@@ -76,7 +76,7 @@ class Wire(unittest.TestCase):
         reporter.publish(Progress(receiver="no\x1b[2J one", run=now.run, attempt=now.attempt, step=2**62))
 
         def all_said():
-            # Another vehicle's data.
+            # Data of another vehicle.
             for position in cls.positions[-3:]:
                 publishers[0].publish(position)
             reporter.publish(Progress(receiver="monitor", run=now.run, attempt=LAST_ATTEMPT, step=-2))
@@ -89,12 +89,13 @@ class Wire(unittest.TestCase):
             return all(words in cls.said for words in wanted)
 
         live_platoon.wait_for(all_said, "the second publishers to be named", 20)
-        # They stay: with them gone the master would tell the nodes who publishes, and end the links that follow.
+        # The publishers stay: if they ended, the master would update the nodes' lists of publishers and thereby end the forged
+        # links.
         cls.second_publishers = publishers + [reporter]
 
     @classmethod
     def send_under_the_publishers_own_name(cls):
-        """What can be told from what is right by itself."""
+        """Sends messages that are invalid by their content alone."""
         publishers = [ForgedPublisher("/platoon/vehicle_2/position", Position, cls.node("vehicle_2"), cls.node("monitor")),
                       ForgedPublisher("/platoon/vehicle_2/predecessor_position", Position, cls.node("channel"), cls.node("vehicle_2"))]
         if rospy.get_param("~hosting") != "one_process":
@@ -107,22 +108,22 @@ class Wire(unittest.TestCase):
                     (0, 0, -1, BATCH),                                # a start that is not due
                     (0, 0, now.step, BATCH),                          # a duplicate
                     (0, 0, STEPS + 8, 3),                             # a wrong batch size and out of turn
-                    (0, 0, -2, BATCH), (0, 0, -2**63, BATCH),         # steps that there are not
+                    (0, 0, -2, BATCH), (0, 0, -2**63, BATCH),         # steps that do not exist
                     (0, 0, 2**63 - 1, BATCH), (0, 2**63, now.step + 1, BATCH),
                     (0, 2**64 - 1 - now.first_realization, -1, BATCH),
                     (-1, 0, now.step + 1, BATCH),                     # an old attempt
-                    (1, 0, now.step + 1, BATCH),                      # a future one, not from its start
+                    (1, 0, now.step + 1, BATCH),                      # a future attempt, not from its start
                     (LAST_ATTEMPT - now.attempt, 0, 2**62, BATCH),
             ]:
                 forged = message(now.run, max(now.attempt + attempt, 0), now.first_realization + first, step, [1.0] * size)
                 forged.header.stamp = END_OF_TIME
                 publisher.publish(forged)
-            # In turn by their names, as a new attempt at the first batch, but not to be used.
+            # In turn, as a new attempt at the first batch, but with invalid positions.
             publisher.publish(message(now.run, now.attempt + 1, 0, -1, [1.0] * (BATCH + 1)))
             publisher.publish(message(now.run, now.attempt + 1, 0, -1, []))
             publisher.publish(message(now.run, now.attempt + 1, 0, -1, [math.nan] * BATCH))
             publisher.publish(message(now.run, now.attempt + 1, 0, -1, [math.inf] * BATCH))
-            # A new attempt by its name, but of another run.
+            # A new attempt, but of another run.
             publisher.publish(message(now.run ^ 1, now.attempt + 1, 0, -1, [1.0] * BATCH))
             publisher.publish(message(0, now.attempt + 1, 0, -1, [1.0] * BATCH))
         for first, step in [(0, STEPS), (0, 2**63 - 1), (0, -3), (0, -2**63), (REALIZATIONS + 1, -2), (2**64 - 1, -2)]:
@@ -131,7 +132,7 @@ class Wire(unittest.TestCase):
         reporter.publish(Progress(receiver="monitor", run=now.run ^ 1, attempt=now.attempt, first_realization=REALIZATIONS, step=-2))
 
         def all_counted():
-            # A report comes once a second at most, with the counts so far: one more foreign message brings the next.
+            # Reports with the counts so far come at most once a second: each further foreign message triggers the next.
             publishers[0].publish(message(now.run, now.attempt, now.first_realization, STEPS + 7, [1.0] * BATCH))
             reporter.publish(Progress(receiver="monitor", run=now.run, attempt=now.attempt, step=-3))
             counts = [re.search(r"vehicle_2/position: .*so far (\d+) out of turn, (\d+) of wrong size, (\d+) not finite, (\d+) of another run", text)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The package's files agree with each other: what they import is declared, and the files that they name exist."""
+"""The package's files agree with each other: imported packages are declared in package.xml, and named files exist."""
 
 import ast
 import os
@@ -19,7 +19,7 @@ def text_of(name):
 
 
 def source_files():
-    """Everything but the build's, relative to the package."""
+    """All files except those of the build, relative to the package."""
     for folder, folders, names in os.walk(PACKAGE):
         folders[:] = [name for name in folders if name not in ("build", "devel", "corpus", "data", "__pycache__", ".git")]
         for name in names:

@@ -97,7 +97,7 @@ class PlotTest(unittest.TestCase):
         return self.write("\n".join(rows) + "\n", "map.csv")
 
     def run_plot(self, *arguments):
-        """Exit code, standard output and the message of an error."""
+        """Exit code, standard output and error message."""
         printed = io.StringIO()
         try:
             with contextlib.redirect_stdout(printed):
@@ -206,7 +206,7 @@ class Figures(PlotTest):
         shutil.copytree(os.path.join(TOOLS, "plotting"), self.path("plotting"))
         os.mkdir(self.path("elsewhere"))
         os.symlink(self.path("plot"), self.path("elsewhere", "plot"))
-        # As catkin's devel space does: a script that runs the program in place of itself.
+        # A relay as in catkin's devel space: a script that runs the program in place of itself.
         self.write("path = {!r}\nexec(compile(open(path).read(), path, 'exec'), {{'__file__': path, '__name__': "
                    "'__main__'}})\n".format(self.path("elsewhere", "plot")), "elsewhere", "relay")
         for command in ([self.path("elsewhere", "plot")], [sys.executable, self.path("elsewhere", "relay")]):
@@ -224,7 +224,7 @@ class Numbers(PlotTest):
         loop = plot.gain.read_loop(plot.inputs.read_analysis(path))
         figure = plot.gain.draw([loop], [])
         self.assertEqual(figure.axes[0].get_lines()[1].get_xydata().tolist(), [[0.610896, 1.1588996213]])
-        # The curve itself has its highest point there, to the square of its grid's width.
+        # The curve has its maximum there, within the square of its grid width.
         curve = figure.axes[0].get_lines()[0]
         self.assertAlmostEqual(max(curve.get_ydata()), 1.1588996213, 6)
 
@@ -246,10 +246,10 @@ class Numbers(PlotTest):
     def test_measured_norms_are_those_of_the_file(self):
         case, = plot.norms.read_cases([self.make_run()])
         variance = np.array([2.0, 2.1, 2.2, 2.3])
-        square = (0.1 ** 2 + 0.2 ** 2 + 0.3 ** 2) - variance.sum() / COUNT  # without what sampling adds
+        square = (0.1 ** 2 + 0.2 ** 2 + 0.3 ** 2) - variance.sum() / COUNT  # without the bias from sampling
         self.assertAlmostEqual(case.measured_mean.value[0], np.sqrt(square))
         self.assertAlmostEqual(case.measured_variance.value[0], 2.3)
-        # 2.4977: the normal quantile of 1 - 0.05 / (2 * 4), for all four steps at once
+        # 2.4977: the normal quantile of 1 - 0.05 / (2 * 4), simultaneous for all four steps
         self.assertAlmostEqual(case.measured_variance.half_width[0], 2.4977 * 2.3 * np.sqrt(2.0 / (COUNT - 1)), 4)
         self.assertAlmostEqual(case.own_mean[0], np.sqrt(0.14))
 
@@ -473,7 +473,7 @@ class Errors(PlotTest):
         self.assertEqual(self.read("figure.png"), before)
 
     def test_a_disk_that_is_full_leaves_the_figures_of_before(self):
-        good, bad = self.path("a.png"), self.path("b" * 300)  # a name too long to be written
+        good, bad = self.path("a.png"), self.path("b" * 300)  # a name too long for the file system
         self.write("before", "a.png")
         with self.assertRaisesRegex(plot.inputs.InputError, "cannot be written"):
             plot.style.write_all({good: b"after", bad: b"after"})

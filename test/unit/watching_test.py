@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests of what the dashboard and `watch` make of a platoon's messages: bounded, in order, and refused from elsewhere. No ROS."""
+"""Tests of the modules behind the dashboard and `watch`, without ROS: bounded memory, message order, foreign requests."""
 
 import http.client
 import json
@@ -100,7 +100,7 @@ class State(unittest.TestCase):
         self.assertIsNone(early.give("statistics"))
         early.take_configuration(configuration())
         self.assertTrue(early.document()["complete"])
-        # And so may that of the next run.
+        # The same holds for the next run.
         early.take_overview(overview(run=2, realizations=7), 0.0)
         self.assertEqual(early.document()["realizations"], 100)
         early.take_configuration(configuration(time_headway=2.4))
@@ -139,7 +139,7 @@ class State(unittest.TestCase):
         self.assertEqual(statistics["seconds_left"], 7.0)
 
     def test_memory_does_not_grow_with_the_length_of_a_run(self):
-        """An hour of 20 followers at 10 steps a second, and as much again."""
+        """Two hours of 20 followers at 10 steps a second; the second hour must not take more memory."""
         self.state.take_configuration(configuration(20, 0))
 
         def hour(first):
@@ -155,7 +155,7 @@ class State(unittest.TestCase):
         hour(36000)
         grown = tracemalloc.get_traced_memory()[0] - before
         tracemalloc.stop()
-        # What replaces the state of before is counted as new: all of it together is bounded by one state.
+        # tracemalloc counts objects that replace older ones as new: their total is bounded by the size of one state.
         curves, strip = self.state.give("curves"), self.state.give("strip")
         self.assertLessEqual(len(curves["step"]), state.COLUMNS)
         self.assertGreater(len(curves["step"]), state.COLUMNS // 2 - 1)
@@ -240,7 +240,7 @@ class Served(unittest.TestCase):
         self.assertEqual(self.asked, [{"command": "brake"}] * 2)
         for origin in ("http://evil.example", "http://localhost:1", "https://" + self.own + ".evil.example", "null", ""):
             self.assertEqual(self.ask("POST", "/command", body, Content_Type=kind, Origin=origin)[0], 403, origin)
-        # What a page elsewhere can send without asking first.
+        # A page of another origin can send this without a preflight request.
         self.assertEqual(self.ask("POST", "/command", body, Content_Type="text/plain", Origin=own)[0], 415)
         self.assertEqual(len(self.asked), 2)
 
@@ -312,7 +312,7 @@ class Starved(unittest.TestCase):
         self.addCleanup(child.wait)
         self.addCleanup(child.kill)
         port = int(child.stdout.readline())
-        pages = [socket.create_connection(("localhost", port), timeout=30) for _ in range(12)]  # each holds a descriptor of the server
+        pages = [socket.create_connection(("localhost", port), timeout=30) for _ in range(12)]  # one descriptor each
         for page in pages:
             self.addCleanup(page.close)
             page.sendall(b"GET /events HTTP/1.0\r\nHost: localhost\r\n\r\n")
@@ -327,7 +327,7 @@ class Starved(unittest.TestCase):
         time.sleep(2.0)
         share = (self.seconds_of_work(child.pid) - before) / (time.monotonic() - began)
         self.assertLess(share, 0.5, "it spins")
-        # A page that is closed leaves its place to another.
+        # A closed page frees its descriptor for another.
         for page in pages[:6]:
             page.close()
 
@@ -343,7 +343,7 @@ class Starved(unittest.TestCase):
 
 
 class Ordered(unittest.TestCase):
-    """Commands, with ROS in a few words of its own."""
+    """Commands with a stub of ROS."""
 
     def setUp(self):
         named = {"rospy": types.ModuleType("rospy"), "std_msgs": types.ModuleType("std_msgs"), "std_msgs.msg": types.ModuleType("std_msgs.msg"),

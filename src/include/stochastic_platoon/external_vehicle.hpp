@@ -11,8 +11,8 @@
 
 namespace platoon {
 
-/// An external vehicle that keeps the vehicle contract (msg/README.md), around any dynamics. It needs nothing
-/// of this package but its messages, and is what other packages link.
+/// An external vehicle with any dynamics that keeps the vehicle contract (msg/README.md). Other packages link this
+/// class; it depends only on the messages of this package.
 ///
 /// On its predecessor's step k, as received, it publishes its own step k, and then moves on to k + 1.
 ///
@@ -24,11 +24,10 @@ public:
   /// size, one position per realization.
   using Start = std::function<void(std::vector<double>& position)>;
 
-  /// From the predecessor's positions at step k, as received, to the own y(k + 1) [m]; both have the batch's size.
+  /// Computes the own y(k + 1) [m] from the predecessor's positions at step k, as received; both have the batch's size.
   using Move = std::function<void(const std::vector<double>& received, std::vector<double>& position)>;
 
-  /// Vehicle `index` of the platoon in this namespace (mostly /platoon). Throws std::invalid_argument unless
-  /// index >= 1.
+  /// Vehicle `index` of the platoon in this namespace (usually /platoon). Throws std::invalid_argument if index is 0.
   ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move);
 
 private:
@@ -37,8 +36,8 @@ private:
 
   Start start_;
   Move move_;
-  stochastic_platoon::Position::ConstPtr latest_;  ///< that was answered
-  std::vector<double> own_;                        ///< y at the step after it [m]
+  stochastic_platoon::Position::ConstPtr latest_;  ///< latest message that was answered
+  std::vector<double> own_;                        ///< own y at the step after `latest_` [m]
   ros::Publisher position_;
   ros::Subscriber predecessor_position_;
 };

@@ -1,4 +1,4 @@
-"""The figure of a running experiment, drawn anew as its figures come."""
+"""The figure of a running experiment, redrawn as its statistics arrive."""
 
 import math
 import sys
@@ -13,7 +13,7 @@ PERIOD = 2.0  # [s] from one figure to the next, at least
 
 
 def run_of(configuration, overview):
-    """What is known of a run just now, as if it had been read from its folder: at the steps that the monitor tells of."""
+    """The present state of a run in the form of inputs.read_run, at the steps of the monitor's overview."""
     followers, steps = configuration["followers"], np.array(overview.step)
     table = {name: drawable(np.array(getattr(overview, name)).reshape(followers, steps.size))
              for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")}
@@ -26,7 +26,7 @@ def run_of(configuration, overview):
 
 
 def follow(namespace, draw, stem):
-    """Draws [Run] again and again until the run is complete or its master is gone. Raises InputError without a master."""
+    """Redraws draw([Run]) until the run is complete or the ROS master is gone. Raises InputError without a master."""
     try:
         import rosgraph
         import rospy

@@ -1,4 +1,4 @@
-"""The gain |T(e^{jw})| from a vehicle to its follower, and the line 1 that string stability stays under."""
+"""The gain |T(e^{jw})| from a vehicle to its follower, and the line |T| = 1 that bounds it for string stability."""
 
 from collections import namedtuple
 
@@ -7,9 +7,9 @@ import numpy as np
 from plotting import style
 from plotting.inputs import InputError, number, numbers
 
-HIGHEST = 100.0  # of the axis; a loop at the brink of instability peaks beyond it
+HIGHEST = 100.0  # top of the axis; a loop near instability has a higher peak
 
-# Coefficients of T in descending powers of z; the height of its highest point and where that is [rad/sample].
+# Coefficients of T in descending powers of z; its peak gain and the frequency of the peak [rad/sample].
 Loop = namedtuple("Loop", "name numerator denominator peak_gain peak_frequency")
 
 

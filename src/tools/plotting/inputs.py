@@ -1,6 +1,6 @@
-"""What the figures are drawn from: run folders, analyses and stability maps, read whole and checked.
+"""Reads and checks the inputs of the figures: run folders, analyses and stability maps.
 
-Whatever is wrong raises InputError, which names the file and what is missing in it.
+Every fault raises InputError, which names the file and the fault.
 """
 
 import json
@@ -12,12 +12,12 @@ from collections import namedtuple
 import numpy as np
 
 # A run folder. count, mean [m], variance [m^2], theoretical_mean, theoretical_variance have a row per follower and
-# a column per step (one column for time averages); steps holds the numbers of the columns. standard_error_of_variance
-# [m^2] is that of every follower at the last step, NaN where it is not known.
+# a column per step (one column for time averages); steps holds the columns' step numbers. standard_error_of_variance
+# [m^2] has an element per follower, at the last step; unknown ones are NaN.
 Run = namedtuple("Run", "path name steps count mean variance theoretical_mean theoretical_variance "
                         "standard_error_of_variance realizations seed complete time_average spectral_radius string_stable")
 
-# What `analyze --json` wrote: a path, a name for labels and the document itself.
+# An output file of `analyze --json`: its path, a name for labels, and its content.
 Analysis = namedtuple("Analysis", "path name document")
 
 # Columns of a map over headway (columns) and gain or loss probability (rows), each value an array (heights, headways).
@@ -27,11 +27,11 @@ STATISTICS = ["vehicle", "step", "count", "mean", "variance", "theoretical_mean"
 MAP = ["headway", "gain", "spectral_radius", "peak_gain", "string_stable"]
 
 
-LARGEST = 1e150  # what an unstable loop reaches beyond it cannot be squared, nor put on an axis
+LARGEST = 1e150  # larger values, of unstable loops, overflow when squared and do not fit on an axis
 
 
 class InputError(Exception):
-    """Input that no figure can be drawn from; the message names the file and what is missing."""
+    """Input that cannot be drawn; the message names the file and the fault."""
 
 
 def read_text(path):
@@ -55,7 +55,7 @@ def read_json(path):
 
 
 def lookup(path, document, key):
-    """The value of a dotted key, as in "norms.mean_l2"."""
+    """The value of a dotted key such as "norms.mean_l2"."""
     value = document
     for part in key.split("."):
         if not isinstance(value, dict) or part not in value:
@@ -65,7 +65,7 @@ def lookup(path, document, key):
 
 
 def number(path, document, key):
-    """A number, NaN for null: what does not exist is null in JSON."""
+    """A number, NaN for null (a value that does not exist)."""
     value = lookup(path, document, key)
     if value is None:
         return float("nan")
@@ -82,12 +82,12 @@ def truth(path, document, key):
 
 
 def truth_if_any(path, document, key):
-    """None where there is no verdict."""
+    """True, False, or None if there is no verdict."""
     return None if lookup(path, document, key) is None else truth(path, document, key)
 
 
 def numbers(path, document, key):
-    """A list of numbers as an array, NaN for null; at least one of them is a number."""
+    """A list of numbers as an array, NaN for null. Raises InputError unless at least one is finite."""
     array = numbers_if_any(path, document, key)
     require_some(path, key, array)
     return array
@@ -105,7 +105,7 @@ def numbers_if_any(path, document, key):
 
 
 def drawable(array):
-    """The array with NaN in place of what no figure can show."""
+    """The array with NaN in place of values that a figure cannot show."""
     with np.errstate(invalid="ignore"):
         return np.where(np.abs(array) < LARGEST, array, np.nan)
 
@@ -133,7 +133,7 @@ def read_columns(path, names):
             raise InputError("{}: line {} has {} values instead of {}"
                              .format(path, at + 2, len(values), len(heading)))
         try:
-            # Where there is no theory its columns are empty.
+            # Without theory, its columns are empty.
             table[at] = [float(value) if value.strip() else np.nan for value in values]
         except ValueError as error:
             raise InputError("{}: line {}: {}".format(path, at + 2, error))
@@ -141,7 +141,7 @@ def read_columns(path, names):
 
 
 def read_statistics(path):
-    """The columns of statistics.csv as arrays (followers, steps), and the steps' numbers."""
+    """The step numbers, and the columns of statistics.csv as arrays (followers, steps)."""
     columns = read_columns(path, STATISTICS)
     vehicle = columns.pop("vehicle")
     step = columns.pop("step")
@@ -159,7 +159,7 @@ def read_statistics(path):
 
 
 def read_run(path):
-    """The run a monitor, monte_carlo or bag_statistics wrote into the folder."""
+    """The run in a folder that a monitor, monte_carlo or bag_statistics wrote."""
     if not os.path.isdir(path):
         reason = "must be a run's folder" if os.path.exists(path) else "no such folder"
         raise InputError("{}: {}".format(path, reason))
@@ -182,7 +182,7 @@ def read_run(path):
 
 
 def require_undamaged(statistics_path, summary_path, summary):
-    """The checksums in a summary are those of both files' bytes; its own is taken with zeros in its place."""
+    """Raises InputError unless the CRC-32 of both files match the summary. The summary's own is taken with zeros in its place."""
     with open(summary_path, "rb") as file:
         blank = re.sub(b'("summary": ")[0-9a-f]{8}"', b'\\g<1>00000000"', file.read())
     with open(statistics_path, "rb") as file:
@@ -199,7 +199,7 @@ def read_analysis(path):
 
 
 def require_same_platoon(run, analysis, followers):
-    """A run laid over an analysis is of the same platoon: equal string length, equal spectral radius."""
+    """Raises InputError unless run and analysis have the same string length and the same spectral radius."""
     if run.mean.shape[0] != followers:
         raise InputError("{}: has {} followers, but {} has {}".format(run.path, run.mean.shape[0], analysis.path,
                                                                      followers))
@@ -211,7 +211,7 @@ def require_same_platoon(run, analysis, followers):
 
 
 def read_map(path):
-    """Over loss probabilities where the file has more than one, else over gains."""
+    """The map over headway and loss probability if the file has more than one of these, otherwise over headway and gain."""
     over = "loss" if "loss" in read_text(path).split("\n", 1)[0].split(",") else "gain"
     if over == "loss" and np.unique(read_columns(path, ["loss"])["loss"]).size < 2:
         over = "gain"

@@ -9,15 +9,15 @@ import numpy as np
 from plotting import style
 from plotting.inputs import InputError, number, numbers, read_analysis, read_run, require_same_platoon, truth_if_any
 
-# What is drawn in one column; arrays have an element per follower, None where there is none.
+# The content of one column of the figure; arrays have an element per follower, missing entries are None.
 Case = namedtuple("Case", "name verdict followers measured_mean measured_variance mean variance "
                           "own_mean own_variance has_bounds mean_bound variance_bound")
 
-# A norm along the string; half_width of its confidence interval or None.
+# A norm along the string, with the half width of its confidence interval or None.
 Measured = namedtuple("Measured", "value half_width")
 
-CONFIDENCE = 0.95  # that the variances of all steps of a follower are within their intervals
-SETTLED = 0.01  # relative; where a run's own theory is further from the analysis it is drawn too
+CONFIDENCE = 0.95  # probability that the variances of all steps of a follower lie within their intervals
+SETTLED = 0.01  # relative; if a run's own theory differs more from the analysis, it is drawn as well
 
 
 def read_cases(paths):
@@ -75,15 +75,15 @@ def supremum(curves):
 
 
 def measured_l2_norm(run):
-    """From an unbiased estimate of the square: sampling adds variance/count to the square of every mean."""
+    """The l2 norm of the means from an unbiased estimate of its square: sampling adds variance/count to every squared mean."""
     square = np.nansum(run.mean ** 2 - run.variance / run.count, axis=1)
     return Measured(np.sqrt(np.maximum(square, 0.0)), None)
 
 
 def measured_supremum(run):
-    """The largest of many estimates lies above the largest variance: the interval says by how much it may.
+    """The supremum of the variances with its confidence interval.
 
-    It holds all steps of a follower at once (Bonferroni).
+    The largest of many estimates is biased upwards; the interval covers all steps of a follower at once (Bonferroni).
     """
     quantile = NormalDist().inv_cdf(1.0 - 0.5 * (1.0 - CONFIDENCE) / run.steps.size)
     return Measured(supremum(run.variance),
@@ -121,7 +121,7 @@ def draw_bound(axes, shown, bound, line):
 
 
 def draw_theory(axes, theory, own):
-    """The analysis' norms; the run's own where there is none, and beside them where it is over other steps."""
+    """Draws the norms of the analysis, and those of the run's own theory if there is no analysis or if they differ from it."""
     norms = [(own if theory is None else theory, "-", "theory")]
     if theory is not None and own is not None and not np.allclose(own, theory, rtol=SETTLED, atol=0.0):
         norms.append((own, ":", "theory over the run's steps"))
@@ -140,7 +140,7 @@ def draw_measured(axes, measured, face):
 
 
 def choose_scale(axes, norm):
-    """From zero up, or logarithmic where the followers are far apart."""
+    """Sets a linear axis from zero, or a logarithmic one if the followers' norms are far apart."""
     if style.spread(norm[:, np.newaxis]) > style.WIDE_RANGE:
         style.logarithmic(axes)
     else:

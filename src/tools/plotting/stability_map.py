@@ -1,4 +1,4 @@
-"""String stability over headway and gain, or loss probability: how far |T| rises above 1, and where the loop itself is unstable."""
+"""String stability over headway and gain or loss probability: the peak of |T|, and the region of unstable loops."""
 
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -8,7 +8,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter
 
 from plotting import style
 
-# Headway and gain of the paper's numerical example, and on which side of it its label stands.
+# Headway and gain of the paper's numerical example, and the side and alignment of the label.
 PAPER_POINTS = ((3.2, 1.35, 1, "left"), (2.4, 1.35, -1, "right"))
 BORDER = style.PALETTE[0]
 HIGHEST_PEAK = 10.0  # higher peaks share the last colour
@@ -16,7 +16,7 @@ PEAK_TICKS = [1, 1.2, 1.5, 2, 3, 5, 10]
 
 
 def edges(centres):
-    """Borders of the cells about the centres of a grid."""
+    """The edges of the cells around the centres of a grid."""
     middle = 0.5 * (centres[1:] + centres[:-1])
     return np.concatenate(([2 * centres[0] - middle[0]], middle, [2 * centres[-1] - middle[-1]]))
 
@@ -30,7 +30,7 @@ def draw(stability):
         axes.contourf(stability.headways, stability.heights, np.ma.masked_invalid(stability.spectral_radius),
                       levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
     undefined = np.isnan(stability.peak_gain) & ~(stability.spectral_radius >= 1.0)
-    if undefined.any():  # losses from losses: no variance at all
+    if undefined.any():  # not mean square stable: no finite variance exists
         axes.contourf(stability.headways, stability.heights, undefined.astype(float), levels=[0.5, 1.5], colors="white",
                       hatches=["\\\\\\\\"])
     draw_border(axes, stability)
@@ -57,8 +57,8 @@ def draw(stability):
 
 
 def draw_peaks(figure, axes, stability):
-    # The peak grows beyond all bounds towards rho = 1: cells across that border take the last colour, and the
-    # hatching laid over them cuts it smoothly.
+    # The peak grows without bound towards rho = 1: cells beyond that border take the last colour, and the hatching
+    # on top of them gives a smooth border.
     unstable = stability.spectral_radius >= 1.0
     peaks = np.ma.masked_invalid(np.where(unstable, 2.0 * HIGHEST_PEAK, np.maximum(stability.peak_gain, 1.0)))
     mesh = axes.pcolormesh(edges(stability.headways), edges(stability.heights), peaks, cmap="YlOrBr",
@@ -79,7 +79,7 @@ def draw_border(axes, stability):
 
 
 def smoothed(line):
-    """The line between the cells of a grid, without the stairs: moved by less than a cell, its ends kept."""
+    """A contour line of a grid without its staircase: points move by less than a cell, the ends stay."""
     closed = len(line) > 2 and np.array_equal(line[0], line[-1])
     for _ in range(min(30, len(line) // 4)):
         if closed:

@@ -1,4 +1,4 @@
-"""Stationary variance along the string with its limit (Corollary 1), measured variances over it."""
+"""Stationary variance along the string with its limit (Corollary 1), and measured variances."""
 
 from collections import namedtuple
 
@@ -7,14 +7,14 @@ import numpy as np
 from plotting import style
 from plotting.inputs import InputError, number, numbers, require_same_platoon
 
-SETTLED = 0.01  # relative; a last step further from the stationary variance than this is drawn beside it
+SETTLED = 0.01  # relative; if the theory of the last step differs more from the stationary variance, both are drawn
 WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logarithmic axis
 
 Case = namedtuple("Case", "name stationary limit run")
 
 
 def pair(analyses, runs):
-    """The cases of the figure: the first run goes with the first analysis, and so on."""
+    """The cases of the figure: the first run with the first analysis, and so on."""
     if runs and len(runs) != len(analyses):
         raise InputError("--run: must be one for each of the {} analyses, not {}".format(len(analyses), len(runs)))
     return [case(analysis, run) for analysis, run in zip(analyses, runs or [None] * len(analyses))]
@@ -46,7 +46,7 @@ def draw(cases, titles):
 
 
 def draw_theory(axes, shown, name, colour):
-    """Draws the stationary variances and their limit; returns what the legend shows."""
+    """Draws the stationary variances and their limit; returns the legend entries."""
     has_limit = np.isfinite(shown.limit)
     followers = np.arange(1, shown.stationary.size + 1)
     label = "{}: stationary, theory{}".format(name, "" if has_limit else " (no limit)")
@@ -59,7 +59,7 @@ def draw_theory(axes, shown, name, colour):
 
 
 def draw_measured(axes, shown, name, colour, marker):
-    """Draws the variances of the run's last step; returns what the legend shows."""
+    """Draws the variances of the run's last step; returns the legend entries."""
     run = shown.run
     at = style.thinned(run.mean.shape[0], style.MANY)
     variance = run.variance[at, -1]

@@ -1,4 +1,4 @@
-"""The look all figures share, and how a figure becomes files."""
+"""The common style of all figures, and their output files."""
 
 import io
 import os
@@ -8,7 +8,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-import matplotlib.pyplot as plt  # noqa: E402 - the backend is chosen first
+import matplotlib.pyplot as plt  # noqa: E402 - the backend must be chosen first
 import numpy as np  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
@@ -17,30 +17,30 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 
 from plotting.inputs import InputError  # noqa: E402
 
-# Okabe and Ito's colours, told apart by colour-blind readers.
+# Okabe and Ito's colours, which colour-blind readers can distinguish.
 PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
 INK = "#222222"
 BOUND = "#D55E00"
 
-# First follower dark blue, last dark red, as in the paper; no colour so light that its line is lost on white.
+# First follower dark blue, last dark red, as in the paper; no colour is too light for a line on white.
 FOLLOWERS = LinearSegmentedColormap.from_list(
     "followers", ["#08205c", "#1f5fb4", "#3ba3c8", "#7fb77e", "#e3b23c", "#e0702b", "#c0261f", "#5c0410"])
 
 KINDS = ("png", "svg")
 MARKERS = "os^Dv<>"
-LINE = 50  # characters of a column's title
-MANY = 60  # more points than this in a row are drawn without a marker on each
-SHOWN_ERRORS = 2  # standard errors to either side of what was measured
+LINE = 50  # characters per line of a column's title
+MANY = 60  # a curve with more points than this gets no marker on each
+SHOWN_ERRORS = 2  # half length of error bars in standard errors
 WIDE_RANGE = 1000.0  # curves that differ by more than this factor need a logarithmic axis
 
 
 def bars(standard_errors):
-    """yerr of these; None where none is known, as matplotlib warns of nothing but NaN."""
+    """yerr for these standard errors; None if all are NaN, for which matplotlib would warn."""
     return SHOWN_ERRORS * standard_errors if np.isfinite(standard_errors).any() else None
 
 
 def apply():
-    """Sets the look, whatever the user's own matplotlib settings are."""
+    """Sets the style, independent of the user's matplotlib settings."""
     matplotlib.rcdefaults()
     matplotlib.rcParams.update({
         "figure.dpi": 100, "savefig.dpi": 200, "svg.hashsalt": "platoon",
@@ -61,7 +61,7 @@ def new_figure(rows, columns, width, height):
 
 
 def column_title(column, columns, text):
-    """The text, behind a letter where there are columns to tell apart, in lines that fit a column."""
+    """The text in lines that fit a column, with a letter in front if there are several columns."""
     text = "({}) {}".format(chr(ord("a") + column), text) if columns > 1 else text
     return "\n".join(line if "$" in line.replace("\\$", "") else textwrap.fill(line, LINE)
                      for line in text.split("\n"))
@@ -72,7 +72,7 @@ def verdict(string_stable):
 
 
 def follower_ticks(followers):
-    """First, last and round numbers between, none so near the ends that the figures touch."""
+    """First, last and round numbers between them, without those so close to the ends that the labels would touch."""
     between = MaxNLocator(nbins=5, steps=[1, 2, 5, 10], integer=True).tick_values(1, followers)
     room = 0.05 * followers
     return [1] * (followers > 1) + [t for t in between if 1 + room < t < followers - room] + [followers]
@@ -86,7 +86,7 @@ def follower_axis(axes, followers):
 
 
 def spread(curves):
-    """Largest over smallest of the curves' peaks (rows of an array), 1 where there is nothing to compare."""
+    """Ratio of the largest to the smallest peak of the curves (rows of an array); 1 if all are zero."""
     magnitude = np.where(np.isfinite(curves), np.abs(curves), 0.0)
     peaks = magnitude.max(axis=1)
     peaks = peaks[peaks > 0.0]
@@ -94,7 +94,7 @@ def spread(curves):
 
 
 def logarithmic(axes):
-    """A logarithmic y axis with plain figures where they are few and short."""
+    """Sets a logarithmic y axis; labels are plain numbers if these are few and short."""
     axes.set_yscale("log")
     low, high = axes.get_ylim()
     if 1e-4 < low and high < 1e5:
@@ -104,12 +104,12 @@ def logarithmic(axes):
 
 
 def thinned(size, most):
-    """At most so many places out of range(size), evenly spread, both ends among them."""
+    """At most `most` evenly spaced indices of range(size), including both ends."""
     return np.unique(np.round(np.linspace(0, size - 1, min(size, most))).astype(int))
 
 
 def standard_error_of_variance(variance, count):
-    """Of the unbiased variance of so many independent Gaussian samples."""
+    """The standard error of the unbiased variance of `count` independent Gaussian samples."""
     return variance * np.sqrt(2.0 / np.maximum(count - 1.0, 1.0))
 
 
@@ -118,12 +118,12 @@ def legend_entry(**line):
 
 
 def spaced(integer):
-    """Digits in groups of three, a thin space between: 1 000 000."""
+    """The integer with thin spaces between groups of three digits: 1 000 000."""
     return "{:,}".format(integer).replace(",", "\u2009")
 
 
 def names_of(titles, cases):
-    """The titles, or the cases' own names where none are given."""
+    """The titles if given, otherwise the names of the cases."""
     if not titles:
         return [case.name.replace("$", "\\$") for case in cases]
     if len(titles) != len(cases):
@@ -137,7 +137,7 @@ def names_of(titles, cases):
 
 
 def require_writable(stem):
-    """Refuses a place that no figure can be written to, before the work is done."""
+    """Raises InputError if no figure can be written there, before any work is done."""
     folder = os.path.dirname(stem) or "."
     if not os.path.isdir(folder):
         raise InputError("{}: no such folder to write to".format(folder))
@@ -149,11 +149,11 @@ def require_writable(stem):
 
 
 def save(figure, stem):
-    """Writes stem.png and stem.svg, each whole or not at all; returns their paths."""
+    """Writes stem.png and stem.svg, each completely or not at all; returns their paths."""
     contents = {}
     for kind in KINDS:
         buffer = io.BytesIO()
-        # Without a date, equal input gives equal files.
+        # Without a date, equal inputs give equal files.
         figure.savefig(buffer, format=kind, **({"metadata": {"Date": None}} if kind == "svg" else {}))
         contents[stem + "." + kind] = buffer.getvalue()
     plt.close(figure)
@@ -162,7 +162,7 @@ def save(figure, stem):
 
 
 def write_all(contents):
-    """Writes every file beside its place first, and renames them only when all are written."""
+    """Writes all files under temporary names, then renames them."""
     temporary = {path: "{}.{}.tmp".format(path, os.getpid()) for path in contents}
     try:
         for path, content in contents.items():

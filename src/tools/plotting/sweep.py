@@ -1,4 +1,4 @@
-"""Variance at the tail over what was swept: measured with its standard errors, theory as lines."""
+"""Variance of the last vehicle over a swept parameter: measured with standard errors, theory as lines."""
 
 import csv
 import io
@@ -14,7 +14,7 @@ MEASURED = ["variance", "variance_standard_error", "theoretical_variance", "stri
 COLUMNS = ["point", "vehicle", "step", "count", "mean", "mean_standard_error", "variance", "variance_standard_error",
            "theoretical_mean", "theoretical_variance", "string_stable", "agrees"]
 
-# The tails of a sweep: what the horizontal axis is, and of each curve its name and arrays over it.
+# The last vehicles of a sweep: the parameter on the horizontal axis, and for each curve its name and arrays over it.
 Tails = namedtuple("Tails", "over curves")
 Curve = namedtuple("Curve", "name at variance variance_standard_error theoretical_variance string_stable")
 
@@ -27,7 +27,7 @@ def number_of(path, line, name, text):
 
 
 def read_rows(path):
-    """What varies, and of each point the last vehicle at its last step."""
+    """The names of the varied parameters, and for each point the row of the last vehicle at its last step."""
     lines = list(csv.reader(io.StringIO(read_text(path))))
     heading = lines[0] if lines else []
     missing = [name for name in COLUMNS if name not in heading]
@@ -57,7 +57,7 @@ def is_number(text):
 
 
 def chosen_axis(path, varied, rows, over):
-    """The one asked for, or what takes the most values of those that are numbers."""
+    """The parameter `over` if given, otherwise the numeric parameter with the most values."""
     if over:
         if over not in varied:
             raise InputError("--over: {}: must be what varies in {}: {}".format(over, path, ", ".join(varied)))
@@ -73,7 +73,7 @@ def chosen_axis(path, varied, rows, over):
 def read_tails(path, over=None):
     varied, rows = read_rows(path)
     over = chosen_axis(path, varied, rows, over)
-    # Paired axes move together: what takes another value at every place on the axis names no curve.
+    # Paired axes move together: a parameter with a different value at every point of the axis does not define curves.
     others = [name for name in varied if name != over]
     groups = {}
     for row in rows:
@@ -120,7 +120,7 @@ def draw(tails):
 
 
 def draw_curve(axes, curve, colour, marker):
-    """Draws a curve and what was measured of it; returns what the legend shows."""
+    """Draws the theory and the measurements of a curve; returns the legend entries."""
     prefix = curve.name.replace("$", "\\$") + ": " if curve.name else ""
     legend = []
     if np.isfinite(curve.theoretical_variance).any():
@@ -129,7 +129,7 @@ def draw_curve(axes, curve, colour, marker):
     label = "{}measured, $\\pm${} standard errors".format(prefix, style.SHOWN_ERRORS)
     shown = None
     for stable in (True, False):
-        # Without a verdict as where it is stable.
+        # Points without a verdict look like stable ones.
         part = (curve.string_stable != 0) if stable else (curve.string_stable == 0)
         if not part.any():
             continue

@@ -1,6 +1,6 @@
 """Mean and variance of the tracking errors zeta_i(k): over the steps, or along the string for time averages.
 
-The paper's figures of zero and of non-zero initial conditions (fig:all_zero_ic, fig:all_dif_ic).
+The paper's figures for zero and for non-zero initial conditions (fig:all_zero_ic, fig:all_dif_ic).
 """
 
 import numpy as np
@@ -11,9 +11,9 @@ from matplotlib.ticker import MaxNLocator
 from plotting import style
 from plotting.inputs import InputError
 
-MOST_CURVES = 40  # of longer strings only some followers are drawn
+MOST_CURVES = 40  # longer strings show only some followers
 CURVES_OF_MANY = 16
-CROWDED = 300  # more steps than this are drawn with finer lines, and as a picture inside the SVG
+CROWDED = 300  # more steps than this are drawn with finer lines, rasterized in the SVG
 
 
 def draw(runs, titles):
@@ -71,7 +71,7 @@ def draw_over_steps(axes, run, colours):
 
 
 def draw_curves(axes, run, measured, theory, colours, quantity, unit):
-    """Measured curves broad and coloured, theory thin and dark on top of them."""
+    """Draws measured curves broad and coloured, and theory thin and dark on top of them."""
     wide = style.spread(measured) > style.WIDE_RANGE or run.spectral_radius >= 1.0
     if wide:
         measured, theory = (np.where(curves == 0.0, np.nan, np.abs(curves)) for curves in (measured, theory))

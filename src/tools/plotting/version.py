@@ -3,7 +3,7 @@
 import os
 import xml.etree.ElementTree
 
-# Where package.xml lies, seen from here: in the source tree, and where the package is installed.
+# package.xml relative to this folder: in the source tree, and in an installation.
 MANIFESTS = ("../../../package.xml", "../../../share/stochastic_platoon/package.xml")
 
 

@@ -1,4 +1,4 @@
-"""What a page may ask of the platoon: manoeuvres of the leader, and another headway, noise or loss."""
+"""Commands that a page may send to the platoon: manoeuvres of the leader, and another headway, noise or loss."""
 
 import math
 
@@ -9,12 +9,12 @@ from stochastic_platoon.srv import ChangeRun
 
 MANOEUVRES = ("brake", "accelerate", "sinusoid", "cruise")
 CHANGES = ("headway", "noise_variance", "loss")
-PATIENCE = 1.0  # [s] for a service to be there
-FASTEST = 1000.0  # [m/s] that a leader takes (Manoeuvre::kLargestSpeed)
+PATIENCE = 1.0  # [s] until a service must be available
+FASTEST = 1000.0  # [m/s] largest speed that a leader accepts (Manoeuvre::kLargestSpeed)
 
 
 def number_of(content, key):
-    """A finite number, NaN where there is none. Raises ValueError."""
+    """The finite number under the key, NaN if it is missing. Raises ValueError for any other value."""
     value = content.get(key)
     if value is None:
         return math.nan
@@ -22,7 +22,7 @@ def number_of(content, key):
         if not isinstance(value, bool) and isinstance(value, (int, float)) and math.isfinite(float(value)):
             return float(value)
     except OverflowError:
-        pass  # a whole number beyond all floating-point numbers
+        pass  # an integer beyond the floating-point range
     raise ValueError("{}: {}: must be a finite number".format(key, shortened(value)))
 
 
@@ -32,19 +32,20 @@ def shortened(value):
 
 
 def text_of(number):
-    """As a launch argument: empty leaves a value as it is."""
+    """The number as a launch argument: NaN becomes an empty text, which keeps the present value."""
     return "" if math.isnan(number) else repr(number)
 
 
 class Commands:
-    """`configuration` returns what is known of the present run (see state.described), None where nothing is."""
+    """Carries out commands. `configuration` returns the present run's (see state.described), None before the first."""
 
     def __init__(self, configuration):
         self.configuration = configuration
         self.speed = rospy.Publisher("leader/speed", Float64, queue_size=1)
 
     def obey(self, content):
-        """(success, message) of {"command": "brake"}, {"command": "speed", "speed": 20.0} or {"command": "change", "headway": 2.4}."""
+        """(success, message) of a command like {"command": "brake"}, {"command": "speed", "speed": 20.0} or
+        {"command": "change", "headway": 2.4}."""
         command = content.get("command")
         try:
             if command in MANOEUVRES:
@@ -62,7 +63,7 @@ class Commands:
             return False, "speed: missing: must be a finite number"
         if abs(speed) > FASTEST:
             return False, "speed: {:g}: must be a finite number of magnitude {:g} at most [m/s]".format(speed, FASTEST)
-        # The leader takes a speed from a topic, and a topic gives no answer.
+        # The leader receives its speed on a topic, which returns no answer: check here whether it accepts one.
         configuration = self.configuration()
         if configuration is None:
             return False, "speed: nothing is known of a run yet: try again when the platoon has begun"

@@ -9,7 +9,10 @@ from stochastic_platoon.msg import Overview, Snapshot
 
 
 def listen(state, namespace="", snapshots=True):
-    """Subscribes in a namespace, this node's own unless another is given ("/platoon/"). Of each topic only the latest message matters: nothing piles up."""
+    """Subscribes the state to the topics of a namespace such as "/platoon/", by default this node's own.
+
+    Short queues drop old messages, so memory stays bounded.
+    """
     def subscribe(topic, kind, callback, queue_size=1):
         rospy.Subscriber(topic if topic.startswith("/") else namespace + topic, kind, callback, queue_size=queue_size, tcp_nodelay=True)
 

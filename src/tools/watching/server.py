@@ -1,4 +1,4 @@
-"""The page and what it is told: HTTP by the standard library, news by server-sent events."""
+"""Serves the page over HTTP with the standard library, and its updates as server-sent events."""
 
 import collections
 import errno
@@ -11,10 +11,10 @@ import threading
 import time
 import urllib.parse
 
-MOST_PAGES = 32         # open at once
-HEARTBEAT = 2.0         # [s] between signs of life on a silent stream
+MOST_PAGES = 32         # open at the same time
+HEARTBEAT = 2.0         # [s] between comment lines on an idle stream
 LONGEST_COMMAND = 4096  # bytes
-PAUSE = 0.2             # [s] where the system has nothing left for another connection
+PAUSE = 0.2             # [s] before the next accept when the system has no resources for another connection
 NOTHING_LEFT = {errno.EMFILE: "no file descriptor is free", errno.ENFILE: "the system has no file descriptor free",
                 errno.ENOBUFS: "the system has no buffer free", errno.ENOMEM: "the system has no memory free"}
 KINDS_OF_FILE = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
@@ -25,7 +25,7 @@ def encoded(content):
 
 
 class Stream:
-    """What one page has not been sent yet: of each kind of news the latest only, so a slow page holds no memory."""
+    """Events not yet sent to one page: only the latest of each kind, so a slow page takes bounded memory."""
 
     def __init__(self):
         self.waiting = collections.OrderedDict()
@@ -38,7 +38,7 @@ class Stream:
             self.condition.notify()
 
     def take(self, timeout):
-        """All that is new; an empty list after the timeout [s]."""
+        """The waiting events as a list of (kind, data); empty after the timeout [s]."""
         with self.condition:
             if not self.waiting:
                 self.condition.wait(timeout)
@@ -48,13 +48,13 @@ class Stream:
 
 
 class Streams:
-    """The pages that are open. Nothing is encoded while there is none, and once for all of them where there are."""
+    """The streams of all open pages. Each event is encoded once for all of them, and not at all while no page is open."""
 
     def __init__(self, give):
         self.give, self.lock, self.streams = give, threading.Lock(), []
 
     def open(self, kinds):
-        """A new page's stream with everything that is known; None where there are too many."""
+        """The stream of a new page, filled with the present content of all kinds; None if too many pages are open."""
         stream = Stream()
         with self.lock:
             if len(self.streams) >= MOST_PAGES:
@@ -78,7 +78,7 @@ class Streams:
 
 
 def host_of(authority):
-    """The host in "host:port", in lower case; empty where it is none."""
+    """The host in "host:port" in lower case; empty if there is none."""
     try:
         return (urllib.parse.urlsplit("//" + authority).hostname or "").lower()
     except ValueError:
@@ -86,8 +86,10 @@ def host_of(authority):
 
 
 def names_this_machine(host, own_names):
-    """Whether a request that calls the server so cannot come from a page that a foreign name was rebound for: an attacker's page has
-    its own name in Host, whatever address that leads to. An address is no name."""
+    """Whether a Host header is an IP address or one of the server's own names.
+
+    Prevents DNS rebinding: a foreign page has its own name in Host even if that name resolves to this machine.
+    """
     try:
         ipaddress.ip_address(host)
         return True
@@ -98,10 +100,10 @@ def names_this_machine(host, own_names):
 class Handler(http.server.BaseHTTPRequestHandler):
     server_version = "platoon"
     sys_version = ""
-    timeout = 30.0  # [s] for a page that does not read, or sends a request and does not end it
+    timeout = 30.0  # [s] for a page that does not read, or does not finish its request
 
     def log_message(self, *_):
-        pass  # requests are no news for the terminal
+        pass  # requests are not logged
 
     def answer(self, status, content, kind="application/json"):
         self.send_response(status)
@@ -122,7 +124,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.answer(status, encoded({"success": False, "message": why}))
 
     def of_this_machine(self):
-        """Answers, and is false, where the request calls the server by a name that is not its own."""
+        """Whether the Host header names this server; if not, answers with status 421."""
         if names_this_machine(host_of(self.headers.get("Host", "")), self.server.names):
             return True
         self.refuse(421, "this page is not served under that name: use localhost or the machine's address")
@@ -147,7 +149,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
     def do_POST(self):
         if not self.of_this_machine():
             return
-        # A browser says where a page that sends a command is from; only our own page has the address that it is sent to.
+        # Browsers send the page's Origin; only this server's own page has the same address in Origin and Host.
         origin = self.headers.get("Origin")
         if origin is not None and urllib.parse.urlsplit(origin).netloc.lower() != self.headers.get("Host", "").lower():
             return self.refuse(403, "commands are taken from this server's own page only, not from " + origin[:100])
@@ -166,7 +168,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.refuse(400, "a command is a JSON object of at most {} bytes".format(LONGEST_COMMAND))
         try:
             success, message = self.server.obey(content)
-        except Exception as error:  # of this program: the page is told, and the connection goes on
+        except Exception as error:  # an internal error: report it to the page and keep the connection
             return self.answer(500, encoded({"success": False, "message": "{}: {}".format(type(error).__name__, error)[:200]}))
         self.answer(200 if success else 409, encoded({"success": success, "message": message}))
 
@@ -185,13 +187,13 @@ class Handler(http.server.BaseHTTPRequestHandler):
                 lines = b"".join(b"event: " + kind.encode() + b"\ndata: " + data + b"\n\n" for kind, data in items)
                 self.wfile.write(lines or b": alive\n\n")
         except OSError:
-            pass  # the page is gone
+            pass  # the page was closed
         finally:
             self.server.streams.close(stream)
 
 
 class PageServer(http.server.ThreadingHTTPServer):
-    """Serves a folder's files, the state and its news; obey(command) takes a command and returns (success, message)."""
+    """Serves a folder's files, the state and its events. obey(command) carries out a command and returns (success, message)."""
 
     daemon_threads = True
 
@@ -208,11 +210,11 @@ class PageServer(http.server.ThreadingHTTPServer):
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
         self.address_family = family
         self.keep_spare()
-        super().__init__(address[:2], Handler)  # which closes the server where the port is in use
+        super().__init__(address[:2], Handler)  # closes the server if the port is in use
 
     def get_request(self):
-        """The next connection. Where the system has no descriptor for it, this one is answered with the spare one, and the next waits a
-        while: the connection stays acceptable, and serve_forever would try it again and again."""
+        """The next connection. If the system has no descriptor for it, the server answers 503 with the spare one and pauses:
+        otherwise the connection stays pending and serve_forever retries it in a busy loop."""
         try:
             return super().get_request()
         except OSError as error:
@@ -231,9 +233,9 @@ class PageServer(http.server.ThreadingHTTPServer):
                 connection.sendall(b"HTTP/1.0 503 Service Unavailable\r\nContent-Type: application/json; charset=utf-8\r\n"
                                    b"Retry-After: 1\r\nContent-Length: " + str(len(content)).encode() + b"\r\n\r\n" + content)
                 connection.shutdown(socket.SHUT_WR)
-                connection.recv(1 << 16)  # what is unread would cut the answer off
+                connection.recv(1 << 16)  # unread data would reset the connection before the answer arrives
         except OSError:
-            pass  # it is gone, or another thread has taken the descriptor
+            pass  # the client disconnected, or another thread took the descriptor
         finally:
             self.keep_spare()
 
@@ -241,14 +243,14 @@ class PageServer(http.server.ThreadingHTTPServer):
         try:
             self.spare = open(os.devnull, "rb")
         except OSError:
-            pass  # the next time, then
+            pass  # retried at the next refusal
 
     def server_close(self):
         self.spare.close()
         super().server_close()
 
     def handle_error(self, request, client_address):
-        pass  # a page that went away in the middle of a request
+        pass  # a page disconnected during a request
 
     @property
     def url(self):

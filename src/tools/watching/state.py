@@ -1,6 +1,6 @@
-"""What is known of a running platoon, from its condensed topics: bounded, whatever the length of the run.
+"""The state of a running platoon, from its condensed topics. Its size does not depend on the length of the run.
 
-No ROS here: a state is fed with messages, or with objects of their fields, and gives what JSON can hold.
+This module does not import ROS: the state takes messages, or objects with the same fields, and returns JSON values.
 """
 
 import collections
@@ -10,13 +10,13 @@ import threading
 
 STRIP = 240          # snapshots in the space-time strip
 COLUMNS = 120        # steps in the curves over k
-MOST_CURVES = 40     # as the figures of `plot`: of longer strings only some followers are drawn
+MOST_CURVES = 40     # as in the figures of `plot`: longer strings show only some followers
 CURVES_OF_MANY = 16
 RATE_WINDOW = 5.0    # [s]
 
 
 def finite(value):
-    """The number, None where it is none that JSON knows."""
+    """The number, or None if JSON cannot hold it (NaN, infinity)."""
     return value if math.isfinite(value) else None
 
 
@@ -25,19 +25,19 @@ def numbers(values):
 
 
 def rounded(values):
-    """For curves and colours: six digits are more than a screen shows."""
+    """The values to six digits, more than a screen resolves, None for NaN or infinity: for curves and colours."""
     return [float("{:.6g}".format(value)) if math.isfinite(value) else None for value in values]
 
 
 def drawn_followers(followers):
-    """Numbers of the followers whose curves are drawn: all, or some evenly spread with both ends among them."""
+    """Numbers of the followers whose curves are drawn: all, or an evenly spaced subset that includes both ends."""
     if followers <= MOST_CURVES:
         return list(range(1, followers + 1))
     return [1 + round(j * (followers - 1) / (CURVES_OF_MANY - 1)) for j in range(CURVES_OF_MANY)]
 
 
 class ThinnedHistory:
-    """At most `most` columns over a step that grows without bound, evenly spread: when full, every second one goes."""
+    """At most `most` evenly spaced columns over a step that grows without bound: when full, it drops every second column."""
 
     def __init__(self, most):
         self.most, self.stride, self.columns = most, 1, []
@@ -52,7 +52,7 @@ class ThinnedHistory:
 
 
 class Rate:
-    """Of a count that grows, over the latest seconds."""
+    """The rate of a growing count over the latest RATE_WINDOW seconds."""
 
     def __init__(self):
         self.seen = collections.deque(maxlen=200)
@@ -90,7 +90,7 @@ def link_of(model):
 
 
 def described(text):
-    """What the page says of a configuration (its JSON text)."""
+    """The fields of a configuration (JSON text) that the page shows."""
     document = json.loads(text)
     model, run = document["model"], document["run"]
     loss = model.get("channel", {}).get("loss")
@@ -103,7 +103,7 @@ def described(text):
 
 
 class PlatoonState:
-    """Takes messages from any thread. changed(kind) is called behind each that tells something new, without the lock."""
+    """Takes messages from any thread. Calls changed(kind) after each message that changes the state, without holding the lock."""
 
     KINDS = ("configuration", "statistics", "curves", "snapshot", "told", "health")
 
@@ -112,13 +112,13 @@ class PlatoonState:
         self.changed, self.namespace = changed, namespace
         self.text = None
         self.culprit, self.retries = None, 0
-        self.early = None  # an overview, and when it came, of a run whose configuration is still on its way
+        self.early = None  # (overview, arrival time) of a run whose configuration has not arrived yet
         self.begin(None)
 
     def begin(self, configuration):
-        """Another run: nothing of the one before it is shown."""
+        """Starts another run and discards everything of the one before."""
         self.configuration = configuration
-        self.run = None  # of this configuration's overviews
+        self.run = None  # the run named in this configuration's overviews
         self.overview = None
         self.rate = Rate()
         self.history = ThinnedHistory(COLUMNS)
@@ -140,8 +140,8 @@ class PlatoonState:
     def take_overview(self, message, now):
         with self.lock:
             other = self.configuration is None or (self.run is not None and message.run != self.run)
-            # Each topic has a connection of its own: the overview may be there before the configuration. A second one of another
-            # run says that the present one is over.
+            # Each topic has its own connection: an overview may arrive before its configuration. A second overview of another run
+            # means that the present run is over.
             if other and (self.configuration is None or self.early is None or self.early[0].run != message.run):
                 self.early = (message, now)
                 return
@@ -174,7 +174,7 @@ class PlatoonState:
         self.changed("snapshot")
 
     def take_diagnostics(self, message):
-        """Of a diagnostic_msgs/DiagnosticArray what this platoon's monitor says; whoever else is on the topic is not ours."""
+        """Takes the status of this platoon's monitor from a diagnostic_msgs/DiagnosticArray and ignores all others."""
         for status in message.status:
             values = {entry.key: entry.value for entry in status.values}
             if not status.name.startswith(self.namespace + "/") or "culprit" not in values:
@@ -185,13 +185,13 @@ class PlatoonState:
             self.changed("health")
 
     def of_drawn(self, values):
-        """One column's values of the followers that are drawn."""
+        """The values of the drawn followers."""
         return [values[i - 1] for i in drawn_followers(len(values))]
 
-    # What pages are sent.
+    # The content of events.
 
     def give(self, kind):
-        """The content of an event; None where there is nothing to say."""
+        """The content of an event; None if there is none yet."""
         with self.lock:
             return getattr(self, "give_" + kind)()
 
@@ -239,7 +239,7 @@ class PlatoonState:
                 "seconds_left": left, "wall_seconds": of.wall_seconds}
 
     def give_curves(self):
-        """Mean and variance over k of the followers drawn: lists of (followers drawn) lists of (steps)."""
+        """Mean and variance over k of the drawn followers, measured and theoretical: lists (drawn followers) of lists (steps)."""
         of = self.overview
         if of is None:
             return None
@@ -257,7 +257,7 @@ class PlatoonState:
                     followers=followers, step=list(of.step))
 
     def document(self):
-        """/state.json."""
+        """The content of /state.json."""
         with self.lock:
             nothing = {"followers": None, "step": None, "realizations": None, "mean": [], "variance": [],
                        "theoretical_variance": [], "string_stable": None, "limit_variance": None, "max_abs_z": None}

@@ -1,7 +1,7 @@
 """A running platoon as a table on a terminal: follower, mean, variance, standard error, theory, z."""
 
 HEADING = "follower       mean [m]   variance [m^2]   standard error   theory [m^2]         z"
-AROUND = 8  # lines that are no followers
+AROUND = 8  # lines other than the followers' rows
 
 
 def cell(value, width, form):
@@ -9,7 +9,7 @@ def cell(value, width, form):
 
 
 def shown(followers, lines):
-    """Numbers of the followers that so many lines have room for, 0 for a line of dots: the two ends of a long string."""
+    """Numbers of the followers that fit into so many lines: all, or both ends of the string with 0 for a line of dots between."""
     if followers <= lines:
         return list(range(1, followers + 1))
     half = max((lines - 1) // 2, 1)

@@ -1,4 +1,4 @@
-"""What analyze says of random platoons, computed again with nothing of the package: see ../audit_test.py."""
+"""An independent computation of the results of analyze for random platoons, without code of the package: see ../audit_test.py."""
 
 from mpmath import mp
 

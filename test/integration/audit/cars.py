@@ -1,5 +1,5 @@
-"""Random cars: an actuator with a lag behind an input delay, e^(-d s) / (s^2 (tau s + 1)), held over a sample period, and a
-controller of proportional and derivative gain."""
+"""Random cars: an actuator lag with an input delay, e^(-d s) / (s^2 (tau s + 1)), with a zero-order hold, and a
+proportional-derivative controller."""
 
 import math
 
@@ -9,16 +9,16 @@ from audit.paper_models import expanded, rest_of_model
 
 
 def held(period, lag, delay):
-    """The pulse transfer function of a car: its double pole at z = 1 exactly, its pole of the lag a number of 44 bits."""
+    """The pulse transfer function of a car, with an exact double pole at z = 1 and the lag's pole rounded to 44 bits."""
     period, lag, delay = mpf(period), mpf(lag), mpf(delay)
     pole = round(float(mp.exp(-period / lag)) * 2 ** 44) / 2 ** 44
     if not 2.0 ** -8 < pole < 1.0:
         return None
     exact = mp.exp(-period / lag)
 
-    def of_step(t):  # position, t after a step of the input
+    def of_step(t):  # position at time t after a step of the input
         return mpf(0) if t <= 0 else t * t / 2 - lag * t + lag * lag * -mp.expm1(-t / lag)
-    # Times (z - 1)^2 (z - e^(-T/tau)) and (1 - 1/z) the response ends: what is left of it is the numerator.
+    # The step response times (z - 1)^2 (z - e^(-T/tau)) and (1 - 1/z) is finite: it is the numerator.
     denominator = [mpf(1), -2 - exact, 1 + 2 * exact, -exact]
     whole = int(mp.floor(delay / period))
     steps = [of_step(k * period - delay) for k in range(whole + 8)]
@@ -34,7 +34,7 @@ def held(period, lag, delay):
 
 def car_vehicle(draw, period):
     lag = draw.uniform(0.05, 0.5)
-    most = 0.4 if draw.random() < 0.05 else min(0.4, 14.5 * period)  # beyond: more poles than are admitted
+    most = 0.4 if draw.random() < 0.05 else min(0.4, 14.5 * period)  # a longer delay has more poles than analyze accepts
     samples = draw.uniform(0, most) / period
     delay = (round(samples) if draw.random() < 0.4 else samples) * period
     kp, kd = math.exp(draw.uniform(math.log(0.05), 0)), draw.uniform(0.3, 1.5)

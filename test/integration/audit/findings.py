@@ -1,4 +1,4 @@
-"""What an audit found: the worst of each kind relative to what is allowed, contradictions, refusals and times."""
+"""The findings of an audit: largest error of each kind relative to its tolerance, contradictions, rejected models and times."""
 
 import collections
 import math
@@ -14,12 +14,12 @@ class Findings:
         ratio = float(error / allowed) if allowed else (0.0 if error == 0 else math.inf)
         if not ratio <= self.worst.get(what, (0.0, ""))[0]:
             self.worst[what] = (ratio, name)
-        if not ratio <= 1 and (name, what) not in self.failed:  # the first of a table
+        if not ratio <= 1 and (name, what) not in self.failed:  # only the first failure of each kind
             self.failed.add((name, what))
             self.failures.append("%s: %s%s is off by %.3g, allowed are %.3g" % (name, what, place, error, allowed))
 
     def compare(self, what, ours, theirs, allowed, name, place=""):
-        """Two figures, of which the program's is null where it has none."""
+        """Compares a value of the audit (ours) with that of analyze (theirs; None: null reported)."""
         if theirs is None:
             self.note(what, math.inf, 1, name, "%s (%.12g; null is reported)" % (place, ours))
         else:

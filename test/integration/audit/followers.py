@@ -1,5 +1,5 @@
-"""One follower and the link into it on the unit circle, in 64 bits of mantissa: every factor by its roots, which come from
-120 digits, so that nothing cancels where z comes near to one of them."""
+"""One follower and its link on the unit circle, with a 64-bit mantissa. Every polynomial is a product over its roots, which are
+computed in 120 digits, so that nothing cancels near a root."""
 
 import functools
 import json
@@ -13,8 +13,8 @@ from audit.polynomials import plus, squared_modulus, squared_norm, taylor_about_
     zeros, zeros_of_margin
 
 LONG, COMPLEX = np.longdouble, np.clongdouble
-TERMS = 24  # of a series
-FLAT = mpf(10) ** -10  # what is a zero at w = 0 to the rounding of the coefficients
+TERMS = 24  # terms of a series
+FLAT = mpf(10) ** -10  # smaller values are zeros at w = 0, up to the rounding of the coefficients
 
 
 def long(x):
@@ -48,7 +48,7 @@ class Circle:
 
 
 class Factors:
-    """A polynomial by its leading coefficient and its roots."""
+    """A polynomial given by its leading coefficient and its roots."""
 
     def __init__(self, p, roots=None):
         self.leading = long(p[0])
@@ -87,7 +87,7 @@ class Follower:
             self.c = [mpf(1)]
         self.registers = [mpf(1)] + [-self.q * x for x in self.c]                # z^l - q (c_1 z^(l-1) + ...)
         self.weight = sum((j + 1) * x for j, x in enumerate(self.c))
-        self.ebar = self.weight / self.p if self.q else mpf(0)                   # mean of e per metre and step
+        self.ebar = self.weight / self.p if self.q else mpf(0)                   # mean of e per speed of 1 m/step
         self.lag = self.delay + self.q * self.weight / self.p
         self.feedback = mpf(0)                                                   # p q ||L F||^2
         self.register_poles = zeros(self.registers) if self.q else []
@@ -104,7 +104,7 @@ class Follower:
         return self.loop.rho < 1 and self.feedback < 1
 
     def _margin(self):
-        """|D^|^2 - |N^|^2 = t margin(t) in t = 1 - cos w, by its roots in t."""
+        """Sets margin and its roots in t: |D^|^2 - |N^|^2 = t margin(t), t = 1 - cos w."""
         self.n = [self.p * a for a in self.loop.n]
         self.d = times(self.loop.d, self.registers) if self.q else self.loop.d
         difference = plus(squared_modulus(self.d), [-a for a in squared_modulus(self.n)])
@@ -114,15 +114,15 @@ class Follower:
         roots = [1 - x for x in zeros_of_margin(self.n, self.d, self.margin)]
         least = FLAT * min(1, 1 - self.loop.rho) ** 2
         self.margin_roots = [mpf(0) if abs(t) < least else t for t in roots]
-        # A zero at t_0 in place of 0 changes what is divided by it up to w = sqrt(2 t_0): so much of a mean is undetermined.
+        # A zero at t_0 instead of 0 changes quotients up to w = sqrt(2 t_0): this share of a mean is undetermined.
         self.undetermined = 10 * mp.sqrt(max([abs(t) for t in roots if abs(t) < least] + [mpf(0)]))
         # (x - x_k) = (t_k - t)
         self.margin_leading = self.margin[0]
         self.factors = self.series = None
 
     def doubt_at(self, circle):
-        """What a change of each coefficient by its last digit, T(1) = 1 kept, does to log |T^|^2 over 1 - cos w, in units of
-        that digit. Where little passes it does not matter how little."""
+        """The change of log |T^|^2 / (1 - cos w), in units of the last digit, if each coefficient changes by its last digit and
+        T(1) = 1 is kept. Values of |T^| below 1e-3 count as 1e-3."""
         f = self._factors()
         spread = float(sum(abs(a) * i * i for p in (self.n, self.d) for i, a in enumerate(p[::-1])))
         above, below = long(self.p) * np.abs(f["n"](circle)), np.abs(f["d"](circle) * f["r"](circle))
@@ -137,11 +137,11 @@ class Follower:
         return self.factors
 
     def flatness(self):
-        """How many zeros more than one 1 - |T^|^2 has at t = 0."""
+        """The number of zeros of 1 - |T^|^2 at t = 0 beyond the first."""
         return sum(1 for t in self.margin_roots if t == 0)
 
     def slope_at_zero(self):
-        """(1 - |T^|^2) over t, and over its zeros there, where t goes to 0, and its doubt."""
+        """The limit of 1 - |T^|^2 over t for t -> 0, further zeros at t = 0 removed, and its doubt."""
         at_one = value(self.d, mpf(1)) ** 2
         spread = sum(abs(a) * i * i for p in (self.n, self.d) for i, a in enumerate(p[::-1]))
         slope = self.margin_leading
@@ -150,7 +150,7 @@ class Follower:
         return mp.re(slope) / at_one, 2 * spread / mp.sqrt(at_one)
 
     def zeros_at_one(self):
-        """How often 1 - cos w divides the spectrum that the link adds, and the smaller of |1 - H T^|^2 and |1 - L|^2."""
+        """The powers of 1 - cos w in the spectrum that the link adds, and in |1 - H T^|^2 and |1 - L|^2 (the smaller one)."""
         def count(p):
             found, size = 0, sum(abs(a) for a in p)
             while len(p) > 1 and abs(value(p, mpf(1))) < FLAT * size:
@@ -167,17 +167,17 @@ class Follower:
         return added, found
 
     def _complement(self):
-        """1 - H T^, over z^-(m + 1) and D R."""
+        """The numerator of 1 - H T^ over z^-(m + 1) and D R."""
         hat = times([1 + self.loop.h, -self.loop.h], self.n) + [mpf(0)] * (len(self.c) if self.q else 0)
         return plus(self.d + [mpf(0)] * (self.delay + 1), [-a for a in hat])
 
     def complement_at(self, circle, hat, below):
-        """|1 - H T^|^2: about z = 1 by its series in z - 1, as 1 and H T^ cancel there."""
+        """|1 - H T^|^2; near z = 1 by its series in z - 1, as 1 and H T^ cancel there."""
         result = np.abs(1 - (1 + long(self.loop.h) * circle.s / circle.z) * hat) ** 2
         if self.series is None:
             p = self._complement()
             taylor = taylor_about_one(p, TERMS)
-            of_policy = 2 if self.lag == 0 else 1  # zeros that T(1) = 1 and dT/dz(1) = -h make, up to rounding
+            of_policy = 2 if self.lag == 0 else 1  # zeros from T(1) = 1 and dT/dz(1) = -h, up to rounding
             self.series = longs([mpf(0)] * of_policy + taylor[of_policy:]), 0.1 / len(p)
         terms, radius = self.series
         near = np.abs(circle.s) < radius
@@ -188,7 +188,7 @@ class Follower:
         return result
 
     def at(self, circle):
-        """What link_theory_test.py calls so, and the logarithm of |T^|^2 and 1 - |T^|^2."""
+        """The quantities of these names in link_theory_test.py, the logarithm of |T^|^2, and 1 - |T^|^2."""
         f, l = self._factors(), len(self.c)
         r, h = f["r"](circle), long(self.loop.h)
         passed = f["n"](circle) / f["d"](circle) / r                              # F T z^-l
@@ -213,7 +213,7 @@ class Follower:
         return self.p * self.q / (1 - self.feedback)
 
     def singular_frequencies(self):
-        """Complex w near which something of at() changes fast."""
+        """Complex w near which the values of at() change rapidly."""
         found = []
         for z in self.loop.poles + zeros(self.filter[1]) + self.register_poles:
             if abs(z) > mpf(10) ** -3:

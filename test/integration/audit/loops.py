@@ -1,11 +1,11 @@
-"""The loop of one vehicle, T = N / D, from the numbers in a model file."""
+"""The closed loop of one vehicle, T = N / D, from the numbers in a model file."""
 
 from mpmath import mp, mpf
 
 from audit.polynomials import plus, slope, squared_modulus, squared_norm, times, trimmed, value, without_factor, zeros, \
     zeros_of_margin
 
-UNDECIDED = 1e-11  # of |D|^2 - |N|^2 over the sum of its terms: the digits of the coefficients end there
+UNDECIDED = 1e-11  # smallest |D|^2 - |N|^2, relative to the sum of its terms, that the digits of the coefficients determine
 
 
 class Loop:
@@ -22,12 +22,12 @@ class Loop:
         self.s = plus(self.zd, [-a for a in self.hn])            # S = s / (z d)
 
     def margin(self):
-        """|D|^2 - |N|^2 over 1 - x in x = cos w."""
+        """(|D|^2 - |N|^2) / (1 - x) as a polynomial in x = cos w."""
         difference = plus(squared_modulus(self.d), [-a for a in squared_modulus(self.n)])
         return [-a for a in without_factor(difference, mpf(1))]
 
     def is_string_stable(self):
-        """None where the digits of double do not tell."""
+        """Whether the string is stable; None if double precision of the coefficients does not determine it."""
         if self.rho >= 1:
             return False
         margin = self.margin()
@@ -36,7 +36,7 @@ class Loop:
             if abs(x.imag) < mpf(10) ** -40 and -1 < x.real < 1:
                 points.append(x.real)
         least = mp.inf
-        # What a change of each coefficient by its last digit, T(1) = 1 kept, does to the margin.
+        # The doubt: the change of the margin if each coefficient changes by its last digit and T(1) = 1 is kept.
         spread = sum(abs(a) * i * i for p in (self.n, self.d) for i, a in enumerate(p[::-1]))
         for x in points:
             z = x + mp.sqrt(x * x - 1 + 0j) if x < 1 else mpf(1)
@@ -47,7 +47,7 @@ class Loop:
         return least > 0
 
     def filtered(self, u):
-        """T u from the zero state."""
+        """The response T u from zero state."""
         lead = len(self.d) - len(self.n)
         y = []
         for k in range(len(u)):
@@ -65,14 +65,14 @@ class Loop:
         return [(1 + self.h) * a - self.h * b for a, b in zip(u, [mpf(0)] + u)]
 
     def integral_defect(self):
-        """By how much T misses double integral action, T(1) = 1 and dT/dz(1) = -h."""
+        """The deviation of T from double integral action, T(1) = 1 and dT/dz(1) = -h."""
         at_one = value(self.d, mpf(1))
         gain = value(self.n, mpf(1)) / at_one
         rise = (value(slope(self.n), mpf(1)) - gain * value(slope(self.d), mpf(1))) / at_one
         return abs(gain - 1) + abs(rise + self.h) / (1 + self.h)
 
     def limit(self):
-        """||S/M||^2 - 1, M M~ = 1 - T T~: the variance along an endless string over that of the noise."""
+        """||S/M||^2 - 1 with M M~ = 1 - T T~: the limit of the variance along the string over the noise variance."""
         margin = self.margin()
         factor = [mpf(1)]
         for x in zeros_of_margin(self.n, self.d, margin):
@@ -86,7 +86,7 @@ class Loop:
 
 
 def at_one(p):
-    """p with the double pole at z = 1 that it has to the rounding of its coefficients."""
+    """p with an exact double pole at z = 1 if it has one up to the rounding of its coefficients."""
     quotient = without_factor(without_factor(p, mpf(1)), mpf(1))
     exact = times(quotient, [mpf(1), mpf(-2), mpf(1)])
     close = sum(abs(a - b) for a, b in zip(p, exact)) <= mpf(10) ** -14 * sum(abs(a) for a in p)

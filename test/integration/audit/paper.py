@@ -1,5 +1,5 @@
-"""The paper's platoon: one vehicle repeated, white noise and nothing else. Norms by the recursion of Astrom, Jury and Agniel in
-place of quadrature, poles, peaks and spectral factors by polynomial roots."""
+"""The paper's platoon: identical vehicles and white noise only. Norms by the recursion of Astrom, Jury and Agniel instead of
+quadrature; poles, peaks and spectral factors by polynomial roots."""
 
 from mpmath import mp, mpf
 
@@ -9,10 +9,10 @@ from audit.polynomials import squared_norm, times
 
 FOLLOWERS, STEPS = 4, 40
 
-# What is promised, relative each.
+# Relative tolerances that the package guarantees.
 STATIONARY = 1e-12
 LIMIT = 1e-9
-DECAY = 1e-11  # of 1 - rho(A)
+DECAY = 1e-11  # relative to 1 - rho(A)
 
 
 def check(name, model, loop, found, findings):
@@ -54,7 +54,7 @@ def check_stability(name, model, loop, found, findings):
                          "string stable: %s, and analyze says %s" % (stable, found["string_stable"]))
     if stable and found["string_stable"]:
         limit = loop.limit() * mpf(model["noise_variance"])
-        # Where T(1) is 1 to some digits only, so is what a limit along the string could mean.
+        # If T(1) = 1 holds to some digits only, the limit along the string is defined to these digits only.
         undetermined = loop.integral_defect() if "closed_loop" in model else 0
         findings.compare("limit variance", limit, found["limit_variance"], (LIMIT + undetermined) * limit, name)
         findings.fail_unless(found["bounds"]["alpha_2"] == found["limit_variance"], name, "alpha_2 is the limit")

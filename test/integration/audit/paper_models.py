@@ -1,4 +1,4 @@
-"""Random models of the paper's platoon, of the kinds that have broken something before. All numbers are doubles."""
+"""Random models of the paper's platoon, of kinds that revealed errors before. All numbers are doubles."""
 
 import math
 
@@ -13,7 +13,7 @@ def dyadic(x, bits=12):
 
 
 def expanded(*factors):
-    """The product of factors that are exact in double; refuses one that is not."""
+    """The product of factors with double coefficients; None if the product is not exact in double."""
     product = [mpf(1)]
     for factor in factors:
         product = times(product, [mpf(a) for a in factor])
@@ -47,7 +47,7 @@ def plain(draw):
 
 
 def sampled_fast(draw):
-    """A vehicle with an engine's lag and a controller of gains in SI units, sampled at a kilohertz."""
+    """A vehicle with engine lag and controller gains in SI units, sampled at a kilohertz."""
     period, lag = 0.001, draw.uniform(0.1, 1.0)
     pole = dyadic(math.exp(-period / lag), 20)
     gain = dyadic((1 - pole) * period ** 2 / 2 * 2 ** 30, 20) / 2 ** 30
@@ -107,7 +107,7 @@ def turning(draw, size):
 
 
 def skewed(draw):
-    """T = N / D with double integral action by its choice of N, in coordinates of a drawn condition."""
+    """T = N / D with double integral action by choice of N, in coordinates with a random condition number."""
     h = draw.uniform(0.5, 10)
     poles, size = [], draw.randrange(1, 7)
     while size - len(poles) > 1 and draw.random() < 0.5:

@@ -1,4 +1,4 @@
-"""Polynomials in 120 digits: lists of coefficients, of the highest power first."""
+"""Polynomials in 120 digits: lists of coefficients, highest power first."""
 
 import numpy as np
 from mpmath import mp, mpc, mpf, polyroots
@@ -38,7 +38,7 @@ def trimmed(p):
 
 
 def without_factor(p, zero):
-    """p / (z - zero), the remainder dropped."""
+    """The quotient p / (z - zero) without the remainder."""
     quotient, carried = [], mpf(0)
     for a in p[:-1]:
         carried = carried * zero + a
@@ -47,7 +47,7 @@ def without_factor(p, zero):
 
 
 def taylor_about_one(p, terms):
-    """The coefficients of the first powers of z - 1."""
+    """The coefficients of p in powers of z - 1, lowest power first, at most `terms`."""
     coefficients = []
     while p and len(coefficients) < terms:
         coefficients.append(value(p, mpf(1)))
@@ -55,7 +55,7 @@ def taylor_about_one(p, terms):
     return coefficients
 
 
-BITS = 800  # behind the point, of the whole numbers by which roots are found
+BITS = 800  # fractional bits of the fixed-point numbers in the root finder
 
 
 def fixed(values):
@@ -71,13 +71,13 @@ def horner(p, x, y):
 
 
 def improved(p, start):
-    """All roots at once by the iteration of Ehrlich and Aberth; None where it does not settle."""
+    """All roots simultaneously by the iteration of Ehrlich and Aberth; None if it does not converge."""
     p, slope_of_p = fixed(p), fixed(slope(p))
     x, y = fixed([mpf(z.real) for z in start]), fixed([mpf(z.imag) for z in start])
     settled = 0
     for _ in range(80):
         (a, b), (c, d) = horner(p, x, y), horner(slope_of_p, x, y)
-        # p' - p sum of 1 / (z - other): the sum needs few digits.
+        # p' - p sum 1 / (z - other): the sum needs few digits.
         apart = [[complex((x[i] - x[j]) / (1 << BITS), (y[i] - y[j]) / (1 << BITS)) for j in range(len(x)) if j != i]
                  for i in range(len(x))]
         if any(z == 0 for row in apart for z in row):
@@ -93,13 +93,13 @@ def improved(p, start):
         x, y = x - dx, y - dy
         largest = max((abs(u) + abs(v)) / (1 + abs(r) + abs(t)) for u, v, r, t in zip(dx, dy, x, y))
         settled = settled + 1 if largest < 1e-20 else 0
-        if settled == 4:  # at least of second order: what is left is below the digits
+        if settled == 4:  # convergence is at least quadratic: the remaining error is below the digits
             return [mpc(mp.ldexp(mpf(r), -BITS), mp.ldexp(mpf(t), -BITS)) for r, t in zip(x, y)]
     return None
 
 
 def zeros(p, start=None):
-    """The roots of p, from these approximations or from double precision's."""
+    """The roots of p, refined from the given approximations or from those of double precision."""
     p = trimmed(p)
     at_origin = 0
     while len(p) > 1 and p[-1] == 0:
@@ -113,7 +113,7 @@ def zeros(p, start=None):
         with np.errstate(all="ignore"):
             start = np.roots([float(a) for a in p])
     if len(start) == len(p) - 1 and np.isfinite(start).all() and (start != 0).all():
-        # Apart from one another, and off the real axis, from which the iteration would not leave.
+        # Separates the start values and moves them off the real axis, which the iteration could not leave.
         start = start * (1 + 1e-9 * np.exp(1j * np.arange(1, len(start) + 1)))
         found = improved(p, start)
     if found is None:
@@ -122,7 +122,7 @@ def zeros(p, start=None):
 
 
 def zeros_of_margin(n, d, margin):
-    """Roots in x = cos w of margin = (|D|^2 - |N|^2) / (1 - x), from those in z, which double precision can tell apart."""
+    """Roots in x = cos w of margin = (|D|^2 - |N|^2) / (1 - x), from those in z, which double precision separates."""
     size = len(d)
     n = [mpf(0)] * (size - len(n)) + n
     lag = [sum(d[i] * d[i + k] - n[i] * n[i + k] for i in range(size - k)) for k in range(size)]
@@ -136,7 +136,7 @@ def zeros_of_margin(n, d, margin):
 
 
 def squared_norm(n, d):
-    """(1/2pi) integral of |N/D|^2 over the unit circle, by reducing the degree of D one at a time
+    """(1/2pi) integral of |N/D|^2 over the unit circle, by reducing the degree of D by one in each step
     (Astrom, Jury, Agniel, IEEE Trans. Automat. Control 15, 1970)."""
     d = trimmed(d)
     n = [mpf(0)] * (len(d) - len(trimmed(n))) + trimmed(n)

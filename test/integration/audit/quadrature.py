@@ -1,4 +1,4 @@
-"""Means over the unit circle by Gauss-Legendre panels, graded towards the singularities nearby and halved until they agree."""
+"""Means over the unit circle by Gauss-Legendre panels, graded towards nearby singularities and halved until they converge."""
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class Panels:
 
 
 def graded(singular):
-    """Edges from 0 to pi, in octaves about every complex frequency."""
+    """Edges from 0 to pi, spaced in octaves around every complex frequency."""
     edges = [0.0, float(PI)]
     nearest = min([abs(w) for w in singular] + [1.0])
     centres = [(0.0, max(nearest / 4, 1e-9))] + [(abs(w.real), max(abs(w.imag), 1e-12)) for w in singular]
@@ -51,7 +51,7 @@ def graded(singular):
         edges.append(centre)
     edges = sorted(e for e in set(edges) if 0.0 <= e <= PI)
     kept = [edges[0]]
-    for e in edges[1:]:  # no slivers, of which several singular places make many
+    for e in edges[1:]:  # without the slivers that several singularities cause
         if e - kept[-1] > 0.2 * min([max(abs(e - w.real), abs(w.imag)) for w in singular] + [max(e, 1e-9)]):
             kept.append(e)
     kept[-1] = PI
@@ -59,7 +59,7 @@ def graded(singular):
 
 
 def panels(singular, integrands, tolerance=1e-15):
-    """Panels that resolve all of integrands(circle), a list of positive arrays."""
+    """Panels that resolve all arrays of the list integrands(circle), which must be positive."""
     edges = np.array(graded(singular), LONG)
     for _ in range(40):
         finer = np.sort(np.concatenate([edges, (edges[1:] + edges[:-1]) / 2]))

@@ -1,8 +1,10 @@
-"""Mean and variance of every tracking error of the first followers, by the covariance of all that the string remembers:
-positions, registers of every loop, filter, delay and predictor. One quantity after the other joins the table, as a linear
-combination of those in it and an innovation that is uncorrelated with them; what nothing needs any more leaves it. Of a
-lossy link r = predicted + theta e = predicted + p e + w the innovation is w = (theta - p) e, of variance p q E e^2: theta is
-independent of all in the table. Whole numbers in units of 2^-400."""
+"""Mean and variance of every tracking error of the first followers, from the covariance of the string's whole state: positions
+and the registers of every loop, filter, delay and predictor.
+
+Each new quantity enters the table as a linear combination of its entries plus an innovation that is uncorrelated with them, and
+replaces one that is no longer needed. For a lossy link r = predicted + theta e = predicted + p e + w the innovation is
+w = (theta - p) e with variance p q E e^2, as theta is independent of all entries. All numbers are integers in units of 2^-400.
+"""
 
 import numpy as np
 from mpmath import mp, mpf
@@ -50,7 +52,7 @@ class Ring:
         return self.places[age - 1]
 
     def turn(self):
-        """The place of the oldest, now of the newest."""
+        """Makes the oldest place the newest one; returns it."""
         self.places.insert(0, self.places.pop())
         return self.places[0]
 
@@ -77,7 +79,7 @@ class Follower:
         self.end = start + sum(sizes)
 
     def begin(self, own, ahead):
-        """What every place holds of the own initial position and of that ahead after step -1."""
+        """Sets the coefficients of the own and of the predecessor's initial position in every place after step -1."""
         gain, rest = self.at_one
         for place in self.registers.places:
             own[place] = 1 / gain
@@ -88,7 +90,8 @@ class Follower:
             ahead[place] = mpf(1)
 
     def step(self, table, ahead, leader):
-        """One step behind the position at this place, or behind a leader at this position: mean and variance of the error."""
+        """One step behind the vehicle whose position is at place `ahead` (None: the leader, at position `leader`): mean and
+        variance of the error."""
         one = 1 << BITS
         y = table.combined([(b, self.registers[self.lead + i]) for i, b in enumerate(self.b)])
         table.put(self.y.turn(), y)
@@ -116,7 +119,7 @@ class Follower:
 
 
 def leader_positions(model, loop, steps):
-    """y_0(0), y_0(1), ... from the equilibrium at 0."""
+    """y_0(0), y_0(1), ..., starting from the equilibrium at 0."""
     position, reference, speeds = mpf(0), [], model["leader"]["speed"]
     for k in range(steps):
         reference.append(position)
@@ -126,7 +129,7 @@ def leader_positions(model, loop, steps):
 
 
 def moments(model, followers, steps):
-    """Means and variances of zeta_i(k), i = 1, ..., and k = 0, 1, ..."""
+    """Means and variances of zeta_i(k), i = 1, ..., followers, k = 0, ..., steps - 1, each as a list per follower."""
     parts, start, loops = [], 0, {}
     for vehicle in link_reference.vehicles_of(model, followers):
         loop = loops.setdefault(id(vehicle), None) or loop_of(vehicle)

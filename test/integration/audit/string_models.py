@@ -1,4 +1,4 @@
-"""Random platoons over links and mixed strings. All numbers are doubles; poles at z = 1 are there exactly."""
+"""Random platoons over links and mixed strings. All numbers are doubles; poles at z = 1 are exact."""
 
 import functools
 import math
@@ -40,7 +40,7 @@ def channel(draw, most_losses=0.6):
 
 
 def calm(draw):
-    """A vehicle of a plain model whose headway makes string stability likely."""
+    """A plain model with a headway that makes string stability likely."""
     model = plain(draw)
     if model is not None:
         model["time_headway"] = draw.uniform(2, 20)
@@ -54,7 +54,7 @@ def linked(draw):
 
 
 def type_of(draw, base, lossy=True):
-    """What a type of vehicle gives: some of the keys, the others it inherits."""
+    """The keys of a vehicle type; it inherits all others."""
     own, other = {}, calm(draw)
     if other is None:
         return None
@@ -73,7 +73,7 @@ def type_of(draw, base, lossy=True):
     if draw.random() < 0.5:
         own["channel"] = channel(draw)
         inherits = "loss" in base.get("channel", {}) and "loss" in own["channel"]
-        if inherits and draw.random() < 0.4:  # the probability stays the default vehicle's
+        if inherits and draw.random() < 0.4:  # inherits the default vehicle's probability
             del own["channel"]["loss"]["probability"]
         if not lossy:
             own["channel"].pop("loss", None)
@@ -96,7 +96,7 @@ def mixed(draw):
 
 
 def long_pattern(draw):
-    """8 to 30 vehicles: as at random, or cars with a truck now and then."""
+    """A pattern of 8 to 30 vehicles: random types, or cars with occasional trucks."""
     model = calm(draw)
     if model is None:
         return None
@@ -118,7 +118,7 @@ def car_behind_link(draw):
 
 
 def car_string(draw):
-    """Cars and trucks with lags, delays and gains of their own, at one sample period."""
+    """Cars and trucks with different lags, delays and gains, at one sample period."""
     model = car(draw)
     if model is None:
         return None
@@ -138,8 +138,8 @@ def car_string(draw):
 
 
 def flat(draw):
-    """1 - |T^|^2 vanishes like w^4 or faster at w = 0, to the digits of double: T a finite response, symmetric but for the
-    slopes of the losses, which it makes up for."""
+    """A model with 1 - |T^|^2 = O(w^4) or smaller at w = 0, to double precision: T is a finite impulse response, symmetric except
+    for terms that compensate the slope of the losses."""
     model = calm(draw)
     if model is None:
         return None
@@ -153,7 +153,7 @@ def flat(draw):
         curve = [1.0]
         for _ in range(power):
             curve = np.convolve(curve, [-0.5, 1.0, -0.5])
-        if power == 3:  # with noise that has no power at w = 0 its limit exists, and takes more digits than there are here
+        if power == 3:  # with noise without power at w = 0 a limit exists, but needs more digits than this audit has
             model["channel"].pop("noise_filter", None)
         response = -c * curve
         response[power] += 1
@@ -172,7 +172,7 @@ def flat(draw):
 
 
 def admissible(model):
-    """Whether every vehicle and every link settles."""
+    """Whether every vehicle and every link is stable, with all loss probabilities given."""
     names = ["default"] + list(model.get("vehicle_types", {}))
     for vehicle in {id(v): v for v in link_reference.vehicles_of(dict(model, string=names), len(names))}.values():
         if link_needs(vehicle) or not settles(vehicle):
@@ -181,7 +181,7 @@ def admissible(model):
 
 
 def link_needs(vehicle):
-    """A probability is missing that nothing gives."""
+    """Whether a loss probability is missing."""
     return "probability" not in vehicle.get("channel", {}).get("loss", {"probability": 0})
 
 
@@ -191,7 +191,7 @@ def settles(vehicle):
 
 
 def seems_stable(model):
-    """Whether |T^| of the pattern stays below 1 on a coarse grid, in double precision: enough to draw by."""
+    """Whether |T^| of the pattern stays below 1 on a coarse grid in double precision, which suffices for drawing models."""
     w = np.geomspace(1e-3, np.pi, 400)
     z, log = np.exp(1j * w), 0
     names = model.get("string", ["default"])
@@ -208,7 +208,7 @@ def seems_stable(model):
 
 
 def lengthened(draw, model):
-    """More often than not with headways just beyond those that make the string stable."""
+    """The model, in most cases with headways increased until it seems stable, times a factor of 0.9 to 2."""
     if model is None or "plant" not in model or draw.random() < 0.2 or any(
             link_needs(vehicle) for vehicle in link_reference.vehicles_of(model, 30)):
         return model

@@ -1,5 +1,5 @@
-"""Stationary values, limits and the decision of a string of followers over links with independent losses: the formulas of
-link_theory_test.py, with the nodes and the digits that random models need."""
+"""Stationary values, limits and verdict for a string over links with independent losses: the formulas of link_theory_test.py,
+with the quadrature nodes and digits that random models need."""
 
 import numpy as np
 from mpmath import mp, mpf
@@ -8,12 +8,12 @@ import link_reference
 from audit.followers import LONG, Circle, long, made
 from audit.quadrature import PI, panels
 
-UNDECIDED = 1e-11  # of the last digit of T's coefficients, as for the paper's platoon
+UNDECIDED = 1e-11  # relative to the doubt from the last digit of T's coefficients, as for the paper's platoon
 UNDECIDED_GAIN = 1e-9
 
 
 def refined(function, values, grid):
-    """The places of the local minima of a function that has these values on a grid; golden section search."""
+    """The local minima of a function with these values on a grid, by golden section search."""
     middle = np.arange(1, len(grid) - 1)
     middle = middle[(values[middle] <= values[middle - 1]) & (values[middle] <= values[middle + 1])]
     low, high, golden = grid[middle - 1], grid[middle + 1], LONG("0.6180339887498948482")
@@ -25,7 +25,7 @@ def refined(function, values, grid):
 
 
 def perron_root(matrix):
-    """Of a nonnegative matrix, by squaring, which has every entry to its own digits however far they are apart."""
+    """The Perron root of a nonnegative matrix by repeated squaring, which keeps the relative accuracy of every entry."""
     power, logarithm, share = matrix, LONG(0), LONG(1)
     for _ in range(80):
         most = power.max()
@@ -38,7 +38,7 @@ def perron_root(matrix):
 
 
 def solved(gains, given):
-    """x with x - gains x = given."""
+    """The solution x of x - gains x = given."""
     count = len(given)
     matrix = mp.matrix(count, count)
     for i in range(count):
@@ -48,7 +48,7 @@ def solved(gains, given):
 
 
 class String:
-    """One pattern of the string of a model."""
+    """One pattern of a model's string."""
 
     def __init__(self, model):
         names = model.get("string", ["default"])
@@ -74,10 +74,10 @@ class String:
         return [values[k] for k in self.order]
 
     def margin(self, circle):
-        """1 - |T^|^2 of the pattern, by the sum of the logarithms of its factors."""
+        """1 - |T^|^2 of the pattern, from the sum of the logarithms of its factors."""
         return -np.expm1(sum(v["log"] for v in self.at(circle)))
 
-    # The decision.
+    # The verdict.
 
     def counts(self):
         return [self.order.count(k) for k in range(len(self.kinds))]
@@ -86,12 +86,12 @@ class String:
         return self.kinds[0].flatness() if len(self.kinds) == 1 else 0
 
     def grows_at_zero(self):
-        """Whether 1 - |T^|^2 of the pattern vanishes faster at w = 0 than what it divides."""
+        """Whether 1 - |T^|^2 of the pattern has more zeros at w = 0 than the spectra that are divided by it."""
         orders = [f.zeros_at_one() for f in self.kinds]
         return 1 + self.flatness() > min(added for added, _ in orders) + min(divided for _, divided in orders)
 
     def slope(self, circle):
-        """-log |T^|^2 of the pattern over 1 - cos w, without zeros at w = 0, and its doubt."""
+        """-log |T^|^2 of the pattern over 1 - cos w, zeros at w = 0 removed, and its doubt."""
         slope, doubt, power = 0, 0, 1 + self.flatness()
         for kind, count in zip(self.kinds, self.counts()):
             values = kind.at(circle)
@@ -108,7 +108,7 @@ class String:
         return np.asarray(grid[(grid > 1e-8) & (grid <= float(PI))], LONG)
 
     def least(self):
-        """The smallest slope() over its doubt, and w where it is."""
+        """The smallest ratio of slope() to its doubt, and its frequency w."""
         grid = self.grid()
         slope, _ = self.slope(Circle(grid))
         places = np.append(refined(lambda c: self.slope(c)[0], slope, grid), grid[-1])
@@ -127,7 +127,7 @@ class String:
         return float(np.exp(max(0, -log(Circle(places)).min()) / 2))
 
     def verdict(self):
-        """True, False or None, and why; None where the digits of double do not tell."""
+        """(string stable, reason); None if double precision of the coefficients does not determine it."""
         for f in self.kinds:
             if abs(1 - f.loop.rho) < 1e-9 or abs(1 - f.feedback) < 1e-9:
                 return None, "at the border of mean square stability"
@@ -152,13 +152,13 @@ class String:
             return None, "loss gain 1 to the digits"
         return bool(gain < 1), "loss gain %.12g" % gain
 
-    # Losses and limits of a string whose |T^| is below 1.
+    # Loss gain and limits, for |T^| < 1.
 
     def panels_of_limit(self):
         def integrands(circle):
             values, margin = self.at(circle), self.margin(circle)
             after = 1
-            for v in values:  # no spectrum exceeds this one
+            for v in values:  # an upper bound of all spectra
                 after = v["gain"] * after + v["gain"] * (1 + v["noise"])
             through = after / margin
             found = [sum(v["complement"] for v in values) * through, sum(v["headway"] * v["gain"] for v in values)]
@@ -169,7 +169,7 @@ class String:
         return panels(self.singular(), integrands)
 
     def spectra_ahead(self, values, margin, added):
-        """Of what is ahead of every follower of the pattern, in an endless string to which every one adds this."""
+        """The spectrum ahead of each follower of the pattern in an endless string in which each follower adds `added`."""
         spectrum = 0
         for v, a in zip(values, added):
             spectrum = v["gain"] * spectrum + a
@@ -181,7 +181,7 @@ class String:
         return ahead
 
     def gains(self, grid, values, margin):
-        """What the variance of w_l, over all its repetitions, adds to that of w_j."""
+        """Matrix (j, l): the gain from the variance of w_l, over all repetitions of the pattern, to that of w_j."""
         count = len(values)
         gains = np.zeros((count, count), LONG)
         for l, source in enumerate(self.followers):
@@ -199,7 +199,7 @@ class String:
         return perron_root(self.gains(grid, values, self.margin(grid.circle)))
 
     def limits(self):
-        """The loss gain and the limit of every follower of the pattern."""
+        """The loss gain, and the limit variance of every follower of the pattern."""
         grid = self.panels_of_limit()
         values, margin = self.at(grid.circle), self.margin(grid.circle)
         added = [v["gain"] * v["noise"] for v in values]
@@ -213,10 +213,10 @@ class String:
         limits = [grid.mean(v["complement"] * a + v["headway"] * own) for v, a, own in zip(values, ahead, added)]
         return perron_root(gains), [mpf(str(x)) for x in limits]
 
-    # Behind a finite number of vehicles.
+    # Finite strings.
 
     def stationary(self, followers):
-        """Variances and means."""
+        """Stationary variances and means of the first followers."""
         def spectra(circle, mean):
             values, spectrum, found = self.at(circle), 0, []
             for i in range(followers):

@@ -1,4 +1,4 @@
-"""Platoons over links and mixed strings: everything that analyze reports, and on both sides of every border."""
+"""Platoons over links and mixed strings: all results of analyze, and the verdicts on both sides of every border."""
 
 import random
 
@@ -10,9 +10,9 @@ from audit.paper import DECAY, LIMIT, STATIONARY
 from audit.string_theory import String
 
 FOLLOWERS, STEPS = 20, 100
-LOSS_GAIN = 1e-9  # of the gain
-PEAK = 1e-9      # of the gain
-BORDER = 1e-7     # of headways and loss probabilities
+LOSS_GAIN = 1e-9  # relative
+PEAK = 1e-9       # relative
+BORDER = 1e-7     # distance of probes from borders: headways relative, loss probabilities absolute
 
 
 def check(name, model, found, findings):
@@ -64,7 +64,7 @@ def check_verdict(name, kind, string, found, findings):
         if string.lossy:
             findings.compare("loss gain", gain, found["loss_gain"], (LOSS_GAIN + undetermined) * gain, name)
         limit = max(limits)
-        # Losses of losses: a geometric series in the gain.
+        # Losses amplify the variance of losses: a geometric series in the gain.
         allowed = (LIMIT + undetermined) * limit / mpf(abs(1 - gain))
         findings.compare("limit variance", limit, found["limit_variance"], allowed, name)
     elif not stable and why.startswith("loss gain"):
@@ -77,7 +77,7 @@ def inside(x, intervals):
 
 
 def probe(name, what, model, value, expected, findings):
-    """Whether the string that has this value is stable."""
+    """Checks that the verdict on the model with this value is the expected one."""
     string = String(model)
     stable, why = string.verdict()
     findings.fail_unless(stable in (None, expected), name, "%s %.12g: string stable: %s (%s), and analyze says %s" % (

@@ -1,16 +1,16 @@
-"""Mean and variance of every (i, k) of the first followers."""
+"""Compares mean and variance of every (i, k) of the first followers."""
 
 from mpmath import mpf
 
 import link_reference
 from audit import second_moments
 
-MEAN = 1e-13      # of the largest mean and displacement per step times 1 + headway
-VARIANCE = 1e-12  # of a cell
+MEAN = 1e-13      # relative to the larger of the largest mean and the largest displacement per step times 1 + headway
+VARIANCE = 1e-12  # relative, per cell
 
 
 def check(name, model, found, followers, steps, findings):
-    """The means and variances that are compared."""
+    """Compares; returns the means and variances of the audit."""
     means, variances = second_moments.moments(model, followers, steps)
     vehicles = link_reference.vehicles_of(model, followers)
     fastest = max(abs(entry["value"]) for entry in model["leader"]["speed"]) * model["sample_period"]

@@ -19,14 +19,14 @@ void require_order(Eigen::Index order) {
                               std::to_string(kHighestOrder) + " poles");
 }
 
-/// Takes the zeros at the origin off p and counts them.
+/// p without its zeros at the origin; adds their number to `count`.
 ExactPolynomial without_zeros_at_origin(const Polynomial& p, std::size_t& count) {
   ExactPolynomial q = exact(p);
   for (; q.size() > 1 && q.back() == 0; ++count) q.pop_back();
   return q;
 }
 
-/// By powers of s, the zeros that are at s = 0 to the rounding of p's coefficients put there.
+/// p by powers of s; zeros at s = 0 to the rounding of the coefficients of p are placed there exactly.
 ExactPolynomial with_zeros_at_one(const ExactPolynomial& p) {
   ExactPolynomial magnitudes;
   for (const Exact& coefficient : p) magnitudes.push_back(abs(coefficient));
@@ -65,12 +65,12 @@ ExactFraction exact_closed_loop(const TransferFunction& plant, const TransferFun
   return {numerator, denominator};
 }
 
-// Modes are zeros of polynomials: on the unit circle up to rounding is on it.
+// Modes are computed as zeros of polynomials, so a mode within rounding of the unit circle counts as on it.
 bool is_inside_unit_circle(std::complex<double> mode) {
   return std::abs(mode) < 1.0 - 1e-6;
 }
 
-/// `divide`: the controller is to be divided by 1 + h.
+/// If `divide`, the controller is divided by 1 + h.
 ClosedLoop form_loop(const TransferFunction& plant, const TransferFunction& controller, bool divide, double headway) {
   for (const TransferFunction* part : {&plant, &controller}) {
     if (part->numerator()(0) == 0.0)
@@ -104,7 +104,7 @@ DeltaFraction delta_fraction(const ClosedLoop& loop) {
 
 double spectral_radius(const ClosedLoop& loop) {
   if (!loop.exact) return spectral_radius(delta_form(loop.transfer.denominator()));
-  // What T cancelled stands in `exact` and is no mode of A; zeros at z = 0 are cancelled there, too.
+  // Factors cancelled in T remain in `exact` and are no modes of A; zeros at z = 0 are cancelled in both.
   std::vector<std::complex<long double>> poles = zeros(rounded_delta(loop.exact->denominator));
   for (const std::complex<double>& mode : loop.hidden_modes) {
     if (mode == 0.0 || poles.empty()) continue;
@@ -152,8 +152,8 @@ RampGain ramp_gain(const DeltaFraction& t) {
   return {value, (at(t.numerator, 1) - value * at(t.denominator, 1)) / at(t.denominator, 0)};
 }
 
-// Double integral action, or what it means for T, to the accuracy of a realization given to six digits: T(1)
-// = 1 and dT/dz(1) = -h, as H(1) T(1) = 1 and (H T)'(1) = 0.
+// Double integral action as a property of T, to the accuracy of a realization given to six digits: T(1) = 1 and
+// dT/dz(1) = -h, as H(1) T(1) = 1 and (H T)'(1) = 0.
 bool tracks_a_ramp(const RampGain& gain, double headway) {
   return std::abs(gain.value - 1.0L) < 1e-4L && std::abs(gain.slope + headway) < 1e-3L * (1.0L + headway);
 }
@@ -170,8 +170,7 @@ std::string missing_integral_action(const ClosedLoop& loop, const RampGain& gain
   return text.str();
 }
 
-/// What stands between T as it is and T as the vehicles compute it, which have its coefficients in double;
-/// empty where nothing does.
+/// Explains why the vehicles, which compute T with coefficients rounded to double, do not realize T; empty if they do.
 std::string rounded_away(const ClosedLoop& loop, double headway) {
   const RampGain gain = ramp_gain({delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())});
   if (tracks_a_ramp(gain, headway) && (spectral_radius(loop) >= 1.0 || spectral_radius(loop.realization) < 1.0))
@@ -202,7 +201,7 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
     found.push_back(missing_integral_action(loop, gain, headway));
   } else if (loop.integrators) {
     const std::string text = rounded_away(loop, headway);
-    if (!text.empty()) return {text};  // nothing else can be told from rounding
+    if (!text.empty()) return {text};  // rounding hides all other properties
   }
   const double rho = spectral_radius(loop);
   if (rho >= 1.0 && !allow_unstable) {

@@ -9,7 +9,7 @@ namespace platoon {
 
 namespace detail {
 
-// d = gain g + first (of a filter's first register; null: none).
+// d = gain g + first; first: the filter's first register, null for none.
 PLATOON_VECTOR_CLONES
 void filter_output(double gain, const double* normals, const double* first, std::size_t size, double* noise) {
   if (first == nullptr) {

@@ -8,13 +8,13 @@
 
 namespace platoon {
 
-/// Coloured noise: position + sqrt(P_d) W(z) g, where g is the standard normal white noise of AwgnChannel
-/// from k = 0 on, and W rests before. W is run in transposed direct form II,
+/// Coloured noise: position + sqrt(P_d) W(z) g, with g the standard normal white noise of AwgnChannel from k = 0 on and
+/// W initially at rest. W runs in transposed direct form II,
 ///     d = b_0 g + v_1,   v_j <- b_j g - a_j d + v_{j+1},   v_{n+1} = 0.
 class ColouredNoise : public LinkStage {
 public:
-  /// noise_variance is P_d [m^2], receiver i >= 1. Throws std::invalid_argument unless P_d is finite and >= 0
-  /// and W is proper.
+  /// noise_variance is P_d [m^2], receiver i >= 1. Throws std::invalid_argument unless P_d is finite and >= 0 and W is
+  /// proper.
   ColouredNoise(double noise_variance, const TransferFunction& filter, std::uint64_t seed, std::uint32_t receiver);
 
   bool keeps_state() const override { return !registers_.empty(); }
@@ -27,7 +27,7 @@ private:
   std::vector<double> numerator_, denominator_;  ///< b_1 .. b_n, a_1 .. a_n
   WhiteNoise draws_;
   std::uint32_t receiver_;
-  std::vector<AlignedValues> registers_;  ///< v_1 .. v_n, of every realization
+  std::vector<AlignedValues> registers_;  ///< v_1 .. v_n, one value per realization
 };
 
 }  // namespace platoon

@@ -7,7 +7,7 @@
 
 namespace platoon {
 
-/// A delay of m whole steps: the position of step k - m, of step -1 for k < m.
+/// A delay of m whole steps: outputs the position of step k - m, and that of step -1 for k < m.
 class DelayLine : public LinkStage {
 public:
   /// Throws std::invalid_argument unless m >= 1.
@@ -18,7 +18,7 @@ public:
   void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) override;
 
 private:
-  std::vector<AlignedValues> registers_;  ///< the last m positions of every realization, as a ring
+  std::vector<AlignedValues> registers_;  ///< ring of the last m positions, per realization
   std::size_t oldest_ = 0;
 };
 

@@ -5,14 +5,14 @@
 
 namespace platoon {
 
-/// From this step on the virtual leader drives at this speed.
+/// Speed of the virtual leader from a step on.
 struct SpeedChange {
   std::int64_t from_step;  ///< k >= 0
   double value;            ///< [m/s]
 };
 
-/// Virtual leader with piecewise constant speed: r_0(k+1) = r_0(k) + T_s speed(k), r_0(k) = 0 for k <= 0; the
-/// speed before the first change is 0 (paper, assumption on the leader).
+/// Virtual leader with piecewise constant speed: r_0(k+1) = r_0(k) + T_s speed(k), r_0(k) = 0 for k <= 0. The speed
+/// before the first change is 0 (paper, assumption on the leader).
 ///
 /// Throws std::invalid_argument unless the changes have finite speeds and strictly increasing steps >= 0, and
 /// T_s > 0.
@@ -23,7 +23,7 @@ public:
   /// r_0(k) [m].
   double position(std::int64_t step) const;
 
-  /// Its speed from step k to k + 1 [m/s].
+  /// Speed from step k to k + 1 [m/s].
   double speed(std::int64_t step) const;
 
   const std::vector<SpeedChange>& changes() const { return changes_; }

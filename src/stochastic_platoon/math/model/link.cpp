@@ -12,7 +12,7 @@ namespace platoon {
 
 namespace {
 
-// The one place where the order of the stages stands.
+// The only place that defines the order of the stages.
 std::vector<std::unique_ptr<LinkStage>> stages_of(const LinkModel& link, double noise_variance, std::uint64_t seed,
                                                   std::uint32_t receiver) {
   std::vector<std::unique_ptr<LinkStage>> stages;

@@ -12,21 +12,21 @@
 
 namespace platoon {
 
-/// The link into vehicle i: what becomes of its predecessor's positions on their way to it,
+/// The link into vehicle i, which transmits the positions of its predecessor:
 ///     quantise -> + noise -> delay -> loss
 /// (see LinkModel). At step -1 every stage passes the position on and fills its registers with it.
 ///
-/// Every draw is a pure function of (seed, purpose, i, k, r). A link whose stages keep state takes the steps of
-/// a batch in turn, from step -1 on; any other, the paper's among them, takes each by its name alone.
+/// Every draw is a pure function of (seed, purpose, i, k, r). A link with stages that keep state requires the steps of
+/// a batch in order, from step -1 on; any other link, such as the paper's, accepts steps in any order.
 class Link {
 public:
-  /// receiver is i >= 1. Throws std::invalid_argument for what a stage cannot be.
+  /// receiver is i >= 1. Throws std::invalid_argument if the constructor of a stage does.
   Link(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver);
 
-  /// Of stages of one's own, in this order.
+  /// A link of these stages, in this order.
   explicit Link(std::vector<std::unique_ptr<LinkStage>> stages);
 
-  Link(const Link&) = delete;  // so that a vector of what holds one does not try to copy it
+  Link(const Link&) = delete;  // so that vectors of classes that contain a Link move it
   Link(Link&&) = default;
   Link& operator=(Link&&) = default;
 
@@ -45,7 +45,7 @@ private:
   void take(std::vector<std::unique_ptr<LinkStage>> stages);
 
   AwgnChannel noise_;                               ///< the paper's channel
-  std::vector<std::unique_ptr<LinkStage>> stages_;  ///< in its place; none where it is all there is
+  std::vector<std::unique_ptr<LinkStage>> stages_;  ///< replace noise_; empty if the link is the paper's
   bool keeps_state_ = false;
 };
 

@@ -27,7 +27,7 @@ Eigen::MatrixXd kronecker_square(const Eigen::MatrixXd& a) {
 
 double second_moment_radius(const LossModel& loss) {
   const auto n = static_cast<Eigen::Index>(loss.predictor.size());
-  Eigen::MatrixXd arrived = Eigen::MatrixXd::Zero(n, n);  // r(k) comes from outside
+  Eigen::MatrixXd arrived = Eigen::MatrixXd::Zero(n, n);  // r(k) does not depend on the registers
   arrived.diagonal(-1).setOnes();
   Eigen::MatrixXd lost = arrived;
   lost.row(0) = Eigen::Map<const Eigen::RowVectorXd>(loss.predictor.data(), n);
@@ -43,7 +43,7 @@ double second_moment_radius(const LossModel& loss) {
 }
 
 double loss_feedback(const LossModel& loss) {
-  // Of F's impulse response R = [r(k), r(k-1), ..] the Gramian X = sum R R', and L F is c R one step later.
+  // Gramian X = sum R R' of the impulse response R = [r(k), r(k-1), ..] of F; L F is c R one step later.
   const auto n = static_cast<Eigen::Index>(loss.predictor.size());
   const Eigen::VectorXd c = Eigen::Map<const Eigen::VectorXd>(loss.predictor.data(), n);
   Eigen::MatrixXd step = Eigen::MatrixXd::Zero(n, n);

@@ -8,38 +8,39 @@
 
 namespace platoon {
 
-/// Loss of positions, and what a follower uses in the place of one: r(k) = c_1 r(k-1) + c_2 r(k-2) + ... of
-/// what it used before.
+/// Loss of positions, and the prediction that replaces a lost one: r(k) = c_1 r(k-1) + c_2 r(k-2) + ... of the
+/// positions used before.
 struct LossModel {
   double probability = 0.0;               ///< q, in [0, 1)
-  std::optional<double> mean_burst = {};  ///< b >= max(1, q / (1 - q)); none: independent losses
+  std::optional<double> mean_burst = {};  ///< b >= max(1, q / (1 - q)) [steps]; none: independent losses
   std::vector<double> predictor = {1.0};  ///< c_1, c_2, ..., of sum 1: holding is [1]
 
   /// The b of independent losses: 1 / (1 - q).
   double independent_burst() const { return 1.0 / (1.0 - probability); }
 
-  /// Whether the losses are independent, by being said to be or by their mean burst.
+  /// Whether the losses are independent: no mean burst, or the mean burst of independent losses.
   bool is_independent() const;
 
-  /// The chance of a loss after a loss, 1 - 1 / b, and after an arrival, q / (b (1 - q)); q and q where they
-  /// are independent. The chain is stationary: a position is lost with probability q at every step.
+  /// Probability of a loss after a loss, 1 - 1 / b, and after an arrival, q / (b (1 - q)); both are q for independent
+  /// losses. The chain is stationary: a position is lost with probability q at every step.
   double after_loss() const { return mean_burst ? 1.0 - 1.0 / *mean_burst : probability; }
   double after_arrival() const { return mean_burst ? probability / (*mean_burst * (1.0 - probability)) : probability; }
 };
 
-/// How often a growing prediction may be used, squared: the spectral radius of the second moments of what a
-/// follower uses, r(k), under losses alone. Below 1 its variance settles; for independent losses that is so
-/// just when F = 1 / (1 - q L) is stable and p q ||L F||_2^2 < 1, with L = c_1 z^-1 + c_2 z^-2 + ..., p = 1 - q.
+/// Spectral radius of the second moments of the position r(k) that a follower uses, under losses alone. The variance of
+/// r(k) settles if it is below 1. For independent losses this holds exactly if
+///     F = 1 / (1 - q L) is stable and p q ||L F||_2^2 < 1,
+/// with L = c_1 z^-1 + c_2 z^-2 + ..., p = 1 - q.
 ///
-/// For modes 0 (arrived) and 1 (lost) of the chain and the registers' matrices A_0, A_1 it is that of the
-/// block matrix of P(b | a) A_b (x) A_b (O. Costa, M. Fragoso, R. Marques, Discrete-Time Markov Jump Linear
-/// Systems, 2005, theorem 3.9).
+/// For modes 0 (arrived) and 1 (lost) of the chain and the matrices A_0, A_1 of the registers, it is the spectral
+/// radius of the block matrix of P(b | a) A_b (x) A_b (O. Costa, M. Fragoso, R. Marques, Discrete-Time Markov Jump
+/// Linear Systems, 2005, theorem 3.9).
 double second_moment_radius(const LossModel& loss);
 
-/// p q ||L F||_2^2 of independent losses (see above); infinite where F is unstable.
+/// p q ||L F||_2^2 of independent losses (see above); infinite if F is unstable.
 double loss_feedback(const LossModel& loss);
 
-/// The link into one follower beside its noise variance:
+/// The link into one follower, without its noise variance:
 ///     quantise -> + noise d = W g -> delay of m steps -> loss.
 struct LinkModel {
   TransferFunction noise_filter{Polynomial::Ones(1), Polynomial::Ones(1)};  ///< W(z), stable and proper
@@ -50,11 +51,11 @@ struct LinkModel {
   /// Whether W = 1.
   bool has_white_noise() const;
 
-  /// Whether it is the paper's: white noise and nothing else. A loss of probability 0 changes nothing.
+  /// Whether the link is the paper's: white noise and nothing else. A loss of probability 0 changes nothing.
   bool is_white_noise_only() const;
 };
 
-/// Whether two links do the same.
+/// Whether two links behave identically.
 bool operator==(const LinkModel& one, const LinkModel& other);
 
 }  // namespace platoon

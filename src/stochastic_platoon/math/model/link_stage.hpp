@@ -5,17 +5,17 @@
 
 namespace platoon {
 
-/// One stage of the link into a follower. It changes positions in place, for a batch of realizations, each by
-/// the same operations in the same order whatever batch it is in.
+/// One stage of the link into a follower. It changes the positions of a batch of realizations in place. A realization
+/// undergoes the same operations in the same order in every batch.
 class LinkStage {
 public:
   virtual ~LinkStage() = default;
 
-  /// Whether step() depends on what came before it: then its steps must come in turn, from start() on.
+  /// Whether step() depends on earlier steps. If so, steps must follow in order after start().
   virtual bool keeps_state() const = 0;
 
-  /// Step -1 of realizations first_realization .. + count - 1: fills its registers with these positions [m],
-  /// which it passes on as they are.
+  /// Step -1 of realizations first_realization .. first_realization + count - 1: fills the registers with these
+  /// positions [m], which pass unchanged.
   virtual void start(std::uint64_t first_realization, std::size_t count, const double* positions) = 0;
 
   /// Step k >= 0 of the same realizations.

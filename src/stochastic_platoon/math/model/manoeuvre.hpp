@@ -4,37 +4,39 @@
 
 namespace platoon {
 
-/// What the virtual leader is told while it drives: a speed v(k) in place of its profile's, r_0(k+1) = r_0(k) + T_s
-/// v(k). A manoeuvre begins at the speed of the step before and takes the place of the one under way.
+/// A manual manoeuvre of the virtual leader: a speed v(k) that replaces the profile's, r_0(k+1) = r_0(k) + T_s v(k). A
+/// manoeuvre starts at the speed of the previous step and replaces the active one.
 class Manoeuvre {
 public:
   static constexpr double kBraking = 4.0;         ///< [m/s^2]
   static constexpr double kAcceleration = 2.0;    ///< [m/s^2]
-  static constexpr double kSpeedIncrease = 10.0;  ///< [m/s] that accelerate() adds
+  static constexpr double kSpeedIncrease = 10.0;  ///< [m/s] added by accelerate()
   static constexpr double kAmplitude = 2.0;       ///< [m/s] of the sinusoid
-  static constexpr std::int64_t kPeriod = 10;     ///< steps: where the paper's string amplifies most at h = 2.4
+  static constexpr std::int64_t kPeriod = 10;     ///< [steps], at which the paper's string amplifies most for h = 2.4
   static constexpr double kLargestSpeed = 1e3;    ///< [m/s]
 
   /// T_s > 0 [s].
   explicit Manoeuvre(double sample_period) : sample_period_(sample_period) {}
 
-  /// From the next step on this speed [m/s]. Throws std::invalid_argument unless it is finite and its magnitude at
-  /// most kLargestSpeed.
+  /// Drives at this speed [m/s] from the next step on. Throws std::invalid_argument unless it is finite and its
+  /// magnitude is at most kLargestSpeed.
   void drive_at(double speed);
-  /// Slower by kBraking until it stands.
+  /// Brakes with kBraking to standstill.
   void brake();
-  /// Faster by kAcceleration until kSpeedIncrease is reached. Throws std::invalid_argument beyond kLargestSpeed.
+  /// Accelerates with kAcceleration by kSpeedIncrease. Throws std::invalid_argument if the speed would exceed
+  /// kLargestSpeed.
   void accelerate();
-  /// v(k) = v + kAmplitude sin(2 pi n / kPeriod), n = 1, 2, ... and v the present speed, until it is told otherwise.
+  /// Drives at v(k) = v + kAmplitude sin(2 pi n / kPeriod), n = 1, 2, ..., with v the present speed, until the next
+  /// command.
   void swing();
-  /// By kAcceleration back to the profile's speed, and then with the profile.
+  /// Returns to the profile's speed with kAcceleration and then follows the profile.
   void cruise();
-  /// With the profile at once.
+  /// Follows the profile at once.
   void end() { kind_ = Kind::none; }
 
   bool is_under_way() const { return kind_ != Kind::none; }
 
-  /// v of the next step [m/s], where the profile's is this one.
+  /// v of the next step [m/s]; `profile` is the profile's speed [m/s].
   double next_speed(double profile);
 
 private:
@@ -43,8 +45,8 @@ private:
 
   double sample_period_;
   Kind kind_ = Kind::none;
-  double speed_ = 0.0;         ///< [m/s] of the step before
-  double target_ = 0.0;        ///< [m/s] approached, or in the middle of the sinusoid
+  double speed_ = 0.0;         ///< [m/s], of the previous step
+  double target_ = 0.0;        ///< [m/s], to approach, or mean of the sinusoid
   double acceleration_ = 0.0;  ///< [m/s^2] >= 0
   std::int64_t step_ = 0;      ///< of the sinusoid
 };

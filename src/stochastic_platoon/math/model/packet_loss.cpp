@@ -20,7 +20,7 @@ void add_multiple(double c, const double* in, std::size_t size, double* out) {
   for (std::size_t r = 0; r < size; ++r) out[r] += c * in[r];
 }
 
-// Where u is below the chance, the prediction takes the position's place; and the chance of the next loss.
+// Replaces the position by the prediction if u is below the loss probability, and updates that probability.
 PLATOON_VECTOR_CLONES
 void lose(const double* uniforms, const double* predicted, double after_loss, double after_arrival, std::size_t size,
           double* chance, double* positions) {
@@ -31,7 +31,7 @@ void lose(const double* uniforms, const double* predicted, double after_loss, do
   }
 }
 
-// The same where losses are independent: every chance is q.
+// The same for independent losses: the probability is always q.
 PLATOON_VECTOR_CLONES
 void lose_independently(const double* uniforms, const double* predicted, double q, std::size_t size,
                         double* positions) {
@@ -63,7 +63,7 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
     draws_.fill_uniform({receiver_, step, Purpose::loss}, first_realization + r, size, uniforms.data());
     const double* guess = predicted.data();
     if (n == 1) {
-      guess = &used_[0][r];  // held, as the coefficients have sum 1
+      guess = &used_[0][r];  // a single coefficient is 1: hold
     } else {
       detail::scale(loss_.predictor[0], &used_[newest_][r], size, predicted.data());
       for (std::size_t j = 1; j < n; ++j)

@@ -8,12 +8,12 @@
 
 namespace platoon {
 
-/// Loses positions, independently or in bursts, and gives the prediction from what it gave before in the place
-/// of each: r(k) = s(k) where it arrives, c_1 r(k-1) + c_2 r(k-2) + ... where it is lost, r(-1), r(-2), ...
-/// being the position of step -1. See LossModel.
+/// Loses positions, independently or in bursts, and replaces each by a prediction from its earlier outputs: r(k) = s(k)
+/// if s(k) arrives and c_1 r(k-1) + c_2 r(k-2) + ... if it is lost, with r(-1), r(-2), ... the position of step -1. See
+/// LossModel.
 class PacketLoss : public LinkStage {
 public:
-  /// receiver is i >= 1. Throws std::invalid_argument unless 0 <= q < 1 and there is a predictor.
+  /// receiver is i >= 1. Throws std::invalid_argument unless 0 <= q < 1 and the predictor has coefficients.
   PacketLoss(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver);
 
   bool keeps_state() const override { return true; }
@@ -24,9 +24,9 @@ private:
   LossModel loss_;
   WhiteNoise draws_;
   std::uint32_t receiver_;
-  std::vector<AlignedValues> used_;  ///< r(k-1), r(k-2), ... of every realization, as a ring from newest_ on
+  std::vector<AlignedValues> used_;  ///< ring of r(k-1), r(k-2), ... from newest_ on, per realization
   std::size_t newest_ = 0;
-  AlignedValues chance_;  ///< of a loss at the next step, of every realization
+  AlignedValues chance_;  ///< probability of a loss at the next step, per realization
 };
 
 }  // namespace platoon

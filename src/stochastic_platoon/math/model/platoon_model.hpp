@@ -17,18 +17,18 @@ struct InitialPosition {
   double variance = 0.0;  ///< [m^2], >= 0
 };
 
-/// What may differ from follower to follower: the vehicle, its spacing and the link into it.
+/// Per-follower part of the model: the vehicle, its spacing and the link into it.
 struct VehicleModel {
   ClosedLoop loop;
   double headway;              ///< h > 0, in sample periods
   double standstill_distance;  ///< delta >= 0 [m], to its predecessor
   double noise_variance;       ///< P_d >= 0 [m^2]
   InitialPosition initial_position;
-  std::optional<LoopDesign> design;  ///< none where the closed loop itself was given
+  std::optional<LoopDesign> design;  ///< none if the closed loop itself was given
   LinkModel link;
 };
 
-/// What a type of vehicle does not give: it follows the default vehicle's, also where that is changed.
+/// Parameters that a vehicle type takes from the default vehicle, including later changes of them.
 struct Inherited {
   bool headway = false;
   bool plant = false;
@@ -36,18 +36,18 @@ struct Inherited {
   bool loss_probability = false;
 };
 
-/// A type of vehicle, by its name in the model file.
+/// A vehicle type and its name in the model file.
 struct VehicleType {
   std::string name;
   VehicleModel vehicle;
   Inherited inherited = {};
 };
 
-/// Everything the mathematics of a platoon needs (paper, section 3); the model file in C++. Without `types` in
-/// its `string` the platoon is homogeneous; with the default link, too, it is the paper's.
+/// Everything the mathematics of a platoon needs (paper, section 3): the contents of the model file. Without types in
+/// `string` the platoon is homogeneous; if the link is also the default one, it is the paper's.
 ///
-/// A plain value: what uses a part of it checks that part (ClosedLoopBatch, AwgnChannel, FollowerVehicle,
-/// LeaderVehicle throw std::invalid_argument), and the model file's parser checks all of it.
+/// A plain value: each class that uses a part of it checks that part (ClosedLoopBatch, AwgnChannel, FollowerVehicle,
+/// LeaderVehicle throw std::invalid_argument), and the parser of the model file checks all of it.
 struct PlatoonModel {
   ClosedLoop loop;
   double headway;                    ///< h > 0, in sample periods
@@ -56,48 +56,47 @@ struct PlatoonModel {
   double noise_variance = 0.0;       ///< P_d >= 0 [m^2]
   LeaderProfile leader;
   InitialPosition initial_position;
-  bool allow_unstable = false;            ///< rho(A) >= 1 was asked for
-  std::optional<LoopDesign> design = {};  ///< none where the closed loop itself was given
-  /// y_0(-1), y_0(0), ... [m]: vehicle 0 as it was recorded, in place of the loop behind `leader`. Empty: none.
+  bool allow_unstable = false;            ///< whether rho(A) >= 1 is accepted
+  std::optional<LoopDesign> design = {};  ///< none if the closed loop itself was given
+  /// y_0(-1), y_0(0), ... [m]: recorded positions of vehicle 0, used instead of the loop behind `leader`. Empty: none.
   std::vector<double> recorded_leader = {};
-  LinkModel link = {};                  ///< into every follower of the type `default`
-  std::vector<VehicleType> types = {};  ///< other types of vehicle
-  /// Type of followers 1, 2, ..., repeated: 0 is the vehicle above, n is types[n - 1]. Empty: all are 0.
+  LinkModel link = {};                  ///< into every follower of type `default`
+  std::vector<VehicleType> types = {};  ///< vehicle types other than `default`
+  /// Types of followers 1, 2, ..., repeated: 0 is the vehicle above, n is types[n - 1]. Empty: all are 0.
   std::vector<std::size_t> string = {};
 };
 
-/// Follower i >= 1 of the platoon, and the vehicle above, which is the leader, for i = 0.
+/// Follower i >= 1 of the platoon; for i = 0 the leader, which is the default vehicle.
 VehicleModel vehicle(const PlatoonModel& model, std::size_t follower);
 
-/// One repetition of the string by types: 0 is the default vehicle, n is types[n - 1].
+/// Types of one repetition of the string: 0 is the default vehicle, n is types[n - 1].
 std::vector<std::size_t> type_order(const PlatoonModel& model);
 VehicleModel vehicle_of_type(const PlatoonModel& model, std::size_t type);
 
-/// Names of the types in the string, `default` among them, that follow the default vehicle's headway, or its loss
-/// probability.
+/// Names of the types in the string, including `default`, that inherit the given parameter of the default vehicle.
 std::vector<std::string> types_with_default(const PlatoonModel& model, bool Inherited::*inherited);
 
-/// The platoon with another headway, gain of the controller (leading coefficient of its numerator) or loss
-/// probability of the default vehicle and of all types that inherit it, as the model file has it. Losses become
-/// independent: a mean burst belongs to one probability. Throw std::invalid_argument where a closed loop was given,
-/// which fits one headway, and where there is no loss.
+/// The platoon with another headway, controller gain (leading coefficient of the numerator) or loss probability of the
+/// default vehicle and of all types that inherit it in the model file. Losses become independent, as a mean burst
+/// belongs to one probability. These functions throw std::invalid_argument if a closed loop was given, which fits one
+/// headway only, or if there is no loss.
 PlatoonModel with_headway(PlatoonModel model, double headway);
 PlatoonModel with_gain(PlatoonModel model, double gain);
 PlatoonModel with_loss(PlatoonModel model, double probability);
 
-/// One repetition of the string: each of its vehicles.
+/// The vehicles of one repetition of the string.
 std::vector<VehicleModel> pattern(const PlatoonModel& model);
 
-/// Whether all followers are of the type `default`.
+/// Whether all followers have the type `default`.
 bool is_homogeneous(const PlatoonModel& model);
 
-/// Whether the platoon is the paper's: homogeneous, over channels that add white noise and nothing else.
+/// Whether the platoon is the paper's: homogeneous, over channels that only add white noise.
 bool is_papers(const PlatoonModel& model);
 
-/// Whether all errors are normal, as they are without losses and quantisation.
+/// Whether all errors are normal, which losses and quantisation prevent.
 bool has_normal_errors(const PlatoonModel& model);
 
-/// Where follower i stands in formation: -(delta_1 + ... + delta_i) [m].
+/// Place of follower i in formation: -(delta_1 + ... + delta_i) [m].
 double place_in_formation(const PlatoonModel& model, std::size_t follower);
 
 }  // namespace platoon

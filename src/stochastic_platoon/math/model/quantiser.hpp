@@ -5,9 +5,9 @@
 
 namespace platoon {
 
-/// Quantisation with subtractive dither: s = D floor((y + nu) / D + 1/2) - nu, where nu, uniform in
-/// [-D/2, D/2), is drawn by both ends of the link. Then s - y is white, uniform, independent of y and of
-/// variance D^2 / 12 (L. Schuchman, IEEE Trans. Communication Technology 12, 1964).
+/// Quantisation with subtractive dither: s = D floor((y + nu) / D + 1/2) - nu, with nu uniform in [-D/2, D/2) and known
+/// at both ends of the link. The error s - y is white, uniform, independent of y and of variance D^2 / 12 (L.
+/// Schuchman, IEEE Trans. Communication Technology 12, 1964).
 class Quantiser : public LinkStage {
 public:
   /// step_size is D [m], receiver i >= 1. Throws std::invalid_argument unless D is finite and > 0.

@@ -4,7 +4,7 @@
 
 namespace platoon {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();  ///< what has no bound
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();      ///< what is not defined, or not known
+constexpr double kInfinity = std::numeric_limits<double>::infinity();  ///< no bound
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();      ///< undefined or unknown
 
 }  // namespace platoon

@@ -66,8 +66,7 @@ Resolvent resolvent(const StateSpace& system) {
   ExactPolynomial transfer(n, Exact(0));
   ExactPolynomial denominator(n + 1, Exact(0));
   denominator[0] = 1;
-  // M = adj(zI - A) by descending powers of z: M_0 = I, M_k = A M_{k-1} + d_k I with d_k = -tr(A M_{k-1}) /
-  // k.
+  // M = adj(zI - A) by descending powers of z: M_0 = I, M_k = A M_{k-1} + d_k I with d_k = -tr(A M_{k-1}) / k.
   std::vector<ExactPolynomial> a(n, ExactPolynomial(n));
   std::vector<ExactPolynomial> adjugate_term(n, ExactPolynomial(n, Exact(0)));
   for (std::size_t i = 0; i < n; ++i) {

@@ -13,8 +13,8 @@ struct ExactFraction;
 
 /// x(k+1) = A x(k) + B u(k), y(k) = C x(k): the closed loop T of one vehicle, paper eq. (ith-closedloop).
 ///
-/// A is n x n, B is n x 1, C is 1 x n, n >= 1. Throws std::invalid_argument when the shapes do not fit or an
-/// entry is not finite.
+/// A is n x n, B is n x 1, C is 1 x n, n >= 1. Throws std::invalid_argument if the shapes do not match or an entry is
+/// not finite.
 class StateSpace {
 public:
   StateSpace(Eigen::MatrixXd a, Eigen::VectorXd b, Eigen::RowVectorXd c);
@@ -30,22 +30,21 @@ private:
   Eigen::RowVectorXd c_;
 };
 
-/// rho(A), the largest modulus of an eigenvalue of A; 1 - rho(A) to the digits of rho(A).
+/// rho(A), the largest modulus of an eigenvalue of A; 1 - rho(A) is as accurate as rho(A).
 double spectral_radius(const StateSpace& system);
 
-/// Equilibrium with output 1: the state x = A x + B u, C x = 1 of a constant input u, that is (I - A)^-1 B /
-/// T(1), shape n x 1. Throws std::invalid_argument when I - A is singular (a mode at z = 1) or T(1) = 0: then
-/// there is none.
+/// Equilibrium with output 1: the state x = A x + B u, C x = 1 of a constant input u, which is (I - A)^-1 B / T(1),
+/// shape n x 1. Throws std::invalid_argument if there is none: I - A is singular (a mode at z = 1) or T(1) = 0.
 Eigen::VectorXd unit_equilibrium(const StateSpace& system);
 
-/// Observable canonical realization of a strictly proper fraction: C = [1 0 ... 0]. Minimal if the fraction
-/// is in lowest terms. Throws std::invalid_argument when the fraction is not strictly proper.
+/// Observable canonical realization of a strictly proper fraction: C = [1 0 ... 0]. Minimal if the fraction is in
+/// lowest terms. Throws std::invalid_argument if the fraction is not strictly proper.
 StateSpace observable_canonical(const TransferFunction& transfer);
 
-/// R(z) = C (zI - A)^-1, 1 x n: how the states of one vehicle show in its output; and T = R B.
+/// R(z) = C (zI - A)^-1, 1 x n, from the states of one vehicle to its output, and T = R B.
 ///
-/// By the Faddeev-LeVerrier recursion in a hundred digits, which loses in coordinates of condition kappa up
-/// to kappa^n: every coefficient is that of the A, B and C given, rounded once.
+/// Computed by the Faddeev-LeVerrier recursion in a hundred digits, as it loses up to kappa^n in coordinates of
+/// condition kappa. Every coefficient is that of the given A, B and C, rounded once.
 struct Resolvent {
   std::vector<Polynomial> numerators;             ///< of the n entries, those of C adj(zI - A), by powers of z
   Polynomial denominator;                         ///< det(zI - A), by powers of z

@@ -7,7 +7,7 @@ namespace detail {
 PLATOON_VECTOR_CLONES
 void tracking_errors(const TrackingError& error, const double* predecessor, const double* own, const double* own_before,
                      std::size_t count, double* errors) {
-  const TrackingError zeta = error;  // a copy, which writing the errors cannot change
+  const TrackingError zeta = error;  // a local copy cannot alias `errors`
   for (std::size_t r = 0; r < count; ++r) errors[r] = zeta(predecessor[r], own[r], own_before[r]);
 }
 

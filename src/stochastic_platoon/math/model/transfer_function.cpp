@@ -13,7 +13,7 @@ namespace platoon {
 
 namespace {
 
-/// Quotient of a division that is known to leave no remainder.
+/// Quotient of a division without remainder.
 Polynomial exact_quotient(const Polynomial& dividend, const Polynomial& divisor) {
   Polynomial remainder = dividend;
   const Eigen::Index terms = dividend.size() - divisor.size() + 1;
@@ -36,9 +36,8 @@ Eigen::MatrixXd cofactor_map(const Polynomial& n, const Polynomial& d, Eigen::In
   return map;
 }
 
-/// The null vector of a matrix with no more columns than rows, if it has one to the tolerance. By a QR
-/// decomposition, at a tenth of the cost of singular values: its last pivot is the smallest of them but for a
-/// factor of some units.
+/// The null vector of a matrix with no more columns than rows, if it has one to the tolerance. Uses a QR decomposition
+/// at a tenth of the cost of singular values: up to a small factor, its last pivot is the smallest singular value.
 std::optional<Eigen::VectorXd> null_vector(const Eigen::MatrixXd& map, double tolerance) {
   const Eigen::Index last = map.cols() - 1;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(map);
@@ -62,14 +61,14 @@ TransferFunction without_common_zeros_at_origin(const TransferFunction& fraction
   return {n, d};
 }
 
-/// Matrix of q -> p q over the coefficients of q, of which there are `columns`.
+/// Matrix of q -> p q, with q given by `columns` coefficients.
 Eigen::MatrixXd product_map(const Polynomial& p, Eigen::Index columns) {
   Eigen::MatrixXd map = Eigen::MatrixXd::Zero(p.size() + columns - 1, columns);
   for (Eigen::Index j = 0; j < columns; ++j) map.col(j).segment(j, p.size()) = p;
   return map;
 }
 
-/// p - f q, formed in long double: a difference of what is equal to rounding.
+/// p - f q in long double, as both terms are equal to rounding.
 Eigen::VectorXd residual_of(const Polynomial& p, const Polynomial& f, const Polynomial& q) {
   Eigen::Matrix<long double, Eigen::Dynamic, 1> rest = p.cast<long double>();
   for (Eigen::Index i = 0; i < f.size(); ++i)
@@ -77,8 +76,8 @@ Eigen::VectorXd residual_of(const Polynomial& p, const Polynomial& f, const Poly
   return rest.cast<double>();
 }
 
-// A null vector has the accuracy of the gap between the singular values. Gauss-Newton steps on g u - N = 0, g
-// v - D = 0 (v and g monic) bring u, v and g to the rounding of the coefficients.
+// The gap between the singular values limits the accuracy of a null vector. Gauss-Newton steps on g u - N = 0, g v - D
+// = 0 (v and g monic) refine u, v and g to the rounding of the coefficients.
 Reduction refined(const TransferFunction& fraction, const Reduction& rough) {
   Polynomial u = rough.minimal.numerator(), v = rough.minimal.denominator(), g = rough.common_factor;
   const Polynomial& n = fraction.numerator();
@@ -102,8 +101,7 @@ Reduction refined(const TransferFunction& fraction, const Reduction& rough) {
   return {TransferFunction(u, v), g};
 }
 
-// Whether g u and g v are N and D to the rounding of a feedback's coefficients. Factors that differ by more
-// than that are not common.
+// Whether g u and g v equal N and D to the rounding of a feedback's coefficients. Otherwise g is not a common factor.
 bool is_factorization(const TransferFunction& fraction, const Reduction& found) {
   constexpr double kRounding = 32.0 * std::numeric_limits<double>::epsilon();
   const auto matches = [&](const Polynomial& p, const Polynomial& factor) {
@@ -115,8 +113,8 @@ bool is_factorization(const TransferFunction& fraction, const Reduction& found) 
          matches(fraction.denominator(), found.minimal.denominator());
 }
 
-// Whether two fractions agree over the unit circle, but for w below 0.03, where poles at z = 1 make any
-// rounding large. Poles and zeros that lie close together make the Sylvester matrix singular to working
+// Whether two fractions agree on the unit circle, except for w below 0.03, where poles at z = 1 magnify any rounding.
+// This check is needed because poles and zeros that lie close together make the Sylvester matrix singular to working
 // precision without a common factor.
 bool is_same_function(const TransferFunction& one, const TransferFunction& other) {
   constexpr int kFrequencies = 32;
@@ -161,19 +159,19 @@ Reduction reduce(const TransferFunction& fraction, double tolerance) {
   const Polynomial& n = stripped.numerator();
   const Polynomial& d = stripped.denominator();
   if (n(0) == 0.0) return {TransferFunction(Polynomial::Zero(1), Polynomial::Ones(1)), multiply(common, d)};
-  if (n.size() > d.size()) return {stripped, common};  // improper: nothing here needs it in lowest terms
+  if (n.size() > d.size()) return {stripped, common};  // improper: no caller needs lowest terms
   const double n_size = n.stableNorm(), d_size = d.stableNorm();
   const Polynomial unit_n = n / n_size;
   const Polynomial unit_d = d / d_size;
-  // The map of the largest degree holds those of all smaller ones.
+  // The map of the largest degree includes those of all smaller degrees.
   if (d.size() < 2 || !null_vector(cofactor_map(unit_n, unit_d, d.size() - 2), tolerance)) return {stripped, common};
-  const Eigen::Index relative_degree = d.size() - n.size();  // that of u / v, too: v has no smaller degree
+  const Eigen::Index relative_degree = d.size() - n.size();  // also that of u / v: v has no smaller degree
   for (Eigen::Index degree = relative_degree; degree + 1 < d.size(); ++degree) {
     const std::optional<Eigen::VectorXd> null = null_vector(cofactor_map(unit_n, unit_d, degree), tolerance);
     if (!null) continue;
     const Polynomial v = null->head(degree + 1);
     Polynomial u = null->tail(degree + 1) * (n_size / d_size);
-    u.head(relative_degree).setZero();  // what stands there is rounding
+    u.head(relative_degree).setZero();  // only rounding errors
     if (std::abs(v(0)) < tolerance || !u.allFinite() || !(u / v(0)).allFinite()) continue;
     const Reduction candidate = refined(stripped, {TransferFunction(u, v), exact_quotient(d, v / v(0))});
     if (!is_factorization(stripped, candidate) || !is_same_function(candidate.minimal, stripped)) continue;

@@ -12,9 +12,9 @@ namespace platoon {
 
 namespace {
 
-constexpr std::size_t kLanes = 32;  // realizations whose u and y fit in registers
+constexpr std::size_t kLanes = 32;  // realizations per pass: their u and y fit in registers
 
-// A shift register's step for some realizations of a tile; state, input and positions begin with those.
+// One step of a shift register for some realizations of a tile; state, input and positions start at the first of these.
 PLATOON_INLINE void shift_lanes(const double* a, const double* b, std::size_t order, std::size_t output_place,
                                 std::size_t lanes, double* state, const double* input, double offset,
                                 double* positions) {
@@ -50,7 +50,7 @@ void shift_tile(const double* a, const double* b, std::size_t order, std::size_t
   shift_lanes(a, b, order, output_place, size - r, state + r, input + r, offset, positions + r);
 }
 
-// out = row state, in the order of the row.
+// out = row state, summed in the order of the row.
 PLATOON_VECTOR_CLONES
 void combine(const double* row, std::size_t order, const double* state, std::size_t size, double* out) {
   for (std::size_t r = 0; r < size; ++r) out[r] = row[0] * state[r];

@@ -12,32 +12,31 @@
 
 namespace platoon {
 
-/// Realizations computed at a time: a vehicle's state of so many stays in the first level cache.
+/// Realizations per tile: the states of one vehicle for a tile fit in the first level cache.
 constexpr std::size_t kTile = 512;
 
-/// 64-byte aligned: a load that straddles two cache lines costs two.
+/// 64-byte aligned, as a load across two cache lines costs two.
 using AlignedValues = std::vector<double, boost::alignment::aligned_allocator<double, 64>>;
 
 /// One vehicle's closed loop for a batch of realizations: x(k+1) = A x(k) + B u(k), y(k) = C x(k), eq.
 /// (ith-closedloop).
 ///
-/// In observable canonical form, as a plant and a controller give it, this is a shift register,
+/// The observable canonical form, which plant and controller give, is a shift register,
 ///     x_j(k+1) = a_j y(k) + x_{j+1}(k) + b_j u(k), j = 0 .. n - 2,
 ///     x_{n-1}(k+1) = a_{n-1} y(k) + b_{n-1} u(k),   y = x_0:
-/// x_j(k+1) takes the place of x_{j+1}(k), and x_{n-1}(k+1) that of y(k), so that one pass over the state
-/// does the step. Any other realization is computed as it is given.
+/// x_j(k+1) overwrites x_{j+1}(k), and x_{n-1}(k+1) overwrites y(k), so one pass over the state computes the step.
+/// Other realizations are computed with their matrices.
 ///
-/// Every realization is computed by the same operations in the same order, so its bits do not depend on the
-/// batch it is in.
+/// Every realization undergoes the same operations in the same order, so its bits do not depend on the batch.
 class ClosedLoopBatch {
 public:
-  /// Throws std::invalid_argument when the loop has no equilibrium.
+  /// Throws std::invalid_argument if the loop has no equilibrium.
   explicit ClosedLoopBatch(const StateSpace& system);
 
-  /// x = (I - A)^-1 B p / T(1): in equilibrium with y = p, p being these positions [m].
+  /// x = (I - A)^-1 B p / T(1): equilibrium with y = p at these positions p [m].
   void start_at_equilibrium(const std::vector<double>& positions);
 
-  /// One step for input [m] minus offset [m], and its y = C x [m]. Both have the size of the batch.
+  /// One step with the input [m] minus offset [m]; writes y = C x [m]. Both arrays have the size of the batch.
   void step(const double* input, double offset, double* positions);
   void step(const std::vector<double>& input, double offset, std::vector<double>& positions) {
     positions.resize(size_);
@@ -53,27 +52,28 @@ private:
   std::size_t tile_size(std::size_t tile) const { return std::min(kTile, size_ - tile * kTile); }
 
   bool shift_register_;
-  std::vector<double> a_;            ///< A row by row; of a shift register its first column
+  std::vector<double> a_;            ///< A row by row; its first column for a shift register
   std::vector<double> b_;            ///< B
   std::vector<double> c_;            ///< C; empty for a shift register
   std::vector<double> equilibrium_;  ///< (I - A)^-1 B / T(1)
   std::size_t size_ = 0;             ///< realizations
-  std::size_t output_place_ = 0;     ///< where x_0 is; x_j is j places behind it, modulo n
+  std::size_t output_place_ = 0;     ///< place of x_0; x_j is j places further, modulo n
   AlignedValues state_;              ///< tile by tile, place by place
-  AlignedValues next_;               ///< of one tile, which is then copied; empty for a shift register
+  AlignedValues next_;               ///< next state of one tile, to be copied; empty for a shift register
 };
 
-/// Vehicle i >= 1. Starts at its place in formation + p_i with p_i ~ N(mean, variance) drawn at step -1, and steers by
+/// Vehicle i >= 1. Starts at its place in formation + p_i, with p_i ~ N(mean, variance) drawn at step -1. Its input is
 /// the received position of its predecessor minus delta.
 class FollowerVehicle {
 public:
   /// Throws std::invalid_argument unless the variance of the initial positions is finite and >= 0.
   FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index);
 
-  /// Step -1 of realizations first .. first + count - 1; writes y_i(-1).
+  /// Step -1 of realizations first .. first + count - 1; writes y_i(-1) [m].
   void start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions);
 
-  /// From the predecessor's step k, as received, to the own step k + 1. Both have the size of the batch.
+  /// Computes the own position at step k + 1 from the predecessor's received position at step k. Both arrays have the
+  /// size of the batch.
   void step(const double* received, double* positions) { loop_.step(received, standstill_distance_, positions); }
   void step(const std::vector<double>& received, std::vector<double>& positions) {
     loop_.step(received, standstill_distance_, positions);
@@ -84,14 +84,14 @@ private:
 
   ClosedLoopBatch loop_;
   WhiteNoise noise_;
-  double initial_place_;      ///< [m], on average
+  double initial_place_;      ///< mean [m]
   double initial_deviation_;  ///< [m]
   double standstill_distance_;
   std::uint32_t index_;
 };
 
-/// Vehicle 0: the same closed loop, in equilibrium at 0 and driven noise-free by the virtual leader r_0; or, where the
-/// model has them, its recorded positions. One realization stands for all, as nothing random reaches it.
+/// Vehicle 0: the same closed loop, in equilibrium at 0 and driven noise-free by the virtual leader r_0, or its
+/// recorded positions if the model has them. One realization serves for all, as vehicle 0 has no random input.
 class LeaderVehicle {
 public:
   explicit LeaderVehicle(const PlatoonModel& model);
@@ -102,7 +102,7 @@ public:
   /// y_0 of the next step [m]. Throws std::out_of_range beyond the end of a recording.
   double step();
 
-  /// How the virtual leader drives in place of its profile, until the next start().
+  /// Manoeuvre of the virtual leader that replaces its profile until the next start().
   Manoeuvre& manoeuvre() { return manoeuvre_; }
 
 private:
@@ -110,8 +110,8 @@ private:
   LeaderProfile profile_;
   double sample_period_;  ///< T_s [s]
   Manoeuvre manoeuvre_;
-  double departure_ = 0.0;        ///< of r_0 from its profile, by manoeuvres [m]
-  std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... [m]; empty: the loop's own
+  double departure_ = 0.0;        ///< departure of r_0 from its profile due to manoeuvres [m]
+  std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... [m]; empty: computed by the loop
   std::int64_t step_ = -1;
   std::vector<double> buffer_, input_;
 };
@@ -119,12 +119,11 @@ private:
 /// sqrt(P_d) [m]. Throws std::invalid_argument unless P_d is finite and >= 0.
 double noise_deviation(double noise_variance);
 
-/// The paper's channel into vehicle i: received = sent + d_i(k), d_i(k) = sqrt(P_d) g(seed, i, k, r) for k >= 0 and 0
-/// at k = -1 (paper, assumption d and e). Keeps nothing between calls.
+/// The paper's channel into vehicle i: received = sent + d_i(k), with d_i(k) = sqrt(P_d) g(seed, i, k, r) for k >= 0
+/// and 0 for k = -1 (paper, assumption d and e). Stateless.
 class AwgnChannel {
 public:
-  /// noise_variance is P_d [m^2], receiver is i >= 1. Throws std::invalid_argument unless P_d is finite and
-  /// >= 0.
+  /// noise_variance is P_d [m^2], receiver is i >= 1. Throws std::invalid_argument unless P_d is finite and >= 0.
   AwgnChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver);
 
   /// sent and received: one position per realization first_realization .. first_realization + count - 1 [m].

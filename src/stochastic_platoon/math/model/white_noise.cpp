@@ -34,14 +34,13 @@ PLATOON_INLINE double in_one_to_two(std::uint64_t word) {
   return from_bits(kOne | (word >> 12));
 }
 
-// sqrt(-2 ln u) / 2 for u in (0, 1], by u = 2^e m with m in [sqrt(1/2), sqrt(2)) and
-// -ln m = 2 artanh((m - 1) / (-1 - m)). Half of it, as factors of two and signs change no bit and cost an
-// operation each.
+// sqrt(-2 ln u) / 2 for u in (0, 1], by u = 2^e m with m in [sqrt(1/2), sqrt(2)) and -ln m = 2 artanh((m - 1) / (-1 -
+// m)). Half of it, as factors of two and signs change no bit and would cost an operation each.
 PLATOON_INLINE double half_radius(double u) {
   constexpr std::uint64_t kSqrtHalf = 0x3fe6a09e667f3bcdULL;  // bits of sqrt(1/2)
   const std::uint64_t offset = to_bits(u) - kSqrtHalf + (1023ULL << 52);
   const double m = from_bits((offset & 0xfffffffffffffULL) + kSqrtHalf);
-  // A small integer becomes a double by way of the mantissa of 2^52: no integer conversion, which AVX2 lacks.
+  // Converts a small integer to double through the mantissa of 2^52, as AVX2 lacks the conversion instruction.
   const double e = from_bits(0x4330000000000000ULL | (offset >> 52)) - 4503599627371519.0;  // 2^52 + 1023
   const double s = (m - 1.0) / (-1.0 - m);
   const double t = s * s;
@@ -93,15 +92,14 @@ struct Pair {
 
 constexpr std::uint64_t kSign = 1ULL << 63;
 
-// 2 cos and 2 sin of 2 pi u2 up to a sign that both share, the leading bit of the word. The next bit is set
-// in every other quadrant, and the 52 below are u2 within the quadrant: exact reduction.
+// 2 cos and 2 sin of 2 pi u2 up to a common sign, which is the leading bit of the word. The next bit is set in every
+// other quadrant, and the 52 below it are u2 within the quadrant: exact reduction.
 PLATOON_INLINE Pair twice_cos_sin(std::uint64_t word) {
   const double fraction = in_one_to_two(word << 2) - 1.5;  // in [-1/2, 1/2): quarter turns from the quadrant's middle
   const double x = fraction * 1.57079632679489661923132169164;
   const double c = cos_polynomial(x);
   const double s = sin_polynomial(x);
-  // The middle of a quadrant lies at 45 degrees. Over to the next quadrant, (c - s, c + s) turns to
-  // (-c - s, c - s).
+  // The middle of a quadrant is at 45 degrees. In the next quadrant (c - s, c + s) becomes (-c - s, c - s).
   const std::uint64_t turned = (word << 1) & kSign;
   constexpr double kSqrtTwo = 2.0 * 0.707106781186547524400844362105;
   return {kSqrtTwo * (from_bits(to_bits(c) ^ turned) - s), kSqrtTwo * (c + from_bits(to_bits(s) ^ turned))};
@@ -111,7 +109,7 @@ PLATOON_INLINE Pair twice_cos_sin(std::uint64_t word) {
 
 namespace detail {
 
-// Philox4x32: the multipliers of a round and what a round adds to the key (Salmon et al., 2011).
+// Philox4x32: the multipliers of a round and the key increments (Salmon et al., 2011).
 constexpr std::uint64_t kMultiplier0 = 0xd2511f53;
 constexpr std::uint64_t kMultiplier1 = 0xcd9e8d57;
 constexpr std::uint32_t kWeyl0 = 0x9e3779b9;
@@ -189,7 +187,7 @@ void uniform_pairs(const std::uint64_t* first, const std::uint64_t* second, std:
 
 namespace {
 
-// Two values a block, by `transform`, for realizations that may begin and end inside a block.
+// Two values per block by `transform`, for realizations that may begin and end inside a block.
 template <class Transform>
 void fill_by(const Transform& transform, std::uint64_t seed, DrawName name, std::uint64_t first_realization,
              std::size_t count, double* values) {

@@ -9,11 +9,11 @@ namespace platoon {
 
 namespace {
 
-constexpr double kDigits = 1e-12;          // of a row, relative
-constexpr double kTransformError = 4e-16;  // of a convolution, relative to the product of the 2-norms
-constexpr double kDecades = 5.0;           // that r^k falls by over all steps, from one tilt to the next
-constexpr int kMostTilts = 50;             // r^k stays a normal number
-constexpr double kTransformCost = 16.0;    // of a product's share in a tilted sum, in multiplications of direct()
+constexpr double kDigits = 1e-12;          // relative accuracy of a row
+constexpr double kTransformError = 4e-16;  // rounding of a convolution, relative to the product of the 2-norms
+constexpr double kDecades = 5.0;           // decrease of r^k over all steps per unit of tilt
+constexpr int kMostTilts = 50;             // keeps r^k a normal number
+constexpr double kTransformCost = 16.0;    // of one product in a tilted sum, in multiplications of direct()
 
 double norm(const std::vector<double>& values) {
   double sum = 0.0;
@@ -56,7 +56,7 @@ const CausalConvolution::Prepared::Transform& CausalConvolution::transform(Prepa
   return found->second;
 }
 
-// Leaves open the steps at which this tilt has too few digits.
+// Removes from `open` the steps that this tilt resolves to kDigits.
 void CausalConvolution::add_tilted(const std::vector<Product>& products, int tilt, Values& row,
                                    std::vector<std::size_t>& open) {
   std::vector<std::complex<double>> sum(length_ / 2 + 1, 0.0);
@@ -77,7 +77,7 @@ void CausalConvolution::add_tilted(const std::vector<Product>& products, int til
   open.erase(std::remove_if(open.begin(), open.end(), close), open.end());
 }
 
-// By the growth of the row beyond the steps that are open.
+// The tilt that matches the growth of the row just after the last open step; 0 if it cannot be determined.
 int CausalConvolution::next_tilt(const Values& row, std::size_t last_open) const {
   const std::size_t from = last_open + 1, to = std::min(from + steps_ / 32 + 1, steps_ - 1);
   if (from >= to || !(row[from] > 0.0) || !std::isfinite(row[to])) return 0;

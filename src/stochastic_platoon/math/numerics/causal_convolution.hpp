@@ -9,31 +9,33 @@
 
 namespace platoon {
 
-/// Sums of causal convolutions, sum_j sum_{l <= k} a_j(k - l) b_j(l), k = 0 .. steps - 1, of sequences that are
-/// nowhere negative: by fast Fourier transforms of twice the length where their rounding leaves twelve digits,
-/// direct elsewhere. O(steps log steps) a sequence, O(steps) a product.
+/// Sums of causal convolutions of nonnegative sequences:
+///     sum_j sum_{l <= k} a_j(k - l) b_j(l),   k = 0 .. steps - 1.
+/// Computed by fast Fourier transforms of twice the length if their rounding leaves twelve digits, and directly
+/// otherwise. O(steps log steps) per sequence, O(steps) per product.
 ///
-/// A transform has the same absolute rounding at every k. What grows by many decades over k is convolved as
-/// a(k) r^k and b(k) r^k, whose convolution is r^k times that of a and b, for as many r < 1 as it takes.
+/// A transform has the same absolute rounding error at every k. Sequences that grow by many decades over k are
+/// therefore convolved as a(k) r^k and b(k) r^k, which gives r^k times the convolution of a and b, for as many r < 1 as
+/// needed.
 class CausalConvolution {
 public:
   using Values = std::vector<double>;
 
-  /// A sequence, and its transforms by the tilt that they were made with.
+  /// A sequence and its transforms, one per tilt r^k.
   class Prepared {
   public:
     Prepared() = default;
     explicit Prepared(Values values) : values_(std::move(values)) {}
 
     const Values& values() const { return values_; }
-    /// Whether there is nothing in it.
+    /// Whether all values are zero.
     bool is_zero() const;
 
   private:
     friend class CausalConvolution;
     struct Transform {
       std::vector<std::complex<double>> spectrum;
-      double size;  ///< 2-norm of what was transformed
+      double size;  ///< 2-norm of the tilted sequence
     };
     Values values_;
     std::map<int, Transform> transforms_;
@@ -46,7 +48,7 @@ public:
     Prepared& b;
   };
 
-  /// Adds the sum of these products to row.
+  /// Adds the convolutions of these products to row.
   void add(const std::vector<Product>& products, Values& row);
 
 private:
@@ -57,7 +59,7 @@ private:
 
   std::size_t steps_, length_ = 1;
   Eigen::FFT<double> fft_;
-  std::map<int, Values> weights_;  ///< r^k of the tilts so far
+  std::map<int, Values> weights_;  ///< r^k per tilt
 };
 
 }  // namespace platoon

@@ -138,10 +138,10 @@ std::vector<long double> sign_changes(const CirclePolynomial& p, long double fro
   long double value = evaluate(trimmed, a);
   for (const long double b : ends) {
     const long double next = evaluate(trimmed, b);
-    if (value == 0.0L) {  // a zero at the start of the piece: the sign to compare with is the one beyond it
+    if (value == 0.0L) {  // a zero at the start of the piece: compare with the sign beyond it
       value = next;
     } else if (next == 0.0L && b < to) {
-      continue;  // touches or crosses at b: the piece beyond decides
+      continue;  // p touches or crosses zero at b: the next piece decides
     } else if ((value < 0.0L) != (next < 0.0L) && next != 0.0L) {
       found.push_back(bisect(trimmed, a, b));
       value = next;

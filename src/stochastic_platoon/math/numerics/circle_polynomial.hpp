@@ -7,18 +7,18 @@
 
 namespace platoon {
 
-/// Real polynomial in t by ascending powers, p(t) = p[0] + p[1] t + ...; extended precision, so that its own
-/// rounding stays below that of the coefficients it was made from.
+/// Real polynomial in t by ascending powers, p(t) = p[0] + p[1] t + ... Extended precision keeps its rounding below
+/// that of the coefficients it was computed from.
 using CirclePolynomial = std::vector<long double>;
 
-/// The point of the unit circle an expansion is about. One half of the circle is near each: there t <= 1 and
-/// nothing cancels.
+/// Centre of an expansion on the unit circle, used for the half of the circle near it: there t <= 1 and nothing
+/// cancels.
 enum class Centre {
   kOne,       ///< z = 1:  t = 1 - cos w
   kMinusOne,  ///< z = -1: t = 1 + cos w
 };
 
-/// The centre whose half of the circle e^{jw} lies on.
+/// The centre nearer to e^{jw}.
 Centre nearest(double frequency);
 
 /// t = 1 - cos w about z = 1, 1 + cos w about z = -1, without cancellation.
@@ -27,39 +27,39 @@ long double circle_coordinate(double frequency, Centre centre);
 /// The w in [0, pi] of a t.
 double frequency_at(long double t, Centre centre);
 
-/// How far a coefficient made of the numbers of a model may be off, relative to it.
+/// Relative error bound of a coefficient that was computed from the numbers of a model.
 constexpr double kCoefficientRounding = 32.0 * std::numeric_limits<double>::epsilon();
 
 /// Coefficients b_j of p(z) = sum_j b_j (z - c)^j, c = 1 or -1.
 CirclePolynomial taylor(const Polynomial& p, Centre centre);
 
-/// Taylor coefficients about z = -1 of the polynomial with these, b_j, about z = 1.
+/// Taylor coefficients about z = -1 of the polynomial that has the coefficients b_j about z = 1.
 CirclePolynomial recentred(CirclePolynomial b);
 
-/// |P(e^{jw})|^2 as a polynomial in t, from the Taylor coefficients b_j of P about the centre. With u = z - c and
-/// s_k = u^k + conj(u)^k = (u + conj u) s_{k-1} - |u|^2 s_{k-2}, both factors being +-2 t, it is
-/// sum_i b_i^2 (2t)^i + sum_{i<j} b_i b_j (2t)^i s_{j-i}(t).
+/// |P(e^{jw})|^2 as a polynomial in t, from the Taylor coefficients b_j of P about the centre:
+///     sum_i b_i^2 (2t)^i + sum_{i<j} b_i b_j (2t)^i s_{j-i}(t),
+/// with u = z - c and s_k = u^k + conj(u)^k = (u + conj u) s_{k-1} - |u|^2 s_{k-2}; both factors are +-2 t.
 CirclePolynomial squared_modulus(const CirclePolynomial& b, Centre centre);
 
-/// |P(e^{jw})|^2 at one t from the Taylor coefficients b_j, squared only at the end: good to the rounding of |P|,
-/// also near a zero of P, where the polynomial in t cancels. By Clenshaw's recurrence for u and conj u.
+/// |P(e^{jw})|^2 at one t from the Taylor coefficients b_j, squared only at the end: accurate to the rounding of |P|
+/// even near a zero of P, where the polynomial in t cancels. Uses Clenshaw's recurrence for u and conj u.
 long double squared_modulus_at(const CirclePolynomial& b, Centre centre, long double t);
 
 /// p(t) by Horner's rule.
 long double evaluate(const CirclePolynomial& p, long double t);
 
-/// sum_i |p_i| |t|^i, what the rounding of p(t) is relative to.
+/// sum_i |p_i| |t|^i, the scale of the rounding error of p(t).
 long double magnitude(const CirclePolynomial& p, long double t);
 
 CirclePolynomial derivative(const CirclePolynomial& p);
 CirclePolynomial multiply(const CirclePolynomial& p, const CirclePolynomial& q);
 CirclePolynomial subtract(const CirclePolynomial& p, const CirclePolynomial& q);
 
-/// p(t) / t; assumes p(0) = 0 without checking. The zero polynomial where nothing is left.
+/// p(t) / t; assumes p(0) = 0 without checking. The zero polynomial if p is constant.
 CirclePolynomial without_zero_at_origin(const CirclePolynomial& p);
 
-/// Where p changes sign in the open interval (from, to), in ascending order, to the last digit. Found between
-/// the sign changes of dp/dt, recursively: none is missed, and no grid is involved.
+/// The places in the open interval (from, to) where p changes sign, in ascending order and to the last digit. The
+/// search runs recursively between the sign changes of dp/dt, without a grid: it misses none.
 std::vector<long double> sign_changes(const CirclePolynomial& p, long double from, long double to);
 
 }  // namespace platoon

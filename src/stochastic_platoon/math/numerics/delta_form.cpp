@@ -13,7 +13,7 @@ namespace {
 
 using Complex = std::complex<long double>;
 
-/// a / b without the care for overflow and infinities that std::complex takes, and that takes its time.
+/// a / b without the overflow and infinity handling of std::complex, which is slow.
 Complex quotient(Complex a, Complex b) {
   const long double size = std::norm(b);
   return {(a.real() * b.real() + a.imag() * b.imag()) / size, (a.imag() * b.real() - a.real() * b.imag()) / size};
@@ -25,11 +25,11 @@ Complex product(Complex a, Complex b) {
 
 struct NewtonStep {
   Complex step;       ///< p(s) / p'(s)
-  bool rounding;      ///< p(s) is no more than what rounding makes of 0
-  long double doubt;  ///< to which rounding leaves s, over |s|
+  bool rounding;      ///< |p(s)| is within the rounding of its evaluation
+  long double doubt;  ///< relative error of s due to rounding
 };
 
-/// From the reversed polynomial where |s| > 1, so that nothing overflows.
+/// Evaluates the reversed polynomial if |s| > 1, to avoid overflow.
 NewtonStep newton_step(const DeltaPolynomial& p, Complex s) {
   constexpr long double kRounding = 2.0L * std::numeric_limits<long double>::epsilon();
   const bool outside = std::norm(s) > 1.0L;
@@ -44,7 +44,7 @@ NewtonStep newton_step(const DeltaPolynomial& p, Complex s) {
     value = product(value, x) + coefficient;
     sum = sum * length + std::abs(coefficient);
   }
-  // |x q'(x)| dx/x = rounding, and dx/x is ds/s but for its sign
+  // |x q'(x)| dx/x = rounding, and dx/x = -ds/s
   const long double doubt = kRounding * sum / (std::abs(slope) * length);
   if (value == Complex(0.0L)) return {0.0L, true, doubt};
   const bool rounding = std::norm(value) <= kRounding * kRounding * sum * sum;
@@ -54,7 +54,7 @@ NewtonStep newton_step(const DeltaPolynomial& p, Complex s) {
   return {quotient(1.0L, inverse), rounding, doubt};
 }
 
-/// The power of two that is about as large as the largest zero, where that is far from 1, and else 0.
+/// Base-2 logarithm of the approximate modulus of the largest zero, rounded; 0 if its modulus is not far from 1.
 int scale_of_zeros(const DeltaPolynomial& p) {
   constexpr long double kFar = 30.0L;
   long double largest = -std::numeric_limits<long double>::infinity();
@@ -65,7 +65,7 @@ int scale_of_zeros(const DeltaPolynomial& p) {
   return std::abs(largest) < kFar ? 0 : static_cast<int>(std::lround(largest));
 }
 
-/// p(2^scale t) over its leading coefficient.
+/// p(2^scale t) divided by its leading coefficient.
 DeltaPolynomial in_units_of(const DeltaPolynomial& p, int scale) {
   DeltaPolynomial q = p;
   for (std::size_t i = 0; i < q.size(); ++i)
@@ -73,7 +73,7 @@ DeltaPolynomial in_units_of(const DeltaPolynomial& p, int scale) {
   return q;
 }
 
-/// Divides q by 1 + s as often as it is a factor to rounding, which is a zero at z = 0 each time.
+/// Divides q by 1 + s as long as 1 + s is a factor to rounding; each division adds a zero at z = 0 (s = -1) to `found`.
 void deflate_at_origin_of_z(DeltaPolynomial& q, std::vector<Complex>& found) {
   constexpr long double kRounding = std::numeric_limits<long double>::epsilon();
   while (q.size() > 1) {
@@ -90,8 +90,8 @@ void deflate_at_origin_of_z(DeltaPolynomial& q, std::vector<Complex>& found) {
   }
 }
 
-/// The zeros of q once more from these, in fifty digits: zeros that lie together are not determined one by one by
-/// arithmetic in extended precision, and then their product is not that of q.
+/// Refines the zeros of q in fifty digits. Extended precision does not resolve the zeros of a cluster one by one, and
+/// their product would not be that of q.
 void settle_cluster(const DeltaPolynomial& q, std::vector<Complex>& s) {
   using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float_50::backend_type,
                                              boost::multiprecision::et_off>;

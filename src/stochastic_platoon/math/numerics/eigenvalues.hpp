@@ -4,10 +4,10 @@
 
 namespace platoon {
 
-/// Of a square matrix, in no particular order.
+/// Eigenvalues of a square matrix, in no particular order.
 Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& matrix);
 
-/// The largest eigenvalue's modulus.
+/// The largest modulus of an eigenvalue.
 double spectral_radius(const Eigen::MatrixXd& matrix);
 
 }  // namespace platoon

@@ -7,15 +7,15 @@
 
 namespace platoon {
 
-/// A number of 100 digits and of any size a double can have: sums of products of doubles are exact in it, or
-/// so close that the double they are rounded to is the right one.
+/// A number of 100 digits that covers the exponent range of double. Sums of products of doubles are exact, or accurate
+/// enough to round to the correct double.
 using Exact = boost::multiprecision::number<boost::multiprecision::cpp_bin_float_100::backend_type,
                                             boost::multiprecision::et_off>;
 
-/// Real polynomial by descending powers of z, or by ascending powers of s = z - 1 where that is said.
+/// Real polynomial by descending powers of z, or by ascending powers of s = z - 1 if stated.
 using ExactPolynomial = std::vector<Exact>;
 
-/// N / D of T by powers of s, the leading coefficient of D being 1.
+/// T = N / D by powers of s, with leading coefficient 1 in D.
 struct ExactFraction {
   ExactPolynomial numerator;
   ExactPolynomial denominator;
@@ -23,13 +23,13 @@ struct ExactFraction {
 
 ExactPolynomial exact(const Polynomial& p);
 
-/// p q, in whichever powers both are given.
+/// p q, by powers of z or of s, the same as both factors.
 ExactPolynomial multiply(const ExactPolynomial& p, const ExactPolynomial& q);
 
-/// From descending powers of z to ascending powers of s.
+/// Converts from descending powers of z to ascending powers of s.
 ExactPolynomial shifted_to_one(ExactPolynomial p);
 
-/// Rounded, coefficient by coefficient.
+/// The polynomial with every coefficient rounded.
 Polynomial rounded(const ExactPolynomial& p);
 DeltaPolynomial rounded_delta(const ExactPolynomial& p);
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr Eigen::Index kMostDimensions = 60;
 
-/// An orthonormal basis of b, A b, A^2 b, ... and A in it.
+/// Orthonormal basis of b, A b, A^2 b, ... and the projection of A onto it.
 class KrylovSpace {
 public:
   KrylovSpace(const NonnegativeMap& map, const Eigen::VectorXd& start)
@@ -26,11 +26,11 @@ public:
     basis_.col(0) = start / start.norm();
   }
 
-  /// One dimension more; false where the space is invariant, or has its most.
+  /// Adds one dimension. False if the space is invariant or has its maximum dimension.
   bool extend() {
     Eigen::VectorXd next = map_(basis_.col(dimensions_));
     const double size = next.norm();
-    for (int pass = 0; pass < 2; ++pass) {  // twice is enough for orthogonality to rounding
+    for (int pass = 0; pass < 2; ++pass) {  // two passes give orthogonality to rounding
       for (Eigen::Index i = 0; i <= dimensions_; ++i) {
         const double part = basis_.col(i).dot(next);
         hessenberg_(i, dimensions_) += part;
@@ -60,7 +60,7 @@ Eigen::MatrixXd written_out(const NonnegativeMap& map, Eigen::Index size) {
   return matrix;
 }
 
-/// Units in which row and column i of the matrix have the same sum without its diagonal; turns it to these units.
+/// Scales the matrix to units in which row i and column i have the same sum without the diagonal; returns these units.
 Eigen::VectorXd balance(Eigen::MatrixXd& matrix) {
   constexpr int kSweeps = 100;
   Eigen::VectorXd units = Eigen::VectorXd::Ones(matrix.rows());
@@ -83,12 +83,12 @@ Eigen::VectorXd balance(Eigen::MatrixXd& matrix) {
   return units;
 }
 
-/// Units in which no ratio of the map's image of ones to ones is far above its root.
+/// Units in which no component of map(1, ..., 1) is far above the root.
 Eigen::VectorXd units_of_powers(const NonnegativeMap& map, Eigen::Index size) {
   constexpr int kPowers = 12;
   constexpr double kLeast = 1e-250;
   std::vector<Eigen::VectorXd> images{Eigen::VectorXd::Ones(size)};
-  std::vector<double> logarithms{0.0};  // of what the images were divided by
+  std::vector<double> logarithms{0.0};  // of the factors that the images were divided by
   for (int k = 0; k < kPowers; ++k) {
     const Eigen::VectorXd next = map(images.back());
     const double largest = next.maxCoeff();

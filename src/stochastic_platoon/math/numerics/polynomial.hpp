@@ -9,8 +9,8 @@ namespace platoon {
 /// Real polynomial in z by descending powers: p(z) = p(0) z^n + ... + p(n), as in the model file.
 using Polynomial = Eigen::VectorXd;
 
-/// p without its leading zero coefficients; the zero polynomial is [0].
-/// Throws std::invalid_argument when p is empty or holds a coefficient that is not finite.
+/// p without its leading zero coefficients; the zero polynomial is [0]. Throws std::invalid_argument if p is empty or
+/// has a coefficient that is not finite.
 Polynomial trimmed(const Polynomial& p);
 
 /// p(z) q(z).
@@ -28,8 +28,8 @@ std::complex<double> evaluate(const Polynomial& p, std::complex<double> z);
 /// The zeros of p, as eigenvalues of its companion matrix; none for a constant.
 std::vector<std::complex<double>> roots(const Polynomial& p);
 
-/// How many of p's zeros lie at z = 1, counted by how many derivatives of p vanish there.
-/// A value counts as zero within tolerance times the sum of the moduli of its terms.
+/// Number of zeros of p at z = 1, from the number of derivatives that vanish there. A value counts as zero if it is
+/// within tolerance times the sum of the moduli of its terms.
 int multiplicity_at_one(const Polynomial& p, double tolerance = 1e-9);
 
 }  // namespace platoon

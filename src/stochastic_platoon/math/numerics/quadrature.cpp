@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kHalvings = 26;
-constexpr double kShortest = 1e-13;  // panel, where nodes can hardly be told apart
+constexpr double kShortest = 1e-13;  // panel length; shorter panels have nodes that nearly coincide
 
 struct Panel {
   double from;
@@ -41,7 +41,7 @@ std::vector<std::complex<double>> images(const std::vector<std::complex<double>>
   return result;
 }
 
-/// Halves a panel until every singularity is at least half its length away: 16 Gauss nodes then have an error of 4e-19.
+/// Halves a panel until every singularity is at least half its length away; 16 Gauss nodes then have an error of 4e-19.
 void add_resolved(std::vector<Panel>& panels, const Panel& panel, const std::vector<std::complex<double>>& singular) {
   double clearance = 0.0625;
   for (const std::complex<double>& w : singular) clearance = std::min(clearance, squared_distance(panel, w));
@@ -54,7 +54,7 @@ void add_resolved(std::vector<Panel>& panels, const Panel& panel, const std::vec
   add_resolved(panels, {middle, panel.to}, singular);
 }
 
-/// Cuts of [0, pi] that halve towards every peak from both sides.
+/// Cuts of [0, pi] whose spacing halves towards every peak from both sides.
 std::vector<double> graded_cuts(const std::vector<double>& peaks) {
   std::vector<double> cuts{0.0, kPi};
   for (const double peak : peaks) {
@@ -104,7 +104,7 @@ bool is_converged(double change, double change_before) {
 }
 
 OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
-  constexpr double kResolved = 4.0;  // of theta: 16 Gauss nodes integrate e^{-j theta x} to the last digit
+  constexpr double kResolved = 4.0;  // theta up to which 16 Gauss nodes integrate e^{-j theta x} to the last digit
   if (rule.half_length.empty() || m * *std::max_element(rule.half_length.begin(), rule.half_length.end()) <= kResolved)
     return;
   per_panel_ = rule.node.size() / rule.half_length.size();

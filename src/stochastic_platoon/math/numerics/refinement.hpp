@@ -10,7 +10,7 @@
 
 namespace platoon {
 
-/// The largest relative change from a to b; values that are 0 or not finite are left out.
+/// The largest relative change from a to b, ignoring entries of b that are 0 or not finite.
 inline double largest_change(const std::vector<double>& a, const std::vector<double>& b) {
   double largest = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -21,7 +21,7 @@ inline double largest_change(const std::vector<double>& a, const std::vector<dou
   return largest;
 }
 
-/// values(refinement) of a quadrature, refined until they no longer change.
+/// values(refinement) of a quadrature, refined until the values settle, at most four times.
 template <class Values>
 std::vector<double> refined(const Values& values) {
   std::vector<double> coarse = values(0);

@@ -26,8 +26,8 @@ public:
 
   Sample at(double place) const { return {place, margin_(place)}; }
 
-  /// Where the margin of the middle sample, which has the sign of its neighbours but lies nearer to zero,
-  /// comes nearest to zero or passes it; golden section search.
+  /// The place where the margin comes nearest to zero or passes it, by golden section search. The margin at `middle`
+  /// has the sign of its neighbours but lies nearer to zero.
   Sample extreme(Sample left, Sample middle, Sample right) const {
     const double towards_zero = middle.stable() ? -1.0 : 1.0;
     for (int iteration = 0; iteration < 60; ++iteration) {
@@ -48,7 +48,7 @@ public:
 
   /// The border between a stable and an unstable place a < b, on its stable side.
   double border(Sample a, Sample b) const {
-    // Neither zero nor NaN is stable: no root to stop at.
+    // Zero and NaN count as unstable, so the solver does not stop at an exact root.
     const auto signed_margin = [](double margin) {
       return margin > 0.0 || margin < 0.0 ? margin : -std::numeric_limits<double>::min();
     };
@@ -64,7 +64,7 @@ private:
   const StabilityMargin& margin_;
 };
 
-// With a sample more wherever the margin, between two of its sign, has one of the other.
+// The samples at `places`, plus one wherever the margin changes sign between two samples of the same sign.
 std::vector<Sample> samples_of(const MarginCurve& curve, const std::vector<double>& places) {
   std::vector<Sample> samples;
   samples.reserve(places.size());
@@ -73,7 +73,7 @@ std::vector<Sample> samples_of(const MarginCurve& curve, const std::vector<doubl
   for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
     const Sample& here = samples[i];
     if (here.stable() != samples[i - 1].stable() || here.stable() != samples[i + 1].stable()) continue;
-    // Between its neighbours a margin that turns may come nearer to zero by about as much as it differs from them.
+    // Between its neighbours, a margin that turns may approach zero by about its difference from them.
     const double size = std::abs(here.margin), left = std::abs(samples[i - 1].margin),
                  right = std::abs(samples[i + 1].margin);
     if (size > left || size > right || size > kTurn * (std::max(left, right) - size)) continue;

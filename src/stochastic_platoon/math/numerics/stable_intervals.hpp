@@ -5,7 +5,7 @@
 
 namespace platoon {
 
-/// A quantity over which stability is searched, and a margin that is positive just where it is stable.
+/// Stability margin as a function of the varied quantity, positive exactly if the system is stable.
 using StabilityMargin = std::function<double(double)>;
 
 struct StableInterval {
@@ -13,9 +13,9 @@ struct StableInterval {
   double to;
 };
 
-/// Where the margin is positive, in ascending order, between the first and the last of the places, which ascend: there
-/// it is sampled. It is followed to its extremes where it turns near zero between samples without changing sign,
-/// and every change of sign is found to 1e-13 relative. A stretch is missed only if the margin turns more than
+/// The intervals between the first and the last of `places` (ascending) in which the margin is positive, in ascending
+/// order and with ends to 1e-13 relative. The margin is sampled at `places`; if it turns near zero between samples
+/// without changing sign, the search follows it to its extreme. A stretch is missed only if the margin turns more than
 /// once between two samples.
 std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places);
 

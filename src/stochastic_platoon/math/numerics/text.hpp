@@ -7,13 +7,13 @@ namespace platoon {
 /// printf to a string of any length.
 std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
-/// A number to six digits, or as 1 - 2.5e-10 where these would show 1.
+/// The value to six digits, or as "1 - 2.5e-10" if six digits would show 1.
 std::string beside_one(double value);
 
-/// The text, or of a long one its beginning and "...": for values in messages, where what matters is which is meant.
+/// The text, or the beginning of a long text and "...", to identify a value in a message.
 std::string shortened(const std::string& text);
 
-/// The text with every byte that is no printable ASCII as \xNN: for what comes from files.
+/// The text with every byte outside printable ASCII as \xNN, for text read from files.
 std::string printable(const std::string& text);
 
 }  // namespace platoon

@@ -104,7 +104,7 @@ Eigen::MatrixXd solve_discrete_lyapunov(const Eigen::MatrixXd& a, const Eigen::M
     if (more.cwiseAbs().maxCoeff() <= 1e-18 * sum.cwiseAbs().maxCoeff()) return sum;
     power = (power * power).eval();
   }
-  refuse_unstable();  // not by its eigenvalues: those of a long string's A are ill-conditioned
+  refuse_unstable();  // not decided by eigenvalues: those of a long string's A are ill-conditioned
 }
 
 Eigen::MatrixXd stationary_covariance_by_lyapunov(const StringMatrices& string, double noise_variance) {

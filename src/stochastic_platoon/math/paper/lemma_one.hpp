@@ -8,21 +8,21 @@
 #include "stochastic_platoon/math/paper/string_matrices.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 
-// Lemma 1 (lem:mean_square_all) as the paper writes it, by dense matrices: the reference that error_moments
-// and stationary_variances are held against. Time O(steps (nN)^3), or O((nN)^6) for the vec formula.
+// Lemma 1 (lem:mean_square_all) as in the paper, with dense matrices: the reference for error_moments and
+// stationary_variances. Time O(steps (nN)^3), or O((nN)^6) for the vec formula.
 
 namespace platoon {
 
-/// Mean and covariance of xi(0), as the platoon starts: at step -1 follower i stands at p_i = mean + noise in
-/// the formation's coordinates, x_i(-1) = x p_i with x the unit equilibrium, x_0(-1) = 0, no noise; so
+/// Mean and covariance of xi(0) at the start of the platoon. At step -1 follower i is at p_i = mean + noise in the
+/// formation's coordinates, x_i(-1) = x p_i with x the unit equilibrium, x_0(-1) = 0, without noise:
 ///     xi_i(0) = (h x - (1+h) A x) p_i + (A x - (1+h) B) p_{i-1} + B p_{i-2},   p_0 = p_{-1} = 0.
 struct InitialString {
   Eigen::MatrixXd response;    ///< nN x N: xi(0) = response p
   Eigen::VectorXd mean;        ///< nN x 1 [m]
-  Eigen::MatrixXd covariance;  ///< nN x nN [m^2], of rank N at most
+  Eigen::MatrixXd covariance;  ///< nN x nN [m^2], rank at most N
 };
 
-/// Throws std::invalid_argument unless followers >= 1, and when the loop has no equilibrium.
+/// Throws std::invalid_argument unless followers >= 1, and if the loop has no equilibrium.
 InitialString initial_string(const PlatoonModel& model, std::size_t followers);
 
 /// Eqs. (means_all) and (variance_all) for k = 0 .. steps-1. Throws as error_moments does.
@@ -31,16 +31,16 @@ ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t f
 /// Upsilon = B_a P B_a' + B_b P B_b' + A B_a P B_b' + B_b P B_a' A' with P = noise_variance I, shape nN x nN.
 Eigen::MatrixXd noise_covariance(const StringMatrices& string, double noise_variance);
 
-/// Stationary covariance of zeta, N x N [m^2]: vec^-1((C x C) (I - A x A)^-1 vec(Upsilon)), x the Kronecker
-/// product. Throws std::invalid_argument when rho(A) >= 1.
+/// Stationary covariance of zeta, N x N [m^2]: vec^-1((C x C) (I - A x A)^-1 vec(Upsilon)), x the Kronecker product.
+/// Throws std::invalid_argument if rho(A) >= 1.
 Eigen::MatrixXd stationary_covariance_by_vec(const StringMatrices& string, double noise_variance);
 
-/// The same from the Lyapunov equation P = A P A' + Upsilon, summed by doubling (P <- P + A P A', A <- A^2).
-/// Throws std::invalid_argument when rho(A) >= 1.
+/// The same from the Lyapunov equation P = A P A' + Upsilon, summed by doubling (P <- P + A P A', A <- A^2). Throws
+/// std::invalid_argument if rho(A) >= 1.
 Eigen::MatrixXd stationary_covariance_by_lyapunov(const StringMatrices& string, double noise_variance);
 
-/// P = A P A' + Q for square A with rho(A) < 1, by doubling. Throws std::invalid_argument when rho(A) >= 1 or
-/// the shapes differ. Reference: R. A. Smith, Matrix equation XA + BX = C, SIAM J. Appl. Math. 16 (1968).
+/// P = A P A' + Q for square A with rho(A) < 1, by doubling. Throws std::invalid_argument if rho(A) >= 1 or the shapes
+/// differ. Reference: R. A. Smith, Matrix equation XA + BX = C, SIAM J. Appl. Math. 16 (1968).
 Eigen::MatrixXd solve_discrete_lyapunov(const Eigen::MatrixXd& a, const Eigen::MatrixXd& q);
 
 }  // namespace platoon

@@ -6,12 +6,12 @@
 
 namespace platoon {
 
-/// sup_w ||R(e^{jw})||_2, found through the critical points of a polynomial in cos w. Throws
-/// std::invalid_argument when rho(A) >= 1.
+/// sup_w ||R(e^{jw})||_2, from the critical points of a polynomial in cos w. Throws std::invalid_argument if rho(A) >=
+/// 1.
 double resolvent_peak(const StateSpace& system);
 
-/// Sum over m = 0 .. followers-1 of ||T^m R||_2^2: the energy with which the states xi_1, ..., xi_N of a
-/// string show in zeta_N. Throws std::invalid_argument when rho(A) >= 1 and unless followers >= 1.
+/// Sum over m = 0 .. followers-1 of ||T^m R||_2^2: the energy in zeta_N per state of xi_1, ..., xi_N of a string.
+/// Throws std::invalid_argument if rho(A) >= 1 or followers < 1.
 double resolvent_energy(const StateSpace& system, std::size_t followers);
 
 }  // namespace platoon

@@ -7,10 +7,9 @@
 
 namespace platoon {
 
-/// The whole string in the states xi_i(k) = x_{i-1}(k) - x_i(k) - h [x_i(k) - x_i(k-1)], paper eq.
-/// (ss_sys_all):
+/// The whole string in the states xi_i(k) = x_{i-1}(k) - x_i(k) - h [x_i(k) - x_i(k-1)], paper eq. (ss_sys_all):
 ///     xi(k+1) = A xi(k) + B_o zeta_0(k) + B_a d(k) + B_b d(k-1),   zeta(k) = C xi(k).
-/// Dense, for reference and for tests: N vehicles of order n take O((nN)^2) memory.
+/// Dense, for reference and tests: N vehicles of order n take O((nN)^2) memory.
 struct StringMatrices {
   Eigen::MatrixXd a;    ///< nN x nN, block lower bidiagonal: A on the diagonal, B C below
   Eigen::VectorXd b_o;  ///< nN x 1: B for the first vehicle

@@ -19,10 +19,10 @@ namespace platoon {
 
 namespace {
 
-// Beyond these many states of the string, beta_1 is the bound that holds for any length.
+// Largest number of states of the string for the dense beta_1; beyond it beta_1 is the bound for any length.
 constexpr Eigen::Index kDenseStates = 240;
 
-// What the supremum of beta_2 may cost: some milliseconds.
+// Operations allowed for the supremum of beta_2: some milliseconds.
 constexpr double kOperations = 5e6;
 
 /// Largest value and total of ||eta_N C A^k||_2^2 over k < steps; rows i < N lie below row N.
@@ -49,7 +49,7 @@ RowEnergy last_row_energy(const StateSpace& vehicle, std::size_t followers, std:
   return result;
 }
 
-/// sup over lengths of sigma_max(response response'), response block Toeplitz with the three blocks of
+/// sup over lengths of sigma_max(response response'), with response block Toeplitz with the three blocks of
 /// initial_string: the largest value of its symbol, c_0 + 2 c_1 cos + 2 c_2 cos 2.
 double initial_response_gain(const InitialString& three) {
   const Eigen::VectorXd column = three.response.col(0);
@@ -66,8 +66,8 @@ double initial_response_gain(const InitialString& three) {
   return largest;
 }
 
-/// In units of the state that make C's largest entry between 1/2 and 1, which changes no product of a gain
-/// and what it is applied to, but keeps both in the range of double. Exact, as the unit is a power of two.
+/// The vehicle in units of the state that make C's largest entry between 1/2 and 1. No product of a gain and its
+/// argument changes, but both stay in the range of double. Exact, as the unit is a power of two.
 StateSpace scaled(const StateSpace& vehicle) {
   constexpr int kHarmless = 100;
   int exponent = 0;
@@ -89,7 +89,7 @@ double mean_gain(const StateSpace& vehicle, double headway, std::size_t follower
 }
 
 double covariance_gain(const StateSpace& vehicle, std::size_t followers) {
-  const double peak = resolvent_peak(vehicle);  // a value is at most the energy of its sequence
+  const double peak = resolvent_peak(vehicle);  // a squared value is at most the energy of its sequence
   return std::min(initial_covariance_gain_within(vehicle, followers, kOperations).to, peak * peak);
 }
 
@@ -114,7 +114,7 @@ GainEnclosure initial_covariance_gain_within(const StateSpace& vehicle, std::siz
   for (std::size_t steps = 64;; steps *= 2) {
     const RowEnergy found = last_row_energy(vehicle, followers, steps);
     const double left = energy * (1.0 + 1e-9) - found.total;
-    const bool none_left = found.total <= seen * (1.0 + 1e-12);  // whatever the digits of `energy`
+    const bool none_left = found.total <= seen * (1.0 + 1e-12);  // regardless of the accuracy of `energy`
     if (left <= found.largest || none_left) return {found.largest, found.largest};
     const auto links = static_cast<double>(std::min(followers, 2 * steps));
     if (6.0 * n * n * links * static_cast<double>(2 * steps) > operations) return {found.largest, left};

@@ -8,63 +8,62 @@
 
 namespace platoon {
 
-/// The bounds of Theorem 2 (teo:Lpmean_Lqvariance_all), evaluated at what drives this platoon. They hold for
-/// every follower of a string of this length, or of any length where that is said:
+/// The bounds of Theorem 2 (teo:Lpmean_Lqvariance_all), evaluated for the inputs of this platoon. They hold for every
+/// follower of a string of this length, or of any length if stated:
 ///     || mu_{zeta_i} ||_{L_2}     <= alpha_1 + beta_1,
 ///     || P_{zeta_i} ||_{L_infinity} <= alpha_2 + beta_2.
 struct TheoremTwoBounds {
-  double leader_norm;         ///< ||zeta_0||_{L_2} [m], over the steps asked for
+  double leader_norm;         ///< ||zeta_0||_{L_2} [m], over the given steps
   double initial_mean;        ///< ||mu_xi(0)||_2
   double initial_covariance;  ///< sigma_max(P_xi(0)), its supremum over all lengths
 
   std::optional<double> alpha_1;         ///< ||T||_infinity ||zeta_0||_{L_2}; any length; empty unless ||T|| <= 1
-  std::optional<double> beta_1;          ///< ||mu_xi(0)||_2 times initial_mean_gain; empty as alpha_1
+  std::optional<double> beta_1;          ///< ||mu_xi(0)||_2 times initial_mean_gain; empty if alpha_1 is
   std::optional<double> alpha_2;         ///< the limit variance; any length; empty unless string stable
-  std::optional<double> beta_2;          ///< sigma_max(P_xi(0)) times initial_covariance_gain; empty as alpha_2
-  std::optional<double> stated_beta_2;   ///< sigma_max(P_xi(0)) ||C||_2^2, the paper's: no bound in general
+  std::optional<double> beta_2;          ///< sigma_max(P_xi(0)) times initial_covariance_gain; empty if alpha_2 is
+  std::optional<double> stated_beta_2;   ///< sigma_max(P_xi(0)) ||C||_2^2, as in the paper: not a bound in general
   std::optional<double> mean_bound;      ///< alpha_1 + beta_1 [m]
   std::optional<double> variance_bound;  ///< alpha_2 + beta_2 [m^2]
 };
 
-/// For long strings and slow loops beta_1 and beta_2 are looser, and bounds all the same: beyond 240 states
-/// in all, and where the dense sum does not converge in double, beta_1 takes initial_mean_gain_of_any_length;
-/// beta_2 takes the upper end of initial_covariance_gain_within, for the work of some milliseconds, or
-/// the square of that of any length.
+/// For long strings and slow loops beta_1 and beta_2 are looser but still bounds. With more than 240 states in all, or
+/// if the dense sum does not converge in double, beta_1 uses initial_mean_gain_of_any_length. beta_2 uses the upper end
+/// of initial_covariance_gain_within, computed within some milliseconds, or the square of
+/// initial_mean_gain_of_any_length, whichever is smaller.
 ///
-/// Throws as error_moments does. The paper's proof has the names alpha_2 and beta_2 the other way round in
-/// its last lines, and ||C||_2 without the square that its property (a) gives.
+/// Throws as error_moments does. In the last lines of the paper's proof the names alpha_2 and beta_2 are exchanged, and
+/// ||C||_2 lacks the square that its property (a) gives.
 TheoremTwoBounds theorem_two_bounds(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
-/// max_i rho(sum_k A'^k C' eta_i' eta_i C A^k)^{1/2} over the string's A and C, paper eq. (beta1_leader): the
-/// most that the L_2 norm of a mean can be over ||mu_xi(0)||_2. It grows with i, so i = N counts; dense,
-/// O((nN)^3).
+/// max_i rho(sum_k A'^k C' eta_i' eta_i C A^k)^{1/2} over the string's A and C, paper eq. (beta1_leader): the largest
+/// ratio of the L_2 norm of a mean to ||mu_xi(0)||_2. It grows with i, so i = N is decisive. Dense, O((nN)^3).
 ///
-/// Throws std::invalid_argument when rho(A) >= 1 and unless followers >= 1.
+/// Throws std::invalid_argument if rho(A) >= 1 or followers < 1.
 double initial_mean_gain(const StateSpace& vehicle, double headway, std::size_t followers);
 
-/// A bound of initial_mean_gain for every length, when ||T||_infinity <= 1: sup_w ||C (e^{jw} I -
-/// A)^{-1}||_2. The mean is f(T(z)) applied to C (zI - A)^-1 with f(s) = sum_m mu_{N-m} s^m, and ||f(T)||_2
-/// <= ||f||_2 since T maps the outside of the unit disk into the disk and infinity to 0 (J. E. Littlewood, On
-/// inequalities in the theory of functions, 1925). The same as resolvent_peak.
+/// A bound of initial_mean_gain for every length if ||T||_infinity <= 1: sup_w ||C (e^{jw} I - A)^{-1}||_2, which is
+/// resolvent_peak. The mean is f(T(z)) applied to C (zI - A)^-1 with f(s) = sum_m mu_{N-m} s^m, and ||f(T)||_2 <=
+/// ||f||_2 since T maps the outside of the unit disk into the disk and infinity to 0 (J. E. Littlewood, On inequalities
+/// in the theory of functions, 1925).
 double initial_mean_gain_of_any_length(const StateSpace& vehicle);
 
-/// Encloses a supremum that was not followed to its end.
+/// Interval that contains a supremum that was not computed to full accuracy.
 struct GainEnclosure {
   double from;
   double to;
 };
 
-/// initial_covariance_gain from as many steps as `operations` additions and multiplications allow: a number
-/// where these do, else from the largest value found to what the energy left allows. Throws as
+/// Enclosure of initial_covariance_gain from as many steps as `operations` additions and multiplications allow: a
+/// single value if they suffice, otherwise from the largest value found to the bound by the remaining energy. Throws as
 /// initial_covariance_gain does.
 GainEnclosure initial_covariance_gain_within(const StateSpace& vehicle, std::size_t followers, double operations);
 
-/// sup over k and i <= followers of ||eta_i C A^k||_2^2 over the string's A and C: the most that a variance
-/// due to P_xi(0) can be over sigma_max(P_xi(0)). The paper takes k = 0, ||C||_2^2, arguing that rho(A^k P
-/// A'^k) is largest there; it is not in general. From the responses T^m C (zI - A)^-1, O(followers steps),
-/// with as many steps as it takes for the energy left to be below the largest value found.
+/// sup over k and i <= followers of ||eta_i C A^k||_2^2 over the string's A and C: the largest ratio of a variance due
+/// to P_xi(0) to sigma_max(P_xi(0)). The paper takes k = 0, ||C||_2^2, arguing that rho(A^k P A'^k) is largest there,
+/// which is not true in general. Computed from the responses T^m C (zI - A)^-1 in O(followers steps), with enough steps
+/// for the remaining energy to be below the largest value found.
 ///
-/// Throws std::invalid_argument when rho(A) >= 1 and unless followers >= 1.
+/// Throws std::invalid_argument if rho(A) >= 1 or followers < 1.
 double initial_covariance_gain(const StateSpace& vehicle, std::size_t followers);
 
 }  // namespace platoon

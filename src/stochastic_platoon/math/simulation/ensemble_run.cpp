@@ -13,8 +13,8 @@ namespace platoon {
 
 namespace {
 
-// Of blocks that a thread holds: their siblings may be another thread's, and only what was handed over is joined with
-// these.
+// Limit of the cells in a thread's own blocks. Their siblings may belong to another thread, and only handed-over blocks
+// are joined with these.
 constexpr std::size_t kMostOwnCells = 1u << 21;  // 32 MB
 
 std::size_t cells_of(const Ensemble& ensemble) {
@@ -43,7 +43,7 @@ EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, co
 EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range)
     : EnsembleRun(model, ensemble, range, MomentTable(cells_of(ensemble))) {}
 
-// Batches begin at multiples of their size, wherever the range does: few blocks each.
+// Batches start at multiples of their size, regardless of the start of the range, so each has few blocks.
 bool EnsembleRun::take(RealizationRange* batch) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (waiting_.empty()) return false;

@@ -12,7 +12,7 @@
 
 namespace platoon {
 
-/// What a Monte Carlo of the platoon needs beside the model.
+/// Parameters of a Monte Carlo run, in addition to the model.
 struct Ensemble {
   std::uint64_t seed;
   std::size_t followers;       ///< N >= 1
@@ -21,32 +21,32 @@ struct Ensemble {
   std::uint64_t batch;         ///< realizations computed side by side, >= 1
 };
 
-/// A range of an ensemble's realizations, computed by any number of threads, each of which takes batch after batch.
-/// What it gives does not depend on them, nor on what was there before.
+/// Computes a range of an ensemble's realizations in any number of threads, each of which processes batch after batch.
+/// The results do not depend on the threads or on the realizations present at the start.
 class EnsembleRun {
 public:
-  /// Goes on from `earlier`, which holds some of the realizations. A thread hands over what it has after so many
-  /// seconds, or when it has become much: see read().
+  /// Continues from `earlier`, which contains some of the realizations. A thread hands over its results after
+  /// hand_over_seconds [s], or when they reach a size limit; see read().
   EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range, MomentTable earlier,
               double hand_over_seconds = std::numeric_limits<double>::infinity());
-  /// From nothing.
+  /// Starts without earlier results.
   EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range);
 
-  /// Computes until no batch is left to begin. True for the one call, of all threads', that makes the run complete.
+  /// Computes until no batch is left to start. Returns true in exactly one thread: the one that completes the run.
   bool work();
 
-  /// Whether all batches are begun.
+  /// Whether all batches have started.
   bool all_begun() const { return all_begun_; }
 
-  /// Realizations of the range that are computed, handed over or not.
+  /// Number of computed realizations of the range, handed over or not.
   std::uint64_t done() const { return done_; }
 
   bool is_complete() const;
 
-  /// Shows all that was handed over.
+  /// Calls `reader` with all results handed over so far.
   void read(const std::function<void(const MomentTable&)>& reader) const;
 
-  /// Gives it away.
+  /// Moves the table out.
   MomentTable release();
 
 private:
@@ -58,19 +58,18 @@ private:
   const double hand_over_seconds_;
 
   mutable std::mutex mutex_;
-  std::vector<RealizationRange> waiting_;  ///< the next at the back
-  std::uint64_t outstanding_ = 0;          ///< not handed over
+  std::vector<RealizationRange> waiting_;  ///< ranges not started; the next is at the back
+  std::uint64_t outstanding_ = 0;          ///< realizations not handed over
   MomentTable table_;
 
   std::atomic<std::uint64_t> done_{0};
   std::atomic<bool> all_begun_{false};
 };
 
-/// Works at a run on this many threads until it is complete. `tick` is called from the calling thread, every tenth
-/// of a second and at the end.
+/// Completes a run with this many threads. Calls `tick` from the calling thread every tenth of a second and at the end.
 void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& tick);
 
-/// Moments of every zeta_i(k) over the realizations, on this many threads. `progress` is called with the
+/// Moments of every zeta_i(k) over the realizations, computed by this many threads. Calls `progress` with the number of
 /// realizations done, from the calling thread.
 MomentTable monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
                         const std::function<void(std::uint64_t)>& progress);

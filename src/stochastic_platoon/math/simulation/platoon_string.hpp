@@ -11,20 +11,19 @@
 
 namespace platoon {
 
-/// The whole string in one thread: the same vehicles, links and errors that run as nodes, called one after
-/// the other.
+/// The whole string in one thread, with the vehicles, links and errors of the nodes, called one after the other.
 class PlatoonString {
 public:
   PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers);
 
   using ErrorSink = std::function<void(std::size_t follower, std::int64_t step, const std::vector<double>& errors)>;
 
-  /// Runs realizations first .. first + count - 1 through steps -1 .. steps - 1 and tells zeta_i(k) for every
-  /// k >= 0.
+  /// Runs realizations first .. first + count - 1 through steps -1 .. steps - 1 and passes zeta_i(k) to `sink` for
+  /// every k >= 0.
   void run(std::uint64_t first, std::size_t count, std::int64_t steps, const ErrorSink& sink);
 
 private:
-  // Steps a vehicle advances before its follower, so that its state stays in L1.
+  // Steps that a vehicle advances before its follower, so that its state stays in the L1 cache.
   static constexpr std::int64_t kStepsAtOnce = 32;
 
   LeaderVehicle leader_;
@@ -32,8 +31,8 @@ private:
   std::vector<Link> links_;
   std::vector<TrackingError> error_;
 
-  // Kept from batch to batch: nothing is allocated in steady state.
-  std::vector<std::vector<double>> latest_;  ///< y_i at the last step made, of every vehicle
+  // Reused in every batch: no allocation in steady state.
+  std::vector<std::vector<double>> latest_;  ///< y_i at the latest step, per vehicle
   std::vector<AlignedValues> predecessor_;   ///< y_{i-1}(from - 1), y_{i-1}(from), ...
   std::vector<AlignedValues> own_;           ///< y_i(from - 1), y_i(from), ...
   AlignedValues received_;

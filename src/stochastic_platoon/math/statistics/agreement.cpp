@@ -21,9 +21,9 @@ double normal_score(double probability) {
 
 /// The normal score of a chi-squared variable over its degrees of freedom.
 ///
-/// Where the tail leaves the range of double it is taken from the signed root r of the deviance, by
-/// r + ln(w / r) / r with w = (ratio - 1) sqrt(freedom / 2) (O. E. Barndorff-Nielsen, Biometrika 73, 1986),
-/// whose relative error there is below 1e-3 for one degree of freedom and falls with their number.
+/// If the tail probability leaves the range of double, the score follows from the signed root r of the deviance, by r +
+/// ln(w / r) / r with w = (ratio - 1) sqrt(freedom / 2) (O. E. Barndorff-Nielsen, Biometrika 73, 1986). Its relative
+/// error there is below 1e-3 for one degree of freedom and falls with their number.
 double chi_squared_score(double ratio, double freedom) {
   const bool above = ratio > 1.0;
   const double shape = 0.5 * freedom;
@@ -38,7 +38,7 @@ double chi_squared_score(double ratio, double freedom) {
   return above ? score : -score;
 }
 
-/// Without what lies within the rounding.
+/// The difference moved towards zero by at most the rounding.
 double beyond(double difference, double rounding) {
   if (std::abs(difference) <= rounding) return 0.0;
   return difference > 0.0 ? difference - rounding : difference + rounding;
@@ -52,9 +52,9 @@ double mean_score(const Moments& measured, double mean, double variance, double 
   return difference == 0.0 ? 0.0 : difference * kInfinity;
 }
 
-/// The measured variance over the theoretical one, moved towards it by what the rounding may have changed it
-/// by: beside errors of standard deviation sqrt(v), those of the rounding e change it by 2 sqrt(v) e + e^2.
-/// Of nothing random 0 / 0, which is no number, or infinity.
+/// The measured variance over the theoretical one, moved towards 1 by the possible effect of rounding: rounding errors
+/// e change the variance of errors of standard deviation sqrt(v) by 2 sqrt(v) e + e^2. Infinite or NaN (0 / 0) for a
+/// theoretical variance of 0.
 double variance_ratio(double measured, double variance, double rounding) {
   const double allowed = rounding * (2.0 * std::sqrt(variance) + rounding);
   if (measured > variance + allowed) return (measured - allowed) / variance;
@@ -68,11 +68,11 @@ double self_normalized_score(double sum, double squares, double expected_squares
   const double y = (squares + 2.0 * expected_squares) / 3.0 + kPrior * expected_squares;
   const double usual = (1.0 + kPrior) * expected_squares;
   const double square = (1.0 + kPrior) * (sum * (sum / y) - std::log(y / usual));
-  if (square <= 0.0) return 0.0;  // not std::max: a NaN stays one
+  if (square <= 0.0) return 0.0;  // unlike std::max, keeps NaN
   return std::copysign(std::sqrt(square), sum);
 }
 
-/// Whether the scores are those of any distribution. Of nothing random they are exact anyhow.
+/// Whether the scores are those for any distribution. Without randomness the exact scores apply.
 bool is_of_any(double variance, double fourth_moment) {
   return variance > 0.0 && !std::isnan(fourth_moment);
 }
@@ -80,7 +80,7 @@ bool is_of_any(double variance, double fourth_moment) {
 Scores scores_of_any(const Moments& measured, double mean, double variance, double rounding, double fourth_moment) {
   if (measured.count == 0) return {kNaN, kNaN};
   const auto n = static_cast<double>(measured.count);
-  // Powers of deviations from the theoretical mean.
+  // Power sums of deviations from the theoretical mean.
   const double shift = measured.mean - mean, square = shift * shift;
   const double squared = measured.squared_deviations + n * square;
   const double fourth = measured.fourth_deviations + 4.0 * shift * measured.cubed_deviations +
@@ -96,7 +96,7 @@ bool is_judged(double measured, double variance) {
   return std::isfinite(measured) && variance >= 0.0;
 }
 
-// Of values of any distribution, whose fourth moment was measured.
+// Score for values of any distribution with a measured fourth moment.
 double measured_variance_score(const Moments& measured, double variance, double rounding) {
   const double difference = beyond(measured.variance() - variance, rounding * (2.0 * std::sqrt(variance) + rounding));
   return difference == 0.0 ? 0.0 : difference / standard_error_of_variance(measured);
@@ -117,7 +117,7 @@ double variance_score(const Moments& measured, double variance, double rounding,
   return chi_squared_score(ratio, degrees_of_freedom(measured, share));
 }
 
-// Not std::max: a NaN must neither be passed over nor replaced.
+// The larger value, or NaN if either is: std::max would drop or replace NaN.
 double larger(double worst, double next) {
   return std::isnan(worst) || next <= worst ? worst : next;
 }
@@ -144,7 +144,8 @@ Agreement agreement(const std::vector<Moments>& measured, const std::vector<doub
   Agreement worst;
   worst.plausible_z = fourth_moment.empty() ? largest_plausible_score(2 * measured.size())
                                             : plausible_score_of_any(2 * measured.size());
-  // The score grows with the ratio: of cells with as many degrees of freedom only those beyond all others can be worse.
+  // The score grows with the ratio, so among cells of equal degrees of freedom only ratios beyond all earlier ones
+  // matter.
   double freedom = 0.0;
   double lowest = kInfinity, highest = -kInfinity;
   for (std::size_t c = 0; c < measured.size(); ++c) {

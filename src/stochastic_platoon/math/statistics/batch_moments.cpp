@@ -11,7 +11,7 @@ namespace platoon {
 
 namespace {
 
-// Halves a level: node j of the next one joins nodes 2j and 2j + 1, of 2 half_count values each.
+// Joins a level in pairs: node j of the next level joins nodes 2j and 2j + 1 of 2 half_count values each.
 PLATOON_INLINE void join_pairs(const double* mean, const double* deviations, std::size_t pairs, double half_count,
                                double* mean_out, double* deviations_out) {
   for (std::size_t j = 0; j < pairs; ++j) {
@@ -28,11 +28,11 @@ PLATOON_INLINE void pair_values(const double* values, std::size_t pairs, double*
   }
 }
 
-// Tiles of 512 values: every intermediate level stays in the first level cache.
+// Tiles of 512 values: all intermediate levels fit in the first level cache.
 constexpr unsigned kMomentTileLevel = 9;
 constexpr std::size_t kMomentTile = std::size_t{1} << kMomentTileLevel;
 
-// One level of a tile whose four moments are kept.
+// One level of a tile with four moments.
 struct PowerTile {
   std::array<double, kMomentTile / 2> mean, squared, cubed, fourth;
 };

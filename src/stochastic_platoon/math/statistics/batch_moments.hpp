@@ -16,10 +16,10 @@ struct MomentBlock {
   DyadicRange range;
   std::vector<double> mean;                    ///< [m], one per cell
   std::vector<double> squared_deviations;      ///< [m^2], one per cell
-  std::vector<double> cubed_deviations = {};   ///< [m^3], one per cell; empty where they are not kept
+  std::vector<double> cubed_deviations = {};   ///< [m^3], one per cell; empty if not kept
   std::vector<double> fourth_deviations = {};  ///< [m^4], the same
 
-  /// Those of one cell; of a block that keeps two moments the others are 0.
+  /// Deviations of one cell; the cubes and fourth powers are 0 in a block with two moments.
   Deviations deviations(std::size_t cell) const {
     if (fourth_deviations.empty()) return {squared_deviations[cell], 0.0, 0.0};
     return {squared_deviations[cell], cubed_deviations[cell], fourth_deviations[cell]};
@@ -30,22 +30,22 @@ struct MomentBlock {
 struct MomentNode {
   double mean;                     ///< [m]
   double squared_deviations;       ///< [m^2]
-  double cubed_deviations = 0.0;   ///< [m^3]; 0 where it is not kept
+  double cubed_deviations = 0.0;   ///< [m^3]; 0 if not kept
   double fourth_deviations = 0.0;  ///< [m^4]; the same
 };
 
-/// Values at [offset, offset + count) of a batch: either where they are already, or formed in `buffer`.
+/// Values [offset, offset + count) of a batch: returns a pointer to existing values or computes them in `buffer`.
 using ValuesInTurn =
     std::function<const double*(std::size_t offset, std::size_t count, double* buffer)>;  // count <= 512
 
-/// The nodes of one cell's values, one for each range of dyadic_cover(first_realization, count).
+/// The nodes of one cell's values, one per range of dyadic_cover(first_realization, count).
 ///
-/// Values are paired by realization number, level by level, so a node's bits depend on its range alone and not
-/// on the batch in which it was formed. They are asked for in ascending tiles of at most 512.
+/// Values are paired by realization number, level by level, so a node's bits depend on its range only and not on the
+/// batch. The values are requested in ascending tiles of at most 512.
 std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_t count, const ValuesInTurn& values,
                                      KeptMoments kept = KeptMoments::two);
 
-/// Moments of one batch of realizations, cell by cell, as blocks of the tree that MomentTable keeps.
+/// Moments of one batch of realizations, cell by cell, as blocks of MomentTable's tree.
 class BatchMoments {
 public:
   BatchMoments(std::uint64_t first_realization, std::size_t count, std::size_t cells,
@@ -54,17 +54,16 @@ public:
   std::uint64_t first_realization() const { return first_; }
   std::size_t count() const { return count_; }
 
-  /// Takes the cell's values, one for each realization of the batch [m]. Throws std::out_of_range if `cell` is
-  /// out of range.
+  /// Sets the cell's values, one per realization of the batch [m]. Throws std::out_of_range if `cell` is out of range.
   void set(std::size_t cell, const double* values);
 
-  /// Takes the cell's nodes, as reduce_batch() forms them. Throws as above, and std::invalid_argument unless
-  /// there is one per block.
+  /// Sets the cell's nodes from reduce_batch(). Throws as above, and std::invalid_argument unless there is one per
+  /// block.
   void set(std::size_t cell, const std::vector<MomentNode>& nodes);
 
   const std::vector<MomentBlock>& blocks() const { return blocks_; }
 
-  /// Gives the blocks away and keeps none.
+  /// Moves the blocks out.
   std::vector<MomentBlock> release() { return std::move(blocks_); }
 
 private:

@@ -11,7 +11,7 @@ namespace platoon {
 
 /// Mean and variance of every zeta_i(k) over the realizations of committed batches: ensemble statistics.
 ///
-/// Batches may be open side by side. A batch contributes only once committed, and then as a whole.
+/// Several batches may be open at a time. A batch contributes only once committed, and then as a whole.
 class EnsembleStatistics : public ErrorAverages {
 public:
   EnsembleStatistics(std::size_t followers, std::int64_t steps, KeptMoments kept = KeptMoments::two)
@@ -19,7 +19,7 @@ public:
 
   Averaging averaging() const override { return Averaging::over_realizations; }
   void add(const ReducedErrors& errors) override;
-  /// Throws std::invalid_argument when the batch is not open.
+  /// Throws std::invalid_argument if the batch is not open.
   void commit(std::uint64_t first_realization) override;
   void restart() override { open_.clear(); }
   std::uint64_t realizations() const override { return table_.count(); }
@@ -29,11 +29,11 @@ public:
   std::vector<Moments> moments() const override { return table_.totals(); }
   const MomentTable* totals() const override { return &table_; }
 
-  /// The batch of `size` realizations from first_realization on, begun if it is not open yet. Stays where it
-  /// is until it is committed or discarded.
+  /// The batch of `size` realizations from first_realization on, opened if needed. The reference is valid until the
+  /// batch is committed or discarded.
   BatchMoments& open(std::uint64_t first_realization, std::size_t size);
 
-  /// Takes over what an earlier run had committed. Throws std::invalid_argument as MomentTable::merge does.
+  /// Adds the committed realizations of an earlier run. Throws std::invalid_argument as MomentTable::merge does.
   void merge(const MomentTable& earlier) { table_.merge(earlier); }
 
   const MomentTable& committed() const { return table_; }

@@ -10,7 +10,7 @@ namespace platoon {
 
 namespace {
 
-// Makes the left child the parent of both.
+// Turns the left child into the parent of both.
 void join(MomentBlock& left, const MomentBlock& right) {
   const double half_count = 0.5 * static_cast<double>(left.range.size());
   for (std::size_t c = 0; c < left.fourth_deviations.size(); ++c) {
@@ -37,7 +37,7 @@ void MomentTable::add(MomentBlock block) {
     throw std::invalid_argument("block of " + std::to_string(block.mean.size()) + " cells: must have " +
                                 std::to_string(cells_));
   }
-  // Else the end of a range that comes from a file could not be told.
+  // Larger ranges, which a file may contain, would overflow the end of a range.
   if (block.range.level > 62 || block.range.first % block.range.size() != 0 ||
       block.range.first > (std::uint64_t{1} << 62)) {
     throw std::invalid_argument("realizations from " + std::to_string(block.range.first) + " at level " +

@@ -13,9 +13,9 @@ namespace platoon {
 
 /// Moments of every cell over any set of realizations, as a pure function of that set.
 ///
-/// Keeps the maximal dyadic blocks of the set: two sibling blocks are joined as soon as both are there.
-/// Floating point sums are so always formed along the same tree: batch sizes, the order of arrival, merging
-/// and restarts cannot change a bit. For realizations 0 .. R - 1 at most log2(R) + 1 blocks are kept.
+/// Keeps the maximal dyadic blocks of the set: two sibling blocks are joined as soon as both are present. Floating
+/// point sums thus always follow the same tree, so batch sizes, arrival order, merging and restarts do not change a
+/// bit. For realizations 0 .. R - 1 the table has at most log2(R) + 1 blocks.
 class MomentTable {
 public:
   explicit MomentTable(std::size_t cells) : cells_(cells) {}
@@ -23,17 +23,16 @@ public:
   std::size_t cells() const { return cells_; }
   std::uint64_t count() const;
 
-  /// Takes a block in. Throws std::invalid_argument when its realizations are there already or its cells
-  /// differ.
+  /// Adds a block. Throws std::invalid_argument if the table already contains its realizations or its number of cells
+  /// differs.
   void add(MomentBlock block);
   void add(BatchMoments batch);
   void merge(const MomentTable& other);
 
-  /// The realizations of a range that are not there, in ascending order.
+  /// The realizations of a range that the table does not contain, in ascending order.
   std::vector<RealizationRange> missing(const RealizationRange& range) const;
 
-  /// Moments of each cell over all realizations taken in: the blocks in ascending order, merged from the
-  /// left.
+  /// Moments of each cell over all realizations: the blocks in ascending order, merged from the left.
   std::vector<Moments> totals() const;
 
   /// The maximal blocks, by their first realization.

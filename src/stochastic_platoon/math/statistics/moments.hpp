@@ -7,12 +7,12 @@
 
 namespace platoon {
 
-/// Which moments of a sample are kept: two are enough for normal values; the standard error of the variance of
-/// any others needs the fourth.
+/// Moments kept of a sample. Normal values need two; the standard error of the variance of other values needs the
+/// fourth.
 enum class KeptMoments { two, four };
 
-/// Count, mean and sum of squared deviations of a sample: enough for the mean and the unbiased variance. And,
-/// where they are kept, of the third and fourth powers.
+/// Count, mean and sum of squared deviations of a sample, which give the mean and the unbiased variance; optionally the
+/// sums of the third and fourth powers.
 struct Moments {
   std::uint64_t count = 0;
   double mean = 0.0;                                                    ///< [m]
@@ -27,9 +27,8 @@ struct Moments {
   void add(double value);
 };
 
-/// Mean and sum of squared deviations of the union of two samples of n values each, with half_count = n / 2
-/// (Chan, Golub and LeVeque, 1983, for equal counts: M = M_left + M_right + (mean_right - mean_left)^2 n /
-/// 2).
+/// Mean and sum of squared deviations of the union of two samples of n values each, with half_count = n / 2 (Chan,
+/// Golub and LeVeque, 1983, for equal counts: M = M_left + M_right + (mean_right - mean_left)^2 n / 2).
 PLATOON_INLINE void merge_equal(double left_mean, double left_deviations, double right_mean, double right_deviations,
                                 double half_count, double* mean, double* squared_deviations) {
   const double shift = right_mean - left_mean;
@@ -58,15 +57,15 @@ PLATOON_INLINE void merge_equal_powers(double shift, const Deviations& left, con
 /// nothing.
 Moments merge(const Moments& left, const Moments& right);
 
-/// Standard deviation of the mean of n values of this variance that are worth n share independent ones [m].
+/// Standard deviation of the mean of n values of this variance, worth n share independent ones [m].
 double standard_error_of_mean(double variance, std::uint64_t count, double share = 1.0);
 
-/// Standard deviation of the unbiased variance of n normal values, n - 1 worth (n - 1) share independent ones:
-/// variance sqrt(2 / ((n - 1) share)) [m^2].
+/// Standard deviation of the unbiased variance of n normal values, with n - 1 of them worth (n - 1) share independent
+/// ones: variance sqrt(2 / ((n - 1) share)) [m^2].
 double standard_error_of_variance(double variance, std::uint64_t count, double share = 1.0);
 
-/// Standard deviation of the unbiased variance of values of any distribution [m^2], from their measured fourth
-/// moment m_4: sqrt((m_4 - v^2) / n). NaN where that was not kept.
+/// Standard deviation of the unbiased variance of values of any distribution [m^2], from their measured fourth moment
+/// m_4: sqrt((m_4 - v^2) / n). NaN if the fourth moment was not kept.
 double standard_error_of_variance(const Moments& measured);
 
 }  // namespace platoon

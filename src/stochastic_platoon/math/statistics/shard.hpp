@@ -11,7 +11,7 @@ struct RealizationRange {
   std::uint64_t size() const { return end - first; }
 };
 
-/// Into how many shards a run may be cut.
+/// Largest number of shards of a run.
 constexpr std::uint64_t kMostShards = 1000000;
 
 /// Part I of N of a run's realizations, 0 <= I < N.
@@ -20,11 +20,11 @@ struct Shard {
   std::uint64_t of;     ///< N
 };
 
-/// The realizations of a shard of a run of R realizations, N <= R: b_I .. b_{I+1} - 1, where b_N = R and
-/// b_I = floor(I R / N), rounded down to a multiple of the largest power of two that is at most R / (32 N), or of 1.
+/// The realizations of a shard of a run of R realizations, N <= R: b_I .. b_{I+1} - 1, with b_N = R and b_I = floor(I R
+/// / N), rounded down to a multiple of the largest power of two that is at most R / (32 N), or of 1.
 ///
-/// So no shard is empty, each has R / N realizations to within R / (32 N) + 1, and is few nodes of the binary tree over
-/// all realizations, along which sums are formed (see MomentTable): the shards of any N give the bits of one run.
+/// No shard is empty. Each has R / N realizations to within R / (32 N) + 1 and consists of few nodes of the binary tree
+/// over all realizations, along which sums are formed (see MomentTable), so any N gives the same bits as a single run.
 /// Throws std::invalid_argument unless I < N <= min(R, kMostShards).
 RealizationRange range_of(const Shard& shard, std::uint64_t realizations);
 

@@ -41,7 +41,7 @@ bool TimeStatistics::counts(std::size_t follower, std::int64_t step) const {
 }
 
 void TimeStatistics::add(const ReducedErrors& errors) {
-  // Of one realization: the error itself.
+  // With one realization the mean is the error itself.
   followers_.at(errors.follower - 1).early.emplace(errors.step, errors.nodes.front().mean);
   count_due(errors.follower);
 }

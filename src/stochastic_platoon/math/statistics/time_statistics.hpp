@@ -11,24 +11,23 @@
 
 namespace platoon {
 
-/// Mean and variance of every zeta_i over the steps k >= burn_in of one realization after another: time
-/// averages. A realization that breaks off, as a node was killed, counts as far as it came, and the next one
-/// counts from its own burn_in on.
+/// Mean and variance of every zeta_i over the steps k >= burn_in of successive realizations: time averages. The steps
+/// of an interrupted realization (a killed node) count, and the next realization counts from its own burn_in on.
 ///
-/// A manoeuvre of the leader, which departs from the model in steps a .. b, leaves out the errors that it reaches,
-/// zeta_i(k) for k >= a + i - 1, up to a burn-in behind it, k <= b + i - 1 + burn_in. What counts is decided when the
-/// leader's step k - i + 1 is known, the latest that zeta_i(k) depends on.
+/// A manoeuvre of the leader in steps a .. b departs from the model. It excludes the errors that it affects, zeta_i(k)
+/// for k >= a + i - 1, up to a burn-in after its end, k <= b + i - 1 + burn_in. The decision requires the leader's step
+/// k - i + 1, the latest on which zeta_i(k) depends.
 ///
-/// The errors of a follower count in the order of their steps, whatever order they come in, so that the sums
-/// have the same bits. Successive errors are correlated: the standard errors of independent values do not hold.
+/// The errors of a follower are added in the order of their steps, whatever their order of arrival, so the sums have
+/// the same bits. Successive errors are correlated: the standard errors of independent values do not hold.
 class TimeStatistics : public ErrorAverages {
 public:
-  /// `earlier`: moments() of earlier realizations, one per follower; empty: there were none.
+  /// `earlier`: moments() of earlier realizations, one per follower; may be empty.
   TimeStatistics(std::size_t followers, std::int64_t burn_in, std::vector<Moments> earlier = {});
 
   Averaging averaging() const override { return Averaging::over_time; }
   void add(const ReducedErrors& errors) override;
-  /// An endless batch is never whole.
+  /// No effect: an endless batch is never complete.
   void commit(std::uint64_t) override {}
   void restart() override;
   void saw_leader(std::int64_t step, bool by_model) override;
@@ -36,27 +35,27 @@ public:
   bool empty() const override;
   std::int64_t last_step() const override;
   std::int64_t last_step(std::size_t follower) const override { return followers_[follower - 1].next_step - 1; }
-  /// One per follower; count is the number of steps behind it.
+  /// One per follower; count is the number of steps in it.
   std::vector<Moments> moments() const override;
   const MomentTable* totals() const override { return nullptr; }
 
 private:
   struct Follower {
     Moments moments;
-    std::int64_t next_step = 0;            ///< the step that counts next
-    std::map<std::int64_t, double> early;  ///< zeta_i of later steps [m]
+    std::int64_t next_step = 0;            ///< next step to add
+    std::map<std::int64_t, double> early;  ///< zeta_i of steps received early [m]
   };
   void count_due(std::size_t index);
   bool counts(std::size_t follower, std::int64_t step) const;
 
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   std::int64_t burn_in_;
-  std::int64_t leader_step_ = kNever;   ///< latest known; kNever: nobody tells
+  std::int64_t leader_step_ = kNever;   ///< latest known; kNever: not reported
   std::int64_t departed_ = kNever;      ///< first step of the latest manoeuvre
-  std::int64_t counts_from_;            ///< behind it
-  std::int64_t counted_from_ = kNever;  ///< before it
-  std::vector<Moments> earlier_;        ///< of the realizations before, one per follower
-  std::vector<Follower> followers_;     ///< in the present one
+  std::int64_t counts_from_;            ///< first step counted after it
+  std::int64_t counted_from_ = kNever;  ///< first step counted before it
+  std::vector<Moments> earlier_;        ///< of earlier realizations, one per follower
+  std::vector<Follower> followers_;     ///< of the current realization
 };
 
 }  // namespace platoon

@@ -15,7 +15,7 @@ constexpr long double kRounding = std::numeric_limits<long double>::epsilon();
 constexpr long double kInfinite = std::numeric_limits<long double>::infinity();
 constexpr std::size_t kSeriesTerms = 36;  // at a quarter of the radius of convergence
 constexpr long double kSeriesReach = 0.25L;
-constexpr long double kSmooth = 0.5L;  // of the distance to a singularity that a Taylor bound may use
+constexpr long double kSmooth = 0.5L;  // fraction of the distance to a singularity that a Taylor bound may cover
 
 long double power_of(long double x, int exponent) {
   long double result = 1.0L;
@@ -23,7 +23,7 @@ long double power_of(long double x, int exponent) {
   return result;
 }
 
-/// Where (v + s x + k x^2 / 2) / (c + x)^order is least for |x| <= r, c + x > 0.
+/// The minimum of (v + s x + k x^2 / 2) / (c + x)^order over |x| <= r, c + x > 0.
 struct QuotientMinimum {
   long double x, value;
 };
@@ -37,7 +37,7 @@ QuotientMinimum least_quotient(long double v, long double s, long double k, long
     if (value < least.value) least = {x, value};
   };
   consider(r);
-  // (s + k x) (c + x) = order (v + s x + k x^2 / 2)
+  // Zero slope: (s + k x) (c + x) = order (v + s x + k x^2 / 2).
   const auto power = static_cast<long double>(order);
   const long double a = k * (1.0L - power / 2.0L), b = k * c + (1.0L - power) * s, d = s * c - power * v;
   if (a == 0.0L) {
@@ -60,9 +60,9 @@ struct Attenuation::Piece {
 };
 
 struct Attenuation::Bounds {
-  long double lower;      ///< of the quotient over the piece
-  long double candidate;  ///< where the quotient may be least
-  long double noise;      ///< what rounding makes of the quotient
+  long double lower;      ///< lower bound of the quotient over the piece
+  long double candidate;  ///< t of a possible minimum of the quotient
+  long double noise;      ///< rounding error of the quotient
 };
 
 Attenuation::Attenuation(const std::vector<GainFactor>& factors) {
@@ -172,7 +172,7 @@ Attenuation::Bounds Attenuation::bounds(const Piece& piece, int order) const {
       const long double real = 1.0L - u.real * piece.centre, imag = -u.imag * piece.centre;
       const long double size = real * real + imag * imag, length = std::sqrt(size), reach = u.size * piece.radius;
       rounding += std::abs(group.weight) * (1.0L + u.size * piece.centre / std::max(length, kRounding));
-      if (reach > kSmooth * length) {  // by the farthest, or the nearest, that the factor may be from 0
+      if (reach > kSmooth * length) {  // bounds |1 - u t| by its largest or smallest value
         const long double bound = group.weight < 0.0L ? length + reach : length - reach;
         if (bound <= 0.0L) return {-kInfinite, piece.centre, 0.0L};
         sizes *= bound * bound;

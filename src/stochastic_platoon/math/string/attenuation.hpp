@@ -6,18 +6,18 @@
 
 namespace platoon {
 
-/// Poles and zeros of one rational factor T(z), T(1) = 1, as s = z - 1, and its multiplicity in a product.
+/// Poles and zeros of one rational factor T(z), T(1) = 1, as s = z - 1, and the multiplicity of T in a product.
 struct GainFactor {
   std::vector<std::complex<long double>> poles;
   std::vector<std::complex<long double>> zeros;
   long double count = 1.0L;
 };
 
-/// The attenuation a(w) = -ln prod |T_i(e^{jw})|^(2 n_i) of a product of factors with T_i(1) = 1, as a function of
-/// t = 1 - cos w in [0, 2]:
+/// The attenuation a(w) = -ln prod |T_i(e^{jw})|^(2 n_i) of a product of factors with T_i(1) = 1, as a function of t =
+/// 1 - cos w in [0, 2]:
 ///     a(t) = sum_i n_i (sum over poles of ln |1 - u t| - sum over zeros of ln |1 - u t|),   u = -2 (1 + s) / s^2.
-/// The product is never multiplied out: a factor of one vehicle has its own digits whatever the others are.
-/// Poles and zeros at z = 0 have modulus 1 on the circle and drop out.
+/// The product is never multiplied out, so each vehicle's factor keeps its digits. Poles and zeros at z = 0 have
+/// modulus 1 on the circle and drop out.
 class Attenuation {
 public:
   explicit Attenuation(const std::vector<GainFactor>& factors);
@@ -28,18 +28,18 @@ public:
     long double curvature;  ///< d^2 a / dt^2
   };
   Value at(long double t) const;
-  /// Its slope alone, without logarithms.
+  /// The slope alone, without logarithms.
   long double slope(long double t) const;
 
   struct Minimum {
     long double t;
     long double value;  ///< a(t) / min(t, 1)^order
-    bool is_global;     ///< false after most_pieces: another place may be lower
+    bool is_global;     ///< false if most_pieces was reached: another t may be lower
   };
 
-  /// The global minimum over [0, 2] of a(t) / min(t, 1)^order, where a vanishes like t^order at least at t = 0.
-  /// By branch and bound with third order Taylor bounds, hence without a grid: no minimum is missed. 1e-12
-  /// relative, or the rounding of a.
+  /// The global minimum over [0, 2] of a(t) / min(t, 1)^order; a must vanish at least like t^order at t = 0. Branch and
+  /// bound with third order Taylor bounds, without a grid, misses no minimum. Accurate to 1e-12 relative or to the
+  /// rounding of a.
   Minimum least(int order, int most_pieces = 200000) const;
 
   /// Coefficient of t^power, power >= 1, in the series of a about t = 0.
@@ -64,8 +64,8 @@ private:
 
   std::vector<Term> terms_;
   std::vector<Group> groups_;        ///< one after the other
-  std::vector<long double> series_;  ///< by powers of t
-  long double series_end_ = 0.0L;    ///< the series is used for t below it
+  std::vector<long double> series_;  ///< coefficients of a by powers of t
+  long double series_end_ = 0.0L;    ///< the series is used for smaller t
 };
 
 }  // namespace platoon

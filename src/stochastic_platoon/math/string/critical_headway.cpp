@@ -35,7 +35,7 @@ double string_margin(const ClosedLoop& loop, double headway) {
   const double decay = 1.0 - spectral_radius(loop);
   if (!(decay > 0.0)) return decay;
   const LeastMargin least = PatternGain({rated_factor(delta_fraction(loop))}).least();
-  const bool flat = spectrum.margin_zeros() > spectrum.sensitivity_zeros();  // |T| < 1 is then not enough
+  const bool flat = spectrum.margin_zeros() > spectrum.sensitivity_zeros();  // then |T| < 1 is not sufficient
   return std::min(decay, flat ? std::min(least.value, 0.0) : least.value);
 }
 
@@ -59,7 +59,7 @@ StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range)
   }
   return stable_headways(
       [&law](double headway) {
-        // A headway that leaves no loop with double integral action is an unstable one.
+        // A headway without a loop of double integral action counts as unstable.
         try {
           return string_margin(law(headway), headway);
         } catch (const std::invalid_argument&) {

@@ -6,7 +6,7 @@ namespace platoon {
 
 namespace {
 
-// Without losses the default link, and the types that have none either, hold the last position.
+// If the default link has no loss stage, gives it and every type without one a stage that holds the last position.
 PlatoonModel with_loss_stage(PlatoonModel model) {
   if (model.link.loss) return model;
   model.link.loss = LossModel{};
@@ -24,7 +24,7 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   const PlatoonModel model = with_loss_stage(given);
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;
-  const int stride = given.link.loss ? 1 : 5;  // hundredths
+  const int stride = given.link.loss ? 1 : 5;  // in hundredths
   std::vector<double> samples;
   for (int i = 0; i < 99; i += stride) samples.push_back(0.01 * i);
   samples.push_back(0.99);

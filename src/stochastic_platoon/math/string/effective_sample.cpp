@@ -16,8 +16,8 @@ namespace platoon {
 namespace {
 
 constexpr double kHalfTurn = 3.14159265358979323846;
-constexpr double kEndOfCorrelation = 1e-15;  // of an autocorrelation
-constexpr double kResolved = 1e-13;          // of one at the end of a transform, whose rounding grows with its peaks
+constexpr double kEndOfCorrelation = 1e-15;  // relative size at which an autocorrelation ends
+constexpr double kResolved = 1e-13;          // the same at the end of a transform, whose rounding grows with its peaks
 constexpr std::size_t kFirstLength = 1024, kMostLength = std::size_t{1} << 20;
 constexpr std::size_t kMostValues = std::size_t{1} << 28;  // followers times length
 constexpr std::size_t kMostKept = std::size_t{1} << 22;    // 32 MB
@@ -42,7 +42,7 @@ public:
     }
   }
 
-  /// visit(i, Phi_zeta of follower i + 1, its value at 0) one after the other, up to where packets are lost.
+  /// Calls visit(i, Phi_zeta of follower i + 1, its value at 0) for i = 0, 1, ..., up to the first lossy link.
   template <class Visit>
   void pass(std::size_t followers, const Visit& visit) const {
     Eigen::ArrayXd position = Eigen::ArrayXd::Zero(types_.front().gain.size()), error;
@@ -51,7 +51,7 @@ public:
       const Type& type = types_[pattern_.type(i)];
       error = type.complement * position + type.of_added;
       position = type.gain * position + type.added;
-      // T(1) = H(1) = 1, so that the predecessor's part vanishes.
+      // T(1) = H(1) = 1: the predecessor's part vanishes.
       visit(i, error, type.added(0));
     }
   }
@@ -112,7 +112,7 @@ ErrorCorrelation::ErrorCorrelation(std::vector<double> autocorrelation, double s
       squares_(1.0),
       square_of_lags_(0.0),
       boundary_(0.0) {
-  double tail = 0.0;  // of R(t) beyond t
+  double tail = 0.0;  // sum of R beyond t
   for (std::size_t t = length_; t-- > 0;) {
     boundary_ += 2.0 * tail * (2.0 * sum_ - tail);
     const double r = autocorrelation[t];
@@ -126,7 +126,7 @@ ErrorCorrelation::ErrorCorrelation(std::vector<double> autocorrelation, double s
 }
 
 EffectiveSample ErrorCorrelation::of(std::uint64_t steps, std::uint64_t stretches) const {
-  const std::uint64_t one = steps / std::max<std::uint64_t>(stretches, 1);  // stretch
+  const std::uint64_t one = steps / std::max<std::uint64_t>(stretches, 1);  // steps per stretch
   if (one < 2 || length_ == 0 || (one < 2 * length_ && kept_.empty())) return {kNaN, kNaN, kNaN};
   const auto n = static_cast<double>(steps), m = static_cast<double>(stretches);
   double of_ones = n * sum_ - m * sum_of_lags_, trace = n * squares_ - m * square_of_lags_,
@@ -136,7 +136,7 @@ EffectiveSample ErrorCorrelation::of(std::uint64_t steps, std::uint64_t stretche
     of_ones = trace = of_one;
     of_square = 0.0;
     const auto r = [&](std::size_t t) { return t < length_ ? kept_[t] : 0.0; };
-    double row = 0.0;  // of S1
+    double row = 0.0;  // row t of S1
     for (std::size_t t = 0; t < one; ++t) row += r(t);
     for (std::size_t t = 0; t < one; ++t) {
       of_square += row * row;

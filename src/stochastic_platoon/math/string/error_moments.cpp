@@ -22,8 +22,8 @@ std::size_t checked_steps(std::int64_t steps) {
   return static_cast<std::size_t>(steps);
 }
 
-/// The loop as LoopFilter has it, with what the moments need beside T: see LoopResponse. Its figures are part of the
-/// digests of the paper's example.
+/// The loop as a LoopFilter, with the interface of LoopResponse that the moments need. The digests of the paper's
+/// example depend on its bits.
 class DoubleFilter {
 public:
   using Scalar = double;
@@ -57,16 +57,16 @@ private:
   Eigen::VectorXd equilibrium_;  ///< (I - A)^-1 B
 };
 
-/// Whether the coefficients of T by powers of z, and arithmetic in double with them, have the digits that are
-/// promised: those of a realization given in coordinates of its own have not, nor those of slow poles.
+/// Whether T by powers of z and arithmetic in double give the documented accuracy. They do not for a realization given
+/// in its own coordinates or for slow poles.
 bool has_digits_in_double(const ClosedLoop& loop) {
-  constexpr Eigen::Index kHighest = 8;  // order: beyond, sums of many terms add up
+  constexpr Eigen::Index kHighest = 8;  // order; at higher orders the rounding of many terms adds up
   if (!loop.integrators || loop.realization.order() > kHighest) return false;
   const Polynomial& d = loop.transfer.denominator();
   return std::abs(d.sum()) >= d.cwiseAbs().sum() / 64.0;
 }
 
-/// (H u)(k) = (1 + h) u(k) - h u(k-1), where u is zero before it begins.
+/// (H u)(k) = (1 + h) u(k) - h u(k-1), with u zero before its first value.
 template <class Sequence>
 Sequence with_headway(const Sequence& u, double headway) {
   const typename Sequence::value_type h = headway;
@@ -86,7 +86,7 @@ Sequence difference(const Sequence& u, const Sequence& v) {
   return result;
 }
 
-/// Responses of zeta_j, zeta_{j+1}, ... to one cause at vehicle j: the first, then T^{m-1} applied to a seed.
+/// Responses of zeta_j, zeta_{j+1}, ... to one cause at vehicle j: `first`, then T^{m-1} applied to `second`.
 template <class Filter>
 class ErrorResponses {
 public:
@@ -127,7 +127,7 @@ ErrorResponses<Filter> position_responses(const Filter& filter, double headway, 
   return {filter, difference(typename Filter::Sequence(steps + 1, 0), hw), sensitivity_of_w};
 }
 
-/// r_0(k) - r_0(k-1) [m] from the speeds, without the large positions in it.
+/// r_0(k) - r_0(k-1) [m] from the speeds, without cancellation of large positions.
 std::vector<double> leader_displacements(const PlatoonModel& model, std::size_t steps) {
   std::vector<double> moved(steps, 0.0);
   for (const SpeedChange& change : model.leader.changes()) {
@@ -138,8 +138,9 @@ std::vector<double> leader_displacements(const PlatoonModel& model, std::size_t 
   return moved;
 }
 
-/// With x = e r_0 + g, e = (I - A)^-1 B, the large positions drop out: g(k+1) = A g(k) - e (r_0(k+1) -
-/// r_0(k)) and y_0 = T(1) r_0 + C g, where T(1) = 1 up to the digits the model was given with.
+/// zeta_0(k). With x = e r_0 + g, e = (I - A)^-1 B, the large positions drop out:
+///     g(k+1) = A g(k) - e (r_0(k+1) - r_0(k)),   y_0 = T(1) r_0 + C g,
+/// with T(1) = 1 up to the digits of the model.
 template <class Filter>
 typename Filter::Sequence leader_error_by(const Filter& filter, const PlatoonModel& model, std::size_t count) {
   using Scalar = typename Filter::Scalar;

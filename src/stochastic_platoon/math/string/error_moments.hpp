@@ -9,8 +9,8 @@
 
 namespace platoon {
 
-/// Mean and variance of the tracking errors zeta_i(k) for i = 1 .. followers, k = 0 .. steps-1; follower i at
-/// step k stands at (i-1) steps + k.
+/// Mean and variance of the tracking errors zeta_i(k) for i = 1 .. followers, k = 0 .. steps-1; the index of follower i
+/// at step k is (i-1) steps + k.
 struct ErrorMoments {
   std::int64_t steps;
   std::size_t followers;
@@ -26,25 +26,23 @@ private:
   }
 };
 
-/// Exact mean and variance of every tracking error, what Lemma 1 (lem:mean_square_all) says, from the
-/// structure of the string: eq. (mu_z_recursive_all) and S = 1 - HT make the response of zeta_{j+m} to the
-/// noise d_j
+/// Exact mean and variance of every tracking error, as in Lemma 1 (lem:mean_square_all), from the structure of the
+/// string. By eq. (mu_z_recursive_all) and S = 1 - HT, the response of zeta_{j+m} to the noise d_j is
 ///     g_0 = -HT,   g_m = S T^m for m >= 1,
-/// and to the initial position p_j, with w(k) = C A^{k+1} x the free motion that begins at x(-1) = x p_j, x
-/// the unit equilibrium,
+/// and to the initial position p_j, with w(k) = C A^{k+1} x the free motion from x(-1) = x p_j, x the unit equilibrium,
 ///     a_0 = -H w,  a_m = S T^{m-1} w for m >= 1 (sequences that begin at step -1).
-/// With P_d the noise variance, mu and V mean and variance of the initial positions, and zeta_0 the leader's
-/// error,
+/// With P_d the noise variance, mu and V mean and variance of the initial positions, and zeta_0 the leader's error,
 ///     mean(i, k) = (T^i zeta_0)(k) + mu sum_{m<i} a_m(k),
 ///     variance(i, k) = sum_{m<i} (P_d sum_{l<=k} g_m(l)^2 + V a_m(k)^2).
-/// Behind a recorded leader the means are mean_errors_behind_recorded_leader(), the variances the same.
-/// The standstill distance cancels. In double for loops that plant and controller form with no slow poles, in
-/// extended precision by powers of z - 1 for all others; either way to 1e-12 of the largest term of a mean,
-/// and relatively of a variance. O(followers steps) time, O(steps) memory beyond the result. Holds for
-/// unstable loops too, as far as the numbers reach. Of any other platoon than the paper's they are
-/// linked_error_moments().
+/// Behind a recorded leader the means are mean_errors_behind_recorded_leader() and the variances the same. The
+/// standstill distance cancels. For a platoon other than the paper's this function returns linked_error_moments().
 ///
-/// Throws std::invalid_argument unless followers >= 1 and steps >= 1, and when the loop has no equilibrium.
+/// Arithmetic is in double for loops that plant and controller form without slow poles, and in extended precision by
+/// powers of z - 1 for all others; the error is 1e-12 of the largest term for a mean, and 1e-12 relative for a
+/// variance. O(followers steps) time, O(steps) memory beyond the result. Holds for unstable loops too, within the range
+/// of double.
+///
+/// Throws std::invalid_argument unless followers >= 1 and steps >= 1, and if the loop has no equilibrium.
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
 /// zeta_0(k) [m] for k = 0 .. steps-1, the error of the leader behind the virtual leader: zeta_0 = S r_0

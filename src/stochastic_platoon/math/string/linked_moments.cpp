@@ -29,11 +29,11 @@ Values products(const Values& a, const Values& b) {
   return result;
 }
 
-/// Responses of everything downstream to one kind of source at one place of the pattern: by how many vehicles
-/// further on, from the source's own on.
+/// Responses of the vehicles downstream to one kind of source at one place of the pattern. Index: number of vehicles
+/// behind the source, from 0 for the source's own vehicle.
 struct Responses {
-  std::vector<Values> error;       ///< squares of zeta's
-  std::vector<Values> innovation;  ///< squares of e's; of the source's own vehicle empty
+  std::vector<Values> error;       ///< squared responses of zeta
+  std::vector<Values> innovation;  ///< squared responses of e; empty for the source's own vehicle
 };
 
 class LinkedString {
@@ -56,7 +56,7 @@ public:
     return result;
   }
 
-  // Of every cell, from the E e^2 that moments() has left.
+  // The fourth cumulants of every cell, from E e^2 as computed by moments().
   Values fourth_cumulants() {
     LossResponses responses = loss_responses([](const Values& squared) { return products(squared, squared); });
     CausalConvolution convolution(steps_);
@@ -108,7 +108,7 @@ private:
     }
   }
 
-  // From the source's own vehicle, whose position responds so, down the string.
+  // The responses down the string, given the response of the position of the source's own vehicle.
   Responses downstream(std::size_t place, Sequence position) const {
     Responses responses;
     responses.error.push_back(squares(mean_vehicle(place).error(Sequence(steps_ + 1, 0.0L), position)));
@@ -122,7 +122,7 @@ private:
     return responses;
   }
 
-  // Of the noise and the dither of link `place` and its repetitions, and of the initial positions there.
+  // Adds the noise and the dither of link `place` and its repetitions, and the initial positions there.
   void add_constant_sources(std::size_t place) {
     const VehicleModel& vehicle = vehicles_[place];
     const double quantisation = vehicle.link.quantisation_step * vehicle.link.quantisation_step / 12.0;
@@ -138,7 +138,7 @@ private:
     }
   }
 
-  // A white source of this variance on what is sent, from step 0 on: sums over all its steps so far.
+  // Adds a white source of this variance on the sent position from step 0 on, summed over all steps so far.
   void add_white(std::size_t place, const Sequence& sent, double variance) {
     const MeanVehicle::Passed own = mean_vehicle(place)(sent);
     Responses responses = downstream(place, own.position);
@@ -154,7 +154,7 @@ private:
     const auto add = [&](const Values& from, Values& to) {
       for (std::size_t k = 0; k < from.size(); ++k) to[k] += variance * from[k];
     };
-    // What repetitions of the source add to follower i: the responses at distances i, i - M, ..., summed once.
+    // Repetitions of the source add the responses at distances i, i - M, ... to follower i; sum them once.
     const std::size_t period = vehicles_.size(), count = responses.error.size();
     std::vector<Values> error = responses.error, innovation = responses.innovation;
     if (!own_innovation.empty()) innovation[0] = own_innovation;
@@ -192,7 +192,7 @@ private:
 
   using Kernels = std::vector<CausalConvolution::Prepared>;
 
-  // What the losses of the links up to `last` add to follower i's row, by these responses.
+  // Adds the contribution of the losses of the links up to `last` to follower i's row, given these responses.
   void add_losses_to(CausalConvolution& convolution, std::vector<Kernels>& kernels, std::size_t i, std::size_t last,
                      Values& row) {
     std::vector<CausalConvolution::Product> products;
@@ -205,11 +205,11 @@ private:
   /// Powers of the responses to the losses of each vehicle of the pattern.
   struct LossResponses {
     std::vector<Kernels> error, innovation;
-    std::vector<Values> own;  ///< of the own link's innovation
+    std::vector<Values> own;  ///< responses of the own link's innovation
     bool any = false;         ///< whether there are losses
   };
 
-  // power makes of squares what is asked for.
+  // `power` converts squared responses to the required power.
   template <class Power>
   LossResponses loss_responses(const Power& power) const {
     LossResponses result{std::vector<Kernels>(vehicles_.size()), std::vector<Kernels>(vehicles_.size()),
@@ -239,7 +239,7 @@ private:
     }
   }
 
-  // The variance of w_i, which acts on the innovation of its own link: p q E e^2.
+  // Appends the variance of w_i, p q E e^2; w_i also acts on the innovation of its own link.
   void add_source(std::size_t i, const Values& own) {
     Values variance;  // of w(k), from step 0 on
     const double factor = mean_vehicle(i).variance_factor();
@@ -258,8 +258,8 @@ private:
     sources_.emplace_back(std::move(variance));
   }
 
-  // Those of w_i, pq (1 - 3pq) E e^4 - 3 (pq E e^2)^2, none below 0, where E e^4 is that of a normal e, and what
-  // comes from the links before.
+  // The fourth cumulants of w_i, pq (1 - 3pq) E e^4 - 3 (pq E e^2)^2, at least 0, with E e^4 of a normal e plus the
+  // contribution of the links before.
   Values loss_cumulants(std::size_t i, const Values& of_innovation) const {
     Values result;
     const double factor = mean_vehicle(i).variance_factor();
@@ -277,9 +277,9 @@ private:
   std::vector<VehicleModel> vehicles_;
   std::vector<MeanVehicle> mean_vehicles_;
   std::vector<Values> innovation_means_;              ///< E e_i(k)
-  std::vector<Values> error_;                         ///< variance of zeta_i(k), so far
-  std::vector<Values> innovation_;                    ///< E e_i(k)^2, so far
-  std::vector<CausalConvolution::Prepared> sources_;  ///< the variance of every w_i
+  std::vector<Values> error_;                         ///< variance of zeta_i(k), accumulated
+  std::vector<Values> innovation_;                    ///< E e_i(k)^2, accumulated
+  std::vector<CausalConvolution::Prepared> sources_;  ///< variance of every w_i
 };
 
 }  // namespace

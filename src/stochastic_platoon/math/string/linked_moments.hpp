@@ -7,25 +7,25 @@ namespace platoon {
 /// Exact mean and variance of every tracking error of a platoon over links with independent losses, homogeneous
 /// or patterned, from the first step on.
 ///
-/// The means pass from vehicle to vehicle: e(k) = s(k) - (L r)(k), r(k) = (L r)(k) + p e(k), with r at and
-/// before step -1 the position of step -1. About them the platoon is linear and driven by white noises: g and
-/// the dither of every link, and its w(k) = (theta(k) - p) e(k), uncorrelated with all others, of variance
-/// p q E e(k)^2. So with g_ij, f_ij the responses of zeta_i and e_i to a source of link j,
+/// The means pass from vehicle to vehicle: e(k) = s(k) - (L r)(k), r(k) = (L r)(k) + p e(k), with r at and before step
+/// -1 the position of step -1. About the means the platoon is linear and driven by white noises: g and the dither of
+/// every link, and its w(k) = (theta(k) - p) e(k), uncorrelated with all others, of variance p q E e(k)^2. With g_ij,
+/// f_ij the responses of zeta_i and e_i to a source of link j,
 ///     variance(i, k) = sum_j sum_{l<=k} g_ij(k-l)^2 v_j(l),   E e_i(k)^2 = mean^2 + sum_j sum_l f_ij(k-l)^2 v_j(l),
-/// link by link along the string, and the initial positions as sources at step -1.
+/// link by link along the string; initial positions are sources at step -1.
 ///
-/// The sums over l for the losses are convolutions by fast Fourier transform where its rounding leaves twelve
-/// digits of the variance, and direct elsewhere. O(followers^2 steps) time for the losses, O(followers steps) a
-/// pattern's vehicle for all else. 1e-11 relative, of a mean relative to the positions.
+/// The sums over l for the losses are convolutions by fast Fourier transform if its rounding leaves twelve digits of
+/// the variance, and direct otherwise. O(followers^2 steps) time for the losses, O(followers steps) per vehicle of the
+/// pattern for everything else. 1e-11 relative; for a mean relative to the positions.
 ///
-/// `fourth_cumulants`, where given, gets E (zeta - E zeta)^4 - 3 variance^2 of every cell [m^4] to first order, as if
+/// `fourth_cumulants`, if given, receives E (zeta - E zeta)^4 - 3 variance^2 of every cell [m^4] to first order, as if
 /// the w(k) were independent:
 ///     sum_j sum_{l<=k} g_ij(k-l)^4 c_j(l),   c_j = p q (1 - 3 p q) E e_j^4 - 3 (p q E e_j^2)^2 >= 0,
-/// with E e_j^4 of a normal e_j and of what comes from the links before in the same way. That is all there is where
-/// losses are rare; where they are frequent, it leaves out what losses in a row do.
+/// with E e_j^4 of a normal e_j plus the contribution of the links before, computed in the same way. This is complete
+/// for rare losses; for frequent losses it omits the effect of consecutive losses.
 ///
-/// Throws std::invalid_argument unless followers >= 1 and steps >= 1, for losses in bursts, and when a loop has
-/// no equilibrium.
+/// Throws std::invalid_argument unless followers >= 1 and steps >= 1, for losses in bursts, and if a loop has no
+/// equilibrium.
 ErrorMoments linked_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps,
                                   std::vector<double>* fourth_cumulants = nullptr);
 

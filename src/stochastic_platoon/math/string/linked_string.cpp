@@ -15,9 +15,9 @@ namespace platoon {
 
 namespace {
 
-constexpr double kLossGainDoubt = 1e-12;  // to which the quadrature has it
+constexpr double kLossGainDoubt = 1e-12;  // accuracy of the quadrature
 
-// [m] a step: the leader's speed in the end.
+// The leader's last speed, in metres per step.
 double metres_per_step(const PlatoonModel& model) {
   if (!model.recorded_leader.empty()) {
     const std::size_t n = model.recorded_leader.size();
@@ -26,7 +26,7 @@ double metres_per_step(const PlatoonModel& model) {
   return model.leader.changes().empty() ? 0.0 : model.sample_period * model.leader.changes().back().value;
 }
 
-/// ebar^2 [m^2]: the square of the mean of e at constant speed, in metres per step.
+/// ebar^2 [m^2]: the squared mean of e at constant speed; speed in metres per step.
 double squared_mean_innovation(const LinkedVehicle& vehicle, double speed) {
   const double ebar = speed * vehicle.mean_innovation();
   return ebar * ebar;
@@ -54,8 +54,8 @@ std::vector<double> variances_by(const PatternSpectra& spectra, const LinkedPatt
   return variances;
 }
 
-/// What the losses of the pattern's links add to each other, as a linear map of the variances of their w: see
-/// linked_string_stability(). Applied by following the spectra around the pattern, in O(nodes) a vehicle.
+/// The matrix of loss gains as a linear map of the variances of w: see linked_string_stability(). Applied by following
+/// the spectra around the pattern, in O(nodes) per vehicle.
 class LossGains {
 public:
   LossGains(const PatternSpectra& spectra, const LinkedPattern& pattern)
@@ -67,10 +67,10 @@ public:
 
   /// The pattern_margin() of the spectra.
   const Eigen::ArrayXd& divisor() const { return divisor_; }
-  /// Places of the links that lose.
+  /// Places of the links with losses.
   const std::vector<std::size_t>& lossy() const { return lossy_; }
 
-  /// kappa_j < |(1-L_j) F_j|^2 Phi_{j-1} > of each, where vehicle l adds added[l] to the spectrum.
+  /// kappa_j < |(1-L_j) F_j|^2 Phi_{j-1} > for each lossy link, with vehicle l adding added[l] to the spectrum.
   Eigen::VectorXd arriving(const std::vector<Eigen::ArrayXd>& added) const {
     Eigen::VectorXd result(static_cast<Eigen::Index>(lossy_.size()));
     Eigen::ArrayXd spectrum = spectra_.in_front(added, divisor_);
@@ -84,7 +84,6 @@ public:
     return result;
   }
 
-  /// The map itself.
   Eigen::VectorXd operator()(const Eigen::VectorXd& sigma) const {
     std::vector<Eigen::ArrayXd> added(pattern_.size(), Eigen::ArrayXd::Zero(spectra_.weight.size()));
     for (std::size_t k = 0; k < lossy_.size(); ++k)
@@ -132,7 +131,7 @@ double loss_gain_by(const PatternSpectra& spectra, const LinkedPattern& pattern)
   return perron_root(gains, static_cast<Eigen::Index>(gains.lossy().size()));
 }
 
-/// On the right side of 1 and, beside 1, to the digits of the quadrature.
+/// The loss gain, on the correct side of 1; near 1 as accurate as the quadrature.
 double coarse_loss_gain(const PatternSpectra& spectra, const LinkedPattern& pattern) {
   constexpr double kFar = 2.0;
   const LossGains gains(spectra, pattern);
@@ -146,8 +145,8 @@ bool any_losses(const LinkedPattern& pattern) {
   return std::any_of(pattern.types.begin(), pattern.types.end(), [](const LinkedVehicle& v) { return v.has_losses(); });
 }
 
-/// Whether 1 - |prod T^|^2 vanishes faster at w = 0 than what it divides in a variance: the noises, and behind them
-/// |1 - H T^|^2 of the errors and |1 - L|^2 of the losses.
+/// Whether 1 - |prod T^|^2 vanishes faster at w = 0 than the numerators it divides in a variance: the noises, times |1
+/// - H T^|^2 for the errors and |1 - L|^2 for the losses.
 bool grows_at_zero(const LinkedPattern& pattern, const PatternGain& gain) {
   int noise = any_losses(pattern) ? 0 : ZerosAtZero::kNone, passed = ZerosAtZero::kNone;
   for (const LinkedVehicle& vehicle : pattern.types) {
@@ -156,7 +155,7 @@ bool grows_at_zero(const LinkedPattern& pattern, const PatternGain& gain) {
     passed = std::min(passed, zeros.complement);
     if (vehicle.has_losses()) passed = std::min(passed, zeros.innovation);
   }
-  if (noise == ZerosAtZero::kNone) noise = 0;  // as of any noise, however small
+  if (noise == ZerosAtZero::kNone) noise = 0;  // as for any noise, however small
   return gain.zeros() > passed + noise;
 }
 
@@ -264,7 +263,7 @@ double linked_string_margin(const LinkedPattern& pattern) {
   const double least = gain.least().value;
   if (!(least > 0.0) || grows_at_zero(pattern, gain)) return std::min(least, 0.0);
   double loss_gain = any_losses(pattern) ? coarse_loss_gain(PatternSpectra(pattern, gain, true, 0), pattern) : 0.0;
-  if (std::abs(loss_gain - 1.0) < 1e-9) loss_gain = loss_gain_of(pattern, gain);  // what one cut of the panels has
+  if (std::abs(loss_gain - 1.0) < 1e-9) loss_gain = loss_gain_of(pattern, gain);  // with refined panels
   return std::min(
       {1.0 - worst.spectral_radius, 1.0 - worst.loss_feedback, least, 1.0 / std::max(loss_gain, 1e-3) - 1.0});
 }

@@ -24,7 +24,7 @@ CirclePolynomial register_polynomial(const std::vector<double>& c, double factor
   return shifted;
 }
 
-// Without the care for infinities that the product of std::complex takes, and that takes its time.
+// p(s) without the infinity handling of std::complex, which is slow.
 Complex evaluate_at(const CirclePolynomial& p, Complex s) {
   long double real = 0.0L, imag = 0.0L;
   for (auto c = p.rbegin(); c != p.rend(); ++c) {
@@ -55,8 +55,7 @@ CirclePolynomial moduli(CirclePolynomial p) {
   return p;
 }
 
-// How many coefficients, from the lowest on, are zero to the rounding of what they were summed from; the first
-// `known` are.
+// Number of lowest coefficients that are zero to the rounding of the sums they result from, at least `known`.
 int leading_zeros(const CirclePolynomial& p, const CirclePolynomial& sizes, int known) {
   auto j = static_cast<std::size_t>(known);
   while (j < p.size() && std::abs(p[j]) <= kCoefficientRounding * sizes[j]) ++j;
@@ -98,7 +97,7 @@ LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
   const Complex numerator = evaluate_at(part.numerator, s);
   const Complex denominator = evaluate_at(part.denominator, s), registers = evaluate_at(part.registers, s);
   const long double of_loop = std::norm(denominator), of_link = std::norm(registers);
-  // F T and T^, by one division.
+  // F T and T^ with one division.
   const Complex passed =
       power(z, loss_.predictor.size()) * numerator * std::conj(denominator * registers) / (of_loop * of_link);
   const long double p = 1.0L - static_cast<long double>(loss_.probability);
@@ -108,7 +107,7 @@ LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
   const long double gain = p * p * std::norm(passed);
   long double margin = 1.0L - gain;
   if (near && gain > 0.25L) {
-    // The polynomial where 1 - |T^|^2 cancels, the difference where the polynomial does.
+    // Uses the polynomial if the difference 1 - |T^|^2 cancels, and the difference if the polynomial cancels.
     const long double size = std::sqrt(2.0L * t), over = of_loop * of_link;
     const auto share = [size](const CirclePolynomial& b, long double squared) {
       return magnitude(b, size) / std::sqrt(squared);
@@ -134,7 +133,7 @@ LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
 ZerosAtZero LinkedVehicle::zeros_at_zero() const {
   ZerosAtZero zeros{1, 1, 0};
   if (lag() == 0.0) {
-    // 1 - H T^ = (z D R - ((1 + h) z - h) p z^n N) / (z D R) with two zeros at s = 0, as nothing lags.
+    // 1 - H T^ = (z D R - ((1 + h) z - h) p z^n N) / (z D R), with two zeros at s = 0 as nothing lags.
     const long double h = vehicle_.headway, p = 1.0L - static_cast<long double>(loss_.probability);
     CirclePolynomial open = multiply({1.0L, 1.0L}, multiply(near_.denominator, near_.registers));
     CirclePolynomial closed = scaled(multiply({1.0L, 1.0L + h}, near_.numerator), p);
@@ -192,7 +191,7 @@ PatternGain LinkedPattern::gain() const {
 
 LinkedPattern linked_pattern(const PlatoonModel& model, const LinkedPattern& known) {
   LinkedPattern found;
-  std::map<std::size_t, std::size_t> place;  // of a type of the model among those of the pattern
+  std::map<std::size_t, std::size_t> place;  // model type -> index in found.types
   for (const std::size_t type : type_order(model)) {
     const auto inserted = place.emplace(type, found.types.size());
     if (inserted.second) {

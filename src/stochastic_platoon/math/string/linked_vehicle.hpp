@@ -9,17 +9,17 @@
 
 namespace platoon {
 
-/// What one frequency passes through one follower and the link into it. With p = 1 - q, the predictor
-/// L = c_1 z^-1 + c_2 z^-2 + ..., F = 1 / (1 - q L) and H = (1 + h) - h / z:
+/// Gains of one follower and the link into it at one frequency. With p = 1 - q, the predictor L = c_1 z^-1 + c_2 z^-2 +
+/// ..., F = 1 / (1 - q L) and H = (1 + h) - h / z:
 struct LinkedVehicleValue {
-  double gain;                     ///< |T^|^2, T^ = p z^-m F T: from the predecessor's position to the own, on average
+  double gain;                     ///< |T^|^2, T^ = p z^-m F T: from the predecessor's position to the mean of the own
   double margin;                   ///< 1 - |T^|^2, given that T^(1) = 1 exactly
-  double loss_gain;                ///< |T F|^2: from what the losses add, w, to the own position
-  double innovation;               ///< |(1 - L) F|^2: from what arrives to its difference e from what was predicted
+  double loss_gain;                ///< |T F|^2: from the loss noise w to the own position
+  double innovation;               ///< |(1 - L) F|^2: from the position at the loss stage to its prediction error e
   double noise;                    ///< |W|^2 P_d + D^2 / 12 [m^2]
   double complement;               ///< |1 - H T^|^2
   double headway;                  ///< |H|^2
-  std::complex<double> undelayed;  ///< H p F T, that is H T^ without its delay z^-m
+  std::complex<double> undelayed;  ///< H p F T: H T^ without the delay z^-m
 };
 
 /// A point e^{jw} of the unit circle by its offset from the nearer of 1 and -1, without cancellation.
@@ -31,17 +31,17 @@ struct CirclePoint {
   std::complex<long double> offset;
 };
 
-/// How often w^2 divides what passes at low frequencies.
+/// Multiplicity of the factor w^2 in spectral gains at low frequencies.
 struct ZerosAtZero {
-  int complement;  ///< |1 - H T^|^2: 1 where delay or losses leave a mean error at constant speed, 2 or more otherwise
+  int complement;  ///< |1 - H T^|^2: 1 if delay or losses leave a mean error at constant speed, 2 or more otherwise
   int innovation;  ///< |(1 - L) F|^2: 1 for holding, 2 for extrapolating, ...
-  int noise;       ///< |W|^2 P_d + D^2 / 12; kNone where there is no noise
+  int noise;       ///< |W|^2 P_d + D^2 / 12; kNone without noise
   static constexpr int kNone = 1000;
 };
 
-/// One follower behind its link with independent losses, on the unit circle, w in rad/sample. What is lost acts
-/// on the moments as a white noise w = (theta - p) e, uncorrelated with all that is sent, of variance
-/// E w^2 = p q E e^2, theta being 1 where a position arrives.
+/// One follower behind its link with independent losses, on the unit circle, w in rad/sample. The losses act on the
+/// moments as a white noise w = (theta - p) e, with theta 1 if a position arrives and 0 if not. It is uncorrelated with
+/// all sent positions and has variance E w^2 = p q E e^2.
 class LinkedVehicle {
 public:
   /// Throws std::invalid_argument for losses in bursts.
@@ -53,7 +53,7 @@ public:
   /// |T^|^2 as a factor of the pattern's.
   const RatedFactor& factor() const { return factor_; }
 
-  /// The complex w where any of the above is singular.
+  /// The complex frequencies at which any of the above is singular.
   std::vector<std::complex<double>> pole_frequencies() const;
 
   ZerosAtZero zeros_at_zero() const;
@@ -61,16 +61,16 @@ public:
   double spectral_radius() const { return spectral_radius_; }  ///< rho(A)
   double loss_feedback() const { return loss_feedback_; }      ///< p q ||L F||^2; infinite: F is unstable
 
-  /// kappa = p q / (1 - p q ||L F||^2): E w^2 over what E e^2 would be without w's own return through the link.
+  /// kappa = p q / (1 - p q ||L F||^2): E w^2 over the E e^2 without the feedback of w through the link.
   double loss_factor() const;
 
-  /// Steps by which the mean of what is received lags at constant speed: m + q (c_1 + 2 c_2 + ...) / p.
+  /// Mean lag of the received position at constant speed [steps]: m + q (c_1 + 2 c_2 + ...) / p.
   double lag() const;
 
-  /// Mean of e at constant speed, over metres per step: (c_1 + 2 c_2 + ...) / p; 0 without losses.
+  /// Mean of e at constant speed, divided by the metres per step: (c_1 + 2 c_2 + ...) / p; 0 without losses.
   double mean_innovation() const;
 
-  /// Whether this is the vehicle, of which headway and link may have been varied.
+  /// Whether this object describes `vehicle`, which differs at most in headway and link.
   bool is_of(const VehicleModel& vehicle) const;
 
   bool has_losses() const { return loss_.probability > 0.0; }
@@ -80,22 +80,22 @@ private:
   /// Taylor coefficients about one centre.
   struct Half {
     CirclePolynomial numerator, denominator;  ///< of T
-    CirclePolynomial registers;               ///< z^n - q (c_1 z^(n-1) + ...): F is z^n over it
-    CirclePolynomial surprise;                ///< z^n - (c_1 z^(n-1) + ...): 1 - L is it over z^n
+    CirclePolynomial registers;               ///< z^n / F = z^n - q (c_1 z^(n-1) + ...)
+    CirclePolynomial surprise;                ///< z^n (1 - L) = z^n - (c_1 z^(n-1) + ...)
   };
 
   VehicleModel vehicle_;
-  LossModel loss_;  ///< of probability 0 where there is none
+  LossModel loss_;  ///< probability 0 without a loss stage
   double spectral_radius_, loss_feedback_;
   Half near_, far_;
   CirclePolynomial margin_;  ///< |D^|^2 - |N^|^2 over t, about z = 1
   RatedFactor factor_;
 };
 
-/// One pattern of the string: its types of vehicle, each once, and their order.
+/// One pattern of the string: its vehicle types, each once, and their order.
 struct LinkedPattern {
   std::vector<LinkedVehicle> types;
-  std::vector<std::size_t> order;  ///< index of a type, for each place of the pattern
+  std::vector<std::size_t> order;  ///< index of the type at each place of the pattern
 
   std::size_t size() const { return order.size(); }
   std::size_t type(std::size_t follower) const { return order[follower % order.size()]; }
@@ -103,8 +103,8 @@ struct LinkedPattern {
   PatternGain gain() const;
 };
 
-/// The pattern of a platoon. `known`: that of the same platoon with other headways and links, what did not change of
-/// which is taken over. Throws std::invalid_argument for losses in bursts.
+/// The pattern of a platoon. `known`: pattern of the same platoon with other headways and links; its unchanged vehicles
+/// are reused. Throws std::invalid_argument for losses in bursts.
 LinkedPattern linked_pattern(const PlatoonModel& model, const LinkedPattern& known = {});
 
 }  // namespace platoon

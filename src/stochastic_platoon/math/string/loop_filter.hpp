@@ -12,7 +12,7 @@ class LoopFilter {
 public:
   explicit LoopFilter(const StateSpace& system);
 
-  /// y = T u from the zero state: x(k+1) = A x(k) + B u(k), y(k) = C x(k), x(0) = 0. As long as u.
+  /// y = T u from the zero state: x(k+1) = A x(k) + B u(k), y(k) = C x(k), x(0) = 0. Same length as u.
   std::vector<double> operator()(const std::vector<double>& input) const;
 
   /// C A^k x(0) for k = 0 .. count-1.

@@ -17,7 +17,7 @@ constexpr long double kNegligibleState = 1e-290L;
 /// A polynomial in Newton's basis with the first nodes at 1 and the others at 0.
 struct NewtonForm {
   ExactPolynomial at_one;   ///< coefficients of 1, s, s^2, ...
-  ExactPolynomial at_zero;  ///< of what s^at_one.size() multiplies, by ascending powers of z
+  ExactPolynomial at_zero;  ///< coefficients of the cofactor of s^at_one.size(), by ascending powers of z
 
   void move_node_to_one() {
     // Synthetic division by z - 1.
@@ -35,7 +35,7 @@ struct NewtonForm {
   }
 };
 
-/// Of a polynomial by ascending powers of s, all nodes at 0, with `size` coefficients.
+/// Newton form with all nodes at 0 and `size` coefficients, of a polynomial by ascending powers of s.
 NewtonForm with_nodes_at_zero(ExactPolynomial p, std::size_t size) {
   for (std::size_t j = 0; j + 1 < p.size(); ++j) {
     for (std::size_t i = p.size() - 1; i-- > j;) p[i] -= p[i + 1];
@@ -50,7 +50,7 @@ struct Place {
   long double value;  ///< |D|
 };
 
-/// Octaves of frequencies.
+/// Points at frequencies pi, pi/2, pi/4, ...
 std::vector<Place> places_of(const DeltaPolynomial& denominator) {
   constexpr int kOctaves = 40;
   std::vector<Place> places;
@@ -64,7 +64,7 @@ std::vector<Place> places_of(const DeltaPolynomial& denominator) {
   return places;
 }
 
-/// The largest sum of the moduli of the terms of N and D over |D|.
+/// The largest sum of the moduli of the terms of N and D, divided by |D|.
 long double condition(const LoopResponse::Sequence& numerator, const LoopResponse::Sequence& denominator,
                       std::size_t at_one, const std::vector<Place>& places) {
   long double worst = 0.0L;
@@ -101,7 +101,7 @@ LoopResponse::LoopResponse(const ClosedLoop& loop) {
     denominator_.swap(d);
   }
   gain_ = rounded_delta(t.numerator).front() / rounded_delta(t.denominator).front();
-  denominator_.pop_back();  // 1
+  denominator_.pop_back();  // the leading 1
   std::reverse(numerator_.begin(), numerator_.end());
   std::reverse(denominator_.begin(), denominator_.end());
   // (1 - lambda) v_j = v_{j+1} - d y + c u

@@ -9,12 +9,12 @@ namespace platoon {
 
 /// The closed loop T = N / D of one vehicle as an operator on finite sequences, in extended precision.
 ///
-/// T is realized in observable canonical form in Newton's basis phi_0 = 1, phi_{j+1} = (z - lambda_j) phi_j whose first
-/// nodes lambda are 1 and whose last are 0:
+/// T is realized in observable canonical form in Newton's basis phi_0 = 1, phi_{j+1} = (z - lambda_j) phi_j; the first
+/// nodes lambda are 1 and the last are 0:
 ///     v_j(k+1) = lambda_{n-1-j} v_j(k) + v_{j+1}(k) - d_{n-1-j} v_0(k) + c_{n-1-j} u(k),  j = 0 .. n-1,  v_n = 0,
 ///     y = v_0,   with N = sum c_j phi_j and D = phi_n + sum d_j phi_j.
-/// Slow poles cancel in powers of z, the poles of a delay in powers of z - 1. The number of nodes at 1 is the one whose
-/// terms are smallest beside D on the unit circle.
+/// Slow poles cancel in powers of z, and the poles of a delay in powers of z - 1. The number of nodes at 1 minimizes
+/// the terms relative to D on the unit circle.
 class LoopResponse {
 public:
   using Scalar = long double;
@@ -23,14 +23,14 @@ public:
   /// T must be strictly proper.
   explicit LoopResponse(const ClosedLoop& loop);
 
-  /// y = T u from the zero state, as long as u.
+  /// y = T u from the zero state, same length as u.
   Sequence operator()(const Sequence& input) const;
 
   /// The free motion y(0), y(1), ... from the equilibrium with output 1.
   Sequence free_response(std::size_t count) const;
 
-  /// y from the zero state, where the state is moved by -e moved(k), e the equilibrium of the input 1, in
-  /// place of an input: y of the distance that a leader at the sum of the moves is ahead of its equilibrium.
+  /// y from the zero state if, instead of an input, the state is shifted by -e moved(k) at step k, with e the
+  /// equilibrium for input 1: y relative to the equilibrium with a leader at the sum of the moves.
   Sequence lag(const Sequence& moved) const;
 
   /// T(1).
@@ -39,10 +39,10 @@ public:
 private:
   void advance(Sequence& state, long double input) const;
 
-  std::size_t at_zero_;   ///< nodes at 0, which the first states have
+  std::size_t at_zero_;   ///< number of nodes at 0, which belong to the first states
   Sequence numerator_;    ///< c_{n-1}, ..., c_0
   Sequence denominator_;  ///< d_{n-1}, ..., d_0
-  Sequence equilibrium_;  ///< of the input 1
+  Sequence equilibrium_;  ///< for input 1
   long double gain_;
 };
 

@@ -33,15 +33,15 @@ LoopSpectrumHalf half(const CirclePolynomial& numerator, const CirclePolynomial&
   return result;
 }
 
-/// Whether s, of z D - ((1+h) z - h) N by powers of z - 1, begins with two zeros, as far as
-/// violated_assumptions() asks for them.
+/// Whether s, the coefficients of z D - ((1+h) z - h) N by powers of z - 1, begins with two zeros, to the accuracy of
+/// violated_assumptions().
 bool has_two_zeros(const CirclePolynomial& s, const CirclePolynomial& d, double headway) {
   if (s.size() < 3 || d.size() < 2) return false;
   const long double size = std::abs(d[0]);
   return std::abs(s[0]) <= 2e-4L * size && std::abs(s[1]) <= 2e-4L * std::abs(d[1]) + 2e-3L * (1.0L + headway) * size;
 }
 
-/// p(t) or the other value, which is the same number, whichever is less in doubt.
+/// The more accurate of p(t) and `other`, which are equal in exact arithmetic.
 long double surer(const CirclePolynomial& p, long double t, long double other, long double other_magnitude) {
   return magnitude(p, t) <= other_magnitude ? evaluate(p, t) : other;
 }
@@ -92,7 +92,7 @@ void LoopSpectrum::strip_flat_zeros() {
 }
 
 double LoopSpectrum::margin_uncertainty(double frequency) const {
-  // A change of d_k with T(1) = 1 kept moves D by d_k (z^k - 1 - ...), bounded by powers of k t and by 1.
+  // A change of d_k that keeps T(1) = 1 moves D by d_k (z^k - 1 - ...), bounded by powers of k t and by 1.
   const std::complex<double> z = std::polar(1.0, frequency);
   const auto t = static_cast<double>(circle_coordinate(frequency, Centre::kOne));
   const auto spread = [&](const Polynomial& p) {
@@ -120,7 +120,7 @@ LoopSpectrumValue LoopSpectrum::at(double frequency) const {
       2.0L * (std::sqrt(d) * magnitude(part.denominator, size) + std::sqrt(n) * magnitude(part.numerator, size));
   const long double margin = surer(part.margin, t, d - n, doubt);
   const long double divisor = centre == Centre::kOne ? std::pow(x, margin_zeros_) : 1.0L;
-  const long double offset = centre == Centre::kOne ? part.margin.front() : 0.0L;  // T(1) = 1 but for rounding
+  const long double offset = centre == Centre::kOne ? part.margin.front() : 0.0L;  // rounding of T(1) = 1
   const long double stripped = surer(part.stripped_margin, t, (d - n - offset) / divisor, doubt / divisor);
   const long double zeros_left = std::pow(x, 2 - (centre == Centre::kOne ? margin_zeros_ : 0));
   const long double ratio = 4.0L * zeros_left * modulus(part.sensitivity_factor) / stripped;

@@ -7,10 +7,10 @@
 
 namespace platoon {
 
-/// A follower and the link into it, as operators on what is known on average: the loss keeps and replaces in
-/// proportion, r(k) = (L r)(k) + p e(k), e(k) = s(k) - (L r)(k).
+/// A follower and the link into it as operators on means, with losses replaced by their mean effect:
+///     r(k) = (L r)(k) + p e(k),   e(k) = s(k) - (L r)(k).
 ///
-/// Sequences of positions run from step -1 on, those of innovations and errors from step 0 on.
+/// Position sequences start at step -1; innovation and error sequences start at step 0.
 class MeanVehicle {
 public:
   using Sequence = LoopResponse::Sequence;
@@ -23,16 +23,16 @@ public:
     Sequence position;    ///< y_i
   };
 
-  /// What the predecessor's positions make of the own ones, without the own initial position.
+  /// Response to the predecessor's positions, without the own initial position.
   Passed operator()(const Sequence& predecessor) const;
 
-  /// Response to the own link's w: a unit impulse at step 0 on what is received.
+  /// Response to the own link's w: a unit impulse at step 0 on the received position.
   Passed of_loss(std::size_t steps) const;
 
-  /// From the own equilibrium at 1.
+  /// Free motion from the own equilibrium at position 1.
   Sequence free_motion(std::size_t steps) const { return loop_.free_response(steps + 1); }
 
-  /// zeta_i from the positions of both.
+  /// zeta_i from the positions of both vehicles.
   Sequence error(const Sequence& predecessor, const Sequence& own) const;
 
   /// p q: E w(k)^2 = p q E e(k)^2.

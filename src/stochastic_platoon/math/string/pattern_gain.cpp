@@ -37,8 +37,8 @@ PatternGain::PatternGain(std::vector<RatedFactor> factors)
 }
 
 double PatternGain::doubt(double frequency) const {
-  // A change of a coefficient c_k that leaves T(1) = 1 moves the polynomial by c_k (z^k - 1 - ...), bounded by powers
-  // of k t and by 1.
+  // A change of a coefficient c_k that keeps T(1) = 1 moves the polynomial by c_k (z^k - 1 - ...), bounded by powers of
+  // k t and by 1.
   const std::complex<double> z = std::polar(1.0, frequency);
   const auto t = static_cast<double>(circle_coordinate(frequency, Centre::kOne));
   const bool near = nearest(frequency) == Centre::kOne;
@@ -79,7 +79,7 @@ std::vector<double> PatternGain::maxima() const {
   for (const RatedFactor& factor : factors_) {
     for (const std::complex<double>& w : frequencies_of(factor.factor.poles)) singular.push_back(w);
   }
-  // Nodes that resolve every factor where it is not small: between two of them the slope turns at most once.
+  // The nodes resolve every factor except where it is small: between two of them the slope turns at most once.
   std::vector<double> nodes = half_circle_quadrature(singular, {}).node;
   nodes.insert(nodes.begin(), 0.0);
   const double pi = frequency_of(2.0L);
@@ -109,9 +109,9 @@ std::vector<double> PatternGain::maxima() const {
 }
 
 std::vector<std::complex<double>> PatternGain::margin_frequencies() const {
-  constexpr double kWide = 0.5;  // panels are no longer than that anyway
+  constexpr double kWide = 0.5;  // panels are never longer
   std::vector<std::complex<double>> frequencies;
-  // Beside w = 0: c t^n + c' t^(n+1) is 0 at t = -c / c'.
+  // Near w = 0: c t^n + c' t^(n+1) is 0 at t = -c / c'.
   const long double first = attenuation_.coefficient(zeros_), second = attenuation_.coefficient(zeros_ + 1);
   if (first > 0.0L && second > 0.0L) {
     const auto width = static_cast<double>(std::sqrt(2.0L * first / second));

@@ -10,52 +10,52 @@ namespace platoon {
 
 enum class Sign { kAbove, kZero, kBelow };
 
-/// -ln |prod T|^2 where it is least, its zero at w = 0 divided out.
+/// Minimum of -ln |prod T|^2 with its zero at w = 0 divided out.
 struct LeastMargin {
-  Sign sign;         ///< zero where the rounding of the coefficients cannot tell it from zero
-  double value;      ///< over (1 - cos w)^zeros for w up to pi/2; 0 where the sign is zero
+  Sign sign;         ///< zero if indistinguishable from zero by rounding of the coefficients
+  double value;      ///< divided by (1 - cos w)^zeros for w up to pi/2; 0 if the sign is zero
   double frequency;  ///< [rad/sample]
 };
 
-/// One factor T = N/D of |prod T|^2, and the polynomials whose coefficients are rounded: what they leave in doubt.
+/// One factor T = N/D of |prod T|^2, and the polynomials with rounded coefficients, which limit the accuracy of T.
 struct RatedFactor {
   GainFactor factor;
   std::vector<Polynomial> rounded;  ///< by powers of z; all multiply or divide T
 };
 
-/// The factor of a closed loop. Throws std::invalid_argument when T has a pole or a zero at z = 1.
+/// The factor of a closed loop. Throws std::invalid_argument if T has a pole or a zero at z = 1.
 RatedFactor rated_factor(const DeltaFraction& transfer);
 
-/// |prod T|^2 over one pattern of vehicles, decided from its factors: they are never multiplied out, as the
-/// coefficients of the product of a dozen vehicles have no digits left.
+/// |prod T|^2 over one pattern of vehicles, evaluated from its factors. They are never multiplied out, as the
+/// coefficients of a product of a dozen vehicles have no accurate digits left.
 class PatternGain {
 public:
   explicit PatternGain(std::vector<RatedFactor> factors);
 
-  /// How often 1 - cos w divides 1 - |prod T|^2, to rounding; at least 1.
+  /// Multiplicity of the factor 1 - cos w in 1 - |prod T|^2, to rounding; at least 1.
   int zeros() const { return zeros_; }
 
-  /// Whether |prod T| = 1 at every frequency, as of a pure delay.
+  /// Whether |prod T| = 1 at every frequency, as for a pure delay.
   bool is_one() const { return attenuation_.is_zero(); }
 
-  /// The least -ln |prod T|^2 without these zeros.
+  /// Minimum of -ln |prod T|^2 with these zeros divided out.
   LeastMargin least() const;
 
-  /// The largest |prod T|^2, and where: 1 at w = 0 unless it is larger elsewhere.
+  /// The largest |prod T|^2 and its frequency: 1 at w = 0 unless it is larger elsewhere.
   struct Peak {
-    double excess;     ///< |prod T| - 1, also where |prod T| is 1 in double
+    double excess;     ///< |prod T| - 1, accurate even if |prod T| is 1 in double
     double frequency;  ///< [rad/sample]
   };
   Peak peak() const;
 
-  /// Frequencies in (0, pi] where |prod T| has a local maximum, and pi [rad/sample].
+  /// Frequencies in (0, pi] of the local maxima of |prod T|, and pi [rad/sample].
   std::vector<double> maxima() const;
 
-  /// The complex w near which |prod T| = 1: off the local maxima by as much as these stay below 1.
+  /// The complex w near which |prod T| = 1; their distance from a local maximum follows from how far it stays below 1.
   std::vector<std::complex<double>> margin_frequencies() const;
 
 private:
-  /// By how much rounding of the coefficients may change -ln |prod T|^2, over (1 - cos w)^zeros up to pi/2.
+  /// Bound of the change of -ln |prod T|^2 by rounding of the coefficients, over (1 - cos w)^zeros up to pi/2.
   double doubt(double frequency) const;
 
   std::vector<RatedFactor> factors_;

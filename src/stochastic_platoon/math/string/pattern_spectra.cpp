@@ -10,7 +10,7 @@ namespace platoon {
 
 namespace {
 
-constexpr std::int64_t kResolvedDelay = 8;  // steps, whose z^m the longest panels resolve
+constexpr std::int64_t kResolvedDelay = 8;  // [steps], largest delay whose z^m the longest panels resolve
 
 }  // namespace
 
@@ -24,7 +24,7 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
   if (with_margin) {
     for (const std::complex<double>& w : pattern_gain.margin_frequencies()) singular.push_back(w);
   }
-  // Towards w = 0 spectra narrow along the string, and the panels must, where delays oscillate.
+  // Towards w = 0 the spectra narrow along the string; the panels must narrow too if delays oscillate.
   const bool delayed_much = std::any_of(pattern.types.begin(), pattern.types.end(), [](const LinkedVehicle& vehicle) {
     return vehicle.vehicle().link.delay > kResolvedDelay;
   });
@@ -63,7 +63,7 @@ double PatternSpectra::error_variance(std::size_t type, const Eigen::ArrayXd& sp
 }
 
 Eigen::ArrayXd PatternSpectra::pattern_margin() const {
-  // By logarithms: at a resonance one vehicle's gain may be 1e9 and that of the product 1e-9.
+  // Uses logarithms: at a resonance one vehicle's gain may be 1e9 and that of the product 1e-9.
   Eigen::ArrayXd log = Eigen::ArrayXd::Zero(weight.size());
   for (std::size_t type = 0; type < gain.size(); ++type) {
     const auto count = static_cast<double>(std::count(order_.begin(), order_.end(), type));

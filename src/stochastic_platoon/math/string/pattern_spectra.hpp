@@ -9,36 +9,36 @@
 
 namespace platoon {
 
-/// One pattern's vehicles at the nodes of a quadrature over the circle: what means of spectra are taken from.
+/// Gains of one pattern's vehicles at the nodes of a quadrature over the circle, to compute means of spectra.
 class PatternSpectra {
 public:
-  /// `with_margin`: so fine that quotients by pattern_margin() are resolved, too. refinement >= 0 halves the
-  /// panels that often.
+  /// `with_margin`: also resolve quotients by pattern_margin(). refinement >= 0: number of times the panels are halved.
   PatternSpectra(const LinkedPattern& pattern, const PatternGain& gain, bool with_margin, int refinement);
 
   Eigen::ArrayXd weight;
-  /// Of each type of vehicle the fields of LinkedVehicleValue, a row per node.
+  /// Per vehicle type, the fields of LinkedVehicleValue, one row per node.
   std::vector<Eigen::ArrayXd> gain, margin, loss_gain, innovation, noise, headway;
-  /// |1 - H T^|^2 or, on panels with more than a period of a delay's z^m, 1 + |H T^|^2, without its 2 Re H T^.
+  /// |1 - H T^|^2; on panels with more than a period of a delay's z^m, 1 + |H T^|^2, without the term -2 Re H T^.
   std::vector<Eigen::ArrayXd> complement;
-  /// -2 Re H T^ there, by weights that integrate the product of z^-m and a polynomial (Filon); 0 elsewhere.
+  /// -2 Re H T^ on those panels, with weights that integrate the product of z^-m and a polynomial (Filon); 0 elsewhere.
   std::vector<Eigen::ArrayXd> delayed;
 
-  std::size_t size() const { return order_.size(); }                           ///< of the pattern
+  std::size_t size() const { return order_.size(); }                           ///< number of vehicles in the pattern
   std::size_t type(std::size_t j) const { return order_[j % order_.size()]; }  ///< of vehicle j
 
-  /// Over the circle, of values at the nodes.
+  /// Mean over the circle of values at the nodes.
   double mean(const Eigen::ArrayXd& values) const { return (weight * values).sum(); }
 
-  /// Mean of zeta's spectrum behind a predecessor of this spectrum, where the vehicle, of this type, adds `added` to
-  /// it: |1 - H T^|^2 Phi + |H|^2 added.
+  /// Mean of zeta's spectrum behind a predecessor with this spectrum, for a vehicle of this type that adds `added` to
+  /// the spectrum: |1 - H T^|^2 Phi + |H|^2 added.
   double error_variance(std::size_t type, const Eigen::ArrayXd& spectrum, const Eigen::ArrayXd& added) const;
 
-  /// 1 - prod |T^|^2, to the digits of each vehicle's own 1 - |T^|^2.
+  /// 1 - prod |T^|^2, as accurate as each vehicle's own 1 - |T^|^2.
   Eigen::ArrayXd pattern_margin() const;
 
-  /// The spectrum in front of vehicle 0 of an endless string, where vehicle l adds added[l] to its own. That in front
-  /// of vehicle j + 1 is gain times that in front of vehicle j, and added[j]. `margin`: the pattern_margin().
+  /// The spectrum in front of vehicle 0 of an endless string in which vehicle l adds added[l] to the spectrum. The
+  /// spectrum in front of vehicle j + 1 is gain times the one in front of vehicle j, plus added[j]. `margin`: the
+  /// pattern_margin().
   Eigen::ArrayXd in_front(const std::vector<Eigen::ArrayXd>& added, const Eigen::ArrayXd& margin) const;
 
 private:

@@ -8,12 +8,11 @@
 
 namespace platoon {
 
-/// E zeta_i(k) [m] for i = 1 .. followers, k = 0 .. steps - 1 behind the model's recorded leader; follower i at
-/// step k stands at (i-1) steps + k.
+/// E zeta_i(k) [m] for i = 1 .. followers, k = 0 .. steps - 1 behind the model's recorded leader; the index of follower
+/// i at step k is (i-1) steps + k.
 ///
-/// The string is linear, so the mean is the string itself without noise and with the mean initial positions:
-/// it is run, step by step. Throws std::invalid_argument unless followers >= 1, steps >= 1 and the recording
-/// has y_0(-1) .. y_0(steps - 1).
+/// The string is linear, so the mean is a run of the string without noise and with the mean initial positions. Throws
+/// std::invalid_argument unless followers >= 1, steps >= 1 and the recording has y_0(-1) .. y_0(steps - 1).
 std::vector<double> mean_errors_behind_recorded_leader(const PlatoonModel& model, std::size_t followers,
                                                        std::int64_t steps);
 

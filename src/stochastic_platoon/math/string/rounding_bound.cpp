@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kRoundoff = std::numeric_limits<double>::epsilon() / 2.0;
 
-/// What the rounding of one unit of position adds up to until each step, in units of the roundoff.
+/// Accumulated rounding error per unit of position up to each step, in units of the roundoff.
 struct RoundingGains {
   std::vector<double> position;  ///< of y
   std::vector<double> error;     ///< of H y
@@ -43,7 +43,7 @@ RoundingGains rounding_gains(const StateSpace& vehicle, double headway, std::siz
   return gains;
 }
 
-/// M(k) for k = 0 .. steps-1: half as far again as the leader, which a vehicle may overshoot.
+/// M(k) for k = 0 .. steps-1: 1.5 times the leader's largest position, as a vehicle may overshoot, plus the spread.
 std::vector<double> largest_positions(const PlatoonModel& model, std::size_t followers, std::size_t steps) {
   constexpr double kDeviations = 8.0;
   const InitialPosition& initial = model.initial_position;
@@ -68,7 +68,7 @@ double rounding_bound_of_a_metre(const StateSpace& vehicle, std::size_t steps) {
 
 namespace {
 
-// The largest of what the paper's platoons of its vehicles have, times what a predictor may enlarge it by.
+// The largest bound among the paper's platoons of its vehicles, times the amplification by a predictor.
 std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const ErrorMoments& moments) {
   std::vector<double> largest(moments.variance.size(), 0.0);
   for (const VehicleModel& vehicle : pattern(model)) {

@@ -17,11 +17,11 @@ namespace {
 
 constexpr std::size_t kBlock = 256;  // followers between two exact restarts of the powers of |T|^2
 
-/// Contribution of one frequency: P_{i+1} - P_i gets energy |T|^{2i}.
+/// Contribution of one frequency: it adds energy |T|^{2i} to P_{i+1} - P_i.
 struct Mode {
   double energy;    ///< |S|^2 times its weight
   double margin;    ///< 1 - |T|^2
-  double gain;      ///< |T|^2, which has digits where the margin has none
+  double gain;      ///< |T|^2, accurate if the margin is not
   double log_gain;  ///< its logarithm
 
   Mode(double weighted, const LoopSpectrumValue& value)
@@ -62,7 +62,7 @@ Modes modes_of(const LoopSpectrum& spectrum, const std::vector<double>& peaks, i
   return result;
 }
 
-/// The largest relative difference of the variances of followers 1, 2, 4, ...; those that are finite.
+/// The largest relative difference of the finite variances of followers 1, 2, 4, ...
 double difference(const Modes& a, const Modes& b, std::size_t followers) {
   double largest = 0.0;
   for (double i = 1.0;; i *= 2.0) {
@@ -89,8 +89,8 @@ Modes converged_modes(const LoopSpectrum& spectrum, const std::vector<double>& p
   return coarse;
 }
 
-/// Drops the modes that add nothing to `variance` any more: those that decay and have too little left, and
-/// those that grow more slowly than a mode far above them.
+/// Drops the modes that no longer contribute to `variance`: decaying modes with too little left, and modes that grow
+/// more slowly than a mode far above them.
 void drop_spent(std::vector<Mode>& modes, double links, double variance) {
   const double floor = 1e-17 * variance / static_cast<double>(modes.size() + 1);
   double leading = 0.0;

@@ -7,16 +7,15 @@
 
 namespace platoon {
 
-/// Stationary variances P_1, ..., P_N [m^2] of the tracking errors, paper corollary cor:stationary_all and
-/// eq. (pzeta):
+/// Stationary variances P_1, ..., P_N [m^2] of the tracking errors, paper corollary cor:stationary_all and eq. (pzeta):
 ///     P_1 = ||HT||_2^2 P_d,   P_i = P_{i-1} + ||S T^{i-1}||_2^2 P_d,
-/// by quadrature over the unit circle, refined until it no longer changes; 1e-12 relative. For a string
-/// unstable platoon they grow without bound, to infinity where they leave the range of double.
+/// by quadrature over the unit circle, refined until it settles; 1e-12 relative. For a string unstable platoon they
+/// grow without bound, to infinity if they leave the range of double.
 ///
-/// Of any other platoon than the paper's they are linked_stationary_variances().
+/// For a platoon other than the paper's this function returns linked_stationary_variances().
 ///
-/// NaN throughout when rho(A) >= 1: there is no stationary variance. Throws std::invalid_argument unless
-/// followers >= 1, and when S has fewer than two zeros at z = 1.
+/// NaN throughout if rho(A) >= 1: there is no stationary variance. Throws std::invalid_argument unless followers >= 1,
+/// and if S has fewer than two zeros at z = 1.
 std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers);
 
 }  // namespace platoon

@@ -85,7 +85,7 @@ StringStability string_stability(const PlatoonModel& model) {
   verdict.limit_variance = mean_limit_spectrum(spectrum, gain) * model.noise_variance;
   verdict.reason =
       "string stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is below 1 and |T| is below 1 for all w > 0";
-  if (model.link.loss) verdict.loss_gain = 0.0;  // nothing is lost
+  if (model.link.loss) verdict.loss_gain = 0.0;  // loss probability 0
   return verdict;
 }
 

@@ -9,7 +9,7 @@ namespace platoon {
 
 namespace {
 
-// rosbag keeps an index in the order of times, the file has its own.
+// rosbag sorts index entries by time; BagIndex collects them in the order of the file.
 std::vector<std::string> sorted_entries(std::string_view bytes) {
   std::vector<std::string> entries;
   for (; !bytes.empty(); bytes.remove_prefix(kIndexEntry)) entries.emplace_back(bytes.substr(0, kIndexEntry));
@@ -17,7 +17,7 @@ std::vector<std::string> sorted_entries(std::string_view bytes) {
   return entries;
 }
 
-// Times are seconds and nanoseconds of 32 bits each; as one number they compare with the seconds on top.
+// Times are 32-bit seconds and 32-bit nanoseconds; to compare, the seconds become the upper half.
 std::uint64_t comparable(std::uint64_t time) {
   return (time << 32) | (time >> 32);
 }

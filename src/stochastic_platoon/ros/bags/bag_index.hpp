@@ -13,24 +13,24 @@ namespace platoon {
 constexpr std::size_t kIndexEntry = 8 + 4;    ///< bytes: time, offset
 constexpr std::size_t kSummaryEntry = 4 + 4;  ///< bytes: connection, messages
 
-/// What the index of a bag has to be, from the messages in front of it: behind each chunk the times and places of its
-/// messages, at the end of the file a summary of every chunk. A reader of records needs no index, but what
-/// contradicts it is damaged. Throws BagDamage.
+/// Verifies the index of a bag against its messages: after each chunk the times and offsets of its messages, at the end
+/// of the file a summary of every chunk. Reading records needs no index, but a contradiction means that the file is
+/// damaged. Throws BagDamage.
 class BagIndex {
 public:
   void begin_chunk(std::uint64_t position);
-  /// `time` as in the record: seconds, nanoseconds. `offset` of the message within its chunk.
+  /// `time`: as in the record (seconds, nanoseconds). `offset`: of the message within its chunk [bytes].
   void add(std::uint32_t connection, std::uint64_t time, std::uint32_t offset);
   void end_chunk();
 
-  /// The index of one connection in the latest chunk.
+  /// Verifies the index of one connection in the latest chunk.
   void verify(const Fields& header, std::string_view entries);
-  /// The latest chunk has all of its index.
+  /// Throws BagDamage if a part of the latest chunk's index is missing.
   void require_complete() const;
 
-  /// The summary of the next chunk.
+  /// Verifies the summary of the next chunk.
   void verify_summary(const Fields& header, std::string_view counts);
-  /// Chunks whose summary has not come.
+  /// Number of chunks whose summary has not been read.
   std::size_t without_summary() const { return summaries_.size() - verified_; }
   std::size_t chunks() const { return summaries_.size(); }
 
@@ -42,9 +42,9 @@ private:
   static std::uint64_t digest_of(const Chunk& chunk);
 
   Chunk chunk_;
-  std::map<std::uint32_t, std::string> entries_;  ///< by connection, as a bag writes them
-  std::size_t unverified_ = 0;                    ///< connections of the chunk
-  std::vector<std::uint64_t> summaries_;          ///< digests
+  std::map<std::uint32_t, std::string> entries_;  ///< by connection, in the bag's format
+  std::size_t unverified_ = 0;                    ///< connections of the chunk whose index has not been read
+  std::vector<std::uint64_t> summaries_;          ///< digest of each chunk's expected summary
   std::size_t verified_ = 0;
 };
 

@@ -14,7 +14,7 @@
 
 namespace platoon {
 
-/// Callbacks in the order of the recording; topics with an empty callback are passed over.
+/// Callbacks in the order of the recording; topics with an empty callback are skipped.
 struct BagContent {
   std::function<void(const PlatoonTopic&, const std::string& json)> configuration;
   std::function<void(const PlatoonTopic&, const stochastic_platoon::Position::ConstPtr&)> position;
@@ -23,19 +23,19 @@ struct BagContent {
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  ///< in bytes
 };
 
-/// What a recording holds besides, and how it ends.
+/// Topics of a recording that were skipped, and why reading ended early.
 struct BagRemainder {
-  std::set<std::string> foreign_topics;  ///< of other names or types: passed over
-  std::string ending;                    ///< of files that are accepted cut or damaged: why and where reading ended
+  std::set<std::string> foreign_topics;  ///< of other names or types
+  std::string ending;                    ///< why and where reading ended, if a cut or damaged file was accepted
 };
 
-/// Reads a recording, several files as one. Every message is verified by its checksum before it comes to a callback.
-/// Throws BagError for a file that is missing, foreign, or not as `source` accepts it.
+/// Reads a recording; several files are read as one. Each message is verified by its checksum before its callback is
+/// called. Throws BagError if a file is missing, is not a bag, or is in a state that `source` does not accept.
 BagRemainder read_bags(const BagSource& source, const BagContent& content);
 
-/// Reads the configuration of a file and what is in its last chunks, so many of the whole ones and what is behind them,
-/// up to its end or the first damage. What is before is passed over, so that it takes little longer for a file of
-/// gigabytes. Returns whether nothing was passed over. Throws BagError when it is no bag at all.
+/// Reads the configuration of a file, its last `chunks` whole chunks and everything after them, up to the end of the
+/// file or the first damage. Earlier chunks are skipped, so that a file of gigabytes takes little longer. Returns true
+/// if no chunk was skipped. Throws BagError if the file is not a bag.
 bool read_end_of_bag(const std::string& file, std::size_t chunks, const BagContent& content);
 
 }  // namespace platoon

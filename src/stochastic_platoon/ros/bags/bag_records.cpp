@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kVersionLine = "#ROSBAG V2.0\n";
 
-// Fields of the header of such a record.
+// Number of header fields of a record of this kind.
 std::size_t fields_of(char kind) {
   switch (static_cast<RecordKind>(kind)) {
     case RecordKind::message:
@@ -29,8 +29,8 @@ std::size_t fields_of(char kind) {
   return 0;
 }
 
-// Throws for a header that is not whole within `begin`. One that the end of the file cuts off has lost fields: where
-// all of them are there, its length is a changed one.
+// Throws if a header is not complete within `begin`: BagDamage if all of its fields are there, so that its length is
+// wrong, BagCut if the end of the file has cut fields off.
 void require_plausible_header(std::uint32_t length, std::string_view begin) {
   if (length > kLongestHeader) throw BagDamage("a header is longer than any");
   if (length <= begin.size()) return;

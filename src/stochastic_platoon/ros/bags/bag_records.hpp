@@ -24,7 +24,7 @@ enum class RecordKind : std::uint8_t {
 };
 
 constexpr std::size_t kLongestHeader = 1u << 16;  ///< bytes; a topic's name is the longest field
-/// Bytes of a chunk, packed or not: the longest batch (2^24 positions) and what may stand before it.
+/// Largest chunk [bytes], compressed or not: the longest batch (2^24 positions) and the data that may precede it.
 constexpr std::size_t kLongestChunk = 17u << 23;
 
 template <typename Number>
@@ -37,13 +37,13 @@ Number little_endian(const char* bytes) {
 /// The fields of a record's header, or of a connection: views into the bytes they were read from.
 class Fields {
 public:
-  /// Throws BagDamage for bytes that are no fields.
+  /// Throws BagDamage if the bytes are not a list of fields.
   explicit Fields(std::string_view bytes);
 
-  /// Empty where there is none.
+  /// The value of a field; empty if there is none.
   std::string_view text(std::string_view name) const;
 
-  /// Throws BagDamage where there is none of this size.
+  /// The value of a field. Throws BagDamage if there is no field of this name and size.
   template <typename Number>
   Number number(std::string_view name) const {
     const std::string_view value = text(name);
@@ -54,7 +54,7 @@ public:
   RecordKind kind() const { return static_cast<RecordKind>(number<std::uint8_t>("op")); }
   bool has_only(std::initializer_list<std::string_view> names) const;
 
-  /// The same fields, in any order.
+  /// Equal if both have the same fields, in any order.
   bool operator==(const Fields& other) const;
   bool operator!=(const Fields& other) const { return !(*this == other); }
 
@@ -65,27 +65,28 @@ private:
   boost::container::small_vector<Field, 8> fields_;
 };
 
-/// Takes the next header off the front of `bytes`. Throws BagCut where they end within it, BagDamage for what is none.
+/// Removes a header from the front of `bytes`. Throws BagCut if the bytes end within it, BagDamage if it is not a
+/// header.
 Fields take_header(std::string_view& bytes);
 
-/// Takes a length off the front of `bytes`. Throws BagCut where they end within it.
+/// Removes a length from the front of `bytes`. Throws BagCut if the bytes end within it.
 std::uint32_t take_length(std::string_view& bytes);
 
-/// A bag as a sequence of bytes; a file that is shorter than expected throws BagCut.
+/// A bag as a sequence of bytes. Its functions throw BagCut if the file is shorter than expected.
 class BagBytes {
 public:
-  /// Reads the line with the version. Throws BagError for a file that cannot be read or is no bag of version 2.0.
+  /// Reads the version line. Throws BagError if the file cannot be read or is not a bag of version 2.0.
   explicit BagBytes(const std::string& file);
 
   std::uint64_t position() const { return position_; }
   std::uint64_t size() const { return size_; }
   std::uint64_t left() const { return size_ - position_; }
 
-  /// The length that stands before a header or before data.
+  /// Reads the length that precedes a header or data.
   std::uint32_t take_length();
-  /// The next ones, in a buffer that grows with the longest.
+  /// Reads the next `count` bytes into `buffer`, which grows if necessary.
   std::string_view take(std::size_t count, std::string& buffer);
-  /// The next header. Throws BagDamage for one that is longer than any.
+  /// Reads the next header. Throws BagDamage if it is longer than kLongestHeader.
   Fields take_header(std::string& buffer);
   void pass(std::uint64_t count);
   void seek(std::uint64_t position);

@@ -7,30 +7,30 @@
 
 namespace platoon {
 
-/// A recording that cannot be read, or not as asked for; names the file and the reason.
+/// A recording that cannot be read, or not in the requested way. The text names the file and the reason.
 class BagError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What a reader accepts of a file.
+/// The states of a file that a reader accepts.
 enum class Accept {
   whole,   ///< closed and undamaged files
-  cut,     ///< also a file that was not closed, or ends early: up to there
-  damaged  ///< also a damaged file: up to the damage
+  cut,     ///< also a file that was not closed or ends early, read up to its end
+  damaged  ///< also a damaged file, read up to the damage
 };
 
 /// The files of a recording and how to read them.
 struct BagSource {
   std::vector<std::string> files;
   Accept accept = Accept::whole;
-  /// Reads files without checksums, too, as `rosbag record` writes them; then none is verified.
+  /// Also reads files without checksums, as `rosbag record` writes them. No checksum is then verified.
   bool unverified = false;
 };
 
-/// File names from a text that separates them by spaces.
+/// The file names in a text, separated by spaces.
 std::vector<std::string> bag_files(const std::string& text);
 
-/// A file that ends before it should: its recorder was killed or still runs, or its end is missing.
+/// A file that ends early: its recorder was killed or is still running, or its end is missing.
 class BagCut : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -14,7 +14,7 @@ using stochastic_platoon::Position;
 
 namespace {
 
-// Throws BagError when it was recorded by another version, or is damaged.
+// Throws BagError if it was recorded by another version or is damaged.
 Configuration parse_recorded(const std::string& file, const std::string& text) {
   try {
     const YAML::Node document = YAML::Load(text);
@@ -32,13 +32,13 @@ Configuration parse_recorded(const std::string& file, const std::string& text) {
   }
 }
 
-// Finds the one run that the bags hold, and the configuration of it.
+// Finds the only run in the bags and its configuration.
 class RunFinder {
 public:
   explicit RunFinder(std::string file) : file_(std::move(file)) {}
 
   void take(const PlatoonTopic& topic, const std::string& text) {
-    if (found_ && text == text_ && topic.name_space == found_->name_space) return;  // latched, and sent again
+    if (found_ && text == text_ && topic.name_space == found_->name_space) return;  // a repeated latched message
     if (found_) throw BagError(file_ + ": holds more than one run of a platoon: must hold one");
     found_ = RecordedPlatoon{parse_recorded(file_, text), topic.name_space};
     text_ = text;

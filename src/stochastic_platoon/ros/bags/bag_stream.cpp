@@ -8,7 +8,7 @@ namespace platoon {
 
 namespace {
 
-// Recorded time of the first position [ns]; 0 where none can be read, which reading the file then reports.
+// Recorded time of the first position [ns]; 0 if none can be read, which is reported when the file is read.
 std::uint64_t begin_of(const std::string& file) {
   try {
     BagWalk walk(file);

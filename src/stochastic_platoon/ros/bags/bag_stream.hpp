@@ -11,17 +11,17 @@
 
 namespace platoon {
 
-/// The messages of a recording, one at a time, several files as one in the order of their first positions: for those
-/// who must not read ahead. Throws BagError as read_bags() does.
+/// The messages of a recording, one at a time, for readers that must not read ahead. Several files are read as one, in
+/// the order of their first positions. Throws BagError as read_bags() does.
 class BagStream {
 public:
-  /// Of the topics that `wanted` wants.
+  /// Reads the topics for which `wanted` returns true.
   BagStream(const BagSource& source, RecordedMessages::Wanted wanted);
 
-  /// The next one; none at the end.
+  /// The next message; none at the end.
   std::optional<RecordedMessage> next();
 
-  /// Of the files read so far: topics that are none of a platoon, and why reading ended, where a file ended early.
+  /// For the files read so far: topics that do not belong to a platoon, and why reading ended if a file ended early.
   const std::set<std::string>& foreign_topics() const { return foreign_topics_; }
   const std::string& ending() const { return ending_; }
 
@@ -32,7 +32,7 @@ public:
 private:
   BagSource source_;
   RecordedMessages::Wanted wanted_;
-  std::vector<std::string> files_;  ///< to be read, the next one last
+  std::vector<std::string> files_;  ///< not read yet, the next one last
   std::unique_ptr<RecordedMessages> present_;
   std::uint64_t before_ = 0;  ///< bytes of the files that were read
   std::uint64_t size_ = 0;

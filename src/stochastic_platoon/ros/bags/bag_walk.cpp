@@ -13,10 +13,11 @@ namespace {
 
 struct Chunk {
   std::uint64_t begin;
-  bool introduces = false;  ///< a connection that no chunk before it has
+  bool introduces = false;  ///< a connection that no earlier chunk has
 };
 
-// The chunks from here on up to one that is not whole, by the lengths of the records and the index behind each chunk.
+// The chunks from the present position up to the first incomplete one, found by record lengths and the index after each
+// chunk.
 std::vector<Chunk> whole_chunks(BagBytes& file) {
   std::vector<Chunk> chunks;
   std::set<std::uint32_t> known;
@@ -28,7 +29,7 @@ std::vector<Chunk> whole_chunks(BagBytes& file) {
       const std::uint64_t length = file.take_length();
       if (length > file.left()) break;
       const RecordKind kind = header.kind();
-      if (kind == RecordKind::chunk && length == 0) break;  // its length is written when it is whole
+      if (kind == RecordKind::chunk && length == 0) break;  // its length is written when it is complete
       if (kind == RecordKind::chunk) chunks.push_back({begin});
       if (kind == RecordKind::index && !chunks.empty() && known.insert(header.number<std::uint32_t>("conn")).second)
         chunks.back().introduces = true;
@@ -40,7 +41,7 @@ std::vector<Chunk> whole_chunks(BagBytes& file) {
   return chunks;
 }
 
-// Of the data behind the header of an index or of a summary; `otherwise` of anything else.
+// Length of the data after the header of an index or summary; `otherwise` for other records.
 std::uint64_t announced_length(const Fields& header, std::uint32_t otherwise) {
   const bool is_index = header.kind() == RecordKind::index;
   if (!is_index && header.kind() != RecordKind::chunk_info) return otherwise;
@@ -101,7 +102,7 @@ std::optional<RawMessage> BagWalk::next() {
     if (file_.left() == 0) break;
     if (file_.position() == index_position_) index_.require_complete();
     take_record();
-    if (skipped_ && !summarized_.empty()) return std::nullopt;  // the chunks before are not known
+    if (skipped_ && !summarized_.empty()) return std::nullopt;  // earlier chunks were not read
   }
   if (!skipped_) require_whole();
   return std::nullopt;
@@ -117,7 +118,7 @@ void BagWalk::take_record() {
   }
   const std::uint32_t length = file_.take_length();
   if (length > kLongestChunk) throw BagDamage("a record is longer than any");
-  // Where the end of the file cuts it off, its length has to be the one that its header announces.
+  // If the end of the file cuts the record off, its length must still be the one that its header announces.
   if (length > file_.left() && length != announced_length(header, length))
     throw BagDamage("the length of a record is not that of its content");
   const std::string_view data = file_.take(length, data_bytes_);
@@ -131,7 +132,7 @@ void BagWalk::take_chunk(const Fields& header) {
   const std::string compression(header.text("compression"));
   const auto size = header.number<std::uint32_t>("size");
   std::uint64_t length = file_.take_length();
-  // The length of a chunk is written when it is whole.
+  // The length of a chunk is written when the chunk is complete.
   const bool open = length == 0 && index_position_ == 0;
   if (open) length = file_.left();
   if (length > kLongestChunk || size > kLongestChunk || length == 0) throw BagDamage("a chunk has no possible length");
@@ -142,7 +143,7 @@ void BagWalk::take_chunk(const Fields& header) {
     if (!open && size != length) throw BagDamage("a chunk has two lengths");
     chunk_ = file_.take(std::min(length, file_.left()), data_bytes_);
   } else {
-    // What is packed is never much longer.
+    // Compressed data is never much longer.
     if (!open && length > size + size / 50 + 4096) throw BagDamage("a chunk has no possible length");
     if (chunk_is_cut_) throw BagCut("the last chunk is not whole");
     chunk_ = unpacked(file_.take(length, data_bytes_), compression, size);
@@ -155,7 +156,7 @@ std::string_view BagWalk::unpacked(std::string_view data, const std::string& com
   const bool lz4 = compression == "lz4";
   if (!lz4 && compression != "bz2") throw BagDamage("a chunk is packed in no known way");
   if (lz4 && size > 255 * data.size())
-    throw BagDamage("a chunk has no possible length");  // a byte stands for 255 at most
+    throw BagDamage("a chunk has no possible length");  // one byte expands to 255 at most
   if (plain_bytes_.size() < size) plain_bytes_.resize(size);
   try {
     streams_.getStream(lz4 ? rosbag::compression::LZ4 : rosbag::compression::BZ2)
@@ -216,7 +217,7 @@ void BagWalk::take_connection(const Fields& header, std::string_view data) {
     throw BagDamage("a connection has two meanings");
 }
 
-// What stands at the end of a file that was closed.
+// Takes a record at the end of a closed file.
 void BagWalk::take_summaries(const Fields& header, std::string_view data) {
   if (header.kind() == RecordKind::chunk_info) {
     if (!skipped_) index_.verify_summary(header, data);

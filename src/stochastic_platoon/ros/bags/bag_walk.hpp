@@ -27,24 +27,24 @@ struct RawMessage {
   std::uint32_t connection;
   std::uint64_t time;  ///< [ns]
   std::string_view bytes;
-  bool passed_over;  ///< before what skip_to_last_chunks() went to
-  bool after_gap;    ///< what is before it was not read
+  bool passed_over;  ///< in a chunk before those of skip_to_last_chunks()
+  bool after_gap;    ///< the preceding chunks were not read
 };
 
-/// The messages of one bag in their order, read record by record in one walk that needs no index, takes the memory of
-/// one chunk, and holds all of the file to the format: lengths, connections, index, summaries, counts. rosbag itself
-/// believes them. Throws BagCut where the file ends early or was not closed, BagDamage where it contradicts itself.
+/// The messages of one bag in their order, read record by record in one pass that needs no index and the memory of one
+/// chunk. It checks lengths, connections, index, summaries and counts, which rosbag itself trusts. Throws BagCut if the
+/// file ends early or was not closed, BagDamage if it contradicts itself.
 class BagWalk {
 public:
   explicit BagWalk(const std::string& file);
 
-  /// None at the end of a whole file.
+  /// The next message; none at the end of a whole file.
   std::optional<RawMessage> next();
 
   const BagConnection& connection(const RawMessage& message) const { return connections_.at(message.connection); }
 
-  /// Before the first message: goes to the last `count` whole chunks, and what is behind them. Of the chunks before,
-  /// whose number is returned, only those are read that introduce a connection.
+  /// Skips to the last `count` whole chunks and the records after them; call it before next(). Earlier chunks are read
+  /// only if they introduce a connection. Returns the number of earlier chunks.
   std::size_t skip_to_last_chunks(std::size_t count);
 
   std::uint64_t position() const { return file_.position(); }
@@ -68,11 +68,11 @@ private:
   BagIndex index_;
 
   std::string header_bytes_, data_bytes_, plain_bytes_;  ///< of the present record
-  std::string_view chunk_, rest_;                        ///< of the present chunk: all, and what is still to be read
+  std::string_view chunk_, rest_;                        ///< the present chunk, and its unread rest
   bool in_chunk_ = false;
   bool chunk_is_cut_ = false;  ///< the file ends within it
 
-  std::deque<std::uint64_t> visits_;  ///< positions of the chunks that introduce connections, then of those to be read
+  std::deque<std::uint64_t> visits_;  ///< positions: chunks that introduce connections, then the first to read
   bool passing_over_ = false;
   bool skipped_ = false;
   bool gap_ = false;

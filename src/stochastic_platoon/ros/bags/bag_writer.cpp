@@ -50,7 +50,7 @@ void BagWriter::begin(const std::string& compression, const RecordedConfiguratio
   write_checksum();
 }
 
-// Its time is behind that of all it covers, and before that of all that follows.
+// The time of a checksum lies after all messages that it covers and before all that follow.
 void BagWriter::write_checksum() {
   if (uncovered_bytes_ == 0) return;
   const ros::Duration nanosecond(0, 1);
@@ -68,7 +68,7 @@ void BagWriter::close() {
   write_behind_.finish();
 }
 
-// rosbag writes its index when it closes a file, on destruction, too, where what fails ends the program.
+// rosbag writes its index when it closes a file, also in its destructor, where a failure ends the program.
 void BagWriter::abandon() noexcept try {
   closed_bytes_ = bytes();
   write_behind_.divert_others();

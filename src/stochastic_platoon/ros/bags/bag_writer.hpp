@@ -15,21 +15,21 @@
 
 namespace platoon {
 
-/// What every file of a recording begins with, latched, so that it explains itself.
+/// The latched first message of every file of a recording: model and run as JSON.
 struct RecordedConfiguration {
   std::string topic;
   std::string json;
 };
 
-/// A bag that is being written. It bears its final name only once it is whole and synced.
+/// A bag that is being written. The file gets its final name when it is complete and synced.
 ///
-/// Recorded times are platoon time. Checksums (msg/Checksum.msg) cover all messages: one behind the configuration, one
-/// at the end of each batch and of a step where 16 kB have come together, the last one at the end of the file. Its time
-/// is behind that of the step, and before the next step's: programs that sort by time, as `rosbag compress` does, leave
-/// it in its place. Not thread-safe. Throws rosbag::BagException and std::runtime_error on what the disk refuses.
+/// Recorded times are platoon time. Checksums (msg/Checksum.msg) cover all messages: one after the configuration, one
+/// at the end of each batch and of each step that completes 16 kB, the last one at the end of the file. The time of a
+/// checksum lies between its step and the next one, so that programs that sort by time, such as `rosbag compress`, keep
+/// its place. Not thread-safe. Throws rosbag::BagException and std::runtime_error on write errors.
 class BagWriter {
 public:
-  /// Begins the file `name` + `suffix` anew. `compression` is "none" or "lz4".
+  /// Creates or overwrites the file `name` + `suffix`. `compression` is "none" or "lz4".
   BagWriter(std::string name, const std::string& suffix, const std::string& compression,
             const RecordedConfiguration& configuration);
 
@@ -37,12 +37,12 @@ public:
     record(topic, std::clamp(message.header.stamp, ros::TIME_MIN, ros::TIME_MAX), message);
   }
 
-  /// Their time is that of the latest step, whenever they come.
+  /// The recorded time is at least that of the latest step.
   void write(const std::string& topic, const stochastic_platoon::ErrorStatistics& message) {
     record(topic, std::clamp(message.header.stamp, latest_, ros::TIME_MAX), message);
   }
 
-  /// All positions of a step are written, the last one of a batch perhaps.
+  /// All positions of a step are written. `is_last`: it is the last step of a batch.
   void end_step(bool is_last) {
     if (is_last || uncovered_bytes_ >= kCovered) write_checksum();
   }
@@ -50,10 +50,10 @@ public:
   /// Closes the file, syncs it and gives it its final name.
   void complete();
 
-  /// Closes the file under the name it has.
+  /// Closes the file under its present name.
   void close();
 
-  /// Lets go of a file that could not be written: it stays as far as it came, and nothing throws.
+  /// Closes the file after a write error: the data written so far stays, and nothing throws.
   void abandon() noexcept;
 
   /// Renames the file while it is being written.
@@ -63,8 +63,8 @@ public:
   std::uint64_t bytes() const { return bag_.isOpen() ? bag_.getSize() : closed_bytes_; }
 
 private:
-  static constexpr std::uint64_t kCovered = 1u << 14;        ///< bytes by one checksum, at least
-  static constexpr std::uint64_t kCoveredAtMost = 1u << 24;  ///< bytes, and one message
+  static constexpr std::uint64_t kCovered = 1u << 14;        ///< bytes per checksum, at least
+  static constexpr std::uint64_t kCoveredAtMost = 1u << 24;  ///< bytes, plus one message
 
   void begin(const std::string& compression, const RecordedConfiguration& configuration);
   template <typename Message>
@@ -87,19 +87,19 @@ private:
   std::string suffix_;
   std::uint64_t closed_bytes_ = 0;
   std::string checksum_topic_;
-  stochastic_platoon::Checksum checksum_;  ///< of what was written since the latest
+  stochastic_platoon::Checksum checksum_;  ///< the next one, over the messages since the latest
   std::uint64_t uncovered_bytes_ = 0;
-  ros::Time latest_ = ros::TIME_MIN;  ///< of all recorded times
+  ros::Time latest_ = ros::TIME_MIN;  ///< latest recorded time
   rosbag::Bag bag_;
   WriteBehind write_behind_;
 };
 
 constexpr char kActiveSuffix[] = ".active";
 
-/// The name of the count-th file, from 1 on, that was put aside unfinished while `name` was recorded.
+/// The name of the unfinished file number `count` (from 1) that was put aside while `name` was recorded.
 std::string name_put_aside(const std::string& name, std::size_t count);
 
-/// The first file that a recording named `name` has left, finished or not; empty if there is none.
+/// The first existing file of a recording named `name`, finished or not; empty if there is none.
 std::string left_recording(const std::string& name);
 
 }  // namespace platoon

@@ -18,7 +18,7 @@ using stochastic_platoon::Position;
 
 namespace {
 
-// Between two checksums: 2^24 and the longest message.
+// Bytes between two checksums, at most: 2^24 and the longest message.
 constexpr std::uint64_t kMostUncovered = (1u << 24) + kLongestChunk;
 
 template <typename Message>
@@ -47,7 +47,7 @@ template <typename Message>
 boost::shared_ptr<Message> parsed(std::string_view bytes) {
   if (!holds_its_arrays<Message>(bytes)) throw BagDamage("a message is cut off");
   auto message = boost::make_shared<Message>();
-  // Only read from, though its type allows more.
+  // IStream only reads, although it takes a non-const pointer.
   ros::serialization::IStream stream(const_cast<std::uint8_t*>(reinterpret_cast<const std::uint8_t*>(bytes.data())),
                                      static_cast<std::uint32_t>(bytes.size()));
   ros::serialization::deserialize(stream, *message);
@@ -71,7 +71,8 @@ RecordedMessages::RecordedMessages(const std::string& file, const BagSource& sou
   });
 }
 
-// Calls `read`, unless the file has ended. What the source accepts of the file's state ends it, else throws BagError.
+// Calls `read`, unless reading has ended. If the file is cut or damaged, reading ends if the source accepts that;
+// otherwise throws BagError.
 template <typename Read>
 auto RecordedMessages::guarded(const Read& read) -> decltype(read()) {
   if (!ending_.empty()) return {};
@@ -173,7 +174,7 @@ void RecordedMessages::begin_checksum() {
   since_.digest = uncovered_messages_ = uncovered_bytes_ = 0;
 }
 
-// A recording has its first one behind its first message.
+// The first checksum of a recording follows its first message.
 void RecordedMessages::require_checksums() const {
   if (has_checksums_ || uncovered_messages_ < 2) return;
   throw BagError(

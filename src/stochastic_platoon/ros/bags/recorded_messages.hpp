@@ -19,31 +19,32 @@
 
 namespace platoon {
 
-/// One recorded message, the reader's own: a configuration as JSON, a position or error statistics.
+/// One recorded message, owned by the reader: a configuration as JSON, a position or error statistics.
 struct RecordedMessage {
   PlatoonTopic topic;
   std::variant<std::string, stochastic_platoon::Position::Ptr, stochastic_platoon::ErrorStatistics::Ptr> content;
 };
 
-/// The messages of a platoon in one bag, in its order. All of them are verified by their checksums, wanted or not; a
-/// message comes out once the checksum that covers it has been verified.
+/// The messages of a platoon in one bag, in its order. All of them, wanted or not, are verified by their checksums;
+/// next() returns a message after the checksum that covers it.
 class RecordedMessages {
 public:
   using Wanted = std::function<bool(const PlatoonTopic&)>;
 
-  /// Reads `file` as `source` asks for. Throws BagError for what it does not accept, as next() does.
+  /// Reads `file` as `source` specifies. Throws BagError, as next() does, if `source` does not accept the state of the
+  /// file.
   RecordedMessages(const std::string& file, const BagSource& source, Wanted wanted);
 
-  /// The next message that is wanted; none at the end.
+  /// The next wanted message; none at the end.
   std::optional<RecordedMessage> next();
 
-  /// Before the first message: goes to the last `chunks` whole chunks and what is behind them. Of what is before, the
-  /// configuration alone comes out. Returns whether nothing is before.
+  /// Skips to the last `chunks` whole chunks and the records after them; call it before next(). From earlier chunks,
+  /// next() returns only the configuration. Returns true if there are no earlier chunks.
   bool skip_to_last_chunks(std::size_t chunks);
 
-  /// Topics of other names or types: passed over.
+  /// Skipped topics, of other names or types.
   const std::set<std::string>& foreign_topics() const { return foreign_topics_; }
-  /// Of a file that is accepted without its end: why it ends, and where. Else empty.
+  /// Why and where reading ended, if a cut or damaged file was accepted; else empty.
   const std::string& ending() const { return ending_; }
 
   std::uint64_t position() const { return walk_ ? walk_->position() : 0; }
@@ -71,7 +72,7 @@ private:
   std::map<std::uint32_t, Reading> readings_;  ///< by connection
   std::deque<RecordedMessage> ready_;
   std::deque<RecordedMessage> uncovered_;  ///< wanted messages since the latest checksum
-  stochastic_platoon::Checksum since_;     ///< what the next checksum has to be
+  stochastic_platoon::Checksum since_;     ///< the expected next checksum
   std::uint64_t uncovered_messages_ = 0;
   std::uint64_t uncovered_bytes_ = 0;
   bool synchronized_ = true;  ///< all messages since the latest checksum were read

@@ -88,7 +88,7 @@ std::vector<std::string> RunReading::changed_figures() const {
   std::vector<std::string> changed;
   if (!statistics_ || !statistics_->arrivals().complete() || run.averaging() == Averaging::over_time) return changed;
   const RunResult result = statistics_->result(true);
-  if (result.realizations != run.realizations) return changed;  // resumed: the figures hold what came before, too
+  if (result.realizations != run.realizations) return changed;  // resumed: the figures include earlier realizations
   for (const auto& [step, figures] : figures_) {
     bool same = step >= 0 && step < run.steps && figures->mean.size() == run.followers &&
                 figures->variance.size() == run.followers;

@@ -21,30 +21,31 @@ struct RecordedPlatoon {
   std::string name_space;  ///< of its platoon, "/platoon"
 };
 
-/// What a bag's positions amount to.
+/// Statistics and findings from a bag's positions.
 struct BagStatistics {
   Configuration configuration;  ///< of the run that was recorded
   RunResult result;             ///< of the whole batches in the bag
-  /// What is missing, duplicated or foreign: by topic and step, at most some of each.
+  /// Missing, duplicated and foreign messages by topic and step, at most three per topic.
   std::vector<std::string> findings;
-  std::set<std::string> foreign_topics;  ///< of other names or types: passed over
+  std::set<std::string> foreign_topics;  ///< of other names or types, skipped
 };
 
-/// A recorded run's positions on their way through the same statistics as the monitor's, held to what was recorded
-/// beside them: order, completeness, the run, and the figures that the monitor published in the end. These are
-/// a pure function of the positions, so that they differ when a bit of what was read is not as it was recorded.
+/// Passes the positions of a recorded run through the monitor's statistics and checks order, completeness, run identity
+/// and the statistics that the monitor published at the end. These are a pure function of the positions: they differ if
+/// a bit of the positions has changed.
 class RunReading {
 public:
   explicit RunReading(const RecordedPlatoon& platoon);
 
-  /// In the order of the recorded times.
+  /// Takes messages in the order of the recorded times.
   void take(const PlatoonTopic& topic, const stochastic_platoon::Position::ConstPtr& message);
   void take(const PlatoonTopic& topic, const stochastic_platoon::ErrorStatistics::ConstPtr& message);
 
-  /// Of what was taken, with what is wrong with it. Throws BagError when no positions from a step -1 on were.
+  /// Statistics and findings of the messages taken. Throws BagError if there are no positions from a step -1 on.
   BagStatistics statistics();
 
-  /// Steps whose recorded figures are not those of what was taken, in words; none before that is a whole run.
+  /// Descriptions of the steps at which the recorded statistics differ from those of the positions; empty until the run
+  /// is complete.
   std::vector<std::string> changed_figures() const;
 
 private:

@@ -15,7 +15,7 @@ namespace {
 
 constexpr char kRecoveredSuffix[] = ".recovered";
 
-// Realizations before it are recorded whole where this is the latest message of a stream.
+// All realizations before the returned one are recorded if `id` is the latest message of a stream.
 std::uint64_t whole_before(const BatchSchedule& schedule, const MessageId& id) {
   return schedule.is_last_step(id.step) ? schedule.next(id.first_realization) : id.first_realization;
 }
@@ -85,7 +85,7 @@ void RunRecording::restarted() {
   open_.clear();
   if (!partial_) return;
   partial_ = false;
-  given_up_ = true;  // written again without it when the file is complete: now the run would wait
+  given_up_ = true;  // rewritten without it when the file is complete: now it would block the run
 }
 
 void RunRecording::batch_complete() {
@@ -111,7 +111,7 @@ void RunRecording::finish() {
   finished_ = true;
 }
 
-// Returns whether it is: not if that brought to light that something of it is lost.
+// Returns whether the file is complete: false if rewriting it has shown that batches are lost.
 bool RunRecording::complete_file() {
   const std::uint64_t committed = arrivals_.committed();
   if (needs_rewriting()) rewrite();
@@ -123,7 +123,7 @@ bool RunRecording::complete_file() {
 
 void RunRecording::abandon() noexcept {
   if (recording_) recording_->abandon();
-  std::error_code ignored;  // the copy of rewrite(), if it was that which did not fit
+  std::error_code ignored;  // the unfinished copy of rewrite(), if any
   std::filesystem::remove(name_of_part(part_) + kRecoveredSuffix, ignored);
 }
 
@@ -133,7 +133,7 @@ void RunRecording::stop() {
   recording_->close();
 }
 
-// What a killed recorder of the same launch has left behind.
+// Takes over the files of a killed recorder of the same launch.
 void RunRecording::recover() {
   while (std::filesystem::exists(name_of_part(part_))) {
     if (configuration_.run.record_split_mb == 0) {
@@ -154,15 +154,14 @@ void RunRecording::recover() {
     finished_ = part_ > 0 && put_aside_.empty() && arrivals_.complete();
     return;
   }
-  // What brings nothing is written over: a disk that is full leaves such a file at every try.
+  // A file without new batches is overwritten: a full disk leaves one at every retry.
   if (!take_over(active)) return;
   put_aside_.push_back(next_put_aside());
   std::filesystem::rename(active, put_aside_.back());
 }
 
-// Finds out up to where the batches in a file are whole, from the latest message of each stream: the steps are
-// written in their order, and what is whole is not recorded again. Returns whether the file holds anything that
-// those before it do not.
+// Finds the last whole batch of a file from the latest message of each stream: steps are written in their order, and
+// whole batches are not recorded again. Returns whether the file adds anything to the files before it.
 bool RunRecording::take_over(const std::string& file) {
   if (std::filesystem::file_size(file) == 0) return false;  // killed before its first byte
   const BatchSchedule schedule = configuration_.run.schedule();
@@ -194,12 +193,12 @@ bool RunRecording::take_over(const std::string& file) {
     if (id) attempt = std::max(attempt, id->attempt);
   }
   const bool brings = schedule.endless() ? latest.front().has_value() : committed > arrivals_.committed();
-  // Of what is not whole nothing is taken over: the leader is to begin again.
+  // Incomplete batches are not taken over: the leader must repeat them.
   arrivals_ = Arrivals(schedule, streams(), std::max(committed, arrivals_.committed()), attempt);
   return brings;
 }
 
-// Copies what is whole in the unfinished files of this part, and puts the copy in their place.
+// Replaces the unfinished files of this part by a copy of their whole batches.
 void RunRecording::rewrite() {
   const BatchSchedule schedule = configuration_.run.schedule();
   const std::string active = name_of_part(part_) + kActiveSuffix;
@@ -207,7 +206,7 @@ void RunRecording::rewrite() {
   std::vector<std::string> files = put_aside_;
   files.push_back(active);
 
-  // A batch is whole in the latest attempt that recorded of it. Of an endless run all attempts count.
+  // A batch is complete in its latest recorded attempt. In an endless run all attempts count.
   std::map<std::uint64_t, std::uint32_t> last_attempt;  // by first realization
   BagContent content;
   content.position = [&](const PlatoonTopic&, const Message& message) {
@@ -238,7 +237,7 @@ void RunRecording::rewrite() {
   };
   for (const std::string& file : files) read_bags({{file}, Accept::damaged}, content);
 
-  // In this order whoever is killed meanwhile leaves some of it twice, none of it out, and no gap in the numbers.
+  // Crash-safe order: duplicates are possible, loss and gaps in the file numbers are not.
   recording_->set_suffix(kActiveSuffix);
   for (; !put_aside_.empty(); put_aside_.pop_back()) std::filesystem::remove(put_aside_.back());
   given_up_ = copied.committed() < arrivals_.committed();

@@ -13,25 +13,24 @@
 
 namespace platoon {
 
-/// Streams of a recording: the positions of vehicles 0 .. N as 0 .. N, and what followers 1 .. N received as
-/// N + 1 .. 2 N; and the topic of each.
+/// Number of streams of a recording: 0 .. N are the positions of vehicles 0 .. N, N + 1 .. 2 N are the positions that
+/// followers 1 .. N received.
 inline std::size_t streams_of(const RunOptions& run) {
   return 2 * run.followers + 1;
 }
 std::string topic_of_stream(std::size_t stream, const RunOptions& run, const std::string& name_space);
 
-/// Writes a platoon's messages to a bag, in the order of steps and vehicles: a step is written as soon as it
-/// has arrived from everyone, so that the messages kept are those of the steps on their way. What a finished
-/// file holds is whole batches, never a part of an attempt that was given up: if there was one, the file is
-/// written once more without it. (An endless run has no batches: its steps stay as they came.)
+/// Writes a platoon's messages to a bag, in the order of steps and vehicles. A step is written when it has arrived on
+/// all streams, so only messages of incomplete steps are kept in memory. A finished file holds whole batches only: if
+/// an attempt was given up, the file is written once more without it. (An endless run has no batches: its steps stay as
+/// they arrived.)
 ///
-/// What a killed recorder left behind is put aside as FILE.active.1, .2, ...: of it only the end is read, so that
-/// the run goes on at once however much there is. It is put together with the rest when the file is finished or
-/// stopped.
+/// The unfinished file of a killed recorder is put aside as FILE.active.1, .2, ... Only its end is read, so recovery
+/// time does not depend on its size. The files are joined when the recording is finished or stopped.
 class RunRecording {
 public:
-  /// `name_space` is the platoon's, "/platoon". Goes on behind the whole batches of the unfinished file of the same
-  /// launch; nothing else is touched: throws ConfigurationError when such a file is of another launch.
+  /// `name_space` is the platoon's, "/platoon". Continues after the whole batches of an unfinished file of the same
+  /// launch. Throws ConfigurationError if the unfinished file is of another launch, and leaves that file unchanged.
   RunRecording(const Configuration& configuration, const std::string& name_space);
 
   DropReason receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
@@ -40,20 +39,19 @@ public:
   /// Everything has arrived, the final statistics included.
   bool ready_to_finish() const { return !finished_ && arrivals_.complete() && final_statistics_; }
 
-  /// Closes, syncs and names the file. Unless something that was recorded cannot be read any more: then it is not
-  /// finished(), and those batches are to come again.
+  /// Closes, syncs and renames the file. If recorded batches have become unreadable, finished() stays false and the run
+  /// must repeat them.
   void finish();
 
   /// Closes an unfinished file.
   void stop();
 
-  /// Lets go of a file that could not be written, after a function of this object has thrown. Another object
-  /// then goes on with what the file holds.
+  /// Closes the file after a function of this object has thrown on a write error. A new object then continues the file.
   void abandon() noexcept;
 
   const Arrivals& arrivals() const { return arrivals_; }
   bool finished() const { return finished_; }
-  /// The file will be written once more: without what was given up, with what was put aside.
+  /// The file must be written once more, without given-up attempts and with the files put aside.
   bool needs_rewriting() const { return given_up_ || !put_aside_.empty(); }
   /// Bytes written, over all files.
   std::uint64_t bytes() const { return completed_bytes_ + (recording_ ? recording_->bytes() : 0); }

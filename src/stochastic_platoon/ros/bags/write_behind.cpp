@@ -74,7 +74,7 @@ void WriteBehind::divert_others() {
 void WriteBehind::finish() {
   struct stat status;
   if (reserved_ == 0 || ::fstat(descriptor_, &status) != 0) return;
-  // Changes no byte of the file: what fails here only leaves its blocks reserved.
+  // Changes no byte of the file; if it fails, only the blocks stay reserved.
   if (::ftruncate(descriptor_, status.st_size) == 0) reserved_ = 0;
 }
 

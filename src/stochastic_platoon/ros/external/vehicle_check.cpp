@@ -18,14 +18,14 @@ using stochastic_platoon::Position;
 
 namespace {
 
-constexpr double kStartPeriod = 0.5;  // [s] between attempts to begin a run, as a leader makes them
+constexpr double kStartPeriod = 0.5;  // [s] between attempts to begin a run, as by a leader
 
 struct Broken : std::runtime_error {
   Broken(Clause of, const std::string& text) : std::runtime_error(text), clause(of) {}
   Clause clause;
 };
 
-// Where a predecessor may be [m]: it drives off, and every realization is another one.
+// Position of the simulated predecessor [m]: it drives off, differently in each realization.
 double predecessor_at(std::int64_t step, std::uint64_t realization) {
   if (step < 0) return 0.0;
   const auto k = static_cast<double>(step), r = static_cast<double>(realization);
@@ -104,7 +104,7 @@ void VehicleCheck::check_turn() {
   begin_batch(sent_.attempt + 1, 0);
   go_on_to(10);
   tested_ = Clause::turn;
-  send(sent_, run_);  // again
+  send(sent_, run_);  // repeated
   send({sent_.attempt, 0, kInitialStep}, run_);
   go_on_to(11);
   send({sent_.attempt, 0, 14}, run_);  // beyond the next
@@ -125,7 +125,7 @@ void VehicleCheck::check_attempts() {
   go_on_to(3);
 }
 
-// A batch that is begun again brings the same, up to where its messages differ.
+// A repeated batch must give the same answers up to the step at which its messages differ.
 void VehicleCheck::check_repetition() {
   constexpr std::int64_t kUntil = 20;
   const auto answers_with = [this](double shift) {
@@ -159,7 +159,7 @@ void VehicleCheck::check_runs() {
   begin_batch(sent_.attempt + 1, 0);
   go_on_to(3);
   tested_ = Clause::run;
-  send({sent_.attempt, 0, 4}, run_ ^ 1);  // of no run of this platoon
+  send({sent_.attempt, 0, 4}, run_ ^ 1);  // of an unknown run
   go_on_to(4);
   const std::uint64_t before = run_;
   const std::uint32_t attempt = sent_.attempt;
@@ -172,7 +172,7 @@ void VehicleCheck::check_runs() {
   check_publishers();
 }
 
-// As a leader does: what of its first step is not answered, as links come up, begins again.
+// Repeats the first step until it is answered, as a leader does while links come up.
 void VehicleCheck::begin_run(const Configuration& configuration) {
   platoon_.setParam("configuration", to_json(configuration).dump());
   run_ = run_identity(configuration);
@@ -204,7 +204,7 @@ void VehicleCheck::go_on_to(std::int64_t step) {
   }
 }
 
-// The next message that is in turn.
+// Sends the next message in turn.
 void VehicleCheck::send_next(double shift) {
   ++sent_.step;
   stamp_ = later(stamp_, period_);
@@ -265,7 +265,7 @@ void VehicleCheck::judge(const Received& received) {
   answers_[message.step] = message.position;
 }
 
-// Whether it is the message that is due.
+// Throws Broken if the message is not the one that is due.
 void VehicleCheck::judge_name(const Position& message) const {
   const std::string due = here(answered_ + 1) + " was due, and came: ";
   if (message.run != run_)

@@ -18,9 +18,8 @@
 
 namespace platoon {
 
-/// Drives one vehicle alone through the vehicle contract, in the place of leader, channel and monitor: batches of
-/// 1000 and of 1, messages out of turn, newer and older attempts, the same batch again, a whole batch at once,
-/// another run.
+/// Tests one vehicle against the vehicle contract, in place of leader, channel and monitor: batches of 1000 and of 1,
+/// messages out of turn, newer and older attempts, the same batch again, a whole batch at once, another run.
 ///
 /// Sets the parameter `configuration`, as a launch would. Subscribes: vehicle_<i>/position. Publishes:
 /// vehicle_<i>/predecessor_position. Both stochastic_platoon/Position.
@@ -30,18 +29,18 @@ public:
     Clause clause;
     std::string what;  ///< "step 3 of the realizations from 0: 999 positions, of 1000"
   };
-  /// Called with what is known to hold, as soon as it is.
+  /// Called with each clause as soon as it is known to hold.
   using Holds = std::function<void(Clause)>;
 
-  /// `present` and `next` are two runs of one vehicle more than 1000 realizations in batches of 1000. `patience` [s]
-  /// for an answer.
+  /// `present` and `next` are two runs of 1001 realizations in batches of 1000. `patience`: time limit for an answer
+  /// [s].
   VehicleCheck(ros::NodeHandle platoon, const Configuration& present, const Configuration& next, std::size_t vehicle,
                double patience);
 
-  /// Whether the vehicle is there; waits for at most so long [s].
+  /// Waits at most `seconds` [s] for the vehicle; returns whether it is connected.
   bool wait_for_vehicle(double seconds);
 
-  /// The first breach of the contract, or none. Serves the global callback queue meanwhile.
+  /// The first breach of the contract, or none. Serves the global callback queue while it runs.
   std::optional<Breach> run(const Holds& holds);
 
 private:
@@ -79,13 +78,13 @@ private:
   ros::Duration period_;
 
   std::uint64_t run_ = 0;
-  MessageId sent_{0, 0, kNothingYet};    ///< the latest that was in turn
-  std::int64_t answered_ = kNothingYet;  ///< the latest step of the batch
-  bool starting_ = false;                ///< nothing of the batch has come: what comes is of the one before
-  std::optional<Clause> tested_;         ///< what a wrong or missing answer breaks just now
-  ros::Time stamp_;                      ///< of what was sent last
+  MessageId sent_{0, 0, kNothingYet};    ///< the latest message sent in turn
+  std::int64_t answered_ = kNothingYet;  ///< the latest answered step of the batch
+  bool starting_ = false;                ///< no answer of this batch yet: other answers are ignored
+  std::optional<Clause> tested_;         ///< the clause that a wrong or missing answer breaks at present
+  ros::Time stamp_;                      ///< of the latest message in turn
   ros::Time start_;                      ///< stamp of the batch's step -1
-  std::map<std::int64_t, std::vector<double>> answers_;  ///< of the batch
+  std::map<std::int64_t, std::vector<double>> answers_;  ///< of the batch, by step
   std::set<std::string> publishers_;
   std::deque<Received> received_;
   ros::Publisher predecessor_position_;

@@ -11,7 +11,7 @@
 
 namespace platoon {
 
-/// A queue with the one thread that serves it.
+/// A queue and the thread that serves it.
 class OneProcess::Worker {
 public:
   explicit Worker(const ros::NodeHandle& node) : node_(node), node_at_once_(node) {
@@ -19,7 +19,7 @@ public:
     node_at_once_.setCallbackQueue(&at_once_);
   }
   const ros::NodeHandle& node() const { return node_; }
-  /// For what should be called as soon as the callback that caused it is over.
+  /// For callbacks that must run directly after the callback that caused them.
   const ros::NodeHandle& at_once() const { return node_at_once_; }
 
   /// For the components of this thread.
@@ -30,13 +30,13 @@ public:
       try {
         queue_.run(at_once_, [this] { return !ended_ && ros::ok(); });
       } catch (...) {
-        ros::shutdown();  // the other threads end too, and finish() passes the error on
+        ros::shutdown();  // the other threads end too, and finish() rethrows the error
         throw;
       }
     });
   }
 
-  /// Waits for the thread; throws what ended it, if it was an error.
+  /// Waits for the thread; rethrows the error that ended it, if any.
   void finish() {
     ended_ = true;
     if (done_.valid()) done_.get();

@@ -16,22 +16,21 @@
 
 namespace platoon {
 
-/// The whole platoon in one process: the components of the nodes, joined by shared pointers, on one thread a
-/// core. Each component is built on one thread's queue, so that none needs a lock but the monitor, which is
-/// built on all.
+/// The whole platoon in one process: the components of the nodes, connected by shared pointers, with one thread per
+/// core. Each component is built on one thread's queue and needs no lock, except the monitor, which is built on all
+/// queues.
 class OneProcess {
 public:
-  /// Throws ConfigurationError as Monitor and Recorder do. `superseded` is called with a configuration that
-  /// has taken the present one's place.
+  /// Throws ConfigurationError as Monitor and Recorder do. `superseded` is called with the configuration that replaces
+  /// the present one.
   OneProcess(const ros::NodeHandle& platoon, const Configuration& configuration, std::size_t threads,
              const RunMembership::Join& superseded);
   ~OneProcess();
 
-  /// Starts the threads; they end by themselves when ROS shuts down.
+  /// Starts the threads; they end when ROS shuts down.
   void start();
 
-  /// Ends the threads and writes down what there is of an unfinished run. Throws what ended a thread, if it
-  /// was an error.
+  /// Ends the threads and saves an unfinished run. Rethrows the error that ended a thread, if any.
   void stop();
 
 private:

@@ -7,18 +7,17 @@
 
 namespace platoon {
 
-/// A callback queue that keeps nothing: every callback runs at once, in the thread that received the message.
-/// This saves a message one of its three wake-ups on the way (sender's network thread, receiver's network
-/// thread, receiver's spinning thread).
+/// A callback queue that stores nothing: every callback runs at once, in the thread that received the message. This
+/// saves the last of a message's three wake-ups (sender's network thread, receiver's network thread, receiver's
+/// spinning thread).
 ///
-/// For a node of its own process whose callbacks only publish. Not for timers, which hold a lock of their own
-/// while they add a callback, nor for components joined by shared pointers, where one publication would call
-/// the next.
+/// For a node in its own process with callbacks that only publish. Not for timers, which hold their own lock while they
+/// add a callback, and not for components connected by shared pointers, where one publication would call the next.
 class ReceivingThread : public ros::CallbackQueueInterface {
 public:
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner) override;
 
-  /// Nothing waits here. Who unsubscribes waits for a running callback by roscpp's own lock.
+  /// The queue is always empty. On unsubscribing, roscpp's own lock waits for a running callback.
   void removeByID(std::uint64_t) override {}
 
 private:

@@ -22,16 +22,16 @@ namespace platoon {
 
 namespace {
 
-// roslaunch takes its nodes down when it ends, but not when it is killed: then they would go on without it, and
-// the next launch on the same master would run into them. The launch files ask for this; a node that is started
-// by hand may outlive the shell.
+// Ends the node when its parent ends. A killed roslaunch does not stop its nodes: they would keep running and collide
+// with the next launch on the same master. The launch files set this variable; a node started by hand may outlive its
+// shell.
 void end_with_launch() {
   if (std::getenv("PLATOON_ENDS_WITH_LAUNCH") == nullptr) return;
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (::getppid() == 1) ::raise(SIGTERM);  // it has ended already
 }
 
-// Where the master has a node of this name; empty where it has none.
+// The address that the master has for this node's name; empty if it has none.
 std::string registered_address() {
   XmlRpc::XmlRpcValue request, response, address;
   request[0] = request[1] = ros::this_node::getName();
@@ -39,8 +39,9 @@ std::string registered_address() {
   return address;
 }
 
-// The system hands out a port again once in some ten thousand starts. Those who were connected to a node that was
-// killed know it by its address: under the same one they would never connect to what is there in its place.
+// Executes the program again if the node got the address of its killed predecessor, which happens about once in ten
+// thousand starts. Other nodes identify the killed node by its address and would never connect to a new node at that
+// address.
 void require_other_address(const std::string& before, const std::vector<char*>& arguments) {
   if (before.empty() || before != ros::XMLRPCManager::instance()->getServerURI()) return;
   ROS_INFO_STREAM(ros::this_node::getName() << ": has come back at the address it had, and takes another");
@@ -56,12 +57,12 @@ void require_other_address(const std::string& before, const std::vector<char*>& 
 
 int run_node(int argc, char** argv, const NodeTraits& traits, const std::function<void(const ros::NodeHandle&)>& run) {
   if (traits.arenas > 0) mallopt(M_ARENA_MAX, traits.arenas);
-  std::vector<char*> arguments(argv, argv + argc);  // before roscpp takes its own out
+  std::vector<char*> arguments(argv, argv + argc);  // before roscpp removes its own
   arguments.push_back(nullptr);
   ros::init(argc, argv, traits.name, traits.init_options);
   end_with_launch();
   const std::string address_before = registered_address();
-  // Outside the try block: keeps ROS, and with it the console, alive until the line is out.
+  // Outside the try block: keeps ROS, and with it the console, alive until the error is logged.
   const ros::NodeHandle platoon;
   try {
     require_other_address(address_before, arguments);
@@ -73,8 +74,8 @@ int run_node(int argc, char** argv, const NodeTraits& traits, const std::functio
   }
 }
 
-// Not ros::spin(): while ROS shuts down, the global queue no longer waits for callbacks, and its busy loop
-// would cost a hundred vehicles seconds of both cores.
+// Not ros::spin(): while ROS shuts down, the global queue no longer waits for callbacks, and its busy loop would cost a
+// hundred vehicles seconds of CPU time.
 void Superseded::spin() const {
   while (ros::ok() && !happened_) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
@@ -99,7 +100,7 @@ void keep_freed_memory(const RunOptions& run, std::size_t vehicles) {
   const std::size_t kept = std::clamp<std::size_t>(24 * vehicles * run.batch * sizeof(double), 1 << 20, 1 << 30);
   mallopt(M_TOP_PAD, static_cast<int>(kept));
   mallopt(M_TRIM_THRESHOLD, static_cast<int>(kept + kept / 2));
-  mallopt(M_MMAP_THRESHOLD, 1 << 25);  // the most that older versions of glibc take
+  mallopt(M_MMAP_THRESHOLD, 1 << 25);  // the maximum of older versions of glibc
 }
 
 }  // namespace platoon

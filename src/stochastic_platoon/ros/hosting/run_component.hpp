@@ -11,12 +11,12 @@
 
 namespace platoon {
 
-/// What a node's main has beside its component.
+/// Settings of a node's process.
 struct NodeTraits {
-  const char* name;                ///< of the node, where none is given
-  std::uint32_t init_options = 0;  ///< of ros::init
-  /// Malloc arenas: one lets all threads of a process use the same freed memory. 0 leaves their number to
-  /// malloc, for a process whose threads would wait for each other there.
+  const char* name;                ///< default name of the node
+  std::uint32_t init_options = 0;  ///< options of ros::init
+  /// Malloc arenas. With 1, all threads of a process reuse the same freed memory. 0: malloc's default, for a process
+  /// whose threads would block each other in malloc.
   int arenas = 1;
 };
 
@@ -25,10 +25,10 @@ struct NodeTraits {
 int run_node(int argc, char** argv, const NodeTraits& traits,
              const std::function<void(const ros::NodeHandle& platoon)>& run);
 
-/// Tells the main of a component that another run has begun.
+/// Signals to the main of a component that another run has begun.
 class Superseded {
 public:
-  /// For the component's constructor.
+  /// The callback for the component's constructor.
   RunMembership::Join join() {
     return [this](const Configuration&) { happened_ = true; };
   }
@@ -40,16 +40,16 @@ private:
   std::atomic<bool> happened_{false};
 };
 
-/// The main of a component that lives for one run: waits for the configuration, runs the component, and begins
-/// again when the platoon's run has become another.
+/// The main of a component that lives for one run: waits for the configuration, runs the component, and starts over
+/// when the platoon begins another run.
 int run_component(int argc, char** argv, const NodeTraits& traits,
                   const std::function<void(const ros::NodeHandle& platoon, const Configuration& configuration,
                                            Superseded& superseded)>& run);
 
-/// Keeps freed memory for the next message: given back to the system and asked for again, every 64 kB message
-/// would cost its page faults. Kept are 24 messages of each of the vehicles in this process, more than are
-/// mostly on their way, or at least a MiB; what a rare burst needed beyond is given back. Otherwise a long run
-/// would sum up the largest burst of every process.
+/// Makes malloc keep freed memory for the next message; otherwise every 64 kB message would cost its page faults again.
+/// It keeps 24 messages per vehicle in this process, more than are usually in flight, and at least 1 MiB. Memory of
+/// rare larger bursts is returned to the system; otherwise a long run would accumulate the largest burst of every
+/// process.
 void keep_freed_memory(const RunOptions& run, std::size_t vehicles);
 
 }  // namespace platoon

@@ -4,12 +4,12 @@
 
 namespace platoon {
 
-/// Which thread computes which vehicle of a string in one process.
+/// Assigns the vehicles of a string to the threads of one process.
 ///
-/// The string is cut into short segments: vehicles, the channels into them, and what the monitor does of their
-/// positions. So most messages stay in one core's caches, and a batch on its way through a long string still
-/// keeps all threads busy. They are dealt out there and back, because a batch reaches the end of the string
-/// later and is over there earlier.
+/// The string is divided into short segments: vehicles, the channels into them, and the monitor's work on their
+/// positions. Most messages then stay in the caches of one core, and a batch that passes through a long string keeps
+/// all threads busy. Segments go to the threads in ascending, then in descending order, and so on, because a batch
+/// arrives at the end of the string later and ends there earlier.
 class Segments {
 public:
   /// followers >= 1, threads >= 1. Uses no more threads than followers.
@@ -17,7 +17,7 @@ public:
 
   std::size_t threads() const { return threads_; }
 
-  /// 0 .. threads - 1, of vehicle 0 .. followers. The leader is on the first thread.
+  /// The thread 0 .. threads - 1 of vehicle 0 .. followers. The leader is on thread 0.
   std::size_t thread_of(std::size_t vehicle) const;
 
 private:

@@ -35,7 +35,7 @@ void WorkQueue::call(const Entry& entry) {
   if (entry.callback->call() == ros::CallbackInterface::TryAgain) addCallback(entry.callback, entry.owner);
 }
 
-// Moves all that wait to an empty list.
+// Moves all waiting entries to the empty list `taken`.
 bool WorkQueue::take(std::vector<Entry>& taken) {
   const std::lock_guard<std::mutex> lock(mutex_);
   taken.swap(waiting_);
@@ -49,7 +49,7 @@ void WorkQueue::drain(std::vector<Entry>& taken) {
 }
 
 bool WorkQueue::wait_for_more(std::vector<Entry>& taken) {
-  constexpr std::chrono::microseconds patience(50);  // about what a sleep and a wake-up cost
+  constexpr std::chrono::microseconds patience(50);  // about the cost of a sleep and a wake-up
   const auto until = std::chrono::steady_clock::now() + patience;
   do {
     if (take(taken)) return true;

@@ -12,15 +12,15 @@ namespace platoon {
 
 /// The callback queue of one thread of a busy process, in the order of arrival.
 ///
-/// Where ros::CallbackQueue wakes its thread for every callback, this one takes all that wait at once, polls
-/// for more for some microseconds before it goes to sleep, and is woken only when it sleeps. For components
-/// that live longer than run().
+/// ros::CallbackQueue wakes its thread for every callback. This queue takes all waiting callbacks at once, polls for
+/// more for some microseconds before its thread sleeps, and wakes the thread only if it sleeps. For components that
+/// outlive run().
 class WorkQueue : public ros::CallbackQueueInterface {
 public:
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner) override;
   void removeByID(std::uint64_t owner) override;
 
-  /// Runs callbacks in the calling thread for as long as `going_on` says so; drains `at_once` after each.
+  /// Runs callbacks in the calling thread while `going_on` returns true; drains `at_once` after each.
   void run(WorkQueue& at_once, const std::function<bool()>& going_on);
 
 private:

@@ -7,17 +7,17 @@
 
 namespace platoon {
 
-/// Messages to publish, used again once every receiver has released them: in steady state none is allocated,
-/// and their arrays keep their size. Holds as many as were in flight at once, which credit bounds.
+/// Messages to publish, reused after all receivers have released them: in steady state none is allocated, and the
+/// arrays keep their size. The pool grows to the largest number in flight, which credit bounds.
 ///
-/// Copies share the messages. For the components of one thread, whose caches then hold few of them; the
-/// receivers may be on others.
+/// Copies share the messages. Use one pool per thread, so that its caches hold few messages; receivers may be on other
+/// threads.
 class MessagePool {
 public:
-  /// A message that nobody else holds.
+  /// A message without other owners.
   stochastic_platoon::Position::Ptr take();
 
-  /// Messages made so far.
+  /// Number of messages allocated so far.
   std::size_t size() const { return messages_->size(); }
 
 private:

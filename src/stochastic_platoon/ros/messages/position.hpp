@@ -11,28 +11,27 @@
 
 namespace platoon {
 
-/// The message's name within its run.
+/// The message's identifier within its run: attempt, first realization and step.
 MessageId id_of(const stochastic_platoon::Position& message);
 
-/// What delivery needs to know of the message: reads all of its positions.
+/// The message's identifier, number of positions, and whether all are finite; reads all positions.
 MessageDescriptor descriptor_of(const stochastic_platoon::Position& message);
 
-/// Makes it the message of this name in this run.
+/// Sets the message's run and identifier.
 void set_id(std::uint64_t run, const MessageId& id, stochastic_platoon::Position& message);
 
 /// The message's array, shared, not copied.
 Positions positions_of(const stochastic_platoon::Position::ConstPtr& message);
 
-/// T_s [s] as platoon time counts it: whole nanoseconds.
+/// T_s [s] in platoon time, rounded to whole nanoseconds.
 ros::Duration platoon_period(double sample_period);
 
-/// Platoon time of so many nanoseconds; the last that a stamp can bear for more.
+/// Platoon time from nanoseconds; saturates at TIME_MAX.
 ros::Time platoon_time(std::uint64_t nanoseconds);
 
-/// The stamp and a period above 0 more; at the end of all stamps it stands still. Any stamp of any message will do.
+/// `stamp` plus `period` (above 0), for any stamp of any message; saturates at TIME_MAX.
 ros::Time later(const ros::Time& stamp, const ros::Duration& period);
 
-/// Whether every value is finite.
 bool all_finite(const std::vector<double>& values);
 
 }  // namespace platoon

@@ -12,7 +12,7 @@ namespace detail {
 std::optional<std::size_t> announced_size(std::string_view bytes, std::size_t fixed, std::size_t arrays) {
   constexpr std::size_t kSequenceAndStamp = 4 + 8;
   std::size_t at = kSequenceAndStamp;
-  // Passes a length, and what it announces.
+  // Skips a length and the data that it announces.
   const auto pass = [&bytes, &at](std::size_t bytes_each) {
     std::uint32_t count = 0;
     if (at > bytes.size() || bytes.size() - at < sizeof count) return false;

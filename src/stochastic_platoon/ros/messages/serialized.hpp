@@ -13,22 +13,22 @@ namespace platoon {
 
 namespace detail {
 
-/// Bytes of a message of a std_msgs/Header, `fixed` bytes and `arrays` arrays of doubles, by the lengths in it; none
-/// where it ends before the last of these.
+/// Size [bytes] of a message of a std_msgs/Header, `fixed` bytes and `arrays` arrays of doubles, from the lengths in
+/// it; none if it ends before the last length.
 std::optional<std::size_t> announced_size(std::string_view bytes, std::size_t fixed, std::size_t arrays);
 
 constexpr std::size_t kFixedOfPosition = 8 + 4 + 8 + 8, kFixedOfErrorStatistics = 8 + 8 + 1;
 
 }  // namespace detail
 
-/// Whether a serialized message of this type that begins with `begin` may have `size` bytes, by the lengths in it.
+/// Whether a serialized message of this type that begins with `begin` may have `size` bytes, from the lengths in it.
 bool may_have_size(const std::string& type, std::string_view begin, std::size_t size);
 
-/// Whether a serialized message holds the arrays that it announces. ROS takes the memory that is announced before it
-/// looks whether so much is there: one flipped bit is gigabytes.
+/// Whether a serialized message contains the arrays that it announces. ROS allocates the announced memory before it
+/// checks the size: one flipped bit can cost gigabytes.
 template <typename Message>
 bool holds_its_arrays(std::string_view) {
-  return true;  // none
+  return true;  // no arrays
 }
 
 template <>

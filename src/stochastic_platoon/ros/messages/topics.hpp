@@ -26,7 +26,7 @@ struct PlatoonTopic {
   std::size_t vehicle = 0;  ///< of the first two kinds
 };
 
-/// None for a topic of anything else.
+/// None if the topic does not belong to a platoon.
 std::optional<PlatoonTopic> parse_topic(const std::string& topic);
 
 }  // namespace platoon

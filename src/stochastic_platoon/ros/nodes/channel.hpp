@@ -21,21 +21,22 @@
 
 namespace platoon {
 
-/// The links into followers first .. last as one ROS component. A link without state, such as the paper's,
-/// passes every message on at once with the noise its name calls for, so that a restart has no consequence but
-/// what was on the way. One that keeps state takes its messages in turn, as a vehicle does, and so waits for a
-/// step -1 after a restart, which it asks the leader for. As a vehicle does, it may outlive runs.
+/// The links into followers first .. last as one ROS component. A link without state, such as the paper's, passes every
+/// message on at once with the noise of its identifier, so that a restart loses only messages in flight. A link with
+/// state takes its messages in turn, as a vehicle does: after a restart it requests a repetition from the leader and
+/// waits for a step -1. Like a vehicle, the component may outlive runs.
 ///
 /// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = first .. last. Both
 /// stochastic_platoon/Position.
 class Channel {
 public:
-  /// `told` takes what the followers are told, stream i - 1 of follower i. `superseded` is called with a configuration
-  /// that has taken the present one's place and is of another string, or of another recording.
+  /// `told` takes the positions that the followers receive, stream i - 1 for follower i. `superseded` is called with
+  /// the configuration that replaces the present one, if the number of followers, the batch size or the recording
+  /// differs.
   Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
           const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded);
 
-  /// What it has passed on and dropped, of each of its links.
+  /// Messages passed on and dropped, per link.
   VitalSigns::Sources sources() const;
 
 private:

@@ -21,7 +21,7 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
       messages_(messages),
       position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)) {
   if (present) membership_.join(*present);
-  // Last: its thread may be ahead of this one.
+  // Last: the receiving thread may call back before the constructor returns.
   predecessor_position_ =
       platoon.subscribe(predecessor_position_topic(index), kUnboundedQueue, &Follower::receive, this, no_delay());
 }

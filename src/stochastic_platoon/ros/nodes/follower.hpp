@@ -18,12 +18,12 @@
 
 namespace platoon {
 
-/// Vehicle i >= 1 as a ROS component. On its predecessor's step k, as received, it publishes its own step k +
-/// 1, on step -1 first its own step -1; in long strings it may be one that publishes its own step k: see
+/// Vehicle i >= 1 as a ROS component. On its predecessor's step k, as received, it publishes its own step k + 1; on
+/// step -1 it first publishes its own step -1. In long strings some vehicles publish their own step k instead: see
 /// publishes_ahead().
 ///
-/// It may outlive runs: its links stay up, and the first message of another run makes it start over under that
-/// run's configuration.
+/// It may outlive runs: its links stay up, and on the first message of another run it starts over with that run's
+/// configuration.
 ///
 /// Subscribes: vehicle_<i>/predecessor_position. Publishes: vehicle_<i>/position. Both
 /// stochastic_platoon/Position.
@@ -31,23 +31,23 @@ class Follower {
 public:
   using Joined = std::function<void(const Configuration&)>;
 
-  /// Takes part in the run of `present`, if there is one yet. `joined` is called with the configuration of
-  /// every run that it takes part in. Throws ConfigurationError when the run has no vehicle of this index.
+  /// Joins the run of `present`, if given. `joined` is called with the configuration of every run that the follower
+  /// joins. Throws ConfigurationError if the run has no vehicle of this index.
   Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index,
            const MessagePool& messages, Joined joined = {});
 
-  /// What it has taken and dropped.
+  /// Messages taken and dropped.
   VitalSigns::Sources sources() const { return {{&input_.activity(), &input_.drops()}}; }
 
 private:
-  /// What it is within one run.
+  /// State within one run.
   struct RunState {
     BatchSchedule schedule;
     bool is_ahead;
     ros::Duration period;
     FollowerVehicle vehicle;
     MessageOrder order;
-    stochastic_platoon::Position::Ptr upcoming = {};  ///< its own next step, of one that does not lead
+    stochastic_platoon::Position::Ptr upcoming = {};  ///< its own next step, unless it is ahead
   };
   void begin(const Configuration& configuration);
   void receive(const PositionEvent& event);

@@ -18,8 +18,8 @@ using stochastic_platoon::Progress;
 
 namespace {
 
-// The first step of an attempt passes through the string from vehicle to vehicle, each of which may touch its
-// memory for the first time. Grows by itself: see Credit.
+// Timeout of an attempt's first step [s]. The step passes from vehicle to vehicle, and each may touch its memory for
+// the first time. Credit increases the timeout if necessary.
 double first_step_timeout(const RunOptions& run) {
   constexpr double kForAll = 0.1;        // [s]
   constexpr double kPerVehicle = 0.01;   // [s]
@@ -96,7 +96,7 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
       run_state_->credit.give_up(message->attempt, now());
       return publish_allowed();
     }
-    if (message->notice != Progress::NONE) return;  // the monitor shows it
+    if (message->notice != Progress::NONE) return;  // the monitor reports it
     ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report from \"" << printable(shortened(message->receiver))
                                                                        << "\": it is no receiver of this run");
     return;
@@ -109,7 +109,7 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
   if (run_state_->waits_for_observers && run_state_->credit.attempt() == 0 && message->attempt == 0 &&
       !run_state_->begin)
     run_state_->begin = now() + kObserverTime;
-  // After a restart time goes on past everything that may still be on its way.
+  // After a restart, stamps continue after those of all messages that may still be in flight.
   ros::Time seen = message->header.stamp;
   if (run_state_->credit.attempt() == 0 && !seen.isZero()) {
     for (std::int64_t step = 0; step <= run_.window; ++step) seen = later(seen, run_state_->period);
@@ -119,7 +119,7 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
 }
 
 void Leader::watch() {
-  // To begin again is of no use before there is room.
+  // A retry is useless while a receiver is blocked.
   if (run_state_->holding.empty() && run_state_->credit.retry_if_stalled(now())) {
     ROS_DEBUG_STREAM("no progress: attempt " << run_state_->credit.attempt() << " begins");
   }

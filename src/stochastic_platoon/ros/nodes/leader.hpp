@@ -21,21 +21,21 @@
 
 namespace platoon {
 
-/// Vehicle 0 as a ROS component: the closed loop behind the virtual leader, and the platoon's only clock. It
-/// publishes a step when the receivers' progress gives it credit, at most `rate` steps per second, and begins
-/// a batch again when it stalls. It may outlive runs of the same pace.
+/// Vehicle 0 as a ROS component: the closed loop behind the virtual leader, and the platoon's only clock. It publishes
+/// a step when the receivers' progress gives it credit, at most `rate` steps per second, and repeats a batch that
+/// stalls. It may outlive runs of the same pace.
 ///
-/// In an endless run it obeys orders: see LeaderOrders. A manoeuvre ends with its attempt.
+/// In an endless run it executes orders: see LeaderOrders. A manoeuvre ends with its attempt.
 ///
-/// Subscribes: progress (stochastic_platoon/Progress), and what LeaderOrders does. Publishes: vehicle_0/position
+/// Subscribes: progress (stochastic_platoon/Progress) and the topic of LeaderOrders. Publishes: vehicle_0/position
 /// (stochastic_platoon/Position).
 class Leader {
 public:
-  /// `superseded` is called with a configuration that has taken the present one's place and is of other batches,
-  /// another pace or other receivers.
+  /// `superseded` is called with the configuration that replaces the present one, if batch size, rate or receivers
+  /// differ.
   Leader(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
-  /// A status of what it has published and of its credit.
+  /// Status: messages published, and credit.
   Diagnostics::Fill status() const;
 
 private:
@@ -46,16 +46,16 @@ private:
   void publish_allowed();
   bool publish_one();
 
-  /// What it is within one run.
+  /// State within one run.
   struct RunState {
     Credit credit;
     LeaderVehicle vehicle;
     ros::Duration period;
     bool waits_for_observers;
-    std::map<std::string, SolePublisher> reporters;  ///< by the receiver they speak for
-    std::set<std::string> holding = {};              ///< receivers that say that they hold the platoon up
+    std::map<std::string, SolePublisher> reporters;  ///< by receiver
+    std::set<std::string> holding = {};              ///< receivers that report BLOCKED
     ros::Time stamp = {};                            ///< of the latest step published; zero before the first
-    std::optional<double> begin = {};                ///< [s] no step before
+    std::optional<double> begin = {};                ///< [s] earliest time of a step
   };
 
   ros::NodeHandle platoon_;

@@ -27,34 +27,33 @@
 
 namespace platoon {
 
-/// Keeps mean and variance of all tracking errors online, beside the paper's prediction, and acknowledges
-/// what has arrived.
+/// Computes mean and variance of all tracking errors online, publishes them beside the paper's prediction, and
+/// acknowledges messages.
 ///
-/// A batch counts when it is whole. Totals are checkpointed after commits; on completion, or when it is
-/// stopped, the monitor writes the results. It names who holds the platoon up when nothing moves.
+/// A batch counts when it is complete. Totals are checkpointed after commits; on completion, or when it is stopped, the
+/// monitor writes the results. If the run stalls, it names the node that blocks it.
 ///
-/// Positions may be received by several threads: a message is judged and counted under a lock, its errors are
-/// formed without it (see RunStatistics). Only the timer's thread touches files and the terminal, and never
-/// under the lock.
+/// Several threads may receive positions: a message is checked and counted under a lock, its errors are computed
+/// without it (see RunStatistics). Only the timer's thread accesses files and the terminal, and never under the lock.
 ///
 /// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), i = 0 .. N; progress (stochastic_platoon/Progress,
-/// of others). Publishes: progress, snapshot (stochastic_platoon/Snapshot), and what StatisticsPublisher does. Service:
-/// change_run (see RunChange).
+/// of other components). Publishes: progress, snapshot (stochastic_platoon/Snapshot), and the topics of
+/// StatisticsPublisher. Service: change_run (see RunChange).
 class Monitor {
 public:
-  /// Gives the node whose queue receives the positions of a vehicle: several threads may serve these queues.
+  /// Returns the node handle whose queue receives the positions of a vehicle. Several threads may serve these queues.
   using NodeOfVehicle = std::function<ros::NodeHandle(std::size_t vehicle)>;
 
-  /// Throws ConfigurationError as starting_point() does. `superseded` is called with a configuration that has
-  /// taken the present one's place.
+  /// Throws ConfigurationError as starting_point() does. `superseded` is called with the configuration that replaces
+  /// the present one.
   Monitor(ros::NodeHandle platoon, const Configuration& configuration, const NodeOfVehicle& node_of_vehicle,
           RunMembership::Join superseded);
 
-  /// A status of what has arrived, and of who holds the platoon up: "culprit", empty while nothing does, and the
-  /// "retries" since it stands still.
+  /// Status: messages received, "culprit" (the reason of a stall, empty without one), and "retries" since the stall
+  /// began.
   Diagnostics::Fill status();
 
-  /// Writes down what there is of an unfinished run. Call it when the callbacks have ended.
+  /// Saves an unfinished run. Call it after the callbacks have ended.
   void stop();
 
 private:
@@ -77,16 +76,16 @@ private:
   Prediction prediction_;
   double wall_seconds_before_;  ///< [s] of earlier launches
 
-  SpinLock lock_;  ///< of what several threads use, down to `began_`
+  SpinLock lock_;  ///< protects the members down to `began_`
   RunStatistics statistics_;
-  std::vector<PositionInput> inputs_;  ///< each for the one thread that receives from the vehicle
+  std::vector<PositionInput> inputs_;  ///< per vehicle, used by the thread that receives from it
   ProgressReports reports_;
   StallReporter stall_;
   std::optional<double> began_;  ///< [s] first complete step of this launch
 
   ProgressDisplay display_;
   bool finished_ = false;
-  bool departs_ = false;  ///< the leader, as last said
+  bool departs_ = false;  ///< whether the leader manoeuvres, as last logged
 
   StatisticsPublisher publisher_;
   std::vector<ros::Subscriber> positions_;

@@ -17,7 +17,7 @@ using stochastic_platoon::Position;
 
 namespace {
 
-// Beyond what a file's own buffers take.
+// Bytes written that prove success: more than a file's own buffers hold.
 constexpr std::uint64_t kBytesOfSuccess = 2u << 20;
 
 std::string parent_of(const std::string& name) {
@@ -26,7 +26,7 @@ std::string parent_of(const std::string& name) {
 
 }  // namespace
 
-// Does what the disk may refuse.
+// Runs `work`; a write error abandons the recording and starts a pause.
 template <typename Work>
 void Recorder::write(const Work& work) {
   try {
@@ -68,7 +68,8 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration, 
   }
   error_statistics_ =
       platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics, this, no_delay());
-  // The leader of a run that a change begins waits for the recorder's first report: no position would tell of it.
+  // After change_run, the leader publishes no position before the recorder's first report, so progress must reveal the
+  // new run.
   progress_ = platoon.subscribe<stochastic_platoon::Progress>(
       kProgressTopic, kUnboundedQueue,
       [this](const stochastic_platoon::Progress::ConstPtr& message) { membership_.admits(message->run); });
@@ -147,8 +148,8 @@ void Recorder::tick() {
   if (reports_.is_linked(links_) || (recording_ && recording_->finished())) report();
 }
 
-// While nothing can be recorded the reports stay what they were: the first of a new recording then is less, and
-// the leader begins again at once.
+// Without a recording the latest report is repeated. The first report of a new recording is then lower, and the leader
+// repeats the batch at once.
 void Recorder::report() {
   if (!recording_) {
     reports_.set_blocked(refusal_);

@@ -21,22 +21,22 @@ namespace platoon {
 /// Records a platoon to a bag as one more acknowledging receiver: the leader never runs ahead of it, so
 /// nothing is lost at any speed.
 ///
-/// What the disk refuses makes it pause, and the platoon with it. It says so once, tries again after a pause that
-/// grows, and goes on with the whole batches of the file as a recorder does that was killed.
+/// Write errors pause the recording, and the platoon with it. The recorder logs this once, retries after growing
+/// pauses, and continues after the whole batches of the file, as a restarted recorder does.
 ///
-/// Subscribes: vehicle_<i>/position, vehicle_<i>/predecessor_position (stochastic_platoon/Position),
-/// error_statistics (stochastic_platoon/ErrorStatistics), progress (of others). Publishes: progress
+/// Subscribes: vehicle_<i>/position, vehicle_<i>/predecessor_position (stochastic_platoon/Position), error_statistics
+/// (stochastic_platoon/ErrorStatistics), progress (of other components). Publishes: progress
 /// (stochastic_platoon/Progress).
 class Recorder {
 public:
-  /// Throws ConfigurationError as RunRecording does. `superseded` is called with a configuration that has
-  /// taken the present one's place.
+  /// Throws ConfigurationError as RunRecording does. `superseded` is called with the configuration that replaces the
+  /// present one.
   Recorder(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
-  /// What it has recorded and dropped, of each topic of positions.
+  /// Messages recorded and dropped, per topic of positions.
   VitalSigns::Sources sources() const;
 
-  /// Closes an unfinished file. Call it when the callbacks have ended.
+  /// Closes an unfinished file. Call it after the callbacks have ended.
   void stop();
 
 private:
@@ -52,18 +52,18 @@ private:
   Configuration configuration_;
   RunMembership membership_;
   std::string name_space_;
-  std::optional<RunRecording> recording_;  ///< none while the disk refuses it
-  Arrivals reported_;                      ///< what it was when it was last there
+  std::optional<RunRecording> recording_;  ///< none after a write error
+  Arrivals reported_;                      ///< arrivals of the latest recording
   RetryPause pause_;
-  std::uint64_t tried_at_ = 0;  ///< bytes in the file when it was last begun
-  std::string refusal_;         ///< by the disk, of the latest try
+  std::uint64_t tried_at_ = 0;  ///< bytes in the file when it was last opened
+  std::string refusal_;         ///< the latest write error
   std::vector<PositionInput> inputs_;
   std::optional<double> began_;  ///< [s] first message
   ProgressReports reports_;
   std::vector<ros::Subscriber> positions_;
   ros::Subscriber error_statistics_;
   ros::Subscriber progress_;
-  std::vector<ros::Subscriber> links_;  ///< all of these: the run begins when the recorder hears everyone
+  std::vector<ros::Subscriber> links_;  ///< the run begins when all of these are connected
   ros::SteadyTimer timer_;
 };
 

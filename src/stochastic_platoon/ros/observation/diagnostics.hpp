@@ -14,16 +14,17 @@
 
 namespace platoon {
 
-/// What a component, or all of a kind in one process, has done and dropped: the figures that all have in common.
+/// The status values common to all components: messages taken and dropped by one component, or by all of a kind in one
+/// process.
 class VitalSigns {
 public:
-  /// Streams of messages, each with those that were dropped of it; null: none are.
+  /// Message streams, each with its drop counter; null: the stream drops nothing.
   using Sources = std::vector<std::pair<const Activity*, const DropCounter*>>;
 
   explicit VitalSigns(Sources sources) : sources_(std::move(sources)) {}
 
-  /// Adds step, rate, attempts and messages dropped by reason; a warning where messages were dropped since the last
-  /// time that should not have come.
+  /// Adds step, rate, attempts and messages dropped by reason; warns if DropCounter::faults() has grown since the last
+  /// call.
   void add_to(diagnostic_updater::DiagnosticStatusWrapper& status);
 
 private:
@@ -33,15 +34,15 @@ private:
   std::uint64_t last_faults_ = 0;
 };
 
-/// The statuses of one process on /diagnostics, once a second: one per kind of component, however many vehicles it
-/// hosts. The first comes seconds after the start, when a platoon has better things to do with its master.
+/// Publishes the statuses of one process on /diagnostics once a second: one per kind of component, for any number of
+/// vehicles. It begins 3 s after the start, as the master is busy until then.
 class Diagnostics {
 public:
   using Fill = std::function<void(diagnostic_updater::DiagnosticStatusWrapper&)>;
 
   explicit Diagnostics(const ros::NodeHandle& platoon);
 
-  /// Call it before the first second is over. `fill` is called by the thread that serves the node handle.
+  /// Call it within the first second. `fill` is called by the thread that serves the node handle.
   void add(const std::string& name, Fill fill);
 
 private:
@@ -54,7 +55,7 @@ private:
   ros::SteadyTimer timer_;
 };
 
-/// A status of these figures alone.
+/// A status with these values only.
 inline Diagnostics::Fill vital_signs(VitalSigns::Sources sources) {
   return [signs = VitalSigns(std::move(sources))](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
     signs.add_to(status);

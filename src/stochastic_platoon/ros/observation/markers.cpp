@@ -16,8 +16,8 @@ namespace platoon {
 namespace {
 
 constexpr std::size_t kMostLabels = 30;
-constexpr double kSmoothing = 0.05;  // of the view, a snapshot: the last vehicle swings, the camera should not
-constexpr double kClosed = 0.5;      // of the distance that should be
+constexpr double kSmoothing = 0.05;  // of the view, per snapshot: the last vehicle swings, the camera should not
+constexpr double kClosed = 0.5;      // of the desired distance
 
 geometry_msgs::TransformStamped frame(const std::string& name, double x, const ros::Time& time) {
   geometry_msgs::TransformStamped made;
@@ -62,7 +62,7 @@ void Markers::receive(const stochastic_platoon::Snapshot::ConstPtr& message) {
   markers_.publish(road_scene(vehicles, position[0], time));
 }
 
-// Frames in place of poses: whatever else RViz is to show can be attached to a vehicle.
+// Frames instead of poses: other RViz displays can be attached to a vehicle.
 void Markers::publish_frames(const stochastic_platoon::Snapshot& snapshot, const ros::Time& time) {
   const double leader = snapshot.position.front();
   const double tail = snapshot.position.back() - leader;

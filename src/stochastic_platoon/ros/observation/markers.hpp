@@ -10,17 +10,17 @@
 
 namespace platoon {
 
-/// The platoon for RViz: a road, a vehicle per position, dark blue for the first follower to dark red for the last as
-/// in the paper's figures, its tracking error above it, and on the road the place that it should be at, plus and minus
-/// two standard deviations by theory. Red between two vehicles whose gap closes. A spectator of one realization, that
-/// costs the platoon one subscription.
+/// Shows one realization of the platoon in RViz: a road and the vehicles, dark blue for the first follower to dark red
+/// for the last as in the paper's figures. Each vehicle has its tracking error above it, and on the road its desired
+/// position plus and minus two standard deviations by theory. A closing gap between two vehicles is red. Costs the
+/// platoon one subscription.
 ///
 /// Subscribes: snapshot (stochastic_platoon/Snapshot). Publishes: markers (visualization_msgs/MarkerArray) in the frame
-/// "platoon", whose origin is the leader, and /tf: "platoon" -> "vehicle_0" .. "vehicle_N" and, where the string ends,
-/// "platoon_tail".
+/// "platoon", whose origin is the leader, and /tf: "platoon" -> "vehicle_0" .. "vehicle_N" and, at the end of the
+/// string, "platoon_tail".
 class Markers {
 public:
-  /// `superseded` is called with a configuration that has taken the present one's place.
+  /// `superseded` is called with the configuration that replaces the present one.
   Markers(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
 private:
@@ -29,7 +29,7 @@ private:
 
   RunMembership membership_;
   RunOptions run_;
-  std::vector<double> variance_;  ///< [m^2] by theory, a cell for each of the run's; NaN where there is none
+  std::vector<double> variance_;  ///< [m^2] by theory, one per cell of the run; NaN without theory
   double tail_ = 0.0;             ///< [m] behind the leader, smoothed
   ros::Publisher markers_;
   ros::Publisher frames_;

@@ -105,7 +105,7 @@ Overview overview_of(const RunOptions& run, const Prediction& prediction, const 
   add_verdict(prediction, message);
   const Columns columns = columns_of(run, prediction, result);
   add_cells(columns, message);
-  // All of a run of millions of cells would take longer than the second until the next message.
+  // Evaluating all cells of a run of millions would take longer than the second until the next message.
   const bool all = result.complete || result.moments.size() <= kMostCells;
   const std::optional<Agreement> found = all ? measured_agreement(run, prediction, result)
                                              : measured_agreement(columns.run, columns.prediction, columns.result);

@@ -11,7 +11,7 @@ using visualization_msgs::Marker;
 
 namespace {
 
-constexpr double kLength = 3.0, kWidth = 1.7;  // [m] of a body; the model's vehicles have none
+constexpr double kLength = 3.0, kWidth = 1.7;  // [m] of a vehicle's body; the model has none
 constexpr double kLane = 3.6;                  // [m]
 constexpr double kDash = 4.0, kDashPeriod = 12.0, kPostPeriod = 24.0;
 constexpr double kBefore = 60.0, kBehind = 40.0;  // [m] of road beyond the string
@@ -25,7 +25,7 @@ ColorRGBA rgba(double r, double g, double b, double a = 1.0) {
   return c;
 }
 
-// From dark blue over green and yellow to dark red.
+// From dark blue through green and yellow to dark red.
 ColorRGBA colour(double share) {
   const auto ramp = [](double x) { return std::clamp(x, 0.0, 1.0); };
   return rgba(share < 0.85 ? ramp(3.0 * share - 1.0) : ramp(1.0 - 3.0 * (share - 0.85)),
@@ -55,7 +55,7 @@ class Scene {
 public:
   explicit Scene(const ros::Time& time) : time_(time) {}
 
-  // What is added to a marker later stays valid only until the next one.
+  // The returned reference is valid until the next call.
   Marker& add(const std::string& name, int type, double x, double y, double z) {
     Marker made;
     made.header.frame_id = "platoon";
@@ -78,7 +78,7 @@ private:
   visualization_msgs::MarkerArray array_;
 };
 
-// Lines are drawn in their own colours, solids as the camera's light falls on them.
+// RViz draws lines in their own colours; it shades solids by the camera's light.
 Marker& add_lines(Scene& scene, const std::string& name, double width, const ColorRGBA& painted) {
   Marker& lines = scene.add(name, Marker::LINE_LIST, width, 0.0, 0.0);
   lines.color = painted;
@@ -101,7 +101,7 @@ void add_road(Scene& scene, double from, double to, double travelled) {
   const ColorRGBA white = rgba(0.95, 0.95, 0.95);
   Marker& edges = add_lines(scene, "edges", 0.18, white);
   for (const double y : {-0.5 * kLane, 1.5 * kLane}) add_line(edges, from, to, y, 0.0);
-  // Of the marks at whole periods of the way travelled those that are in sight.
+  // Calls `place` for the marks in sight, at whole periods of the distance travelled.
   const auto each = [&](double period, const auto& place) {
     for (double mark = std::ceil((from + travelled) / period) * period; mark - travelled <= to; mark += period)
       place(mark - travelled);
@@ -115,7 +115,7 @@ void add_road(Scene& scene, double from, double to, double travelled) {
   });
 }
 
-// Where each should be, plus and minus two standard deviations, and what closes between two.
+// Desired position of each vehicle, plus and minus two standard deviations, and the closing gaps.
 void add_places(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   int id = 0;
   for (std::size_t i = 1; i < vehicles.size(); ++i) {
@@ -123,7 +123,7 @@ void add_places(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
     if (!std::isfinite(vehicle.place) || !std::isfinite(vehicle.deviation)) continue;
     Marker& band = add_lines(scene, "two_sigma", 0.3, mixed(colour_of(i, vehicles.size()), rgba(1, 1, 1), 0.3F));
     band.id = ++id;
-    // In two rows, as neighbours' overlap; no shorter than a vehicle's mark.
+    // In two rows, as the bands of neighbours overlap; no shorter than a vehicle's mark.
     const double y = -0.5 * kLane - (i % 2 == 0 ? 0.55 : 1.05), half = std::max(2.0 * vehicle.deviation, 0.1);
     add_line(band, vehicle.place - half, vehicle.place + half, y, 0.05);
     add_line(band, vehicle.x - 0.08, vehicle.x + 0.08, y, 0.3);

@@ -9,16 +9,17 @@
 
 namespace platoon {
 
-/// One vehicle on the road: x [m] along it, the leader's being 0.
+/// One vehicle on the road: x [m] along the road, 0 for the leader.
 struct SceneVehicle {
   double x;
-  double place;      ///< [m] where it should be by its tracking error; NaN: of no such place
-  double deviation;  ///< [m] of its tracking error by theory; NaN where there is none
+  double place;      ///< [m] desired position, by its tracking error; NaN: none
+  double deviation;  ///< [m] standard deviation of its tracking error by theory; NaN: none
   bool closing;      ///< whether the gap in front of it closes
   std::string label;
 };
 
-/// What RViz is to show of a platoon. `travelled` is how far the leader has come [m]: the road's markings stand still.
+/// The RViz markers of a platoon. `travelled`: distance that the leader has driven [m], which fixes the markings to the
+/// road.
 visualization_msgs::MarkerArray road_scene(const std::vector<SceneVehicle>& vehicles, double travelled,
                                            const ros::Time& time);
 

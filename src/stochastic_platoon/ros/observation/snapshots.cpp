@@ -40,7 +40,7 @@ void Snapshots::take(std::size_t stream, const stochastic_platoon::Position& mes
   stamp_ = message.header.stamp;
 }
 
-// One thread publishes, and not the one that works on positions.
+// Called by the timer only: the threads that take positions never publish.
 void Snapshots::publish() {
   const bool watched = publisher_.getNumSubscribers() > 0;
   const bool was_wanted = wanted_.exchange(watched || paced_);

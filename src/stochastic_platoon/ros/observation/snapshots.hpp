@@ -15,22 +15,23 @@
 
 namespace platoon {
 
-/// A topic for those who watch: one realization of all streams of positions at the same step, at most 20 times a
-/// second. Streams may be received by several threads. A run at full speed pays for it only while somebody subscribes;
-/// a paced one, whose streams are seconds apart, has the next snapshot at hand for whoever comes.
+/// A visualization topic: one realization of all streams of positions at the same step, at most 20 times a second.
+/// Several threads may receive the streams. A run at full speed assembles snapshots only while the topic has
+/// subscribers. A paced run, whose streams are seconds apart, always does, so that a new subscriber gets the next
+/// snapshot without delay.
 ///
 /// Publishes: `topic` (stochastic_platoon/Snapshot).
 class Snapshots {
 public:
-  /// `errors`: of every follower, where the streams are vehicles 0 .. N; else empty.
+  /// `errors`: of all followers if the streams are vehicles 0 .. N; else empty.
   Snapshots(ros::NodeHandle platoon, const std::string& topic, std::size_t streams,
             std::vector<TrackingError> errors = {});
 
-  /// Whether positions are wanted at present.
+  /// Whether take() needs positions at present.
   bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
 
-  /// Of a run at this rate [steps/s], 0 as fast as it can. One that is paced has them though nobody subscribes, and at
-  /// multiples of as many steps as its rate takes: two topics of it are of the same steps.
+  /// Sets the run's rate [steps/s]; 0: as fast as possible. A paced run assembles snapshots even without subscribers,
+  /// at multiples of max(1, ceil(0.05 s * rate)) steps, so that both snapshot topics show the same steps.
   void set_rate(double rate);
 
   /// Takes a message of a stream.
@@ -42,7 +43,7 @@ private:
   std::vector<TrackingError> errors_;
   std::atomic<bool> wanted_{false};
   std::atomic<bool> paced_{false};
-  SpinLock lock_;  ///< of what is below, down to `complete_`
+  SpinLock lock_;  ///< protects the members down to `complete_`
   std::uint64_t run_ = 0;
   SnapshotAssembly assembly_;
   ros::Time stamp_;

@@ -19,8 +19,8 @@ using stochastic_platoon::Progress;
 
 namespace {
 
-constexpr double kStartTime = 0.05;           // [s] a vehicle, from launch to its first message
-constexpr double kStallWithoutTimeout = 2.0;  // [s] until a stall is reported, where the leader waits for ever
+constexpr double kStartTime = 0.05;           // [s] per vehicle, from launch to its first message
+constexpr double kStallWithoutTimeout = 2.0;  // [s] until a stall is reported, if the leader never retries
 constexpr double kSettled = 0.3;              // [s] without a message until the progress of an attempt is examined
 
 }  // namespace

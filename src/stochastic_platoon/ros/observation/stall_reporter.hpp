@@ -26,7 +26,7 @@ public:
     std::string text;
   };
 
-  /// What the platoon looks like to the monitor.
+  /// The state of the platoon as the monitor sees it.
   struct Observation {
     const Arrivals& arrivals;
     bool began;  ///< the first step is complete

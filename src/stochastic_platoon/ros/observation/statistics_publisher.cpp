@@ -18,9 +18,9 @@ using stochastic_platoon::Overview;
 
 namespace {
 
-constexpr double kPeriod = 1.0;  // [s] of an ensemble; an endless run publishes with every heartbeat
+constexpr double kPeriod = 1.0;  // [s] for an ensemble; an endless run publishes with every heartbeat
 
-// [from, to, from, to, ...]; empty where there are none, or none are known.
+// [from, to, from, to, ...]; empty if there are none or none are known.
 std::vector<double> flat_stable_headways(const PlatoonModel& model) {
   std::vector<double> flat;
   if (theory_of(model) == Theory::none) return flat;

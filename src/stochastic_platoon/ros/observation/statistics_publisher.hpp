@@ -15,7 +15,7 @@ namespace platoon {
 
 /// Publishes a run's statistics beside their theory: error_statistics (stochastic_platoon/ErrorStatistics, about once a
 /// second, latched), overview (stochastic_platoon/Overview, latched), configuration (std_msgs/String, latched: model
-/// and run as JSON). Knows no clock: times are arguments [s].
+/// and run as JSON). Uses no clock: times are arguments [s].
 class StatisticsPublisher {
 public:
   /// Publishes configuration and theory at once.
@@ -24,10 +24,10 @@ public:
 
   bool is_due(double now) const;
 
-  /// The latest step, and the overview if anybody listens.
+  /// Publishes the latest step, and the overview if it has subscribers.
   void publish(const RunResult& result, double now);
 
-  /// All steps of a complete run.
+  /// Publishes all steps of a complete run.
   void publish_complete(const RunResult& result);
 
 private:
@@ -37,10 +37,10 @@ private:
   RunOptions run_;
   const Prediction& prediction_;
   std::uint64_t identity_;
-  std::shared_future<std::vector<double>> headways_;  ///< takes a while; of an endless run, as another may follow
+  std::shared_future<std::vector<double>> headways_;  ///< slow; for endless runs only: change_run may follow
   std::optional<double> latest_;                      ///< [s]
   ros::Publisher error_statistics_;
-  ros::Publisher overview_;       ///< latched: late subscribers get that of a complete run
+  ros::Publisher overview_;       ///< latched: late subscribers get the overview of a complete run
   ros::Publisher configuration_;  ///< latched: a recording contains it
 };
 

@@ -12,15 +12,18 @@
 
 namespace platoon {
 
-/// What people may tell the leader (see Manoeuvre). What cannot be is refused in words, and the run goes on.
+/// The leader's interface for orders (see Manoeuvre). Impossible orders are rejected with an explanation, and the run
+/// goes on.
 ///
 /// Subscribes: leader/speed (std_msgs/Float64) [m/s]. Services (std_srvs/Trigger): leader/brake, leader/accelerate,
 /// leader/sinusoid, and leader/cruise, which ends a manoeuvre.
 class LeaderOrders {
 public:
-  /// Gives an order and returns what becomes of it. Throws std::invalid_argument for what no leader can do.
+  /// Gives an order to the manoeuvre and returns a description of its effect. Throws std::invalid_argument for an
+  /// impossible order.
   using Order = std::function<std::string(Manoeuvre&)>;
-  /// Carries an order out, and returns what it does. Throws std::exception with the reason why not.
+  /// Executes an order and returns the description of its effect. Throws std::exception with the reason if the order is
+  /// rejected.
   using Obey = std::function<std::string(const Order&)>;
 
   LeaderOrders(ros::NodeHandle platoon, Obey obey);

@@ -18,13 +18,13 @@ namespace platoon {
 
 namespace {
 
-constexpr double kAnswerTime = 0.02;  // [s] for the service's answer to get through
+constexpr double kAnswerTime = 0.02;  // [s] for the service's answer to be sent
 
 std::string suffix_of(std::uint64_t number) {
   return number == 1 ? "" : "-run" + std::to_string(number);
 }
 
-// "/tmp/live", "/tmp/live-run2", ...: that of another run of the same launch.
+// The name for another run of the same launch: "/tmp/live", "/tmp/live-run2", ...
 std::string renamed(std::string stem, std::uint64_t from, std::uint64_t to, const std::string& extension) {
   const auto drop = [&stem](const std::string& end) {
     const bool there = stem.size() > end.size() && stem.compare(stem.size() - end.size(), end.size(), end) == 0;
@@ -78,7 +78,7 @@ bool RunChange::serve(stochastic_platoon::ChangeRun::Request& request,
   try {
     const Configuration next = changed(asked_.value_or(present_), given);
     lock_output(next.run)->leave_claim(::getppid());  // roslaunch, or the shell
-    // Before the answer: every node that comes back from a kill from now on takes part in this run.
+    // Before the answer: from now on every restarted node takes part in this run.
     platoon_.setParam("configuration", to_json(next).dump());
     response.success = 1;
     response.message = "run " + std::to_string(next.run.number) + " begins";
@@ -97,7 +97,7 @@ bool RunChange::serve(stochastic_platoon::ChangeRun::Request& request,
 void RunChange::begin_if_asked() {
   if (!asked_ || now() - asked_at_ < kAnswerTime) return;
   const Configuration next = *std::exchange(asked_, std::nullopt);
-  // The leader ends the run that is over at once, and waits for the reports of the next.
+  // On this notice the leader ends the old run at once and waits for the reports of the new one.
   stochastic_platoon::Progress notice;
   notice.receiver = kChangeRunService;
   notice.run = run_identity(next);

@@ -12,24 +12,24 @@
 
 namespace platoon {
 
-/// What becomes of an endless run's configuration when some settings change: the next run of its launch, with a folder
-/// and a bag of its own beside those of this one, which stay as they are. Throws ConfigurationError as the launch
+/// The configuration of the next run of an endless run's launch, with the settings `given` changed. The next run has
+/// its own folder and bag beside those of `present`, which stay unchanged. Throws ConfigurationError as the launch
 /// file's arguments do, and for a run over realizations.
 Configuration changed(const Configuration& present, const std::map<std::string, std::string>& given);
 
-/// The service change_run (stochastic_platoon/ChangeRun): headway, noise and loss of an endless run. A new run begins
-/// with them in place of the present one, and its statistics start anew. An answer of success is sent once the order
-/// is the platoon's configuration on the parameter server, so that no node's end loses it. An order that comes before
-/// the one before it has begun changes that one.
+/// The service change_run (stochastic_platoon/ChangeRun): changes headway, noise and loss of an endless run. A new run
+/// with these settings replaces the present one, and its statistics start anew. The service returns success only after
+/// the new configuration is on the parameter server, so that no node failure loses it. An order that arrives before the
+/// previous new run has begun changes that run's settings.
 class RunChange {
 public:
   using Begin = std::function<void(const Configuration&)>;
 
-  /// `begin` is called with the configuration of a run when it has become the platoon's.
+  /// `begin` is called with the configuration of the new run after it has become the platoon's.
   RunChange(ros::NodeHandle platoon, const Configuration& present, Begin begin);
 
-  /// Begins the run that was asked for, if one was. Not from the service itself: its answer is to get through before
-  /// the component that serves it ends.
+  /// Begins the requested run, if any. The service callback does not do this itself, because its answer must be sent
+  /// before the component that serves it ends.
   void begin_if_asked();
 
 private:

@@ -16,7 +16,7 @@ using stochastic_platoon::Progress;
 
 namespace {
 
-constexpr double kIdlePeriod = 0.005;  // [s] between looks at the clock when nothing else happens
+constexpr double kIdlePeriod = 0.005;  // [s] between checks of the clock without other events
 
 }  // namespace
 
@@ -62,13 +62,12 @@ void Player::receive(const Progress::ConstPtr& message) {
   play();
 }
 
-// [s]. A ros::Duration would throw beyond 68 years, which the stamps of a bag may be apart.
+// [s]. A ros::Duration would throw beyond 68 years, and the stamps of a bag may be further apart.
 double Player::since_first(const Position& message) const {
   return message.header.stamp.toSec() - first_stamp_.toSec();
 }
 
-// Beyond the window only when the monitor does not move: what the recording has of attempts that were given
-// up cannot complete.
+// Exceeds the window only if the monitor makes no progress: recorded attempts that were given up cannot complete.
 bool Player::may_publish(const Position& message) const {
   if (options_.rate > 0.0) {
     const double due = since_first(message) - options_.start;
@@ -92,7 +91,7 @@ void Player::play() {
   }
 }
 
-// The next position. Figures before it are kept for the end.
+// The next position. Statistics before it are kept for the comparison at the end.
 std::optional<RecordedPosition> Player::next() {
   while (const std::optional<RecordedMessage> message = stream_.next()) {
     if (message->topic.kind == PlatoonTopic::Kind::position)

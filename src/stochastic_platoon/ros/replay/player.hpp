@@ -24,18 +24,17 @@ struct RecordedPosition {
 struct PlayerOptions {
   BagSource bags;
   double rate = 0.0;    ///< platoon time per wall time; 0: as fast as the monitor takes it
-  double start = 0.0;   ///< [s] of platoon time to leave out at the beginning
+  double start = 0.0;   ///< [s] of platoon time to skip at the beginning
   bool paused = false;  ///< wait for pause_playback to be called with false
 };
 
-/// Plays the positions of all vehicles of a recorded platoon, in the place of the vehicles, as messages of the
-/// present run. It goes no further ahead of the monitor's progress than the leader would, so nothing is lost
-/// at any rate. The last message is kept back until all of the recording is verified: a replay of a damaged bag never
-/// completes, and ends with a BagError.
+/// Plays the positions of all vehicles of a recorded platoon, in place of the vehicles, as messages of the present run.
+/// It runs no further ahead of the monitor's progress than the leader would, so nothing is lost at any rate. The last
+/// message is held back until the whole recording is verified: a replay of a damaged bag never completes, and ends with
+/// a BagError.
 ///
-/// Subscribes: progress (stochastic_platoon/Progress). Publishes: vehicle_<i>/position
-/// (stochastic_platoon/Position). Offers: ~pause_playback (std_srvs/SetBool), as
-/// rosbag play does.
+/// Subscribes: progress (stochastic_platoon/Progress). Publishes: vehicle_<i>/position (stochastic_platoon/Position).
+/// Service: ~pause_playback (std_srvs/SetBool), as in rosbag play.
 class Player {
 public:
   /// Throws BagError as recorded_platoon() does.
@@ -55,7 +54,7 @@ private:
   std::int64_t window_;
   PlayerOptions options_;
   BagStream stream_;
-  RunReading reading_;  ///< of all that was read, whether it is published or not
+  RunReading reading_;  ///< of all messages read, published or not
   std::optional<RecordedPosition> upcoming_;
   std::map<std::size_t, ros::Publisher> positions_;  ///< by vehicle
   bool heard_ = false;                               ///< the monitor has reported

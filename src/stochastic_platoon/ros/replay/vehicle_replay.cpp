@@ -26,13 +26,13 @@ std::function<bool(const PlatoonTopic&)> only(PlatoonTopic::Kind kind, std::size
   return [kind, vehicle](const PlatoonTopic& topic) { return topic.kind == kind && topic.vehicle == vehicle; };
 }
 
-// None at the end.
+// The next message; none at the end.
 Position::Ptr next_of(BagStream& stream) {
   const std::optional<RecordedMessage> message = stream.next();
   return message ? std::get<Position::Ptr>(message->content) : nullptr;
 }
 
-// As the leader of one follower waits.
+// The limits of a leader with one follower.
 CreditLimits limits_of(const RunOptions& run) {
   constexpr double kFirstStep = 0.1;     // [s]
   constexpr double kPerPosition = 5e-7;  // [s]
@@ -44,7 +44,7 @@ std::string its_clause(Clause clause) {
   return "; the vehicle is external: " + named(clause);
 }
 
-constexpr double kSilentWait = 1.0;  // [s] for the vehicle to be there before the terminal shows that it is not
+constexpr double kSilentWait = 1.0;  // [s] until the wait for the vehicle is logged
 
 }  // namespace
 
@@ -68,7 +68,7 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
   timer_ = platoon.createSteadyTimer(ros::WallDuration(0.02), [this](const auto&) { play(); });
 }
 
-// At the beginning of the batch that is due.
+// Opens the bag at the beginning of the batch that is due.
 void VehicleReplay::open() {
   inputs_.emplace(bags_, only(PlatoonTopic::Kind::predecessor_position, vehicle_));
   outputs_.emplace(bags_, only(PlatoonTopic::Kind::position, vehicle_));
@@ -139,7 +139,7 @@ void VehicleReplay::receive(const PositionEvent& event) {
   if (publisher_.admits(event.getConnectionHeaderPtr(), live.run)) judge(live);
 }
 
-// What comes out of turn behind the answer that is due shows that this one is lost.
+// An answer after the one that is due shows that the latter is lost.
 void VehicleReplay::judge(const Position& live) {
   const MessageId id = id_of(live), due = expected_id();
   const auto place = [](const MessageId& of) { return std::tie(of.first_realization, of.step); };
@@ -181,7 +181,7 @@ void VehicleReplay::end_with(const std::string& reason) {
   done_ = true;
 }
 
-// Why there is no verdict.
+// The reason why there is no verdict.
 std::string VehicleReplay::silence() const {
   const std::string external_hint =
       external_ ? "; the vehicle is external: start its node, and allow it more time with patience:=SECONDS" : "";

@@ -16,16 +16,15 @@
 
 namespace platoon {
 
-/// Puts one live follower behind the predecessor positions it was recorded with, and compares what it
-/// publishes with what was recorded, bit by bit; of an external vehicle it measures how far apart they are.
-/// The messages are those of the present run.
+/// Sends the recorded predecessor positions to one live follower and compares its answers with the recorded ones, bit
+/// by bit; for an external vehicle it measures their largest distance. The messages are those of the present run.
 ///
-/// What is not answered is repeated from the beginning of its batch under a newer attempt, as the leader does (see
-/// ReplayCredit): a link may be up at one of its ends only, and a vehicle may be killed. The replay ends with a
-/// verdict, or with the reason why there is none once `patience` has passed without a new answer.
+/// If an answer is missing, the replay repeats its batch under a newer attempt, as the leader does (see ReplayCredit):
+/// a link may be up at one end only, and a vehicle may be killed. The replay ends with a verdict or, after `patience`
+/// without a new answer, with the reason why there is none.
 ///
-/// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), progress (stochastic_platoon/Progress: what the
-/// vehicle has missed). Publishes: vehicle_<i>/predecessor_position (stochastic_platoon/Position).
+/// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), progress (stochastic_platoon/Progress: messages that
+/// the vehicle has missed). Publishes: vehicle_<i>/predecessor_position (stochastic_platoon/Position).
 class VehicleReplay {
 public:
   /// `patience` [s] > 0.
@@ -35,8 +34,8 @@ public:
   /// There is a verdict, or a reason why there is none.
   bool done() const { return done_; }
 
-  /// "vehicle_3: 2020 messages equal the recorded ones to the bit", or the first that does not; of an external vehicle
-  /// how far its positions are from them at most. Or why there is no verdict.
+  /// "vehicle_3: 2020 messages equal the recorded ones to the bit", or the first message that differs; for an external
+  /// vehicle the largest distance of its positions from them. Or the reason why there is no verdict.
   std::string verdict() const;
   bool equal() const { return done_ && difference_.empty() && reason_.empty(); }
 
@@ -65,18 +64,18 @@ private:
   ReplayCredit credit_;
   std::optional<BagStream> inputs_;
   std::optional<BagStream> outputs_;
-  stochastic_platoon::Position::Ptr input_;     ///< to be sent next; none at the end
-  stochastic_platoon::Position::Ptr expected_;  ///< answer; the same
+  stochastic_platoon::Position::Ptr input_;     ///< next one to send; none at the end
+  stochastic_platoon::Position::Ptr expected_;  ///< next answer; none at the end
   std::int64_t compared_ = 0;                   ///< recorded answers before the expected one
-  std::int64_t batch_start_ = 0;                ///< of them, before the batch in which answers are expected
-  std::uint32_t attempts_ahead_ = 0;            ///< attempts of this replay, less those recorded
-  std::uint32_t last_attempt_ = 0;              ///< that was sent
-  double largest_ = 0.0;                        ///< [m], between an external vehicle's position and the recorded one
-  std::string difference_;                      ///< the first one
-  std::string reason_;                          ///< why there is no verdict
+  std::int64_t batch_start_ = 0;                ///< recorded answers before the batch of the expected one
+  std::uint32_t attempts_ahead_ = 0;            ///< attempt of this replay minus the recorded one
+  std::uint32_t last_attempt_ = 0;              ///< latest attempt sent
+  double largest_ = 0.0;    ///< [m] largest distance of an external vehicle's position from the recorded one
+  std::string difference_;  ///< the first difference
+  std::string reason_;      ///< why there is no verdict
   bool done_ = false;
-  bool waiting_ = false;         ///< for the vehicle, as last said
-  std::optional<double> began_;  ///< [s] when the links were looked for first
+  bool waiting_ = false;         ///< for the vehicle, as last logged
+  std::optional<double> began_;  ///< [s] first check of the links
   SolePublisher publisher_;
   DropCounter drops_;
   ros::Publisher predecessor_position_;

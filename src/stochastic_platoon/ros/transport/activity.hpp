@@ -7,7 +7,7 @@
 
 namespace platoon {
 
-/// A number that one thread writes and others may read, each at its own time.
+/// A number that one thread writes and others may read at any time.
 template <typename Number>
 class RelaxedAtomic {
 public:
@@ -26,7 +26,7 @@ private:
   std::atomic<Number> value_{Number{}};
 };
 
-/// What a component has done last: for diagnostics.
+/// The latest activity of a component, for diagnostics.
 struct Activity {
   RelaxedAtomic<std::int64_t> step{kNothingYet};
   RelaxedAtomic<std::uint32_t> attempt;

@@ -12,8 +12,8 @@
 
 namespace platoon {
 
-/// Counts the messages a component has dropped and says so on the console, at most once a second per topic.
-/// What is expected after a restart or while links come up is counted in silence.
+/// Counts the messages that a component drops and logs them, at most once a second per topic. Drops that are expected
+/// after a restart or while links come up are counted without a log message.
 class DropCounter {
 public:
   /// `external`: name of the external vehicle that publishes the topic, whose contract a dropped message violates;
@@ -25,10 +25,10 @@ public:
 
   std::uint64_t of(DropReason drop) const { return counts_[static_cast<std::size_t>(drop)].get(); }
 
-  /// Those that are not to be expected.
+  /// Number of unexpected drops.
   std::uint64_t faults() const;
 
-  /// A message has counted: what the vehicle has broken before holds nobody up.
+  /// Call it when a message has been accepted: an earlier violation no longer blocks the run.
   void forget_breach() { breach_ = DropReason::none; }
 
   /// How the latest message of an external vehicle violated the contract; none if it did not.

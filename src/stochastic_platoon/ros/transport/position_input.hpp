@@ -30,8 +30,7 @@ public:
   /// The first two checks.
   bool admits(const PositionEvent& event);
 
-  /// The third one. Notifies the leader and the monitor when earlier messages are lost: see
-  /// MessageOrder::has_missed().
+  /// The third one. Notifies the leader and the monitor if earlier messages are lost: see MessageOrder::has_missed().
   bool takes(const MessageDescriptor& descriptor, MessageOrder& order, std::int64_t first_loss);
 
   /// The third one, done by the component: counts the message as taken or dropped. Returns whether it is taken.

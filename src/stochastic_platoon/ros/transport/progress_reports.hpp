@@ -14,22 +14,22 @@
 
 namespace platoon {
 
-constexpr double kHeartbeat = 0.05;  ///< [s] between reports when nothing else calls for one
+constexpr double kHeartbeat = 0.05;  ///< [s] between reports if none is due earlier
 
-/// A receiver's reports on topic progress: what the leader's credit lives on.
+/// A receiver's reports on topic progress, which give the leader its credit.
 ///
-/// The first report waits until every publisher can be heard, so that no attempt is wasted before.
+/// The first report waits until all publishers are connected, so that no attempt is wasted.
 class ProgressReports {
 public:
   ProgressReports(ros::NodeHandle platoon, const std::string& receiver, const Configuration& configuration);
 
-  /// Whether every one of these has a publisher, or once had.
+  /// Whether all of these have a publisher, or once had.
   bool is_linked(const std::vector<ros::Subscriber>& subscribers);
 
   /// Reports carry the latest platoon time seen [ns].
   void saw(std::uint64_t platoon_time);
 
-  /// Reports what has arrived, if a report is due.
+  /// Reports the arrivals, if a report is due.
   void report_if_due(const Arrivals& arrivals);
 
   void report(const Arrivals& arrivals);

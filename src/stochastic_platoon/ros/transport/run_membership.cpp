@@ -19,10 +19,10 @@ namespace platoon {
 
 namespace {
 
-constexpr double kLookPeriod = 0.2;           // [s] between looks for the same unknown run
+constexpr double kLookPeriod = 0.2;           // [s] between checks for the same unknown run
 constexpr double kShortestLookPeriod = 0.05;  // [s] for any
 
-// What a callback queue calls once.
+// A function as an entry of a callback queue.
 class Call : public ros::CallbackInterface {
 public:
   explicit Call(std::function<void()> function) : function_(std::move(function)) {}
@@ -107,7 +107,7 @@ bool RunMembership::looks_and_admits(std::uint64_t run) {
   return run == run_;
 }
 
-// Once for each run and reason. The monitor hears of it, too: a follower has no other way to its terminal.
+// Reports each run and reason once, also to the monitor: a follower has no other way to its terminal.
 void RunMembership::refuse(std::uint64_t run, const std::string& reason) {
   const std::string said = name_ + " does not take part in run " + shown(run) + ": " + reason;
   if (said == last_reason_) return;
@@ -131,7 +131,8 @@ void RunMembership::notify(std::uint8_t kind, std::uint64_t run, std::uint32_t a
   notice.step = kNothingYet;
   notice.notice = kind;
   notice.note = note;
-  // By the node's own thread: the one that receives may hold locks of roscpp that do not go before those of advertise.
+  // In the node's own thread: the receiving thread may hold roscpp locks that must not be taken before those of
+  // advertise.
   const auto publish = [this, notice] {
     if (!notices_) notices_ = platoon_.advertise<stochastic_platoon::Progress>(kProgressTopic, 10, true);
     notices_.publish(notice);

@@ -14,39 +14,39 @@
 
 namespace platoon {
 
-/// The parameter `configuration` of the platoon's namespace, the JSON text that `configure` made of the launch
-/// arguments and the model file; none while there is none. Throws ConfigurationError when it is not valid.
+/// The parameter `configuration` of the platoon's namespace: JSON text that `configure` generates from launch arguments
+/// and model file; none if it is not set. Throws ConfigurationError if it is invalid.
 std::optional<Configuration> read_configuration(const ros::NodeHandle& platoon);
 
-/// The same, waiting for it; none when ROS shuts down meanwhile.
+/// The same, but waits until the parameter is set; none if ROS shuts down first.
 std::optional<Configuration> wait_for_configuration(const ros::NodeHandle& platoon);
 
-/// Which run a component takes part in. Every message carries its run's identity; a message of another run
-/// than the present one makes it look whether that run has become the platoon's.
+/// The run that a component takes part in. Every message carries its run's identity; on a message of another run, the
+/// component checks whether that run has become the platoon's.
 class RunMembership {
 public:
-  /// Called when the platoon's configuration has become that of the run that a message belongs to. May throw
-  /// std::exception when the component cannot take part: then the message is refused and the reason is told.
+  /// Called when the platoon's configuration has become that of a message's run. May throw std::exception if the
+  /// component cannot take part: the message is then dropped and the reason reported.
   using Join = std::function<void(const Configuration&)>;
 
-  /// `name` is what the component is called in messages, "vehicle_3". `run`: the one that the component lives for, and
-  /// no message of a later one counts; 0: it takes part in one after another, and in none yet.
+  /// `name`: the component's name in messages, "vehicle_3". `run`: the only run that the component takes part in; 0: it
+  /// takes part in one run after another, and in none yet.
   RunMembership(const ros::NodeHandle& platoon, std::string name, std::uint64_t run, Join join);
   ~RunMembership();
 
-  /// Whether a message of this run counts. Looks at the parameter server for a run that it does not know, at
-  /// most five times a second for the same, twenty for any.
+  /// Whether a message of this run counts. For an unknown run it reads the parameter server, at most five times a
+  /// second for the same run and twenty for all.
   bool admits(std::uint64_t run) { return run == run_.load(std::memory_order_relaxed) || looks_and_admits(run); }
 
-  /// Takes part in the run of this configuration from now on, by Join.
+  /// Calls Join and makes the run of this configuration the present one; a component of a single run is over instead.
   void join(const Configuration& configuration);
 
-  /// Tells leader and monitor that this component has missed messages of an attempt; once for each.
+  /// Notifies leader and monitor that this component has missed messages of an attempt, once per attempt.
   void tell_missed(std::uint32_t attempt);
 
   std::uint64_t run() const { return run_.load(std::memory_order_relaxed); }
 
-  /// Whether another run has taken the place of the one that the component lives for.
+  /// Whether another run has replaced the component's only run.
   bool is_over() const { return over_.load(std::memory_order_relaxed); }
 
 private:
@@ -64,8 +64,8 @@ private:
   std::uint64_t last_unknown_ = 0;
   std::optional<double> last_look_;  ///< [s]
   std::string last_reason_;
-  std::optional<std::pair<std::uint64_t, std::uint32_t>> missed_;  ///< run and attempt of the latest told
-  ros::Publisher notices_;  ///< on `progress`, made when there is something to say
+  std::optional<std::pair<std::uint64_t, std::uint32_t>> missed_;  ///< run and attempt of the latest notice
+  ros::Publisher notices_;                                         ///< on `progress`, advertised with the first notice
 };
 
 }  // namespace platoon

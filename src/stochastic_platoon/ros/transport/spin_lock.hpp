@@ -5,7 +5,7 @@
 
 namespace platoon {
 
-/// For very short critical sections: waiters yield instead of sleeping, as to be woken would take longer.
+/// For very short critical sections: waiters yield instead of sleeping, as a wake-up would take longer.
 class SpinLock {
 public:
   void lock() {

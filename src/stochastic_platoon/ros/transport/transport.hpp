@@ -11,29 +11,29 @@
 
 namespace platoon {
 
-/// A position with the connection that it came over.
+/// A position with the connection over which it arrived.
 using PositionEvent = ros::MessageEvent<const stochastic_platoon::Position>;
 
-/// Time that never jumps [s].
+/// Monotonic time [s].
 double now();
 
-/// Queues of data topics are unbounded: memory is bounded by the leader's credit, and a bounded queue would
-/// drop.
+/// Queues of data topics are unbounded: memory is bounded by the leader's credit, and a bounded queue would drop
+/// messages.
 constexpr std::uint32_t kUnboundedQueue = 0;
 
-/// Without it two messages in a row can wait 40 ms for each other.
+/// TCP_NODELAY: without it two consecutive messages can wait 40 ms for each other.
 ros::TransportHints no_delay();
 
-/// A paced run is one that others look at: they get this time [s] to link up before its first step (rosbag
-/// record -a asks the master for new topics once a second).
+/// Time [s] for observers to connect before the first step of a paced run (rosbag record -a polls the master for new
+/// topics once a second).
 constexpr double kObserverTime = 3.0;
 
-/// The names of the nodes that the master has as publishers of a topic, sorted, connected to them or not; none
-/// when it does not answer.
+/// The names of the nodes registered with the master as publishers of a topic, sorted, connected or not; empty if the
+/// master does not answer.
 std::vector<std::string> registered_publishers(const std::string& topic);
 
-/// Publishes a position. roscpp publishes under one lock of the process, which puts a thread that has to wait
-/// for it to sleep: the threads of one process would do so all the time. Here they wait awake.
+/// Publishes a position. roscpp publishes under one lock per process, and waiting threads sleep; the threads of one
+/// process would do so all the time. Here they spin instead.
 void publish(const ros::Publisher& publisher, const stochastic_platoon::Position::Ptr& message);
 
 }  // namespace platoon

@@ -24,7 +24,7 @@ void require_version(Section& document, std::vector<std::string>& problems) {
   if (version != kVersion) document.reject("version", version, std::string(kVersion) + ", this program's");
 }
 
-// followers^2 x steps of exact variances, a minute or so.
+// Limit of followers^2 x steps for exact variances with losses: about a minute of computation.
 constexpr double kMostLossResponses = 1e10;
 
 bool has_independent_losses(const PlatoonModel& model) {
@@ -93,8 +93,8 @@ void require_known(const std::map<std::string, std::string>& given) {
   if (!problems.empty()) throw ConfigurationError(problems);
 }
 
-// Down the path "a/b", whose mappings are made where they are missing. False where it leads through what is no
-// mapping and no list of that length.
+// Sets the value at the path "a/b" and creates missing mappings. Returns false if the path leads through a value that
+// is neither a mapping nor a list of that length.
 bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
   const std::size_t slash = path.find('/');
   const std::string key = path.substr(0, slash);
@@ -119,7 +119,7 @@ void put(const Setting& setting, const std::string& value, YAML::Node& document)
   if (setting.model_key == nullptr) {
     document["run"][setting.name] = value;
   } else if (!value.empty() && document["model"].IsMap()) {
-    // What is no mapping takes no override: read_model() says what is wrong with it.
+    // A model that is not a mapping takes no override: read_model() reports it.
     put_at(setting.model_key, YAML::Node(value), document["model"]);
   }
 }

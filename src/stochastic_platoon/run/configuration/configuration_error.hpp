@@ -6,7 +6,7 @@
 
 namespace platoon {
 
-/// All problems of a configuration at once; each names the key, the value and what is allowed.
+/// All problems of a configuration; each names the key, the value and the allowed values.
 class ConfigurationError : public std::runtime_error {
 public:
   explicit ConfigurationError(std::vector<std::string> problems);
@@ -16,7 +16,7 @@ private:
   std::vector<std::string> problems_;
 };
 
-/// The first twenty of so many problems, and how many there are beyond.
+/// The first twenty problems, and the number of further ones.
 std::vector<std::string> abbreviated(std::vector<std::string> problems);
 
 }  // namespace platoon

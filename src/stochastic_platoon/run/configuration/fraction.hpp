@@ -8,7 +8,7 @@
 
 namespace platoon {
 
-/// {numerator: [..], denominator: [..]} by descending powers of z; reports what is wrong, unknown keys among it.
+/// Reads {numerator: [..], denominator: [..]}, by descending powers of z. Reports all problems, including unknown keys.
 TransferFunction read_fraction(Section& section);
 
 nlohmann::json to_json(const TransferFunction& fraction);

@@ -8,13 +8,13 @@
 
 namespace platoon {
 
-/// What drives vehicle 0: the speeds of the virtual leader, or recorded positions of vehicle 0.
+/// The input of vehicle 0: the speeds of the virtual leader, or recorded positions of vehicle 0.
 struct LeaderContent {
   LeaderProfile profile{{}, 1.0};
   std::vector<double> recorded;  ///< y_0(-1), y_0(0), ... [m]
 };
 
-/// Reads the key `leader` and reports what is wrong.
+/// Reads the key `leader` and reports all problems.
 LeaderContent read_leader(Section section, double sample_period, std::vector<std::string>& problems);
 
 }  // namespace platoon

@@ -14,7 +14,7 @@ namespace platoon {
 
 namespace {
 
-// The stamps of ROS count nanoseconds, and end after 136 years.
+// ROS stamps count nanoseconds and end after 136 years.
 const Allowed kSamplePeriod{"a finite number >= 1e-9", std::numeric_limits<double>::quiet_NaN(), 1e-9, 1e6};
 
 std::optional<ClosedLoop> read_given_loop(Section section, const std::string& name,
@@ -41,13 +41,13 @@ InitialPosition read_initial_position(Section section) {
   return position;
 }
 
-// The closed loop and, where it was not given itself, what it is formed from.
+// The closed loop and, unless it was given directly, its plant and controller.
 struct Loop {
   ClosedLoop closed;
   std::optional<LoopDesign> design;
 };
 
-// What is read of one vehicle; what is wrong with the loop is reported, and then there is none.
+// The values read for one vehicle; `loop` is empty after a reported problem.
 struct VehicleParts {
   double headway, standstill_distance, noise_variance;
   InitialPosition initial_position;
@@ -90,7 +90,7 @@ std::optional<Loop> read_designed_loop(Section& vehicle, double headway, const s
   return formed(design, headway, vehicle.name("plant, controller"), problems);
 }
 
-// Of a type: what it does not give is as in `base`, the vehicle of the type default.
+// Keys that a type omits are as in `base`, the vehicle of the type default; `base` is null for that vehicle itself.
 std::optional<Loop> read_loop(Section& vehicle, double headway, const VehicleParts* base,
                               std::vector<std::string>& problems) {
   const bool designed = vehicle.has("plant") || vehicle.has("controller");
@@ -103,7 +103,7 @@ std::optional<Loop> read_loop(Section& vehicle, double headway, const VehiclePar
     return given ? std::optional<Loop>(Loop{*given, std::nullopt}) : std::nullopt;
   }
   if (base == nullptr) return read_designed_loop(vehicle, headway, std::nullopt, problems);
-  if (!base->loop) return std::nullopt;  // and reported
+  if (!base->loop) return std::nullopt;  // already reported
   if (designed) return read_designed_loop(vehicle, headway, base->loop->design, problems);
   if (headway == base->headway || !base->loop->design) return base->loop;
   return formed(*base->loop->design, headway, vehicle.name("time_headway"), problems);
@@ -128,7 +128,7 @@ VehicleParts read_vehicle(Section& vehicle, const VehicleParts* base, bool allow
   return parts;
 }
 
-// One type of vehicle: its name and what it is.
+// One type of vehicle: its name and its values.
 struct TypeParts {
   std::string name, path;
   VehicleParts parts;
@@ -149,7 +149,7 @@ std::vector<TypeParts> read_types(Section types, const VehicleParts& base, bool 
                                   std::vector<std::string>& problems) {
   std::vector<TypeParts> found;
   std::vector<std::string> names = types.keys();
-  std::sort(names.begin(), names.end());  // as JSON has them
+  std::sort(names.begin(), names.end());  // the order of JSON keys
   for (const std::string& name : names) {
     if (name == "default") types.reject(name, "given", "of another name: default is the vehicle outside vehicle_types");
     Section type = types.section(name);
@@ -257,7 +257,7 @@ nlohmann::json to_json(const VehicleModel& vehicle) {
   return document;
 }
 
-// A type inherits what it does not give: what of its link may differ is written in full.
+// A type inherits omitted keys, so that all link keys that may differ are written.
 nlohmann::json full_link(const LinkModel& link, const LinkModel& base) {
   nlohmann::json document = to_json(link);
   document["noise_filter"] = to_json(link.noise_filter);
@@ -269,7 +269,7 @@ nlohmann::json full_link(const LinkModel& link, const LinkModel& base) {
 
 }  // namespace
 
-// Absent keys are those of the paper's platoon, so that its text stays what it was.
+// An absent key has the paper's value, so that the text of the paper's platoon never changes.
 nlohmann::json to_json(const PlatoonModel& model) {
   nlohmann::json speed = nlohmann::json::array();
   for (const SpeedChange& change : model.leader.changes()) {
@@ -285,7 +285,7 @@ nlohmann::json to_json(const PlatoonModel& model) {
   for (const VehicleType& type : model.types) {
     nlohmann::json& written = document["vehicle_types"][type.name] = to_json(type.vehicle);
     written["channel"] = full_link(type.vehicle.link, model.link);
-    // What follows the default vehicle does so in every copy of the model.
+    // Inherited values stay inherited in every copy of the model.
     if (type.inherited.headway) written.erase("time_headway");
     if (type.inherited.plant) written.erase("plant");
     if (type.inherited.controller) written.erase("controller");

@@ -12,13 +12,13 @@ namespace platoon {
 
 namespace {
 constexpr std::int64_t kMaxFollowers = 1000000;
-// Of realizations and steps: what the noise's counter can name.
+// Limit of the noise counter for realizations and steps.
 constexpr std::int64_t kMaxCount = std::int64_t{1} << 46;
 
-// Cells of statistics: followers times steps. A run keeps some 200 bytes a cell.
+// Cells of the statistics: followers times steps. A run keeps about 200 bytes per cell.
 constexpr std::int64_t kMaxCells = 20000000;
 
-// Timers of ROS count nanoseconds in 64 bits, and seconds in 32.
+// ROS timers count nanoseconds in 64 bits, and seconds in 32.
 const Allowed kRate{"a finite number >= 0", std::numeric_limits<double>::quiet_NaN(), 0.0, 1e6};
 constexpr double kSlowestRate = 1e-6;
 const Allowed kStallTimeout{"a finite number >= 0", std::numeric_limits<double>::quiet_NaN(), 0.0, 1e6};
@@ -26,7 +26,7 @@ constexpr double kShortestStall = 1e-3;
 
 constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
 
-// The launch files compare the words of the list: there is one way to write it.
+// The launch files compare the entries of the list as text, so each number must have one spelling.
 std::vector<std::size_t> read_external(Section& section, std::size_t followers) {
   const std::string text = section.text("external");
   std::set<std::size_t> external;
@@ -136,8 +136,8 @@ bool RunOptions::is_external(std::size_t follower) const {
   return std::binary_search(external.begin(), external.end(), follower);
 }
 
-// In one process a message is used up at once, and the further a vehicle is ahead the longer its state stays
-// in the cache. Not where one of them is external, and waited for.
+// In one process a message is consumed at once, and the further a vehicle is ahead, the longer its state stays in the
+// cache. This does not hold if the others wait for an external vehicle.
 std::size_t RunOptions::pipeline_depth() const {
   constexpr std::size_t kOfProcesses = 128;
   return hosting == Hosting::processes || !external.empty() ? kOfProcesses : followers;
@@ -162,7 +162,7 @@ nlohmann::json to_json(const RunOptions& options) {
                              {"stall_timeout", options.stall_timeout},
                              {"burn_in", options.burn_in}};
   if (options.number > 1) document["run_number"] = options.number;
-  // Absent of others, so that their text stays what it was.
+  // Absent without external vehicles, so that the text of other runs never changes.
   std::string external;
   for (const std::size_t vehicle : options.external)
     external += (external.empty() ? "" : ",") + std::to_string(vehicle);

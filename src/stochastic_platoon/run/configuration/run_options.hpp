@@ -11,7 +11,7 @@
 
 namespace platoon {
 
-/// Where the vehicles of a run are computed. Launch files know the first two.
+/// The place where the vehicles of a run are computed. Launch files accept the first two.
 enum class Hosting { processes, one_process, monte_carlo, bag };
 
 /// "processes", ...
@@ -21,55 +21,53 @@ const char* to_string(Hosting hosting);
 struct RunOptions {
   std::size_t followers;       ///< N >= 1
   std::int64_t steps;          ///< K >= 1, or 0 for one endless batch
-  std::uint64_t realizations;  ///< R >= 1; of an endless run 1
+  std::uint64_t realizations;  ///< R >= 1; 1 in an endless run
   std::uint64_t batch;         ///< realizations per message, >= 1
   double rate;                 ///< steps per second of wall time; 0 = as fast as credit allows
   std::uint64_t seed;
   Hosting hosting;
   std::string output;               ///< folder for the results
-  bool resume;                      ///< go on from what the folder holds
-  std::uint64_t first_realization;  ///< those before it were committed by earlier launches
+  bool resume;                      ///< continue from the checkpoint in the folder
+  std::uint64_t first_realization;  ///< earlier launches have committed all realizations before it
   std::string record;               ///< bag to record to; empty: none
-  std::int64_t record_split_mb;     ///< begin another bag beyond this size [MiB]; 0: one bag
+  std::int64_t record_split_mb;     ///< begin a new bag beyond this size [MiB]; 0: one bag
   std::string record_compression;   ///< "none" or "lz4"
-  std::string launch_id;            ///< names one launch: a checkpoint of the same launch is always gone on from
+  std::string launch_id;            ///< names one launch, which always continues from its own checkpoint
   std::int64_t window;              ///< steps that may be unacknowledged, >= 1
-  double stall_timeout;             ///< [s]; 0 = wait for ever
-  std::uint64_t number;  ///< which run of its launch it is: 1, and one more with every change of an endless run
+  double stall_timeout;             ///< [s]; 0 = wait forever
+  std::uint64_t number;  ///< number of the run in its launch, from 1: every change of an endless run begins another
   std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
   std::vector<std::size_t> external = {};  ///< external vehicles, ascending
 
   /// Whether follower i is an external vehicle.
   bool is_external(std::size_t follower) const;
 
-  /// The followers before the first external vehicle: those that the theory covers.
+  /// The followers before the first external vehicle, which are those that the theory covers.
   std::size_t followers_before_external() const { return external.empty() ? followers : external.front() - 1; }
 
-  /// Who has to acknowledge every step.
+  /// The receivers that must acknowledge every step.
   std::vector<std::string> receivers() const;
 
-  /// By how many steps the last vehicle may be ahead of the leader: see publishes_ahead().
+  /// Number of steps that the last vehicle may be ahead of the leader: see publishes_ahead().
   std::size_t pipeline_depth() const;
 
   BatchSchedule schedule() const { return {realizations, batch, steps}; }
 
-  /// What the statistics of the run are taken over.
+  /// The kind of average that the run's statistics take.
   Averaging averaging() const { return steps == 0 ? Averaging::over_time : Averaging::over_realizations; }
 };
 
-/// Reads them from a section; what is wrong goes into the section's problems. batch, window: 0 = choose.
+/// Reads the options of a section and adds all problems to those of the section. batch, window: 0 = choose.
 RunOptions read_run_options(Section section);
 
-/// For read_run_options.
+/// JSON for read_run_options().
 nlohmann::json to_json(const RunOptions& options);
 
-/// Realizations per message where none are asked for: 64 kB messages, or 256 kB where a recorder writes them
-/// (its cost per message is higher); smaller for strings of hundreds and more, so that the few steps in
-/// flight fit the memory.
+/// Default number of realizations per message: 64 kB messages, or 256 kB with a recorder, whose cost per message is
+/// higher; fewer for strings of hundreds of followers and more, so that the few steps in flight fit the memory.
 std::uint64_t chosen_batch(const RunOptions& options);
 
-/// Steps in flight where none are asked for: enough to keep every process busy, within about 100 MB for the
-/// whole graph.
+/// Default number of steps in flight: enough to keep every process busy, within about 100 MB for the whole graph.
 std::int64_t chosen_window(std::uint64_t batch, std::size_t followers);
 
 }  // namespace platoon

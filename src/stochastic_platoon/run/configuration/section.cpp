@@ -23,7 +23,7 @@ std::string whole_text(const YAML::Node& node) {
   return emitter.c_str();
 }
 
-// What a file says must not steer the terminal that it is shown on.
+// The text of a file must not control the terminal that shows it.
 std::string on_one_line(const std::string& text) {
   std::string line;
   for (const char c : text) {
@@ -37,7 +37,7 @@ std::string shown(const YAML::Node& node) {
   return on_one_line(shortened(whole_text(node)));
 }
 
-// The whole text as a number, in the C locale; nullopt for anything else. "nan" and "inf" are not read.
+// The whole text as a number, in the C locale; nullopt for any other text, including "nan" and "inf".
 std::optional<double> parsed_number(const YAML::Node& node) {
   if (!node.IsScalar()) return std::nullopt;
   std::istringstream stream(node.Scalar());
@@ -47,7 +47,7 @@ std::optional<double> parsed_number(const YAML::Node& node) {
   return (stream >> std::ws).eof() ? std::optional<double>(value) : std::nullopt;
 }
 
-// A whole number, also as 1e9.
+// An integer; 1e9 is accepted too.
 std::optional<std::int64_t> parsed_integer(const YAML::Node& node) {
   if (!node.IsScalar()) return std::nullopt;
   std::istringstream stream(node.Scalar());
@@ -72,7 +72,7 @@ std::optional<Eigen::VectorXd> parsed_numbers(const YAML::Node& node) {
   return values;
 }
 
-// As JSON must be, which a text becomes part of.
+// Texts become part of JSON, which must be UTF-8.
 bool is_utf8(const std::string& text) {
   try {
     nlohmann::json(text).dump();
@@ -95,7 +95,7 @@ const Allowed kLossProbability{"a number from 0 to below 1", kUnbound, 0.0, kLar
 
 Section::Section(const YAML::Node& node, const std::string& path, std::vector<std::string>& problems)
     : node_(node), path_(path), problems_(problems) {
-  if (node_.IsNull() && !path.empty()) return;  // missing, and reported as such
+  if (node_.IsNull() && !path.empty()) return;  // missing, and already reported
   if (!node_.IsMap()) {
     problems_.push_back((path.empty() ? "the document" : path) + ": " + shown(node) + ": must be a mapping of keys");
   }

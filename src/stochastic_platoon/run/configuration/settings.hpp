@@ -5,21 +5,20 @@
 
 namespace platoon {
 
-/// One argument of platoon.launch, and option of the tools that take it: the one place where its name, its
-/// default and its meaning stand.
+/// One argument of platoon.launch, and an option of the tools that take it. The only definition of its name, default
+/// and meaning.
 struct Setting {
   const char* name;           ///< "noise_variance"; as an option --noise-variance
   const char* default_value;  ///< as text
   const char* help;
-  /// The key of the model file that it overrides where it is not empty, of nested ones "a/b"; null: none.
+  /// The model file key that a non-empty value overrides, nested keys as "a/b"; null: none.
   const char* model_key;
 };
 
-/// All settings but `model`, the model file's name.
+/// All settings except `model`, the name of the model file.
 const std::vector<Setting>& settings();
 
-/// The batch of a Monte Carlo, where none is asked for: what a vehicle needs of so many realizations side by side
-/// fits the second level cache.
+/// Default batch of a Monte Carlo: the data of a vehicle for so many realizations fits the second level cache.
 constexpr char kMonteCarloBatch[] = "512";
 
 }  // namespace platoon

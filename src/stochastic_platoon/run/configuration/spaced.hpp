@@ -6,7 +6,7 @@
 
 namespace platoon {
 
-/// Equally spaced values, both ends among them; of one value `from`.
+/// Equally spaced values including both ends; a single value is `from`.
 struct Spaced {
   double from, to;
   std::uint64_t count;

@@ -2,7 +2,7 @@
 
 namespace platoon {
 
-/// The version of this package, "major.minor.patch": of its programs, and of what they write.
+/// The version of this package, "major.minor.patch", in its programs and its output files.
 extern const char* const kVersion;
 
 }  // namespace platoon

@@ -10,7 +10,7 @@ namespace platoon {
 
 namespace {
 
-// yaml-cpp's own LoadFile loses memory where reading fails in the middle, and reads on where a file has no end.
+// yaml-cpp's own LoadFile leaks memory if reading fails midway, and never returns for an endless file.
 std::string text_of(const std::string& file, const std::string& what) {
   constexpr std::size_t kMegabyte = 1000000, kMost = 256 * kMegabyte;
   std::ifstream stream(file, std::ios::binary);
@@ -24,7 +24,7 @@ std::string text_of(const std::string& file, const std::string& what) {
   return text;
 }
 
-// By the lines that separate them: yaml-cpp's own LoadAll does not come to an end on some files.
+// Looks for separator lines, as yaml-cpp's own LoadAll does not terminate on some files.
 bool holds_several_documents(const std::string& text) {
   std::istringstream stream(text);
   bool begun = false;

@@ -6,8 +6,8 @@
 
 namespace platoon {
 
-/// The YAML document of a file of at most 256 MB. Throws ConfigurationError, beginning with `what` the file is, if it
-/// is missing, is not YAML, or holds several documents.
+/// The YAML document in a file of at most 256 MB. Throws ConfigurationError, starting with `what`, the kind of file, if
+/// it is missing, is not YAML, or holds several documents.
 YAML::Node load_yaml(const std::string& file, const std::string& what = "model");
 
 }  // namespace platoon

@@ -13,7 +13,7 @@ Arrivals::Arrivals(const BatchSchedule& schedule, std::size_t streams, std::uint
       orders_(streams, MessageOrder(schedule)),
       arrived_(streams, 0) {}
 
-// The batches of an attempt must meet the border of what is committed.
+// An attempt must start a whole number of batches before the first uncommitted realization.
 bool Arrivals::may_start_at(std::uint64_t first) const {
   if (first > committed_) return false;
   return complete() || (committed_ - first) % schedule_.batch == 0;
@@ -25,7 +25,7 @@ Arrivals::Admission Arrivals::admit(std::size_t stream, const MessageDescriptor&
   if (id.attempt < attempt_) return {DropReason::stale};
   const bool new_attempt = id.attempt > attempt_;
   const bool may_start = new_attempt ? may_start_at(id.first_realization) : id.first_realization == start_;
-  // A stream joins an attempt where the attempt began, or not at all: what came before is missing for good.
+  // A stream joins an attempt only at its start: earlier messages would be lost for good.
   const bool joins = new_attempt || !latest(stream);
   if (joins && id.step == kInitialStep && !may_start) return {DropReason::out_of_turn};
   const DropReason drop = order.receive(descriptor);
@@ -52,7 +52,7 @@ MessageId Arrivals::id_of(std::int64_t count) const {
   return {attempt_, first, count % per_batch + kInitialStep};
 }
 
-// A message completes at most the step it belongs to, as every stream is in order.
+// As every stream is in order, a message completes at most its own step.
 std::optional<CompleteBatch> Arrivals::count(std::size_t stream, const MessageDescriptor& descriptor) {
   if (descriptor.id.attempt < attempt_) return std::nullopt;
   ++messages_;

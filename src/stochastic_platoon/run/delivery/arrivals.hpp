@@ -9,45 +9,45 @@
 
 namespace platoon {
 
-/// A batch whose every message has arrived.
+/// A batch that has arrived completely.
 struct CompleteBatch {
   std::uint64_t first_realization;
   std::uint64_t positions_received;  ///< of the batch, over all streams: counted, not computed
 };
 
-/// A receiver's side of the delivery contract over several streams of positions that belong together: judges
-/// every message, knows up to where all streams have arrived, and commits whole batches in order.
+/// The receiver's side of the delivery contract for several related streams of positions: it judges every message,
+/// tracks the steps that have arrived from all streams, and commits complete batches in order.
 ///
-/// A message is received in two steps, so that the work it causes can be done in between: admit() judges it,
-/// count() lets it count once that work is done. Each stream's messages are admitted and counted in order.
+/// A message is received in two steps, so that its work can be done in between: admit() judges it, count() counts it
+/// once that work is done. Each stream's messages are admitted and counted in order.
 ///
-/// An attempt may begin at the first batch that is not committed, or at an earlier one that another receiver
-/// still needs: then what is committed already passes by and is acknowledged, without counting again.
+/// An attempt may begin at the first uncommitted batch, or at an earlier one that another receiver still needs: batches
+/// that are already committed are then acknowledged without being counted again.
 class Arrivals {
 public:
   struct Admission {
     DropReason drop;
-    bool restarted = false;  ///< a new attempt begins with it: everything of unfinished batches is void
+    bool restarted = false;  ///< a new attempt begins: all results of unfinished batches are void
   };
 
-  /// Realizations before `committed` are done with. `attempt` is the latest attempt known from before.
+  /// Realizations before `committed` are done. `attempt` is the latest known attempt.
   Arrivals(const BatchSchedule& schedule, std::size_t streams, std::uint64_t committed, std::uint32_t attempt);
 
-  /// Judges a message of a stream. Only those in turn have any effect. Throws std::out_of_range for a stream
-  /// beyond the last.
+  /// Judges a message of a stream. Only a message in turn has an effect. Throws std::out_of_range for a stream beyond
+  /// the last.
   Admission admit(std::size_t stream, const MessageDescriptor& descriptor);
 
-  /// Counts an admitted message, and returns the batch that became whole with it, unless it was committed
-  /// before. Nothing happens if a newer attempt has begun since it was admitted.
+  /// Counts an admitted message. Returns the batch that it completes, unless that batch was committed before. Has no
+  /// effect if a newer attempt has begun since the message was admitted.
   std::optional<CompleteBatch> count(std::size_t stream, const MessageDescriptor& descriptor);
 
-  /// Takes realizations before `committed` as done with. Before the first message only.
+  /// Marks the realizations before `committed` as done. Only before the first message.
   void resume_at(std::uint64_t committed) { start_ = committed_ = committed; }
 
-  /// What to report to the leader.
+  /// The report to the leader.
   Acknowledgement acknowledgement() const;
 
-  /// Name of the count-th step of the present attempt.
+  /// Id of step number `count` of the present attempt.
   MessageId id_of(std::int64_t count) const;
 
   /// Messages counted in the present attempt.
@@ -58,7 +58,7 @@ public:
   std::uint64_t committed() const { return committed_; }
   std::uint32_t attempt() const { return attempt_; }
 
-  /// The latest message of a stream, or of each, in the present attempt.
+  /// The latest message of one stream, or of each stream, in the present attempt.
   std::optional<MessageId> latest(std::size_t stream) const;
   std::vector<std::optional<MessageId>> latest() const;
 
@@ -78,9 +78,9 @@ private:
   std::uint64_t start_;  ///< first realization of the attempt
   std::uint64_t committed_;
   std::vector<MessageOrder> orders_;
-  std::vector<std::int64_t> arrived_;     ///< messages of the attempt that were counted, per stream
-  std::deque<Step> open_;                 ///< of the steps that have not arrived from every stream
-  std::int64_t acknowledged_ = 0;         ///< steps of the attempt that have
+  std::vector<std::int64_t> arrived_;     ///< counted messages of the attempt, per stream
+  std::deque<Step> open_;                 ///< steps that have not arrived from every stream
+  std::int64_t acknowledged_ = 0;         ///< steps of the attempt that have arrived from every stream
   std::uint64_t messages_ = 0;            ///< counted in the attempt
   std::uint64_t positions_in_batch_ = 0;  ///< of acknowledged steps of the batch in progress
 };

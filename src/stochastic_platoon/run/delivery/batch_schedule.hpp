@@ -6,7 +6,7 @@
 
 namespace platoon {
 
-/// How the realizations of a run are cut into batches, and the steps of each.
+/// Division of a run's realizations into batches, and the steps of each batch.
 struct BatchSchedule {
   std::uint64_t realizations;
   std::uint64_t batch;  ///< realizations per message; the last batch may be smaller
@@ -21,45 +21,46 @@ struct BatchSchedule {
   std::uint64_t next(std::uint64_t first) const { return first + size(first); }
 };
 
-/// What names a vehicle's message within a run: which attempt, which batch, which step.
+/// Identifies a vehicle's message within a run.
 struct MessageId {
   std::uint32_t attempt;
   std::uint64_t first_realization;
   std::int64_t step;
 };
 
-/// The realization of the noise that a message's first position is of. An endless batch that is begun again is
-/// another one: its averages go on, and noise that is repeated would be counted twice.
+/// Index of the noise realization of a message's first position. In an endless batch each attempt uses a new one: the
+/// averages continue across attempts, and repeated noise would be counted twice.
 inline std::uint64_t first_noise_realization(const BatchSchedule& schedule, const MessageId& id) {
   if (!schedule.endless()) return id.first_realization;
   return id.attempt > 0 ? id.attempt - 1 : 0;
 }
 
-/// What delivery needs to know of a message of positions.
+/// The properties of a position message that delivery depends on.
 struct MessageDescriptor {
   MessageId id;
   std::size_t size;  ///< positions, one per realization
-  bool finite;       ///< all of them
+  bool finite;       ///< all positions are finite
 };
 
-/// A receiver's report: all messages of this attempt up to this one have arrived, and every earlier batch is
-/// committed. step = kNothingYet: nothing of this batch so far.
+/// A receiver's report: all messages of this attempt up to this one have arrived, and every earlier batch is committed.
+/// step = kNothingYet: no message of this batch has arrived.
 using Acknowledgement = MessageId;
 constexpr std::int64_t kInitialStep = -1;
 constexpr std::int64_t kNothingYet = -2;
 
-/// Attempts beyond are nobody's: the leader begins some a second at most, and counts on from what is reported.
+/// The largest valid attempt. The leader starts a few attempts per second at most, counting on from the largest
+/// reported one.
 constexpr std::uint32_t kLastAttempt = std::uint32_t{1} << 31;
 
-/// Whether there is such a step to report in a run of this schedule.
+/// Whether a run with this schedule has the reported step.
 inline bool may_be_reported(const BatchSchedule& schedule, const Acknowledgement& report) {
-  constexpr std::int64_t kMost = std::int64_t{1} << 46;  // of an endless run: what the noise can name
+  constexpr std::int64_t kMost = std::int64_t{1} << 46;  // for an endless run: the limit of the noise counter
   return report.attempt <= kLastAttempt && report.first_realization <= schedule.realizations &&
          report.step >= kNothingYet && report.step < (schedule.endless() ? kMost : schedule.steps);
 }
 
-/// Steps that a report covers of an attempt that began at realization `start`; 0 for an earlier one. All
-/// batches but the last have equal size, so whole ones can be counted.
+/// Number of steps that a report covers in an attempt that began at realization `start`; 0 for an earlier report. All
+/// batches but the last have equal size, so whole batches can be counted.
 inline std::int64_t steps_covered(const BatchSchedule& schedule, std::uint64_t start, const Acknowledgement& report) {
   if (report.first_realization < start) return 0;
   const auto batches =

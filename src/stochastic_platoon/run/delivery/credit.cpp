@@ -8,7 +8,7 @@ namespace platoon {
 
 namespace {
 constexpr double kGrowth = 1.5;
-constexpr double kLongestStart = 3.0;  // [s] between attempts to start, where there is no stall_timeout
+constexpr double kLongestStart = 3.0;  // [s] limit of the growing first-step timeout, without a stall_timeout
 
 }  // namespace
 
@@ -46,7 +46,7 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
   Receiver& sender = found->second;
   const std::int64_t before = acknowledged();
   const bool of_this_attempt = attempt_ > 0 && report.attempt == attempt_;
-  // Reports only grow: one that shrinks comes from a receiver that was restarted.
+  // Reports only grow; a smaller one comes from a restarted receiver.
   const auto extent = [](const Acknowledgement& of, const std::uint64_t& count) {
     return std::tie(of.attempt, of.first_realization, of.step, count);
   };
@@ -67,7 +67,7 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
   return true;
 }
 
-// Without a stall_timeout not once steps have flowed: in the platoon of a leader that comes up, too.
+// Without a stall_timeout no attempt begins once steps have flowed, even if the leader joins a running platoon.
 bool Credit::may_begin() const {
   if (limits_.stall_timeout > 0.0) return true;
   if (attempt_ > 0) return !flowed_;
@@ -121,7 +121,7 @@ bool Credit::retry_if_stalled(double now) {
   double& patience = unanswered ? first_step_patience_ : patience_;
   if (now - last_activity_ < patience) return false;
   patience *= kGrowth;
-  // Nodes that are still coming up should not be kept waiting.
+  // Limit the wait for nodes that are still starting.
   const double longest = limits_.stall_timeout > 0.0 ? kGrowth * limits_.stall_timeout : kLongestStart;
   if (unanswered) patience = std::min(patience, std::max(limits_.first_step_timeout, longest));
   begin_attempt(now);

@@ -12,27 +12,28 @@ namespace platoon {
 
 struct CreditLimits {
   std::int64_t window;        ///< steps that may be unacknowledged, >= 1
-  double stall_timeout;       ///< [s] without progress before a new attempt; 0: never once steps have flowed
-  double first_step_timeout;  ///< [s] > 0 the same while nothing of an attempt has been acknowledged
+  double stall_timeout;       ///< [s] without progress before a new attempt; 0: no new attempt once steps have flowed
+  double first_step_timeout;  ///< [s] > 0, the same until a step of the attempt is acknowledged
 };
 
-/// The leader's side of the delivery contract: which step may be published now, and when to begin again.
+/// The leader's side of the delivery contract: decides which step may be published now, and when a new attempt begins.
 ///
-/// Knows no clock and no topic: the time is an argument [s]. It waits until every receiver has reported;
-/// starts an attempt at the earliest realization any of them still needs; allows one step until the first
-/// acknowledgement of the attempt and then `window` unacknowledged ones. The next attempt begins when the
-/// timeout passes without progress, or as soon as a receiver shows that it has lost what it had. The timeout
-/// grows by a factor of 1.5 with each consecutive stall, so that a machine too slow for it still gets through;
-/// it is the first one again when a batch is through, or when steps have flowed for as long as the timeout.
-/// With a stall_timeout of 0 nothing that has flowed is begun again, whatever was lost: a vehicle of the real
-/// world cannot go back.
+/// Uses no clock and no topic: the time is an argument [s]. Credit waits until every receiver has reported and starts
+/// an attempt at the earliest realization that any of them still needs. It allows one step until the first
+/// acknowledgement of the attempt, then `window` unacknowledged steps. The next attempt begins when the timeout passes
+/// without progress, or as soon as a receiver's report shows that it has lost its state. The timeout grows by a factor
+/// of 1.5 with each consecutive stall, so that a slow machine still makes progress; it is reset when a batch completes,
+/// or when steps have flowed for as long as the timeout. With a stall_timeout of 0 no attempt is repeated once steps
+/// have flowed, even if messages are lost: a real vehicle cannot go back.
 class Credit {
 public:
   Credit(const BatchSchedule& schedule, const CreditLimits& limits, const std::vector<std::string>& receivers);
 
-  /// Takes a report; `messages` are those that the receiver has counted in the attempt: progress, too, as the
-  /// first step of a batch alone takes many of them, but not while steps are published that bring messages
-  /// of their own whoever else is gone. Unknown receivers are ignored; returns false for them.
+  /// Takes a report. Returns false and ignores it if the receiver is unknown.
+  ///
+  /// `messages`: number of messages that the receiver has counted in the attempt. A larger number is progress as well,
+  /// as the first step of a batch alone brings many messages, but only while no further step may be published: each
+  /// published step brings messages even if another node is gone.
   bool acknowledge(const std::string& receiver, const Acknowledgement& report, double now, std::uint64_t messages = 0);
 
   /// The next message to publish, if credit allows one now; counts it as published.
@@ -41,23 +42,23 @@ public:
   /// Begins a new attempt if the present one has stalled; true if it did.
   bool retry_if_stalled(double now);
 
-  /// A vehicle has missed messages of this attempt, which cannot come through. Begins a new one at once if it is
-  /// the present one and steps have flowed in it: while nodes come up, it is the timeout that tells.
+  /// Begins a new attempt at once if `attempt`, in which a vehicle has lost messages, is the present one and steps have
+  /// flowed in it. While nodes start, the timeout decides.
   void give_up(std::uint32_t attempt, double now);
 
-  /// Every receiver has every realization.
+  /// True if every receiver has every realization.
   bool complete() const;
 
   std::uint32_t attempt() const { return attempt_; }
 
-  /// Steps of the attempt that are published and not acknowledged by all.
+  /// Steps of the attempt that are published but not acknowledged by all receivers.
   std::int64_t unacknowledged() const { return published_ - (attempt_ > 0 ? acknowledged() : 0); }
 
 private:
   struct Receiver {
     std::optional<Acknowledgement> latest;
-    bool in_attempt = false;     ///< its latest report is of the present attempt
-    std::uint64_t messages = 0;  ///< that it has counted in the attempt
+    bool in_attempt = false;     ///< its latest report belongs to the present attempt
+    std::uint64_t messages = 0;  ///< counted by the receiver in the attempt
   };
   std::int64_t acknowledged() const;
   bool all_reported() const;
@@ -68,15 +69,15 @@ private:
   BatchSchedule schedule_;
   CreditLimits limits_;
   std::map<std::string, Receiver> receivers_;
-  std::uint32_t attempt_ = 0;   ///< 0: none begun
+  std::uint32_t attempt_ = 0;   ///< 0: no attempt yet
   std::uint64_t start_ = 0;     ///< first realization of the attempt
   MessageId upcoming_{};        ///< the message to publish next
   std::int64_t published_ = 0;  ///< steps published in this attempt
-  bool flowed_ = false;         ///< a step has been acknowledged by all
+  bool flowed_ = false;         ///< all receivers have acknowledged a step
   double attempt_began_ = 0.0;  ///< [s]
   double last_activity_ = 0.0;  ///< [s]
-  double first_step_patience_;  ///< [s] grows while attempts find no answer
-  double patience_;             ///< [s] grows while attempts break off before their first batch is through
+  double first_step_patience_;  ///< [s] grows while attempts get no acknowledgement
+  double patience_;             ///< [s] grows while attempts stall before their first batch completes
 };
 
 }  // namespace platoon

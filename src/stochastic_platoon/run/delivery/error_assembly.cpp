@@ -34,7 +34,7 @@ void ErrorAssembly::find_due(std::size_t follower, std::vector<DueErrors>& due) 
   let_go(follower - 1);
 }
 
-// Step k of a vehicle is needed for its own errors at k and k + 1 and for its follower's at k.
+// Step k of a vehicle is needed for its own errors at k and k + 1 and for its follower's error at k.
 void ErrorAssembly::let_go(std::size_t vehicle) {
   Vehicle& owner = vehicles_[vehicle];
   std::int64_t needed = vehicle > 0 ? owner.handed_out - 1 : owner.end();

@@ -10,52 +10,51 @@
 
 namespace platoon {
 
-/// The positions of one vehicle at one step, shared with the message they came in [m].
+/// The positions of one vehicle at one step [m], shared with their message.
 using Positions = std::shared_ptr<const std::vector<double>>;
 
-/// All that zeta_i(k) of a batch is formed of: y_{i-1}(k), y_i(k), y_i(k-1).
+/// The positions that form zeta_i(k) of a batch: y_{i-1}(k), y_i(k), y_i(k-1).
 struct DueErrors {
   std::size_t follower;  ///< i >= 1
   MessageId id;          ///< k >= 0
   Positions predecessor, own, own_before;
 };
 
-/// The monitor's side of the delivery contract: puts the positions of all vehicles together, finds out which
-/// tracking errors can be formed, and knows what has arrived. Memory is bounded by the leader's window: a
-/// position is let go of once both errors that need it were handed out.
+/// The monitor's side of the delivery contract: combines the positions of all vehicles, finds the tracking errors that
+/// can be formed, and tracks the arrived messages. The leader's window bounds the memory: a position is released as
+/// soon as both errors that need it have been handed out.
 ///
-/// A message is received in two steps. receive() hands out the errors that are due with it; whoever forms
-/// them needs nothing of this object meanwhile; settle() then lets the message count. So a batch is complete
-/// only when all of its errors have been dealt with, by however many threads.
+/// A message is received in two steps. receive() hands out the errors that are due; they are formed without access to
+/// this object; settle() then counts the message. A batch is thus complete only when all of its errors have been
+/// processed, by any number of threads.
 class ErrorAssembly {
 public:
   struct Receipt {
     DropReason drop;
-    bool restarted = false;      ///< a new attempt begins: everything of unfinished batches is void
+    bool restarted = false;      ///< a new attempt begins: all results of unfinished batches are void
     std::vector<DueErrors> due;  ///< for each follower in the order of k
   };
 
-  /// Starts at realization `first`: those before are committed. `attempt` is the latest attempt known from
-  /// before.
+  /// Starts at realization `first`; earlier ones are committed. `attempt` is the latest known attempt.
   ErrorAssembly(const BatchSchedule& schedule, std::size_t followers, std::uint64_t first, std::uint32_t attempt);
 
-  /// Takes the positions of vehicle 0 .. followers. Only those in turn have any effect. Throws
-  /// std::out_of_range for a vehicle beyond the last.
+  /// Takes the positions of vehicle 0 .. followers. Only a message in turn has an effect. Throws std::out_of_range for
+  /// a vehicle beyond the last.
   Receipt receive(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
 
-  /// Counts a message whose due errors are dealt with; see Arrivals::count().
+  /// Counts a message after its due errors have been processed; see Arrivals::count().
   std::optional<CompleteBatch> settle(std::size_t vehicle, const MessageDescriptor& descriptor) {
     return arrivals_.count(vehicle, descriptor);
   }
 
-  /// What has arrived of the vehicles 0 .. followers, as streams of these numbers.
+  /// The messages that have arrived; stream i is vehicle i = 0 .. followers.
   const Arrivals& arrivals() const { return arrivals_; }
 
 private:
   struct Vehicle {
     std::deque<Positions> positions;  ///< of steps first_kept, first_kept + 1, ... of the attempt
     std::int64_t first_kept = 0;
-    std::int64_t handed_out = 0;  ///< steps whose error, as a follower, was handed out
+    std::int64_t handed_out = 0;  ///< steps whose error as a follower was handed out
     std::int64_t end() const { return first_kept + static_cast<std::int64_t>(positions.size()); }
     const Positions& at(std::int64_t step) const { return positions[static_cast<std::size_t>(step - first_kept)]; }
   };

@@ -24,7 +24,7 @@ const char* to_string(DropReason drop) {
   return "unknown";
 }
 
-// Whether it is the next message of the present attempt.
+// True for the next message of the present attempt.
 bool MessageOrder::continues(const MessageId& id) const {
   if (schedule_.is_last_step(latest_->step)) {
     return id.step == kInitialStep && id.first_realization == schedule_.next(latest_->first_realization);
@@ -33,7 +33,7 @@ bool MessageOrder::continues(const MessageId& id) const {
 }
 
 bool MessageOrder::has_missed(DropReason drop, const MessageId& id, std::int64_t first_loss) const {
-  if (!may_be_reported(schedule_, id)) return false;  // there is no such message
+  if (!may_be_reported(schedule_, id)) return false;  // the run has no such message
   if (drop == DropReason::missed_start) return id.step >= first_loss;
   return drop == DropReason::out_of_turn && latest_ && id.attempt == latest_->attempt &&
          std::tie(id.first_realization, id.step) > std::tie(latest_->first_realization, latest_->step);

@@ -6,7 +6,7 @@ namespace platoon {
 
 namespace {
 constexpr double kRetryGrowth = 1.5;
-constexpr double kLongestRetry = 3.0;  // [s] between attempts to start
+constexpr double kLongestRetry = 3.0;  // [s] limit of the growing first-step timeout
 }  // namespace
 
 ReplayCredit::ReplayCredit(const CreditLimits& limits)
@@ -23,8 +23,8 @@ void ReplayCredit::send(bool begins_batch, double now) {
   ++sent_;
 }
 
-// A recording may hold less of an attempt that was given up on one topic than on the other: the first answer of a
-// batch is that of its first message.
+// The two topics of a recording may hold different parts of an abandoned attempt: the first answer of a batch belongs
+// to the batch's first message.
 void ReplayCredit::answer(bool begins_batch, double now) {
   if (begins_batch && answered_in_attempt_ > 0 && starts_.size() > 1) {
     starts_.pop_front();

@@ -4,9 +4,9 @@
 
 namespace platoon {
 
-/// When a receiver reports: at once where the leader may be waiting for it (an attempt or a batch has begun,
-/// the run is complete), else after a quarter of the window. So the leader publishes several steps at a time
-/// and everyone behind it wakes up less often.
+/// Decides when a receiver reports: at once if the leader may be waiting (an attempt or a batch has begun, or the run
+/// is complete), otherwise after a quarter of the window. The leader then publishes several steps at a time, and the
+/// nodes behind it wake up less often.
 class ReportPace {
 public:
   ReportPace(const BatchSchedule& schedule, std::int64_t window)

@@ -38,14 +38,14 @@ std::optional<Snapshot> SnapshotAssembly::take(std::size_t stream, const Message
   open.position_before[stream] = before.position;
   if (++open.streams < streams_) return std::nullopt;
   Snapshot snapshot{id, std::move(open.position), std::move(open.position_before)};
-  open_.erase(open_.begin(), std::next(found));  // with those that were never complete
+  open_.erase(open_.begin(), std::next(found));  // including older, incomplete snapshots
   return snapshot;
 }
 
 void SnapshotAssembly::begin_if_due(const Place& place, double now) {
   const bool has_error = place.second >= 0 && place.second % stride_ == 0;
   const bool is_room = 2 * streams_ * (open_.size() + 1) <= kMostPositions || open_.empty();
-  constexpr double kEarly = 0.2;  // of a period: steps that come once in a period do not come to the millisecond
+  constexpr double kEarly = 0.2;  // [periods] tolerance for the jitter of steps that arrive once per period
   if (!has_error || !is_room || now < due_ - kEarly * period_) return;
   due_ = std::max(due_, now - period_) + period_;
   open_.emplace(place, Open{0, std::vector<double>(streams_), std::vector<double>(streams_)});

@@ -18,21 +18,21 @@ struct Snapshot {
   std::vector<double> position_before;  ///< [m] one step earlier
 };
 
-/// Puts snapshots together for those who watch, while streams are steps apart: a snapshot is begun where the stream
-/// that is furthest ahead comes to a new step, if one is due, and is complete when every stream has passed there. Any
-/// message may be missing: then a snapshot is, too. Knows no clock: the time is an argument [s].
+/// Assembles snapshots for visualization while streams are steps apart. A snapshot begins when the stream furthest
+/// ahead reaches a new step, if one is due, and is complete when every stream has passed that step. If a message is
+/// missing, its snapshot is missing too. Uses no clock: the time is an argument [s].
 class SnapshotAssembly {
 public:
-  /// Begins one per `period` [s] at most, on average.
+  /// Begins at most one snapshot per `period` [s], on average.
   SnapshotAssembly(std::size_t streams, double period);
 
-  /// Begins them at multiples of so many steps only, >= 1.
+  /// Begins snapshots only at steps that are multiples of `steps` >= 1.
   void set_stride(std::int64_t steps) { stride_ = steps; }
 
-  /// Takes a position of a stream. The snapshot that is complete with it.
+  /// Takes a position [m] of a stream. Returns the snapshot that it completes, if any.
   std::optional<Snapshot> take(std::size_t stream, const MessageId& id, double position, double now);
 
-  /// Forgets everything but when the next is due.
+  /// Resets all state except the time when the next snapshot is due.
   void clear();
 
 private:

@@ -10,8 +10,8 @@ namespace platoon {
 
 namespace {
 
-// What a follower can have sent once its predecessor has sent `id`: the same step or, if it publishes ahead, the one
-// after it, up to the end of the batch.
+// The latest message that a follower can have sent after its predecessor sent `id`: the same step or, if it publishes
+// ahead, the next one, up to the end of the batch.
 MessageId reachable(const MessageId& id, bool ahead, const BatchSchedule& schedule) {
   if (!ahead || schedule.is_last_step(id.step)) return id;
   return {id.attempt, id.first_realization, id.step + 1};

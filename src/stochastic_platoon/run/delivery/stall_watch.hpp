@@ -4,8 +4,8 @@
 
 namespace platoon {
 
-/// Whether the platoon stands still: from when nothing has arrived for a while until a step is complete again, so that
-/// the messages of an attempt that gets no further do not end it. Knows no clock: the time is an argument [s].
+/// Detects that the run has stalled: no message has arrived for a while. The stall ends only when a step is complete,
+/// so that messages of an attempt that makes no progress do not end it. Uses no clock: the time is an argument [s].
 class StallWatch {
 public:
   enum class Change { none, stalled, moving };
@@ -22,8 +22,8 @@ public:
   std::optional<double> last_arrival() const { return last_arrival_; }
   bool stalled() const { return stalled_; }
 
-  /// What has changed since the last look: stalled when nothing has arrived for longer than `patience` [s],
-  /// or since the first look when nothing ever has.
+  /// The change since the last call. The run stalls when no message has arrived for longer than `patience` [s], counted
+  /// from the first call if none has arrived yet.
   Change look(double now, double patience) {
     if (!last_arrival_) last_arrival_ = now;
     const bool stalled = stalled_ ? !stepped_ : now - *last_arrival_ > patience;
@@ -35,7 +35,7 @@ public:
 
 private:
   std::optional<double> last_arrival_;  ///< [s]
-  bool stepped_ = false;                ///< since the last look
+  bool stepped_ = false;                ///< since the last look()
   bool stalled_ = false;
 };
 

@@ -8,8 +8,8 @@
 
 namespace platoon {
 
-/// What vehicle i has to keep to, whoever provides it: msg/README.md. In the order in which check_vehicle comes to
-/// them, numbered from 1.
+/// The clauses that vehicle i must satisfy, built-in or external; see msg/README.md. Numbered from 1, in the order in
+/// which check_vehicle tests them.
 enum class Clause {
   one_publisher,
   answer,
@@ -25,18 +25,18 @@ enum class Clause {
 };
 constexpr std::size_t kClauses = 11;
 
-/// All of them, in order.
+/// All clauses, in order.
 constexpr std::array<Clause, kClauses> kVehicleContract{
     Clause::one_publisher, Clause::answer,     Clause::size,   Clause::finite, Clause::stamp, Clause::turn,
     Clause::attempt,       Clause::start_anew, Clause::causal, Clause::queues, Clause::run};
 
-/// Its sentence: "One node publishes vehicle_i/position."
+/// The clause's sentence: "One node publishes vehicle_i/position."
 const char* to_string(Clause clause);
 
-/// "clause 4 of the vehicle contract: ..." with its sentence.
+/// "clause 4 of the vehicle contract: ..." with the clause's sentence.
 std::string named(Clause clause);
 
-/// The clause that a vehicle breaks whose message is dropped for this reason; none of one that is in turn or stale.
+/// The clause that a vehicle violates if its message is dropped for this reason; none for a message in turn or stale.
 std::optional<Clause> broken_clause(DropReason drop);
 
 }  // namespace platoon

@@ -31,7 +31,7 @@ void sync_folder_of(const std::string& file) {
   const std::string folder = std::filesystem::absolute(file).parent_path().string();
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) fail(folder);
-  ::fsync(descriptor);  // some file systems do not sync folders; the rename holds all the same
+  ::fsync(descriptor);  // some file systems do not sync folders; the rename is valid regardless
   ::close(descriptor);
 }
 

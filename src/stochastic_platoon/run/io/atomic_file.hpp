@@ -4,21 +4,21 @@
 
 namespace platoon {
 
-/// Puts content into a file so that at any moment, a power failure included, the file is either the old or
-/// the new one: written beside it, synced, renamed. Throws std::runtime_error naming the file and the
+/// Writes content to a file atomically: at any moment, even after a power failure, the file has either the old or the
+/// new content. Writes a file beside it, syncs it and renames it. Throws std::runtime_error with the file and the
 /// system's reason.
 void write_atomically(const std::string& file, const std::string& content);
 
-/// Gives a finished file its final name: synced, renamed, its folder synced. Throws as above.
+/// Gives a finished file its final name: syncs it, renames it, syncs its folder. Throws as above.
 void sync_and_rename(const std::string& file, const std::string& name);
 
-/// Makes the folder with its parents if need be and tries to write in it. Throws std::runtime_error as above.
+/// Creates the folder and its parents if necessary and tests that it is writable. Throws std::runtime_error as above.
 void require_writable_folder(const std::string& folder);
 
-/// A limit on the size of files (ulimit -f) then is an error of writing, and no longer ends the program.
+/// Makes a file size limit (ulimit -f) a write error instead of a signal that ends the program.
 void ignore_file_size_signal();
 
-/// "12 MB are free there": of the disk that a file is on.
+/// "12 MB are free there": free space on the disk of a file.
 std::string free_space(const std::string& file);
 
 }  // namespace platoon

@@ -21,7 +21,7 @@ namespace platoon {
 
 namespace {
 
-// What stands in the file: the holder's name on a line, and on the next who holds and who guards it, and up to when.
+// Content of the file: the holder's name on the first line, then its process, its guardian and the end of its claim.
 struct Entry {
   std::string holder;
   std::optional<ProcessIdentity> process, guardian;
@@ -58,7 +58,7 @@ Entry entry_in(int descriptor) {
   return entry;
 }
 
-// [s] since the file was written, by the clock of its file system: a file that is made there now has its time.
+// [s] since the file was written, by the clock of its file system, read from a new file there.
 double age_of(int descriptor, const std::string& file) {
   const std::string probe = file + "." + std::to_string(::getpid());
   const int made = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -72,13 +72,12 @@ double age_of(int descriptor, const std::string& file) {
   return known ? std::difftime(now.st_mtime, then.st_mtime) : std::numeric_limits<double>::infinity();
 }
 
-// Why the name of a process that is not there any more keeps others out; empty: it does not.
+// Reason why the name of an ended process excludes other holders; empty if it does not.
 std::string claim_of(const Entry& entry, int descriptor, const std::string& file) {
   const bool of_this_machine = entry.process && entry.process->kernel == present_kernel();
   if (!of_this_machine) {
     const double left = FolderLock::kClaimSeconds - age_of(descriptor, file);
-    if (!(left > 0.0 && left <= FolderLock::kClaimSeconds))
-      return "";  // a time to come is none that it can have been left at
+    if (!(left > 0.0 && left <= FolderLock::kClaimSeconds)) return "";  // a time in the future is not a valid age
     return formatted(" on another machine; it is free in %.0f s unless that comes back", std::ceil(left));
   }
   if (!entry.guardian || !lives(*entry.guardian)) return "";
@@ -132,7 +131,7 @@ void FolderLock::leave_claim(pid_t guardian) {
 
 FolderLock::~FolderLock() {
   if (!claim_ && ::ftruncate(descriptor_, 0) != 0) {
-    // The name stays: it keeps others out no longer than that of a process that was killed.
+    // The name stays in the file and excludes others no longer than that of a killed process.
   }
   ::close(descriptor_);
 }

@@ -6,27 +6,28 @@
 
 namespace platoon {
 
-/// Keeps a folder for one holder: flock(2) on the file `.lock` in it, which names the holder. It is released when
-/// this object or its process ends, however that ends.
+/// Locks a folder for one holder with flock(2) on the file `.lock` in it, which contains the holder's name. The lock
+/// ends with this object or its process, even if the process is killed.
 ///
-/// Behind a process that was killed its name may keep others out while another process lives: the guardian that starts
-/// it again (roslaunch, for its monitor), known by its number and its start. A holder may also claim the folder before
-/// the process that will hold it is there: a claim ends with its guardian, too, and after kClaimSeconds at the latest.
-/// No clock of the day counts, only the time since the machine was started. What another machine has left in a shared
-/// folder keeps others out for kClaimSeconds by the clock of the file system; while its process lives, flock does.
+/// The name of a killed process still excludes other holders while its guardian lives. The guardian is the process that
+/// restarts it (roslaunch, for its monitor), identified by its number and its start. A holder may also claim the folder
+/// before the process that will hold it exists; a claim ends with its guardian, and after kClaimSeconds at the latest.
+/// Times count from the boot of the machine, not by the wall clock. In a shared folder, an entry of another machine
+/// excludes other holders for kClaimSeconds by the clock of the file system; while its process lives, flock excludes
+/// them.
 class FolderLock {
 public:
   static constexpr double kClaimSeconds = 30.0;
 
-  /// Takes the folder, which must exist. `guardian`: 0 is none. Throws std::runtime_error when it is another's, naming
-  /// the holder and how long to wait.
+  /// Locks the folder, which must exist. `guardian`: 0 for none. Throws std::runtime_error if another holder has it;
+  /// the message names the holder and how long to wait.
   FolderLock(const std::string& folder, const std::string& holder, pid_t guardian = 0);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  /// Ends it, but keeps others out for a while, as long as the guardian lives: a process that comes with this holder's
-  /// name takes it.
+  /// Turns the lock into a claim when this object ends: other holders are excluded for kClaimSeconds while the guardian
+  /// lives; a process with this holder's name takes the folder.
   void leave_claim(pid_t guardian);
 
 private:

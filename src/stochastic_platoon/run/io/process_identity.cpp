@@ -20,14 +20,14 @@ std::optional<ProcessIdentity> process_identity(pid_t number) {
   std::ifstream file("/proc/" + std::to_string(number) + "/stat");
   std::string text;
   if (!std::getline(file, text, '\0')) return std::nullopt;
-  // The name, in parentheses, may hold anything; the state is the third field, the start is the 22nd.
+  // The name, in parentheses, may contain any character; the state is the third field, the start the 22nd.
   const std::size_t end_of_name = text.rfind(')');
   if (end_of_name == std::string::npos) return std::nullopt;
   std::istringstream fields(text.substr(end_of_name + 1));
   std::string field;
   for (int n = 3; n <= 22; ++n) {
     if (!(fields >> field)) return std::nullopt;
-    if (n == 3 && (field == "Z" || field == "X")) return std::nullopt;  // it has ended
+    if (n == 3 && (field == "Z" || field == "X")) return std::nullopt;  // the process has ended
   }
   return ProcessIdentity{number, std::stoull(field), present_kernel()};
 }

@@ -7,24 +7,23 @@
 
 namespace platoon {
 
-/// A process by its number, its start and the kernel that it runs on: numbers are used again, and another machine has
-/// its own.
+/// A process, identified by its number, its start and its kernel: numbers are reused, and each machine has its own.
 struct ProcessIdentity {
   pid_t number = 0;
-  unsigned long long start = 0;  ///< clock ticks since the kernel's start
-  std::string kernel;            ///< of this boot, with its space of process numbers; without spaces
+  unsigned long long start = 0;  ///< clock ticks since boot
+  std::string kernel;            ///< boot and process number namespace; without spaces
 };
 
-/// The boot of this machine and this process's space of process numbers.
+/// The boot of this machine and the process number namespace of this process.
 std::string present_kernel();
 
-/// None where there is no such process.
+/// None if there is no such process.
 std::optional<ProcessIdentity> process_identity(pid_t number);
 
-/// Whether it is there still. One of another kernel is not.
+/// Whether the process still runs; false for a process of another kernel.
 bool lives(const ProcessIdentity& process);
 
-/// Seconds since this machine was started, asleep or not: no clock that anybody sets.
+/// Seconds since this machine was booted, including suspend; independent of the wall clock.
 double seconds_since_boot();
 
 }  // namespace platoon

@@ -9,19 +9,19 @@
 
 namespace platoon {
 
-/// Writes that may fail, as on a full disk, and are repeated after a pause. Knows no clock: times are arguments [s].
+/// Writes that may fail, as on a full disk, and are retried after a pause. Uses no clock: times are arguments [s].
 class RetriedWrite {
 public:
   using Log = std::function<void(const std::string&)>;
 
-  /// `failed` gets the error of the first of several failures in a row, `recovered` is called after them.
+  /// `failed` gets the error of the first of several consecutive failures; `recovered` is called after the last.
   explicit RetriedWrite(
       Log failed, std::function<void()> recovered = [] {})
       : failed_(std::move(failed)), recovered_(std::move(recovered)) {}
 
   bool is_due(double now) const { return pause_.is_due(now); }
 
-  /// Whether the work was done, that is, threw no std::runtime_error.
+  /// Runs the work. Returns false if it throws std::runtime_error.
   bool operator()(double now, const std::function<void()>& work) {
     try {
       work();

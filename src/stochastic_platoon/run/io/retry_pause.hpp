@@ -5,8 +5,8 @@
 
 namespace platoon {
 
-/// When to try again what has failed: after 1 s, 2 s, 4 s ... and then every 30 s. Knows no clock: the time is an
-/// argument [s].
+/// When to retry after a failure: after 1 s, 2 s, 4 s ... and then every 30 s. Uses no clock: the time is an argument
+/// [s].
 class RetryPause {
 public:
   void failed(double now) {
@@ -15,7 +15,7 @@ public:
   }
   void succeeded() { *this = RetryPause(); }
 
-  /// Whether the latest try has failed.
+  /// Whether the latest try failed.
   bool is_on() const { return next_.has_value(); }
   bool is_due(double now) const { return !next_ || now >= *next_; }
 

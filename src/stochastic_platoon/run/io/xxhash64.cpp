@@ -25,7 +25,7 @@ std::uint64_t round(std::uint64_t lane, std::uint64_t input) {
   return rotated(lane + input * kPrime2, 31) * kPrime1;
 }
 
-// Takes whole stripes of four words; returns what is behind the last.
+// Processes whole stripes of four words; returns the end of the last.
 const unsigned char* take_stripes(std::array<std::uint64_t, 4>& lanes, const unsigned char* bytes,
                                   std::size_t stripes) {
   std::uint64_t a = lanes[0], b = lanes[1], c = lanes[2], d = lanes[3];

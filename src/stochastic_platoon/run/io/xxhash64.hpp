@@ -7,15 +7,15 @@
 
 namespace platoon {
 
-/// XXH64 (Y. Collet, xxHash fast digest algorithm, version 0.1.1): 64 bits over bytes that come in pieces of any size.
-/// About as fast as memory is read; it is no protection against intent.
+/// XXH64 (Y. Collet, xxHash fast digest algorithm, version 0.1.1): 64 bits over bytes in pieces of any size. About as
+/// fast as memory is read; no protection against deliberate changes.
 class Xxhash64 {
 public:
   explicit Xxhash64(std::uint64_t seed = 0);
 
   void add(const void* bytes, std::size_t size);
 
-  /// Of all that was added.
+  /// The hash of all bytes added.
   std::uint64_t value() const;
 
 private:
@@ -24,11 +24,10 @@ private:
   std::array<std::uint64_t, 4> lanes_;
   std::uint64_t seed_;
   std::uint64_t total_ = 0;
-  std::array<unsigned char, kStripe> rest_ = {};  ///< bytes that fill no stripe yet
+  std::array<unsigned char, kStripe> rest_ = {};  ///< bytes of an incomplete stripe
   std::size_t rest_size_ = 0;
 };
 
-/// XXH64 of these bytes.
 std::uint64_t xxhash64(const std::string& bytes, std::uint64_t seed = 0);
 
 }  // namespace platoon

@@ -44,7 +44,7 @@ std::string shown(std::optional<double> value, const char* unit) {
   return value ? formatted("%.6g %s", *value, unit) : "none";
 }
 
-/// With six digits; none where it is not defined.
+/// Six digits; "none" for NaN.
 std::string figure(double value, const char* unit) {
   if (std::isnan(value)) return "none";
   return std::isinf(value) ? std::string("beyond the range of double") : formatted("%.6g %s", value, unit);
@@ -56,7 +56,7 @@ std::string shown(const std::vector<HeadwayInterval>& intervals) {
   return text.empty() ? " none" : text;
 }
 
-/// " of default, truck" where a string has several types, of which these vary.
+/// " of default, truck": the given types, if the string has several; else empty.
 std::string of_types(const PlatoonModel& model, const std::vector<std::string>& types) {
   if (is_homogeneous(model)) return "";
   std::string text;
@@ -279,7 +279,7 @@ std::string to_csv(const std::vector<SweepPoint>& points) {
   const bool lossy = !points.empty() && points.front().loss;
   std::string text = lossy ? "headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable\n"
                            : "headway,gain,spectral_radius,peak_gain,string_stable\n";
-  // Empty where there is none, as without a controller or for an unstable vehicle.
+  // An empty cell for a missing value, as without a controller or for an unstable vehicle.
   const auto cell = [](double value) { return std::isnan(value) ? std::string(",") : formatted("%.17g,", value); };
   for (const SweepPoint& point : points) {
     const StringStability& stability = point.stability;

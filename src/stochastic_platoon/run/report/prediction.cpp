@@ -51,7 +51,7 @@ Prediction no_prediction(const Configuration& configuration, const std::string& 
           0};
 }
 
-// Leaves nothing of the followers from the first external vehicle on.
+// Sets the values of all followers from the first external vehicle on to NaN.
 void void_behind(const RunOptions& run, Prediction& prediction) {
   const std::size_t steps = run.averaging() == Averaging::over_time ? 1 : static_cast<std::size_t>(run.steps);
   const auto clear = [](std::vector<double>& values, std::size_t kept) {

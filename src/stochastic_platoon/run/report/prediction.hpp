@@ -8,7 +8,7 @@
 
 namespace platoon {
 
-/// What is known of a platoon's errors without running it.
+/// The theory available for a platoon's errors.
 enum class Theory {
   exact,  ///< mean and variance of every (i, k)
   none,
@@ -17,23 +17,23 @@ enum class Theory {
 /// "exact" or "none".
 const char* to_string(Theory theory);
 
-/// Which theory there is for a platoon.
+/// The theory that covers a platoon.
 Theory theory_of(const PlatoonModel& model);
 
-/// What the theory predicts for a configuration: a cell for each cell of the measurement, that is one per
-/// follower and step (see cell()), or the stationary values, one per follower, where averages are over time.
+/// The theory's prediction for a configuration: one cell per cell of the measurement, that is, per follower and step
+/// (see cell()), or the stationary values, one per follower, for averages over time.
 ///
-/// Without a theory every value is NaN. In a string with external vehicles the followers
-/// before the first of them have a theory; what the stability says is of these, continued for ever.
+/// Without a theory every value is NaN. In a string with external vehicles the theory covers the followers before the
+/// first of them; the stability is that of these followers, continued to an infinite string.
 struct Prediction {
   StringStability stability;
-  std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN where there is none
+  std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN if there is none
   std::vector<double> mean;                 ///< [m], one per cell
   std::vector<double> variance;             ///< [m^2], one per cell
   std::vector<double> rounding = {};        ///< [m], one per cell: see rounding_bounds(); empty over time
-  /// [m^4], one per cell: see linked_error_moments(); empty over time, and where nothing is lost
+  /// [m^4], one per cell: see linked_error_moments(); empty over time, and without losses
   std::vector<double> fourth_cumulant = {};
-  Theory theory = Theory::exact;  ///< none where no follower has one
+  Theory theory = Theory::exact;  ///< none if it covers no follower
   std::size_t followers_with_theory = 0;
   std::vector<ErrorCorrelation> error_correlation = {};  ///< over time: one per follower
 };

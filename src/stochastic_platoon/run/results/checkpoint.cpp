@@ -18,7 +18,7 @@ namespace platoon {
 
 namespace {
 
-constexpr std::size_t kMostCells = 20000000;  // of any run
+constexpr std::size_t kMostCells = 20000000;  // limit for every run
 constexpr char kFormat[] = "stochastic_platoon checkpoint 3";
 
 nlohmann::json to_json(const MomentTable& table) {
@@ -85,7 +85,7 @@ bool has_no_gap(const MomentTable& table) {
 }  // namespace
 
 std::string identity_differences(const nlohmann::json& there, const nlohmann::json& here) {
-  // A key that only one of them has is a difference, too: the paper's channel has no key.
+  // A key in only one identity is a difference too: the paper's channel has no key.
   std::set<std::string> keys;
   for (const nlohmann::json* identity : {&there, &here}) {
     for (const auto& entry : identity->items()) keys.insert(entry.key());
@@ -142,18 +142,18 @@ void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
   const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(document);
   const std::string content(bytes.begin(), bytes.end());
   const std::string file = checkpoint_file(output);
-  // Between the two names there is none of the latest, for a moment: then the one before it is read.
+  // Between the rename and the write there is no latest file; the previous one is then read.
   if (std::filesystem::exists(file)) std::filesystem::rename(file, previous_checkpoint_file(output));
   write_atomically(file, descriptor_of(content) + content);
 }
 
 namespace {
 
-// Throws std::runtime_error naming the file and what is wrong.
+// Throws std::runtime_error with the file and the problem.
 Checkpoint read_file(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw std::runtime_error(file + ": cannot be opened");
-  // In pieces: merge reads thousands of files, and the iterators of a stream take a byte at a time.
+  // In pieces: merge reads thousands of files, and stream iterators read one byte at a time.
   std::string bytes;
   std::vector<char> piece(1 << 16);
   while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
@@ -234,7 +234,7 @@ std::unique_ptr<FolderLock> lock_output(const RunOptions& run) {
   try {
     require_writable_folder(run.output);
     if (run.launch_id.empty()) return std::make_unique<FolderLock>(run.output, "process " + std::to_string(::getpid()));
-    // roslaunch starts a monitor again that is killed.
+    // roslaunch restarts a killed monitor.
     const bool started_again = std::getenv(kEndsWithLaunch) != nullptr;
     return std::make_unique<FolderLock>(run.output, "launch " + run.launch_id, started_again ? ::getppid() : 0);
   } catch (const std::runtime_error& error) {

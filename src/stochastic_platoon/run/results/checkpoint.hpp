@@ -15,56 +15,56 @@
 
 namespace platoon {
 
-/// Committed totals of a run, enough to go on from.
+/// Committed totals of a run, sufficient to continue it.
 struct Checkpoint {
   nlohmann::json identity;  ///< statistics_identity() of the run
-  std::string launch_id;    ///< which launch wrote it
+  std::string launch_id;    ///< the launch that wrote it
   Tally tally;
-  MomentTable table;                        ///< of averages over time: of no cells
-  std::vector<Moments> time_averages = {};  ///< of these, one per follower
-  std::string damage = {};                  ///< of one that was read: why it is not the latest; empty: it is
-  nlohmann::json shard = {};                ///< of a part of a run: of which (see ShardRun); null: of a whole one
+  MomentTable table;                        ///< without cells for averages over time
+  std::vector<Moments> time_averages = {};  ///< averages over time, one per follower; else empty
+  std::string damage = {};                  ///< after reading: why this is not the latest checkpoint; empty: it is
+  nlohmann::json shard = {};                ///< identifies the shard (see ShardRun); null for a whole run
 };
 
-/// "1000 realizations", or over how many steps it averages.
+/// "1000 realizations", or the number of steps of an average over time.
 std::string extent_of(const Checkpoint& checkpoint);
 
-/// Name of the checkpoint in the output folder, and of the one before it.
+/// File names of the checkpoint in the output folder, and of the previous checkpoint.
 std::string checkpoint_file(const std::string& output);
 std::string previous_checkpoint_file(const std::string& output);
 
-/// A line that names the format, a line with the digest of what follows, and CBOR (RFC 8949), in which doubles
-/// keep their bits. Written atomically; the checkpoint before it is kept. Throws std::runtime_error.
+/// Writes a line with the format, a line with the digest of the rest, and CBOR (RFC 8949), in which doubles keep their
+/// bits. The write is atomic and keeps the previous checkpoint. Throws std::runtime_error.
 void write_checkpoint(const std::string& output, const Checkpoint& checkpoint);
 
-/// A file that is no checkpoint, or not as it was written.
+/// A file that is not a checkpoint, or has changed since it was written.
 class DamagedCheckpoint : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
 };
 
-/// The folder's checkpoint; none when there is no file. A damaged one, whose digest is not its content's, is
-/// never used: then it is the one before it, with a word in `damage`. Throws std::runtime_error when neither can
-/// be read, DamagedCheckpoint when that is as both are damaged.
+/// The folder's checkpoint; none if there is no file. A damaged checkpoint, whose digest does not match its content, is
+/// never used: the previous one takes its place, and `damage` gives the reason. Throws std::runtime_error if neither
+/// can be read, DamagedCheckpoint if both are damaged.
 std::optional<Checkpoint> read_checkpoint(const std::string& output);
 
-/// The checkpoint this run starts from: none in a fresh folder; the folder's own when it comes from the same
-/// launch (a restarted node) or `resume` was asked for. Throws ConfigurationError when the folder cannot be
-/// written, when it holds results and neither is the case (nothing is written over), and when its checkpoint
-/// is of another configuration, which is named, or does not hold realizations 0, 1, ... without a gap.
+/// The checkpoint from which this run starts: none in a fresh folder; the folder's own if it comes from the same launch
+/// (a restarted node) or `resume` is set. Throws ConfigurationError if the folder cannot be written; if it holds
+/// results and neither is the case (nothing is overwritten); or if its checkpoint has another configuration, whose
+/// differences are listed, or does not hold realizations 0, 1, ... without a gap.
 std::optional<Checkpoint> starting_point(const Configuration& configuration);
 
-/// What differs between two identities: "seed is 1 there and 2 here"; empty: nothing.
+/// Differences of two identities: "seed is 1 there and 2 here"; empty: none.
 std::string identity_differences(const nlohmann::json& there, const nlohmann::json& here);
 
-/// Throws ConfigurationError when the folder holds results, which are never written over.
+/// Throws ConfigurationError if the folder holds results, which are never overwritten.
 void require_no_results(const std::string& output);
 
-/// In the environment of a node that ends with its launch, and that this starts again.
+/// Environment variable of a node that ends with its launch and is restarted by it.
 constexpr char kEndsWithLaunch[] = "PLATOON_ENDS_WITH_LAUNCH";
 
-/// Makes the run's output folder if need be, and takes it for this launch until the lock ends. Throws
-/// ConfigurationError when it cannot be written, or is another's, which is named with how long to wait.
+/// Creates the run's output folder if necessary and locks it for this launch. Throws ConfigurationError if it cannot be
+/// written, or if another holder has it; the message names the holder and how long to wait.
 std::unique_ptr<FolderLock> lock_output(const RunOptions& run);
 
 }  // namespace platoon

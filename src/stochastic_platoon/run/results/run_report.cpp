@@ -8,7 +8,7 @@ namespace platoon {
 
 namespace {
 
-// Which rows a terminal can take: all of a short string, the two ends of a long one.
+// Rows that fit a terminal: all of a short string, both ends of a long one.
 bool is_shown(std::size_t follower, std::size_t followers) {
   return followers <= 30 || follower <= 10 || follower + 10 > followers;
 }
@@ -63,7 +63,7 @@ std::string comparison(const Agreement& found, std::size_t cells, const char* of
       cells, of, found.max_abs_z_mean, found.max_abs_z_variance, found.plausible_z);
 }
 
-// "29000": two digits of it.
+// "29000": rounded up to two digits.
 std::string about(double number) {
   const double unit = std::pow(10.0, std::floor(std::log10(number)) - 1.0);
   return formatted(number < 1e15 ? "%.0f" : "%.2g", std::ceil(number / unit) * unit);

@@ -6,9 +6,9 @@
 
 namespace platoon {
 
-/// The table and the verdict for a terminal: per follower at the last step the measured variance with its
-/// standard error, the theoretical variance and the score; then whether all cells agree, and whether the
-/// platoon is string stable and why.
+/// The table and the verdict for a terminal. The table has, per follower at the last step, the measured variance with
+/// its standard error, the theoretical variance and the score. The verdict reports whether all cells agree, and whether
+/// and why the platoon is string stable.
 std::string report(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
 }  // namespace platoon

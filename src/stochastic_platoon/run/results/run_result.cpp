@@ -14,11 +14,11 @@ namespace platoon {
 
 namespace {
 
-// Realizations from which on the means and variances of errors that are not normal are so themselves, and independent
-// errors that an average over time must be worth for what holds for many of them.
+// Number of realizations from which the means and variances of non-normal errors are themselves normal, and number of
+// independent errors that an average over time must be worth for asymptotic results to hold.
 constexpr std::uint64_t kEnoughForAnyDistribution = 1000;
 
-// Of the follower's average over time, a stretch in each attempt.
+// The share of a follower's average over time; each attempt is one stretch.
 IndependentShare share_of(const Prediction& prediction, const RunResult& result, std::size_t follower) {
   if (prediction.error_correlation.empty()) return {std::nan(""), std::nan(""), std::nan("")};
   const EffectiveSample of = prediction.error_correlation[follower - 1].of(
@@ -48,12 +48,12 @@ nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
   return {{"max_abs_z_mean", agreement->max_abs_z_mean}, {"max_abs_z_variance", agreement->max_abs_z_variance}};
 }
 
-// Infinity, which JSON has not, as null.
+// JSON has no infinity: null stands for it.
 nlohmann::json needed_json(std::optional<double> needed) {
   return needed && std::isfinite(*needed) ? nlohmann::json(std::ceil(*needed)) : nlohmann::json();
 }
 
-// Of every follower's variance at the last step.
+// Standard errors of every follower's variance at the last step.
 nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   nlohmann::json errors = nlohmann::json::array();
   for (const ResultCell& of : ResultCells(run, prediction, result).at(run.steps - 1))
@@ -108,7 +108,7 @@ std::vector<double> fourth_moments(const RunOptions& run, const Prediction& pred
     for (std::size_t c = row; c < row + steps; ++c) {
       const double square = prediction.variance[c] * prediction.variance[c];
       const double first_order = 3.0 * square + prediction.fourth_cumulant[c];
-      moments.push_back(kurtosis * square > first_order ? kurtosis * square : first_order);  // a NaN counts not
+      moments.push_back(kurtosis * square > first_order ? kurtosis * square : first_order);  // also for a NaN
     }
   }
   return moments;
@@ -122,7 +122,7 @@ std::vector<ResultCell> ResultCells::at(std::int64_t step) const {
   std::vector<ResultCell> cells;
   for (std::size_t i = 1; i <= run_.followers; ++i) {
     const std::size_t c = over_time ? i - 1 : cell(i, step, run_.steps);
-    // When a run is stopped, its vehicles are not all at the same step.
+    // The vehicles of a stopped run are not all at the same step.
     cells.push_back({i, over_time ? result_.last_steps[c] : step, result_.moments[c], prediction_.mean[c],
                      prediction_.variance[c], prediction_.rounding.empty() ? 0.0 : prediction_.rounding[c],
                      over_time ? share_of(prediction_, result_, i) : IndependentShare{},
@@ -155,7 +155,7 @@ double standard_error_of_variance(const ResultCell& of) {
 
 namespace {
 
-// Of each follower that has a theory; none where the averages are worth too few independent errors.
+// The share of each follower that has a theory; none if an average is worth too few independent errors.
 std::optional<std::vector<IndependentShare>> shares_over_time(const Prediction& prediction, const RunResult& result) {
   std::vector<IndependentShare> shares;
   for (std::size_t i = 1; i <= std::min(prediction.followers_with_theory, result.moments.size()); ++i) {
@@ -245,7 +245,7 @@ std::string statistics_csv(const Configuration& configuration, const Prediction&
 
 namespace {
 
-// A summary's own checksum is that of its text with these in its place.
+// Stands in for the summary's own checksum while that is computed.
 const std::string kNoChecksum(8, '0');
 
 std::string summary_text(nlohmann::json summary, const std::string& statistics) {

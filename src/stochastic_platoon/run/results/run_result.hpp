@@ -13,7 +13,7 @@
 
 namespace platoon {
 
-/// What has been counted of a run, beside the moments.
+/// Counts of a run beside the moments.
 struct Tally {
   std::uint64_t positions_received = 0;  ///< in committed batches
   std::uint32_t attempts = 0;            ///< number of the latest attempt
@@ -21,41 +21,44 @@ struct Tally {
   std::uint64_t platoon_time = 0;        ///< latest stamp seen [ns]
 };
 
-/// What was measured: a cell per follower and step (see cell()), or of averages over time one per follower.
+/// The measured values: one cell per follower and step (see cell()), or one per follower for averages over time.
 struct RunResult {
   bool complete = false;
   std::uint64_t realizations = 0;  ///< committed
   std::int64_t last_step = 0;      ///< the latest step in the figures
   Tally tally;
   std::vector<Moments> moments;
-  std::vector<std::int64_t> last_steps;  ///< of averages over time: the latest step of each follower
+  std::vector<std::int64_t> last_steps;  ///< for averages over time: the latest step of each follower
 };
 
-/// A cell of a result: follower i and the step that its figures are of.
+/// A cell of a result: follower i and a step.
 struct ResultCell {
   std::size_t follower;
-  std::int64_t step;  ///< of an average over time its latest step
+  std::int64_t step;  ///< for an average over time the latest step
   Moments measured;
   double theoretical_mean;      ///< [m]
   double theoretical_variance;  ///< [m^2]
-  double rounding = 0.0;        ///< [m], what the run's arithmetic may change an error by
-  IndependentShare share = {};  ///< of an average over time: see ErrorCorrelation; NaN where it is not known
+  double rounding = 0.0;        ///< [m], largest change of an error by the run's arithmetic
+  IndependentShare share = {};  ///< for an average over time: see ErrorCorrelation; NaN if unknown
   double fourth_moment = std::numeric_limits<double>::quiet_NaN();  ///< [m^4]: see fourth_moments()
 };
 
-/// The fourth moment of each cell's error, about its mean [m^4], where packets are lost and the theory has it; else
-/// empty. The larger of two: what the theory knows to first order (see linked_error_moments()), all there is where
-/// losses are so rare that a run may not have met one; and v^2 times the kurtosis that was measured, of all steps of
-/// the follower together, which has what losses in a row do. That kurtosis nears the number of realizations where most
-/// of a variance is due to what hardly ever happens.
+/// Fourth central moment of each cell's error [m^4] if packets are lost and the theory has it; else empty. With the
+/// theoretical variance v it is the larger of
+///
+///     3 v^2 + fourth_cumulant: the theory to first order (see linked_error_moments()), which is all there is if losses
+///         are so rare that a run may contain none; and
+///     v^2 times the measured kurtosis over all steps of the follower, which includes losses in a row.
+///
+/// This kurtosis approaches the number of realizations if most of a variance is due to very rare events.
 std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction, const RunResult& result);
 
-/// The cells of a result beside their theory; refers to all three.
+/// The cells of a result with their theory. Keeps references to all three arguments.
 class ResultCells {
 public:
   ResultCells(const RunOptions& run, const Prediction& prediction, const RunResult& result);
 
-  /// Those of a step, one per follower; of averages over time, whatever the step, all there are.
+  /// The cells of a step, one per follower; for averages over time all cells, for any step.
   std::vector<ResultCell> at(std::int64_t step) const;
 
 private:
@@ -65,34 +68,34 @@ private:
   std::vector<double> fourth_moments_;
 };
 
-/// Standard errors of the cell's mean [m] and variance [m^2], everywhere the same: in reports, summaries, sweeps and
-/// messages. v is the theoretical variance where there is a theory, else the measured one. Mean: sqrt(v / n). Variance:
-/// of normal errors sqrt(2 / (n - 1)) v, of others sqrt((m_4 - v^2) / n) by the cell's fourth moment, else by the
-/// measured variance and fourth moment. Averages over time count n and n - 1 times the share; NaN where that is
-/// unknown.
+/// Standard errors of the cell's mean [m] and variance [m^2], the same in reports, summaries, sweeps and messages:
+///     mean      sqrt(v / n),
+///     variance  sqrt(2 / (n - 1)) v for normal errors, else sqrt((m_4 - v^2) / n),
+/// with v the theoretical variance if there is a theory, else the measured one, and m_4 the cell's fourth moment;
+/// without it, with the measured variance and fourth moment. Averages over time multiply n and n - 1 by the share; NaN
+/// if the share is unknown.
 double standard_error_of_mean(const ResultCell& of);
 double standard_error_of_variance(const ResultCell& of);
 
-/// How far measurement and theory are apart. None where it cannot be said: no theory, fewer than two realizations
-/// (of errors that are not normal realizations_needed()), or averages over time that are worth fewer than a thousand
-/// independent errors, or are not normal.
+/// Agreement of measurement and theory. None without a theory, for fewer than two realizations (realizations_needed()
+/// for errors that are not normal), or for averages over time that are worth fewer than a thousand independent errors,
+/// or whose errors are not normal.
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result);
 
-/// How many realizations it takes until that can be said of errors that are not normal, as far as is known by now: by
-/// all cells' fourth moments where packets are lost (infinite where one leaves the range of double), a thousand of
-/// errors that are quantised. None of normal errors, over time, or without a theory.
+/// Number of realizations that measured_agreement() needs for errors that are not normal, estimated from this result:
+/// from all cells' fourth moments if packets are lost (infinite if one leaves the range of double), a thousand for
+/// quantised errors. None for normal errors, over time, or without a theory.
 std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction, const RunResult& result);
 
-/// How many cells have a theory: those of the followers before the first external vehicle.
+/// Number of cells with a theory: those of the followers before the first external vehicle.
 std::size_t cells_with_theory(const RunOptions& run, const Prediction& prediction);
 
-/// Positions that the committed realizations must have brought: (N + 1)(K + 1) each.
+/// Number of positions that the committed realizations must have brought: (N + 1)(K + 1) each.
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations);
 
-/// Writes output/statistics.csv and output/summary.json, each atomically. The summary's "crc32" holds the
-/// checksum() of both, its own that of its text with "00000000" in its place: who reads them recognizes damage. Throws
-/// std::runtime_error.
+/// Writes output/statistics.csv and output/summary.json, each atomically. The summary's "crc32" holds the checksum() of
+/// both, its own computed with "00000000" in its place, so that readers detect damage. Throws std::runtime_error.
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
 /// The content of statistics.csv.

@@ -7,7 +7,7 @@ namespace platoon {
 
 namespace {
 
-// Attempts are numbered anew in every launch, but not of an endless run, where each is another realization.
+// Each launch numbers its attempts anew, but not in an endless run, where each attempt is another realization.
 Tally tally_of(const std::optional<Checkpoint>& start, const RunOptions& run) {
   if (!start) return {};
   Tally tally = start->tally;
@@ -54,16 +54,16 @@ RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const Message
   return {receipt.drop, {vehicle, descriptor, std::move(receipt.due)}};
 }
 
-// By its movement in a step: a manoeuvre that is over leaves it elsewhere.
+// Compares the movement in one step, as a finished manoeuvre leaves the leader displaced.
 void RunStatistics::compare_leader(std::int64_t step, double position) {
-  constexpr double kSame = 1e-6;  // [m] a step: above any rounding, and far below any noise
+  constexpr double kSame = 1e-6;  // [m] per step: above any rounding, and far below any noise
   const double ahead = position - (step == kInitialStep ? leader_->vehicle.start() : leader_->vehicle.step());
   leader_departs_ = step != kInitialStep && !(std::abs(ahead - leader_->ahead) <= kSame);
   leader_->ahead = ahead;
   averages_->saw_leader(step, !leader_departs_);
 }
 
-// The errors are formed tile by tile, so that each is reduced while it is in the first level cache.
+// The errors are formed tile by tile, so that each tile is reduced while it is in the first level cache.
 ReducedErrors RunStatistics::reduced(const DueErrors& due) const {
   const std::size_t count = due.own->size();
   const auto errors = [this, &due](std::size_t offset, std::size_t size, double* buffer) {
@@ -83,7 +83,7 @@ RunStatistics::Computed RunStatistics::compute(const Work& work) const {
 }
 
 bool RunStatistics::settle(const Computed& computed) {
-  if (computed.descriptor.id.attempt < arrivals().attempt()) return false;  // void meanwhile
+  if (computed.descriptor.id.attempt < arrivals().attempt()) return false;  // a newer attempt has begun
   for (const ReducedErrors& errors : computed.errors) averages_->add(errors);
   const std::optional<CompleteBatch> batch = assembly_.settle(computed.vehicle, computed.descriptor);
   if (averages_->averaging() == Averaging::over_time) tally_.positions_received += computed.descriptor.size;

@@ -14,15 +14,15 @@
 
 namespace platoon {
 
-/// Statistics of a run from the positions of its vehicles, whether they come from topics or from a bag: an
-/// ErrorAssembly joined to the run's ErrorAverages.
+/// Statistics of a run from the positions of its vehicles, from topics or from a bag: an ErrorAssembly connected to the
+/// run's ErrorAverages.
 ///
-/// A message passes in three steps:
-///     receive()  judges it and returns the work that is due with it,
+/// A message passes three steps:
+///     receive()  judges it and returns the work that is due,
 ///     compute()  does that work: it is pure, and the only part that takes long,
-///     settle()   counts the result, and commits the batch that is whole with it.
-/// Several threads may do so, each for vehicles of its own: under one lock for receive() and settle(), and
-/// without any for compute().
+///     settle()   counts the result, and commits the batch that it completes.
+/// Several threads may do so, each for its own vehicles: receive() and settle() under one lock, compute() without a
+/// lock.
 class RunStatistics {
 public:
   /// The work that a message causes.
@@ -33,7 +33,7 @@ public:
   };
   struct Receipt {
     DropReason drop;
-    Work work;  ///< of a message that is in turn: to be computed and settled
+    Work work;  ///< for a message in turn: to be computed and settled
   };
   struct Computed {
     std::size_t vehicle;
@@ -44,28 +44,27 @@ public:
   /// Starts from the checkpoint if there is one, else with nothing committed.
   RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start);
 
-  /// The same with realizations before `first_realization` taken as done with, though nothing is known of
-  /// them.
+  /// The same, but treats realizations before `first_realization` as done, without their statistics.
   RunStatistics(const Configuration& configuration, std::uint64_t first_realization);
 
-  /// The positions of vehicle 0 .. N. What is not in turn has no effect.
+  /// Takes the positions of vehicle 0 .. N. A message that is not in turn has no effect.
   Receipt receive(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
 
   Computed compute(const Work& work) const;
 
-  /// Whether a batch became whole with it.
+  /// Counts the result. Returns true if it completes a batch.
   bool settle(const Computed& computed);
 
-  /// All three at once; whether the message was dropped.
+  /// All three steps at once. Returns why the message was dropped, if it was.
   DropReason take(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
 
   const Arrivals& arrivals() const { return assembly_.arrivals(); }
   const ErrorAverages& averages() const { return *averages_; }
 
-  /// Of an endless run: whether the leader's latest step is not by the model, as it manoeuvres.
+  /// In an endless run: whether the leader's latest step deviates from the model, as in a manoeuvre.
   bool leader_departs() const { return leader_departs_; }
 
-  /// The latest platoon time seen [ns].
+  /// Notes a platoon time [ns]; the latest counts.
   void saw(std::uint64_t platoon_time);
 
   /// Wall time from the first position to the latest commit, over all launches [s].
@@ -74,7 +73,7 @@ public:
   const Tally& tally() const { return tally_; }
   RunResult result(bool complete) const;
 
-  /// What another run can go on from.
+  /// The state from which another run can continue.
   Checkpoint checkpoint() const;
 
 private:
@@ -84,16 +83,16 @@ private:
   void compare_leader(std::int64_t step, double position);
 
   Configuration configuration_;
-  std::vector<TrackingError> error_;  ///< of every follower
+  std::vector<TrackingError> error_;  ///< one per follower
   KeptMoments kept_;
   Tally tally_;
   std::unique_ptr<ErrorAverages> averages_;
   ErrorAssembly assembly_;
 
-  /// Vehicle 0 as the model has it, beside the one that drives: of an endless run, where it may be told otherwise.
+  /// Vehicle 0 of the model, to be compared with the actual leader, which may manoeuvre in an endless run.
   struct ModelLeader {
     LeaderVehicle vehicle;
-    double ahead;  ///< of it the one that drives [m]
+    double ahead;  ///< [m] position of the actual leader minus that of the model
   };
   std::optional<ModelLeader> leader_;
   bool leader_departs_ = false;

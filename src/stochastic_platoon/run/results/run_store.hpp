@@ -13,8 +13,8 @@
 
 namespace platoon {
 
-/// The output folder of one run, locked: its checkpoints, about one a second, and its results. A write that fails is
-/// repeated after a pause. Knows no clock: times are arguments [s].
+/// The locked output folder of one run, with its results and its checkpoints, about one per second. A failed write is
+/// retried after a pause. Uses no clock: times are arguments [s].
 class RunStore {
 public:
   /// Throws ConfigurationError if another launch holds the folder.
@@ -23,17 +23,17 @@ public:
   /// The checkpoint to continue from, see starting_point(). `damaged` gets a warning if the latest one is damaged.
   std::optional<Checkpoint> start(const RetriedWrite::Log& damaged);
 
-  /// Whether a checkpoint with so many positions is to be saved now.
+  /// Whether a checkpoint with this number of positions is due.
   bool is_due(std::uint64_t positions, double now) const;
   void save(const Checkpoint& checkpoint, double now);
 
   /// False during the pause after a failure.
   bool can_write(double now) const;
 
-  /// Saves the results of the complete run; false if that failed.
+  /// Saves the results of the complete run; returns false if that fails.
   bool complete(const Checkpoint& checkpoint, const Prediction& prediction, const RunResult& result, double now);
 
-  /// Saves what there is of a stopped run. Throws std::runtime_error if that fails.
+  /// Saves the results so far of a stopped run. Throws std::runtime_error if that fails.
   void stop(const Checkpoint& checkpoint, const Prediction& prediction, const RunResult& result);
 
 private:
@@ -41,7 +41,7 @@ private:
   std::unique_ptr<FolderLock> lock_;
   RetriedWrite write_;
   std::uint64_t saved_ = 0;            ///< positions in the latest checkpoint
-  std::optional<double> latest_ = {};  ///< [s], of the latest checkpoint of this launch
+  std::optional<double> latest_ = {};  ///< [s] of the latest checkpoint of this launch
 };
 
 }  // namespace platoon

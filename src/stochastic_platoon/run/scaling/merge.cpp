@@ -13,14 +13,14 @@ namespace platoon {
 
 namespace {
 
-// Reads the folders one by one and keeps of each where it belongs.
+// Reads the folders one by one and keeps only the place of each shard.
 class Inventory {
 public:
   explicit Inventory(const std::vector<std::string>& folders) {
     for (const std::string& folder : folders) add(folder);
   }
 
-  // Throws IncompleteRun unless all shards are there, and nothing else.
+  // Throws IncompleteRun unless all shards are there and no folder has a problem.
   void require_all() const {
     std::vector<std::uint64_t> missing;
     const std::uint64_t of = first_ ? first_->shard.of : 0;
@@ -54,7 +54,7 @@ private:
   void take(const std::string& folder, const Checkpoint& found) {
     const ShardRun run = shard_run_of(found.shard);
     if (!first_) {
-      // Another machine's arithmetic would give the same model another closed loop.
+      // With the arithmetic of another machine the same model may have another closed loop.
       const std::string own = identity_differences(found.identity, statistics_identity(run.configuration));
       if (!own.empty()) return refuse(folder, "is of a run that this machine would compute otherwise: " + own);
       first_ = run;
@@ -131,7 +131,7 @@ MergedRun merge(const std::vector<std::string>& folders) {
   MergedRun merged{inventory.first().configuration, {}};
   const RunOptions& run = merged.configuration.run;
   MomentTable table(run.followers * static_cast<std::size_t>(run.steps));
-  // In ascending order: of what lies before a shard, few blocks are left.
+  // In ascending order, so that the shards merged so far occupy few blocks.
   for (const auto& place : inventory.places()) {
     const std::optional<Checkpoint> shard = read_checkpoint(place.second);
     if (!shard) throw std::runtime_error(place.second + ": is gone");

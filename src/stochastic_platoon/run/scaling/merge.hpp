@@ -10,25 +10,25 @@
 
 namespace platoon {
 
-/// A run that was joined of its shards.
+/// A run joined from its shards.
 struct MergedRun {
   Configuration configuration;
   RunResult result;
 };
 
-/// "0-2,5": numbers in ascending order, as sbatch --array takes them.
+/// "0-2,5": numbers in ascending order, in the format of sbatch --array.
 std::string array_indices(const std::vector<std::uint64_t>& ascending);
 
-/// Folders that do not make a whole run.
+/// Thrown for folders that do not make a whole run.
 class IncompleteRun : public ConfigurationError {
 public:
-  /// `missing` may be known only where one of the shards is there: then `of` is how many there are, else 0.
+  /// `of`: number of shards of the run, 0 if no folder holds one; `missing` is known only if `of` is above 0.
   IncompleteRun(const std::vector<std::uint64_t>& missing, std::uint64_t of, std::vector<std::string> others);
 
-  /// The shards to compute, of a run of so many where no folder says it.
+  /// The shards to compute. `of`: number of shards, used if no folder holds one.
   std::vector<std::uint64_t> missing(std::uint64_t of) const;
 
-  /// What is wrong beside that.
+  /// All other problems.
   const std::vector<std::string>& others() const { return others_; }
 
 private:
@@ -37,11 +37,11 @@ private:
   std::vector<std::string> others_;
 };
 
-/// Joins the shards that these folders hold, in any order, to the run that they are of: the bits of one run.
+/// Joins the shards in these folders, in any order, to their run: bit for bit the result of one run.
 ///
-/// One shard is in memory at a time, beside the sums of what lies before it. Throws IncompleteRun with all that
-/// is wrong: folders that hold no shard or a damaged one, shards that are not complete, of different runs (and in
-/// what they differ) or there twice, and which are missing.
+/// One shard is in memory at a time, beside the sums of the shards before it. Throws IncompleteRun with all problems:
+/// folders without a shard or with a damaged one, incomplete shards, shards of different runs (with their differences),
+/// duplicate shards, and the missing shards.
 MergedRun merge(const std::vector<std::string>& folders);
 
 }  // namespace platoon

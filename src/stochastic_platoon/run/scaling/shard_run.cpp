@@ -38,7 +38,7 @@ void require_same_shard(const Checkpoint& found, const ShardRun& run) {
                             std::to_string(run.configuration.run.realizations) + ": must be another folder"});
 }
 
-// What the folder holds of the shard; none where it is empty, or what was there is damaged.
+// The realizations of the shard in the folder; none if the folder is empty, or its content is damaged.
 std::optional<Checkpoint> held(const ShardRun& run, const ShardSettings& settings) {
   const std::string& output = run.configuration.run.output;
   std::optional<Checkpoint> found;
@@ -84,13 +84,13 @@ nlohmann::json to_json(const ShardRun& run) {
 
 ShardRun shard_run_of(const nlohmann::json& record) {
   try {
-    // The parser knows the hostings that a launch may ask for.
+    // The parser accepts only hostings that a launch may choose.
     nlohmann::json configuration = record.at("configuration");
     configuration.at("run").at("hosting") = to_string(Hosting::one_process);
     ShardRun run{parse_configuration(configuration.dump()),
                  {record.at("index").get<std::uint64_t>(), record.at("of").get<std::uint64_t>()}};
     run.configuration.run.hosting = Hosting::monte_carlo;
-    run.range();  // throws where there is no such shard
+    run.range();  // throws if there is no such shard
     return run;
   } catch (const nlohmann::json::exception& error) {
     throw std::runtime_error(std::string("its shard cannot be read: ") + error.what());
@@ -117,7 +117,7 @@ std::uint64_t compute_shard(const ShardRun& run, const ShardSettings& settings) 
     return count;
   };
   std::uint64_t saved = handed_over();
-  // Returns how many realizations it holds.
+  // Returns the number of realizations in the checkpoint.
   const auto write = [&] {
     std::uint64_t count = 0;
     work.read([&](const MomentTable& table) {
@@ -134,7 +134,7 @@ std::uint64_t compute_shard(const ShardRun& run, const ShardSettings& settings) 
     settings.progress(work.done());
     const double present = now();
     if (work.all_begun() || present - written < settings.checkpoint_seconds || !retried.is_due(present)) return;
-    // Nothing may have been handed over since: an empty checkpoint would be taken for progress.
+    // Skip a checkpoint without new realizations: it would count as progress.
     if (handed_over() == saved) return;
     if (retried(present, [&] { saved = write(); })) written = now();
   });

@@ -23,7 +23,7 @@ bool is_among(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// The fewest digits that give its bits again.
+// The fewest digits that restore the value's bits.
 std::string text_of(double value) {
   const std::string text = formatted("%.15g", value);
   return std::stod(text) == value ? text : formatted("%.17g", value);
@@ -58,7 +58,7 @@ std::vector<SweepAxis> read_axes(const YAML::Node& node, Section section) {
   return axes;
 }
 
-// Counts the points before anything is made of them.
+// Counts the points before any is created.
 void check_size(const Sweep& sweep, std::vector<std::string>& problems) {
   std::string product;
   double points = 1.0;
@@ -78,7 +78,7 @@ void check_size(const Sweep& sweep, std::vector<std::string>& problems) {
                      ": must be at most " + std::to_string(Sweep::kMostPoints));
 }
 
-// Every point's configuration, each problem once.
+// Checks every point's configuration; reports each problem once.
 void check_points(const Sweep& sweep, std::vector<std::string>& problems) {
   std::map<std::string, std::uint64_t> seen;
   std::vector<std::pair<std::string, std::uint64_t>> first;

@@ -20,7 +20,7 @@ std::string line_of(std::uint64_t digest) {
   return formatted("%016llx\n", static_cast<unsigned long long>(digest));
 }
 
-// What a point's rows are a function of.
+// Digest of all inputs of a point's rows.
 std::uint64_t identity_of(const Sweep& sweep, std::uint64_t point) {
   const Configuration configuration = sweep.configuration(point);
   const nlohmann::json identity = {statistics_identity(configuration),
@@ -32,7 +32,7 @@ std::uint64_t identity_of(const Sweep& sweep, std::uint64_t point) {
   return digest(identity.dump());
 }
 
-// "1", "0", or nothing where it cannot be said.
+// "1", "0", or empty without a verdict.
 std::string truth(const std::optional<bool>& value) {
   return value ? *value ? "1" : "0" : "";
 }

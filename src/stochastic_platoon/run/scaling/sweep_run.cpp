@@ -41,7 +41,8 @@ struct FinishedPoint {
   std::string content;
 };
 
-// Threads go from point to point: one begins the next while another is still at the last batch of the one before.
+// Distributes points to threads: one thread begins the next point while another still computes the last batch of the
+// previous one.
 class PointQueue {
 public:
   PointQueue(const Sweep& sweep, const std::vector<std::uint64_t>& points) : sweep_(sweep), points_(points) {}
@@ -57,7 +58,7 @@ public:
     return std::exchange(finished_, {});
   }
 
-  /// Realizations of all points.
+  /// Completed realizations of all points.
   std::uint64_t done() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     std::uint64_t sum = finished_realizations_;
@@ -65,20 +66,20 @@ public:
     return sum;
   }
 
-  /// Of the point begun last.
+  /// Name of the point begun last.
   std::string name() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return active_.empty() ? "" : active_.back()->name;
   }
 
-  /// No point is begun any more.
+  /// Begins no further point.
   void stop() {
     const std::lock_guard<std::mutex> lock(mutex_);
     next_ = points_.size();
   }
 
 private:
-  // Under the lock: YAML's nodes are not for several threads.
+  // Under the lock, as YAML nodes are not thread-safe.
   std::shared_ptr<ActivePoint> current() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!active_.empty() && !active_.back()->run.all_begun()) return active_.back();
@@ -109,7 +110,7 @@ private:
   const std::vector<std::uint64_t>& points_;
   mutable std::mutex mutex_;
   std::size_t next_ = 0;
-  std::deque<std::shared_ptr<ActivePoint>> active_;  ///< the latest begun at the back
+  std::deque<std::shared_ptr<ActivePoint>> active_;  ///< the latest begun is at the back
   std::deque<FinishedPoint> finished_;               ///< not written yet
   std::uint64_t finished_realizations_ = 0;
 };

@@ -1,5 +1,5 @@
-// The paper's colours, first follower dark blue to last dark red (as in the figures of `plot`), and on a dark page the same hues lighter;
-// blue to orange for errors, which the colour-blind tell apart.
+// Followers: the paper's colours from dark blue (first) to dark red (last), as in the figures of `plot`; lighter on a dark page.
+// Errors: blue to orange, which colour-blind readers can distinguish.
 
 const LIGHT = ["#08205c", "#1f5fb4", "#3ba3c8", "#7fb77e", "#e3b23c", "#e0702b", "#c0261f", "#5c0410"];
 const DARK = ["#5c86f5", "#3f9bf0", "#4fc3e0", "#8fd08f", "#f0c850", "#f28c48", "#f0605a", "#d8405f"];
@@ -25,16 +25,16 @@ function along(ramp, share) {
   return ramp[low].map((value, c) => Math.round(value + part * (ramp[low + 1][c] - value)));
 }
 
-// Of follower i = 1 .. n.
+// The colour of follower i = 1 .. n.
 export function followerColour(i, n) {
   return `rgb(${along(RAMPS.follower[theme], n > 1 ? (i - 1) / (n - 1) : 0).join()})`;
 }
 
-// Black or white, whichever reads better on that colour.
+// The colour of text on follower i's colour: black or white.
 export function inkOn(i, n) {
   const [r, g, b] = along(RAMPS.follower[theme], n > 1 ? (i - 1) / (n - 1) : 0);
   return 0.3 * r + 0.59 * g + 0.11 * b > 140 ? "#111" : "#fff";
 }
 
-// [red, green, blue] of an error as a share of the scale, -1 .. 1.
+// [red, green, blue] of an error, given as a share of the scale from -1 to 1.
 export const errorColour = share => along(RAMPS.error[theme], (share + 1) / 2);

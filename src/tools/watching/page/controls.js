@@ -1,4 +1,4 @@
-// What the page asks of the platoon. The server refuses what comes from elsewhere, and says why something cannot be done.
+// The commands of the page. The server rejects commands from other origins, and reports why a command fails.
 
 import { short } from "./scale.js";
 
@@ -18,11 +18,11 @@ export class Controls {
     document.querySelector(`output[for=${name}]`).textContent = input(name).value;
   }
 
-  // The sliders stand where the run is.
+  // Sets the sliders to the values of the run.
   take(configuration) {
     const endless = Boolean(configuration?.endless);
     document.getElementById("controls").hidden = !endless;
-    this.marked = null;  // the slider may reach further
+    this.marked = null;  // redraw the marks: the slider's range may change
     document.getElementById("controls-note").textContent = endless ? "" :
       "in an endless run (live.launch): this one averages over realizations, which have to be alike";
     for (const name of CHANGES) {
@@ -34,7 +34,7 @@ export class Controls {
     }
   }
 
-  // Below the slider, where a string of this vehicle is stable; its lowest headway in numbers.
+  // Marks the string stable headways below the slider, each interval with its lower end as a number.
   mark(intervals) {
     if (String(intervals) === this.marked) return;
     this.marked = String(intervals);
@@ -53,7 +53,7 @@ export class Controls {
   content(command) {
     if (command === "speed") return { command, speed: input("speed").value === "" ? null : Number(input("speed").value) };
     if (command !== "change") return { command };
-    // Only what has been moved: a slider stands at the nearest of its own values.
+    // Only sliders that were moved: an untouched slider shows the nearest of its own values, not the run's.
     const changed = CHANGES.filter(name => Number(input(name).value) !== Number(this.nearest(name)));
     return { command, ...Object.fromEntries(changed.map(name => [name, Number(input(name).value)])) };
   }

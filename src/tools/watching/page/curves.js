@@ -1,4 +1,4 @@
-// Mean and variance over k, measured broad and coloured, theory thin on top of it: the paper's figure, filling up.
+// Mean and variance over k: measured curves broad and coloured, theory thin on top, as in the paper's figure.
 import { css, followerColour } from "./colours.js";
 import { canvasOf, niceTicks, short, spread, verticalScale } from "./scale.js";
 
@@ -15,7 +15,7 @@ function line(context, xs, values, y) {
   context.stroke();
 }
 
-// One chart; `last` has the axis of k below it.
+// Draws one chart; `last`: with the axis of k below it.
 export function drawCurves(canvas, of, name, n, chosen, last) {
   const { context, width, height } = canvasOf(canvas);
   const measured = of[name], theory = of["theoretical_" + name], top = 16, foot = height - (last ? 38 : 10), right = width - RIGHT;

@@ -1,4 +1,4 @@
-// News come as server-sent events; figures are drawn when theirs have changed, and the road in every frame.
+// Updates arrive as server-sent events. A figure is redrawn when its data change, the road in every frame.
 import { setTheme, theme } from "./colours.js";
 import { Controls } from "./controls.js";
 import { drawCurves } from "./curves.js";
@@ -50,7 +50,7 @@ function connect() {
   source.onerror = () => {
     live = false;
     stale.add("words");
-    // Refused for good (too many pages): the browser does not try again by itself.
+    // Rejected (too many pages): the browser does not reconnect by itself.
     if (source.readyState === EventSource.CLOSED) setTimeout(connect, 3000);
   };
   for (const [kind, handler] of Object.entries(take)) source.addEventListener(kind, event => handler(JSON.parse(event.data)));
@@ -82,7 +82,7 @@ const draw = {
 };
 
 function frame(now) {
-  requestAnimationFrame(frame);  // first: what goes wrong in one frame does not stop the next
+  requestAnimationFrame(frame);  // first: an error in this frame does not stop the next
   for (const figure of [...stale]) {
     stale.delete(figure);
     draw[figure]();

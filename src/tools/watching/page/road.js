@@ -1,13 +1,13 @@
-// The road from above, in lanes that run from left to right: every vehicle where it is, and below it a mark where its follower was
-// told it is. The view moves with the leader; long strings go on in the lane below.
+// The road from above, in lanes from left to right: every vehicle at its position, and below it a mark at the position that its
+// follower received. The view moves with the leader; long strings continue in the lane below.
 import { css, followerColour, inkOn } from "./colours.js";
 import { canvasOf } from "./scale.js";
 
 const LEAST_GAP = 5.0;  // [m]
-const LENGTH = 4.2;     // [m] of a vehicle as drawn, and its width at most; the model's have none
+const LENGTH = 4.2;     // [m] length of a drawn vehicle, below its largest width; vehicles in the model are points
 const WIDTH = 1.6;
 
-// The median: a tail that swings without bound does not set the scale for the others.
+// The median gap: unstable motion at the tail does not affect the scale.
 function usualGap(position) {
   const gaps = position.slice(1).map((p, i) => position[i] - p).sort((a, b) => a - b);
   return gaps[Math.floor(gaps.length / 2)];
@@ -40,13 +40,13 @@ export class Road {
     this.since = now;
   }
 
-  // What followers were told of a step may come before or behind the positions of that step.
+  // The received positions of a step may arrive before or after the true positions of that step.
   hear(told) {
     if (told) this.told = [...this.told.slice(-7), told];
   }
 
-  // How far what was told lies from the truth, of the latest step of which both are known, a few steps old at most: it moves on
-  // with the vehicle. The two come thinned, each in its own way.
+  // Received minus true positions [m] at the latest step of which both are known, at most 5 steps ago; the marks move with the
+  // vehicles in between. Both streams are thinned independently.
   offsets() {
     for (const snapshot of [...this.shown].reverse()) {
       const told = this.told.find(t => t.step === snapshot.step && t.realization === snapshot.realization);
@@ -56,7 +56,7 @@ export class Road {
     return [];
   }
 
-  // Positions between the two latest snapshots: one interval late, and smooth.
+  // Positions interpolated between the two latest snapshots: smooth, with a lag of one interval.
   positions(now) {
     const to = this.present.position;
     if (!this.follows || this.still.matches) return to;
@@ -94,7 +94,7 @@ export class Road {
 
   drawLane(context, row, lane, width, metre, position, across, n) {
     const first = row * across, last = Math.min(first + across - 1, n), top = row * lane + 1;
-    // Each lane shows its own vehicles in the middle, wherever they are against the leader.
+    // Each lane is centred on its own vehicles.
     let sum = 0;
     for (let i = first; i <= last; ++i) sum += position[i] - position[0] + (i - first) * this.gap;
     this.x ??= [];
@@ -128,7 +128,7 @@ export class Road {
     }
   }
 
-  // A triangle in the follower's colour below the vehicle ahead of it, and a line to where that is.
+  // A triangle in the follower's colour at the received position of its predecessor, with a line to the true position.
   drawTold(context, position, lane, across, metre, n) {
     const offsets = this.offsets();
     const size = Math.max(lane * 0.11, 3);

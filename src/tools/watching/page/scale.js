@@ -1,4 +1,4 @@
-// Axes: scales, ticks and how numbers read.
+// Axes: scales, ticks and number formats.
 
 export function short(value, digits = 3) {
   if (value === null || value === undefined) return "–";
@@ -18,7 +18,7 @@ export function niceTicks(low, high, most) {
   return ticks;
 }
 
-// y axis over these values: with 0, or logarithmic. place(value) is in [0, 1], 0 at the foot.
+// The y axis for these values: linear including 0, or logarithmic. place(value) is in [0, 1], 0 at the bottom.
 export function verticalScale(values, logarithmic, signed = false) {
   const known = values.filter(v => v !== null && Number.isFinite(v));
   if (logarithmic) {
@@ -33,7 +33,7 @@ export function verticalScale(values, logarithmic, signed = false) {
   return { logarithmic, low, high: top, ticks: niceTicks(low, top, 5), place: v => (v - low) / (top - low) };
 }
 
-// Largest over smallest: beyond 30 along the string (1000 over k) the axis is logarithmic, as in the figures of `plot`.
+// Largest over smallest value: above 30 along the string (1000 over k) the axis is logarithmic, as in the figures of `plot`.
 export function spread(values) {
   const positive = values.filter(v => v !== null && v > 0);
   return positive.length ? positive.reduce((a, b) => Math.max(a, b)) / positive.reduce((a, b) => Math.min(a, b)) : 1;

@@ -1,4 +1,4 @@
-// Variance along the string: a bar per follower with its standard errors, the theory over it, the limit as a line.
+// Variance along the string: a bar with standard errors per follower, theory on top, the limit as a line.
 import { followerColour } from "./colours.js";
 import { followerTicks, short, spread, verticalScale } from "./scale.js";
 
@@ -57,7 +57,7 @@ export class StringChart {
       const rect = bars.children[at], top = v === null ? foot : y(v);
       rect.setAttribute("x", x(at + 1) - bar / 2);
       rect.setAttribute("width", bar);
-      // A length means nothing on a logarithmic axis: there it is a mark at its height.
+      // On a logarithmic axis the length of a bar has no meaning: draw a mark at the value.
       rect.setAttribute("y", scale.logarithmic ? top - 2.5 : top);
       rect.setAttribute("height", v === null ? 0 : scale.logarithmic ? 5 : Math.max(foot - top, 0));
       rect.setAttribute("fill", followerColour(at + 1, n));

@@ -23,7 +23,8 @@ export class Strip {
     if (this.columns.length > MOST) this.columns.shift();
   }
 
-  // [m] at the ends of the colours: three standard deviations of the string's limit; where there is none, what is seen.
+  // The error [m] at the ends of the colour scale: three standard deviations of the string's limit; without a limit the largest
+  // seen.
   rangeOf(limit) {
     if (limit) return { most: 3 * Math.sqrt(limit), logarithmic: false };
     let most = 0, least = 0;
@@ -57,7 +58,7 @@ export class Strip {
     return { most, logarithmic };
   }
 
-  // The steps at the ends, and a line where another realization begins.
+  // Draws the first and last step, and a line at the start of each realization.
   drawTime(context, foot, right, samplePeriod) {
     const { columns } = this, x = at => LEFT + (MOST - columns.length + at) / MOST * (right - LEFT);
     if (!columns.length) return;

@@ -1,4 +1,4 @@
-// The headline, the facts below it, and the numbers as words and as a table.
+// The headline, the facts below it, and the numbers as text and as a table.
 import { short, spaced } from "./scale.js";
 import { MOST_WHISKERS } from "./string_chart.js";
 
