@@ -15,9 +15,11 @@
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/bags/bag_writer.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/launch_arguments.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
 #include "tools/settings.hpp"
 
 namespace {
@@ -133,6 +135,9 @@ int main(int argc, char** argv) {
           {"own: " + settings["own"] + ": renamed: must be given as external:=" + settings["own"]});
     }
     settings.erase("own");
+    const std::vector<std::string> undeclared =
+        platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch");
+    if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);
     require_log_folder();
     const platoon::BagSource bags{platoon::bag_files(settings["bag"]), platoon::Accept::whole,
                                   is_true(settings["unverified"])};

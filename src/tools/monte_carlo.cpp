@@ -1,14 +1,18 @@
 // The platoon's Monte Carlo in one process, without ROS: the same vehicles, channels and statistics as in the nodes,
-// with the same bits. Writes the same statistics.csv and summary.json, or a shard for merge.
+// with the same bits. Writes the same statistics.csv and summary.json, or a shard for merge; --repeat runs a
+// summary.json again.
 
 #include <chrono>
 #include <iostream>
+#include <optional>
+#include <stdexcept>
 
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "tools/settings.hpp"
@@ -72,13 +76,44 @@ void run_shard(platoon::Configuration configuration, const std::string& text, co
             << " of them computed now: " << configuration.run.output << "\n";
 }
 
+/// The configuration that the summary of a run states, with another output folder. Throws ConfigurationError if it
+/// cannot be repeated, or if a setting other than the folder is given.
+platoon::RecordedResults repeated(const std::string& file, const std::map<std::string, std::string>& settings) {
+  for (const auto& entry : settings) {
+    if (entry.first != "output")
+      throw platoon::ConfigurationError(
+          {entry.first + ": given: must be absent beside repeat, which takes it from " + file});
+  }
+  platoon::RecordedResults recorded = platoon::read_summary(file);
+  platoon::RunOptions& run = recorded.configuration.run;
+  const auto reject = [&file](const std::string& reason) {
+    throw platoon::ConfigurationError({file + ": " + reason + ": cannot be repeated"});
+  };
+  if (!recorded.complete) reject("is of an incomplete run");
+  if (run.averaging() == platoon::Averaging::over_time) reject("is of averages over time");
+  if (!run.external.empty()) reject("is of a run with external vehicles");
+  run.output = settings.count("output") > 0 ? settings.at("output") : "";
+  run.resume = false;
+  run.record.clear();
+  run.launch_id.clear();
+  return recorded;
+}
+
+/// Throws std::runtime_error if the results differ from the recorded ones.
+void require_equal(const platoon::RecordedResults& recorded, const std::string& output, const std::string& file) {
+  if (platoon::read_summary(output + "/summary.json").statistics_checksum != recorded.statistics_checksum)
+    throw std::runtime_error(output + "/statistics.csv: differs from the one that " + file + " describes");
+  std::cout << "statistics.csv equals the one that " << file << " describes, bit for bit.\n";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::map<std::string, std::string> extra = {
       {"threads", "worker threads (one per core); the result does not depend on it"},
       {"shard", "I/N: only part I = 0 .. N - 1 of the realizations, for merge; goes on from what it has left"},
-      {"checkpoint_seconds", "seconds between checkpoints of a shard (10)"}};
+      {"checkpoint_seconds", "seconds between checkpoints of a shard (10)"},
+      {"repeat", "summary.json of a run: repeats it into another output folder and compares the results"}};
   std::map<std::string, std::string> settings =
       platoon::parse_command_line(argc, argv, "Monte Carlo of the platoon in one process",
                                   {"model", "headway", "noise_variance", "loss", "delay", "followers", "steps",
@@ -92,19 +127,25 @@ int main(int argc, char** argv) {
   platoon::ignore_file_size_signal();
   try {
     const unsigned threads = platoon::threads_of(own["threads"]);
+    std::optional<platoon::RecordedResults> recorded;
+    if (own.count("repeat") > 0) recorded = repeated(own["repeat"], settings);
     settings.emplace("model", platoon::paper_model_file());
     settings.emplace("batch", platoon::kMonteCarloBatch);
-    platoon::Configuration configuration = platoon::parse_configuration(platoon::configuration_document(settings));
+    platoon::Configuration configuration =
+        recorded ? recorded->configuration : platoon::parse_configuration(platoon::configuration_document(settings));
     configuration.run.hosting = platoon::Hosting::monte_carlo;
     if (configuration.run.averaging() == platoon::Averaging::over_time)
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
     if (configuration.run.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
+    if (recorded && own.count("shard") > 0)
+      throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
     if (own.count("shard") > 0) {
       run_shard(configuration, own["shard"], own["checkpoint_seconds"], threads);
     } else if (own.count("checkpoint_seconds") > 0) {
       throw platoon::ConfigurationError({"checkpoint-seconds: given: must go with --shard"});
     } else {
       run_whole(configuration, threads);
+      if (recorded) require_equal(*recorded, configuration.run.output, own["repeat"]);
     }
     return 0;
   } catch (const std::exception& error) {

@@ -99,11 +99,15 @@ double seconds_of(const std::string& option, const std::string& text) {
   return seconds;
 }
 
-std::string paper_model_file() {
+std::string package_folder() {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
-  const std::filesystem::path installed = program.parent_path() / "../../share/stochastic_platoon/config/paper.yaml";
-  if (std::filesystem::exists(installed)) return installed.lexically_normal().string();
-  return PLATOON_SOURCE_DIR "/config/paper.yaml";
+  const std::filesystem::path installed = program.parent_path() / "../../share/stochastic_platoon";
+  if (std::filesystem::exists(installed / "config/paper.yaml")) return installed.lexically_normal().string();
+  return PLATOON_SOURCE_DIR;
+}
+
+std::string paper_model_file() {
+  return package_folder() + "/config/paper.yaml";
 }
 
 }  // namespace platoon

@@ -25,8 +25,11 @@ unsigned threads_of(const std::string& text);
 /// The value of an option that is a time above 0 [s]. Throws ConfigurationError.
 double seconds_of(const std::string& option, const std::string& text);
 
-/// The paper's example that is shipped with this program: in the install space if the program runs there, else in the
+/// The folder of this package's launch files and models: in the install space if the program runs there, else the
 /// source folder.
+std::string package_folder();
+
+/// The paper's example as shipped with this program.
 std::string paper_model_file();
 
 }  // namespace platoon

@@ -199,7 +199,7 @@ class Contract(ExternalTest):
         terminal = self.launch(master=self.master, followers=3, external=2, steps=20, realizations=100, rate=100, stall_timeout=0.5)
         terminal.wait_for_text("the platoon stands still: vehicle_2 has sent nothing at all; the vehicle is external: clause 2 of the vehicle contract", 40)
         terminal.interrupt()
-        self.assertEqual(terminal.text().count("the platoon stands still"), 1)
+        self.assertEqual(terminal.text().count("the platoon stands still: vehicle_2 has sent nothing at all"), 1)
 
     def test_the_recorder_names_a_vehicle_without_stamps(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:unstamped")

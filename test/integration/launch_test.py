@@ -313,6 +313,17 @@ class Endless(LaunchTest):
             self.assertLess(abs(variance - theory), 5.0 * error)
 
 
+class Arguments(LaunchTest):
+    def test_a_misspelt_one_is_rejected_before_any_node_starts(self):
+        for file, argument, words in (("platoon.launch", dict(headways=2.4), "headways: unknown argument of platoon.launch: did you mean headway?"),
+                                      ("live.launch", dict(rates=20), "rates: unknown argument of live.launch: did you mean rate?")):
+            terminal = self.launch(file, **argument)
+            terminal.wait_for_text(words)
+            terminal.wait()
+            self.assertNotIn("process[", terminal.text())
+            self.assertFalse(os.path.exists(self.output))
+
+
 class Live(LaunchTest):
     def test_live_launch_shows_the_platoon(self):
         import rosbag

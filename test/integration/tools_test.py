@@ -88,6 +88,49 @@ class Memory(unittest.TestCase):
         self.assertLess(usage.ru_maxrss, 400000)
 
 
+class Repeat(unittest.TestCase):
+    """monte_carlo --repeat SUMMARY: the run that a summary states, once more."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+        done = self.monte_carlo("first", "--headway", "2.4", "--followers", "3", "--steps", "20", "--realizations", "500",
+                                "--seed", "7", "--model", live_platoon.shared("config", "lossy.yaml"))
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.summary = os.path.join(self.folder, "first", "summary.json")
+
+    def monte_carlo(self, output, *arguments):
+        return run(live_platoon.executable("monte_carlo"), "--output", os.path.join(self.folder, output), *arguments)
+
+    def test_gives_the_same_bits_and_says_so(self):
+        done = self.monte_carlo("again", "--repeat", self.summary)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn("statistics.csv equals the one that {} describes, bit for bit".format(self.summary), done.stdout)
+        first, again = (live_platoon.statistics(os.path.join(self.folder, name)) for name in ("first", "again"))
+        self.assertEqual(first, again)
+
+    def test_rejects_settings_that_would_change_the_run(self):
+        for option, value in (("--headway", "3.2"), ("--seed", "8"), ("--realizations", "10"), ("--shard", "0/2")):
+            done = self.monte_carlo("again", "--repeat", self.summary, option, value)
+            self.assertEqual(done.returncode, 1, option)
+            self.assertIn("{}: given: must be absent beside repeat".format(option[2:]), done.stdout)
+            self.assertFalse(os.path.exists(os.path.join(self.folder, "again", "statistics.csv")))
+
+    def test_rejects_a_changed_summary(self):
+        with open(self.summary) as file:
+            text = file.read()
+        with open(self.summary, "w") as file:
+            file.write(text.replace('"seed": 7', '"seed": 8'))
+        done = self.monte_carlo("again", "--repeat", self.summary)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("damaged", done.stdout)
+
+    def test_never_overwrites_the_run_that_it_repeats(self):
+        done = self.monte_carlo("first", "--repeat", self.summary)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("holds", done.stdout)
+
+
 class PaperExample(unittest.TestCase):
     """20 followers, 100 steps, 10000 realizations, seed 1.
 

@@ -23,7 +23,8 @@ def heading(state):
     if "reason" not in state:
         return [first, "Starting"]
     if state["step"] is None:
-        second = "nothing is measured yet" + (" ({} steps of burn-in)".format(state["burn_in"]) if state["endless"] else "")
+        second = "nothing is measured yet" + (" (burn-in: {} steps, {:.3g} s of driving)".format(
+            state["burn_in"], state["burn_in"] * state["sample_period"]) if state["endless"] else "")
     elif state["time_average"]:
         second = "averages over time up to step {}".format(state["step"])
     else:

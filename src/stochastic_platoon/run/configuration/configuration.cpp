@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"
@@ -43,6 +44,16 @@ void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, s
       run.followers, most, static_cast<long long>(run.steps)));
 }
 
+void choose_burn_in(const PlatoonModel& model, RunOptions& run, std::vector<std::string>& problems) {
+  if (run.averaging() != Averaging::over_time) return;
+  const std::optional<std::int64_t> steps = settling_steps(model, run.followers);
+  if (steps) {
+    run.burn_in = *steps;
+  } else {
+    problems.emplace_back("run/burn_in: (empty): must be given, as the closed loop of a vehicle is unstable");
+  }
+}
+
 }  // namespace
 
 Configuration parse_configuration(const YAML::Node& document) {
@@ -50,7 +61,7 @@ Configuration parse_configuration(const YAML::Node& document) {
   Section root(document, "", problems);
   if (problems.empty()) require_version(root, problems);
   if (!problems.empty()) throw ConfigurationError(problems);
-  const RunOptions run = read_run_options(root.section("run"));
+  RunOptions run = read_run_options(root.section("run"));
   const std::optional<PlatoonModel> model = read_model(root.section("model"), problems);
   root.reject_unknown_keys();
   if (model && !model->recorded_leader.empty()) {
@@ -61,6 +72,7 @@ Configuration parse_configuration(const YAML::Node& document) {
     }
   }
   if (model) require_feasible_theory(*model, run, problems);
+  if (model && run.burn_in_chosen) choose_burn_in(*model, run, problems);
   if (!problems.empty()) throw ConfigurationError(problems);
   return {*model, run};
 }

@@ -105,7 +105,13 @@ RunOptions read_run_options(Section section) {
   if (options.stall_timeout > 0.0 && options.stall_timeout < kShortestStall)
     section.reject("stall_timeout", formatted("%g", options.stall_timeout),
                    formatted("0 or at least %g", kShortestStall));
-  options.burn_in = section.integer("burn_in", 0, kMaxCount);
+  options.burn_in_chosen = section.has("burn_in_chosen") && section.boolean("burn_in_chosen");
+  if (section.has("burn_in") && section.text("burn_in").empty()) {
+    options.burn_in_chosen = true;
+    options.burn_in = 0;  // until the model is known
+  } else {
+    options.burn_in = section.integer("burn_in", 0, kMaxCount);
+  }
   if (section.has("external")) options.external = read_external(section, options.followers);
   section.reject_unknown_keys();
   const auto followers = static_cast<std::int64_t>(options.followers);
@@ -161,6 +167,7 @@ nlohmann::json to_json(const RunOptions& options) {
                              {"window", options.window},
                              {"stall_timeout", options.stall_timeout},
                              {"burn_in", options.burn_in}};
+  if (options.burn_in_chosen) document["burn_in_chosen"] = true;
   if (options.number > 1) document["run_number"] = options.number;
   // Absent without external vehicles, so that the text of other runs never changes.
   std::string external;

@@ -37,6 +37,7 @@ struct RunOptions {
   double stall_timeout;             ///< [s]; 0 = wait forever
   std::uint64_t number;  ///< number of the run in its launch, from 1: every change of an endless run begins another
   std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
+  bool burn_in_chosen = false;             ///< burn_in is settling_steps() instead of a given number
   std::vector<std::size_t> external = {};  ///< external vehicles, ascending
 
   /// Whether follower i is an external vehicle.

@@ -24,7 +24,8 @@ const std::vector<Setting>& settings() {
       {"window", "0", "steps that may be unacknowledged; 0: choose", nullptr},
       {"stall_timeout", "2.0", "seconds without progress before a batch is begun again; 0: never", nullptr},
       {"external", "", "external vehicles, which platoon.launch does not start, as in 3,7; empty: none", nullptr},
-      {"burn_in", "200", "steps left out of the time averages of an endless run", nullptr},
+      {"burn_in", "",
+       "steps left out of the time averages of an endless run; empty: until the start has decayed to 1e-6", nullptr},
       {"launch_id", "", "names one launch; empty: a new one", nullptr},
       {"first_realization", "0", "realizations before it come from earlier launches (configure finds out)", nullptr},
   };

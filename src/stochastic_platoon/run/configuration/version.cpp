@@ -1,7 +1,10 @@
 #include "stochastic_platoon/run/configuration/version.hpp"
 
+#include "platoon_revision.hpp"
+
 namespace platoon {
 
-const char* const kVersion = PLATOON_VERSION;  // set by CMakeLists.txt
+const char* const kVersion = PLATOON_VERSION;    // set by CMakeLists.txt
+const char* const kRevision = PLATOON_REVISION;  // set by revision.cmake
 
 }  // namespace platoon

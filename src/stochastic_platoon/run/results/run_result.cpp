@@ -9,6 +9,7 @@
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/checksum.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
 
 namespace platoon {
 
@@ -248,20 +249,36 @@ namespace {
 // Stands in for the summary's own checksum while that is computed.
 const std::string kNoChecksum(8, '0');
 
+// Where it stands: nothing else in a summary reads like it, as quotes in strings are escaped.
+std::size_t place_of_checksum(const std::string& text) {
+  const std::string own = "\n    \"summary\": \"";
+  const std::size_t found = text.find(own);
+  return found == std::string::npos ? found : found + own.size();
+}
+
 std::string summary_text(nlohmann::json summary, const std::string& statistics) {
   summary["crc32"] = {{"statistics", checksum(statistics)}, {"summary", kNoChecksum}};
   std::string text = summary.dump(2) + "\n";
-  const std::string own = "\"summary\": \"";
-  return text.replace(text.find(own) + own.size(), kNoChecksum.size(), checksum(text));
+  return text.replace(place_of_checksum(text), kNoChecksum.size(), checksum(text));
 }
 
 }  // namespace
+
+bool is_whole_summary(const std::string& text) {
+  const std::size_t place = place_of_checksum(text);
+  if (place == std::string::npos || place + kNoChecksum.size() > text.size()) return false;
+  std::string without = text;
+  without.replace(place, kNoChecksum.size(), kNoChecksum);
+  return text.substr(place, kNoChecksum.size()) == checksum(without);
+}
 
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const std::string& output = configuration.run.output;
   const std::string statistics = statistics_csv(configuration, prediction, result);
   write_atomically(output + "/statistics.csv", statistics);
-  write_atomically(output + "/summary.json", summary_text(summary_json(configuration, prediction, result), statistics));
+  nlohmann::json summary = summary_json(configuration, prediction, result);
+  summary.update(provenance(configuration));
+  write_atomically(output + "/summary.json", summary_text(std::move(summary), statistics));
 }
 
 }  // namespace platoon

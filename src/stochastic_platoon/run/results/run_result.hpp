@@ -94,9 +94,13 @@ std::size_t cells_with_theory(const RunOptions& run, const Prediction& predictio
 /// Number of positions that the committed realizations must have brought: (N + 1)(K + 1) each.
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations);
 
-/// Writes output/statistics.csv and output/summary.json, each atomically. The summary's "crc32" holds the checksum() of
-/// both, its own computed with "00000000" in its place, so that readers detect damage. Throws std::runtime_error.
+/// Writes output/statistics.csv and output/summary.json, which contains the provenance() of both, each atomically. The
+/// summary's "crc32" holds the checksum() of both, its own computed with "00000000" in its place, so that readers
+/// detect damage. Throws std::runtime_error.
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
+
+/// Whether a summary's text is as write_results() wrote it.
+bool is_whole_summary(const std::string& text);
 
 /// The content of statistics.csv.
 std::string statistics_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result);

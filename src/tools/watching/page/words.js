@@ -20,7 +20,7 @@ export function showHeadline({ configuration, statistics, health }, live) {
   const culprit = complete ? null : health?.culprit;
   at("culprit").hidden = !culprit;
   write(at("culprit"), culprit ? `The platoon stands still: ${culprit} (${health.retries} retries)` : "");
-  const waiting = configuration?.endless ? `theory; what is measured comes after ${configuration.burn_in} steps of burn-in` : "theory; nothing is measured yet";
+  const waiting = configuration?.endless ? `theory; measured values follow after a burn-in of ${configuration.burn_in} steps (${+(configuration.burn_in * configuration.sample_period).toPrecision(3)} s of driving)` : "theory; nothing is measured yet";
   write(at("string-note"), !statistics ? "" : statistics.step === null ? waiting : statistics.time_average ? `averages over time up to step ${statistics.step}` : `at step ${statistics.step}, ${spaced(statistics.realizations)} realizations`);
   write(at("curves-note"), !statistics ? "" : statistics.time_average ? "averages up to k" : "over realizations");
   at("errors-key").hidden = !statistics?.standard_error.some(e => e !== null) || statistics.variance.length > MOST_WHISKERS;

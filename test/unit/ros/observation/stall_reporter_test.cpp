@@ -15,7 +15,7 @@ using stochastic_platoon::Progress;
 class StallReporterTest : public testing::Test {
 protected:
   static RunOptions run_of(std::vector<std::size_t> external) {
-    RunOptions run;
+    RunOptions run{};
     run.followers = 3;
     run.steps = 10;
     run.realizations = 4;

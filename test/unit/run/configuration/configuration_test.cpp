@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/run/configuration/model_text.hpp"
@@ -66,6 +67,28 @@ TEST_F(ConfigurationTest, ReportsTheErrorsOfModelAndRunAtOnce) {
             problems.end());
   EXPECT_NE(std::find(problems.begin(), problems.end(), "run/followers: 0: must be a whole number from 1 to 1000000"),
             problems.end());
+}
+
+TEST_F(ConfigurationTest, TheBurnInOfAnEndlessRunIsItsSettlingTime) {
+  const Configuration chosen = configured({{"steps", "0"}});
+  EXPECT_EQ(chosen.run.burn_in, *settling_steps(chosen.model, 20));
+  EXPECT_EQ(configured({{"steps", "0"}, {"burn_in", "7"}}).run.burn_in, 7);
+  // It is chosen anew with every change of the run, as the configuration travels as text.
+  const Configuration slower = parse_configuration(
+      configuration_document(parse_configuration(to_json(chosen).dump()), {{"headway", "30"}, {"followers", "40"}}));
+  EXPECT_EQ(slower.run.burn_in, *settling_steps(slower.model, 40));
+  EXPECT_GT(slower.run.burn_in, 2 * chosen.run.burn_in);
+}
+
+TEST_F(ConfigurationTest, AnUnstableVehicleNeedsABurnIn) {
+  const std::string unstable = folder_.file("unstable.yaml", std::string(kModelText) + "\nallow_unstable: true\n");
+  const Settings settings{{"model", unstable}, {"headway", "0.1"}, {"steps", "0"}};
+  ASSERT_GE(spectral_radius(configured({{"model", unstable}, {"headway", "0.1"}}).model.loop), 1.0);
+  EXPECT_EQ(problems_with(settings),
+            Problems{"run/burn_in: (empty): must be given, as the closed loop of a vehicle is unstable"});
+  Settings given = settings;
+  given["burn_in"] = "50";
+  EXPECT_EQ(configured(given).run.burn_in, 50);
 }
 
 TEST_F(ConfigurationTest, NamesEverySettingThatIsUnknown) {

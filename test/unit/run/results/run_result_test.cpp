@@ -101,9 +101,9 @@ TEST(WriteResults, PutsEveryKeyIntoTheSummary) {
   const Prediction prediction = predict(configuration);
   const nlohmann::json summary = written(configuration, prediction, result_with(configuration, prediction)).summary;
   const std::set<std::string> keys = keys_of(summary);
-  for (const char* key :
-       {"complete", "followers", "steps", "realizations", "seed", "hosting", "attempts", "positions_received",
-        "positions_lost", "wall_seconds", "vehicle_steps_per_second", "agreement", "theory"}) {
+  for (const char* key : {"complete", "followers", "steps", "realizations", "seed", "hosting", "attempts",
+                          "positions_received", "positions_lost", "wall_seconds", "vehicle_steps_per_second",
+                          "agreement", "theory", "configuration", "revision", "date", "host", "command_line"}) {
     EXPECT_EQ(keys.count(key), 1u) << key;
   }
   EXPECT_EQ(keys_of(summary["agreement"]), (std::set<std::string>{"max_abs_z_mean", "max_abs_z_variance"}));

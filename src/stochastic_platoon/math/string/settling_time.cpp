@@ -1,0 +1,46 @@
+#include "stochastic_platoon/math/string/settling_time.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
+
+namespace platoon {
+
+namespace {
+
+/// The largest modulus of a pole of 1 / (1 - q L).
+double predictor_radius(const LossModel& loss) {
+  Polynomial p(static_cast<Eigen::Index>(loss.predictor.size()) + 1);
+  p(0) = 1.0;
+  for (std::size_t j = 0; j < loss.predictor.size(); ++j)
+    p(static_cast<Eigen::Index>(j) + 1) = -loss.probability * loss.predictor[j];
+  return spectral_radius(delta_form(p));
+}
+
+double slowest_radius(const VehicleModel& vehicle) {
+  double radius = spectral_radius(vehicle.loop);
+  if (vehicle.link.loss) radius = std::max(radius, predictor_radius(*vehicle.link.loss));
+  if (!vehicle.link.has_white_noise())
+    radius = std::max(radius, spectral_radius(delta_form(vehicle.link.noise_filter.denominator())));
+  return radius;
+}
+
+}  // namespace
+
+std::optional<std::int64_t> settling_steps(const PlatoonModel& model, std::size_t followers) {
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  double radius = 0.0, delays = 0.0;
+  for (const VehicleModel& vehicle : vehicles) radius = std::max(radius, slowest_radius(vehicle));
+  if (!(radius < 1.0)) return std::nullopt;
+  for (std::size_t i = 0; i < followers; ++i) {
+    const VehicleModel& vehicle = vehicles[i % vehicles.size()];
+    delays += static_cast<double>(vehicle.loop.realization.order()) + static_cast<double>(vehicle.link.delay);
+  }
+  const double n = static_cast<double>(followers), l = std::log(1e6);
+  const double decay = radius > 0.0 ? (n + std::sqrt(2.0 * n * l) + l) / -std::log(radius) : 0.0;
+  return static_cast<std::int64_t>(std::ceil(delays + decay));
+}
+
+}  // namespace platoon

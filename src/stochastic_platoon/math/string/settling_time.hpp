@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+
+namespace platoon {
+
+/// Steps after which the transient of the start has decayed to 1e-6 at follower N; none if a vehicle of the string is
+/// unstable:
+///     k = sum_i (n_i + m_i) + (N + sqrt(2 N L) + L) / -ln rho,   L = ln 1e6,
+/// the quantile of a sum of N exponential delays with the slowest decay (B. Laurent and P. Massart, Ann. Statist. 28,
+/// 2000, lemma 1). rho is the largest modulus of a pole of the closed loops, predictors and noise filters in the
+/// string, n_i the order of loop i, m_i the delay of link i.
+std::optional<std::int64_t> settling_steps(const PlatoonModel& model, std::size_t followers);
+
+}  // namespace platoon

@@ -1,0 +1,116 @@
+#include "stochastic_platoon/run/configuration/launch_arguments.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <numeric>
+#include <optional>
+#include <regex>
+#include <set>
+
+namespace platoon {
+
+namespace {
+
+constexpr char kPackage[] = "stochastic_platoon";
+
+std::string without_comments(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  std::string result;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t begin = text.find("<!--", from);
+    result += text.substr(from, begin - from);
+    if (begin == std::string::npos) break;
+    const std::size_t end = text.find("-->", begin);
+    if (end == std::string::npos) break;
+    from = end + 3;
+  }
+  return result;
+}
+
+// With pass_all_args an include takes every argument that the included file declares.
+void add_declared(const std::filesystem::path& file, const std::string& folder, std::set<std::string>& names) {
+  static const std::regex argument(R"re(<arg\s+name="([^"]+)")re"), include(R"re(<include\s[^>]*>)re"),
+      included(R"re(file="[^"]*/([^"/]+)")re");
+  const std::string text = without_comments(file);
+  for (std::sregex_iterator found(text.begin(), text.end(), argument), end; found != end; ++found)
+    names.insert((*found)[1]);
+  for (std::sregex_iterator found(text.begin(), text.end(), include), end; found != end; ++found) {
+    const std::string element = found->str();
+    std::smatch name;
+    if (element.find("pass_all_args=\"true\"") == std::string::npos || !std::regex_search(element, name, included))
+      continue;
+    const std::filesystem::path next = std::filesystem::path(folder) / name[1].str();
+    if (std::filesystem::exists(next) && next.filename() != file.filename()) add_declared(next, folder, names);
+  }
+}
+
+// The launch file that a word names: a file, or one of this package if the word before it is the package.
+std::optional<std::filesystem::path> launch_file(const std::string& word, const std::string& before,
+                                                 const std::string& folder) {
+  const std::string extension = std::filesystem::path(word).extension();
+  if (extension != ".launch" && extension != ".xml") return std::nullopt;
+  if (before == kPackage) {
+    const std::filesystem::path shipped = std::filesystem::path(folder) / word;
+    if (std::filesystem::exists(shipped)) return shipped;
+  }
+  if (std::filesystem::exists(word)) return std::filesystem::path(word);
+  return std::nullopt;
+}
+
+/// Levenshtein's distance: the least number of letters to insert, remove or replace.
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::vector<std::string> undeclared_arguments(const std::vector<std::string>& command_line, const std::string& folder) {
+  const auto program = std::find_if(command_line.begin(), command_line.end(), [](const std::string& word) {
+    return std::filesystem::path(word).filename() == "roslaunch";
+  });
+  if (program == command_line.end()) return {};
+  static const std::regex assignment("([A-Za-z][A-Za-z0-9_]*):=[^]*");  // but not __name:=
+  std::set<std::string> declared;
+  std::vector<std::string> given;
+  std::string file_name;
+  for (auto word = program + 1; word != command_line.end(); ++word) {
+    std::smatch name;
+    if (std::regex_match(*word, name, assignment)) {
+      given.push_back(name[1]);
+    } else if (const auto file = launch_file(*word, *(word - 1), folder)) {
+      add_declared(*file, folder, declared);
+      file_name += (file_name.empty() ? "" : ", ") + file->filename().string();
+    } else if (std::filesystem::path(*word).extension() == ".launch") {
+      return {};  // of another package
+    }
+  }
+  if (file_name.empty()) return {};
+  std::vector<std::string> problems;
+  for (const std::string& name : given) {
+    if (declared.count(name) > 0) continue;
+    std::string problem = name + ": unknown argument of " + file_name;
+    const auto nearest = std::min_element(declared.begin(), declared.end(), [&](const auto& a, const auto& b) {
+      return distance(a, name) < distance(b, name);
+    });
+    if (nearest != declared.end() && distance(*nearest, name) <= std::max<std::size_t>(2, name.size() / 3))
+      problem += ": did you mean " + *nearest + "?";
+    problems.push_back(problem + " (roslaunch --ros-args lists the arguments)");
+  }
+  return problems;
+}
+
+}  // namespace platoon

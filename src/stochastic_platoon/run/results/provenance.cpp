@@ -1,0 +1,93 @@
+#include "stochastic_platoon/run/results/provenance.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/results/run_result.hpp"
+
+namespace platoon {
+
+namespace {
+
+std::string content_of(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+std::vector<std::string> command_line_of(long process) {
+  std::istringstream text(content_of("/proc/" + std::to_string(process) + "/cmdline"));
+  std::vector<std::string> words;
+  for (std::string word; std::getline(text, word, '\0');) words.push_back(word);
+  return words;
+}
+
+// 0 at the end of the line of ancestors. The name of the program, in parentheses, may contain anything.
+long parent_of(long process) {
+  const std::string text = content_of("/proc/" + std::to_string(process) + "/stat");
+  const std::size_t end = text.rfind(')');
+  if (end == std::string::npos) return 0;
+  std::istringstream fields(text.substr(end + 1));
+  std::string state;
+  long parent = 0;
+  fields >> state >> parent;
+  return parent;
+}
+
+bool is_roslaunch(const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    if (std::filesystem::path(word).filename() == "roslaunch") return true;
+  }
+  return false;
+}
+
+std::string date_now() {
+  const std::time_t seconds = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&seconds, &parts);
+  std::array<char, 32> text{};
+  return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts)};
+}
+
+std::string host() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+}  // namespace
+
+std::vector<std::string> command_line() {
+  for (long process = ::getpid(); process > 1; process = parent_of(process)) {
+    std::vector<std::string> words = command_line_of(process);
+    if (is_roslaunch(words)) return words;
+  }
+  return command_line_of(::getpid());
+}
+
+nlohmann::json provenance(const Configuration& configuration) {
+  return {{"configuration", to_json(configuration)},
+          {"revision", kRevision},
+          {"date", date_now()},
+          {"host", host()},
+          {"command_line", command_line()}};
+}
+
+RecordedResults read_summary(const std::string& file) {
+  const auto reject = [&file](const std::string& reason) { throw ConfigurationError({file + ": " + reason}); };
+  const std::string text = content_of(file);
+  if (text.empty()) reject("must be the summary.json of a run");
+  const nlohmann::json summary = nlohmann::json::parse(text, nullptr, false);
+  if (!summary.is_object() || !is_whole_summary(text)) reject("damaged: its checksum is not that of its content");
+  if (!summary.contains("configuration")) reject("states no configuration: written by an older version");
+  return {parse_configuration(summary["configuration"].dump()), summary.at("complete").get<bool>(),
+          summary.at("crc32").at("statistics").get<std::string>()};
+}
+
+}  // namespace platoon

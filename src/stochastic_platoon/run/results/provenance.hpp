@@ -1,0 +1,29 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+
+namespace platoon {
+
+/// The command line of this process, or of the roslaunch that started it, from /proc; empty if it cannot be read.
+std::vector<std::string> command_line();
+
+/// Where and how results are made, for summary.json: `configuration` (the resolved model and all run options),
+/// `revision` of the sources, `date` (UTC, ISO 8601), `host`, `command_line`.
+nlohmann::json provenance(const Configuration& configuration);
+
+/// The results of a finished run in a folder.
+struct RecordedResults {
+  Configuration configuration;
+  bool complete;
+  std::string statistics_checksum;  ///< checksum() of statistics.csv
+};
+
+/// Reads a summary.json. Throws ConfigurationError if it is missing or damaged, comes from another version, or states
+/// no configuration.
+RecordedResults read_summary(const std::string& file);
+
+}  // namespace platoon

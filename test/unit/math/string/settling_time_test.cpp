@@ -1,0 +1,55 @@
+#include "stochastic_platoon/math/string/settling_time.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "unit/math/string/example_loops.hpp"
+#include "unit/paper_platoon.hpp"
+
+namespace platoon {
+namespace {
+
+// The transient in the last follower's variance and mean.
+void expect_settled(const PlatoonModel& model, std::size_t followers, const std::string& name) {
+  const std::optional<std::int64_t> steps = settling_steps(model, followers);
+  ASSERT_TRUE(steps) << name;
+  const ErrorMoments moments = error_moments(model, followers, *steps + 1);
+  const double stationary = stationary_variances(model, followers).back();
+  EXPECT_NEAR(moments.variance.back(), stationary, 1e-5 * stationary) << name << ", " << *steps << " steps";
+  double largest = 0.0;
+  for (const double mean : moments.mean) largest = std::max(largest, std::abs(mean));
+  EXPECT_LE(std::abs(moments.mean.back()), 1e-5 * largest) << name << ", " << *steps << " steps";
+}
+
+TEST(SettlingTime, LeavesNothingOfTheStart) {
+  for (const double headway : {2.4, 3.2, 10.0}) {
+    for (const std::size_t followers : {1u, 5u, 20u, 60u})
+      expect_settled(paper_platoon(headway), followers, "paper " + std::to_string(headway));
+  }
+}
+
+TEST(SettlingTime, GrowsWithDelaysAndSlowPoles) {
+  PlatoonModel model = paper_platoon(3.2);
+  const std::int64_t before = *settling_steps(model, 20);
+  EXPECT_LT(before, 300);
+  model.link.delay = 10;
+  EXPECT_EQ(*settling_steps(model, 20), before + 200);
+  model.link.loss = LossModel();
+  model.link.loss->probability = 0.9;
+  EXPECT_GT(*settling_steps(model, 20), before + 300) << "a lost position is kept for ten steps on average";
+}
+
+TEST(SettlingTime, AnUnstableVehicleHasNone) {
+  PlatoonModel model = paper_platoon(3.2);
+  Eigen::MatrixXd a = model.loop.realization.a();
+  model.loop = closed_loop_from(
+      {a / spectral_radius(model.loop) * 1.01, model.loop.realization.b(), model.loop.realization.c()});
+  EXPECT_FALSE(settling_steps(model, 20));
+}
+
+}  // namespace
+}  // namespace platoon

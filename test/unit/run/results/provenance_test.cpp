@@ -1,0 +1,71 @@
+#include "stochastic_platoon/run/results/provenance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <string>
+
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/io/checksum.hpp"
+#include "unit/run/results/result_with.hpp"
+#include "unit/temporary_folder.hpp"
+
+namespace platoon {
+namespace {
+
+class ProvenanceTest : public testing::Test {
+protected:
+  ProvenanceTest() : configuration_(paper_run(folder_.path(), 2.4)) {
+    const Prediction prediction = predict(configuration_);
+    write_results(configuration_, prediction, result_with(configuration_, prediction));
+    text_ = content_of(summary_file());
+  }
+  std::string summary_file() const { return folder_ / "summary.json"; }
+  std::string problem_with(const std::string& text) const {
+    try {
+      read_summary(folder_.file("other.json", text));
+    } catch (const ConfigurationError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  TemporaryFolder folder_;
+  Configuration configuration_;
+  std::string text_;
+};
+
+TEST_F(ProvenanceTest, ASummaryStatesWhatWasRun) {
+  const nlohmann::json summary = nlohmann::json::parse(text_);
+  EXPECT_EQ(summary["configuration"], to_json(configuration_));
+  EXPECT_EQ(summary["configuration"]["model"]["time_headway"], 2.4);
+  EXPECT_EQ(summary["revision"], kRevision);
+  EXPECT_TRUE(std::regex_match(summary["date"].get<std::string>(), std::regex(R"(20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ)")))
+      << summary["date"];
+  EXPECT_NE(summary["host"], "");
+  ASSERT_FALSE(summary["command_line"].empty());
+  EXPECT_NE(summary["command_line"][0].get<std::string>().find("platoon_unit"), std::string::npos);
+}
+
+TEST_F(ProvenanceTest, TheConfigurationIsReadBackWhole) {
+  const RecordedResults found = read_summary(summary_file());
+  EXPECT_EQ(to_json(found.configuration), to_json(configuration_));
+  EXPECT_TRUE(found.complete);
+  EXPECT_EQ(found.statistics_checksum, checksum(content_of(folder_ / "statistics.csv")));
+}
+
+TEST_F(ProvenanceTest, AChangedSummaryIsRejected) {
+  for (const char* key : {"\"time_headway\": 2", "\"seed\": 1", "\"statistics\": \""}) {
+    std::string changed = text_;
+    const std::size_t place = changed.find(key) + std::string(key).size() - 1;
+    changed[place] = changed[place] == '3' ? '4' : '3';
+    EXPECT_NE(problem_with(changed).find("damaged"), std::string::npos) << key;
+  }
+  EXPECT_NE(problem_with("{}").find("damaged"), std::string::npos);
+  EXPECT_NE(problem_with("").find("must be the summary.json of a run"), std::string::npos);
+  EXPECT_EQ(problem_with(text_), "");
+}
+
+}  // namespace
+}  // namespace platoon
