@@ -14,6 +14,8 @@ namespace {
 // Smaller states count as zero: arithmetic with subnormal numbers is a hundred times slower.
 constexpr long double kNegligibleState = 1e-290L;
 
+constexpr long double kWellConditioned = 100.0L;  // two of the nineteen digits
+
 /// A polynomial in Newton's basis with the first nodes at 1 and the others at 0.
 struct NewtonForm {
   ExactPolynomial at_one;   ///< coefficients of 1, s, s^2, ...
@@ -94,7 +96,8 @@ LoopResponse::LoopResponse(const ClosedLoop& loop) {
     }
     Sequence c = numerator.coefficients(), d = denominator.coefficients();
     const long double found = condition(c, d, at_one, places);
-    if (found >= least) continue;
+    const bool powers_of_s_do = at_one == n && found <= kWellConditioned;
+    if (found >= least && !powers_of_s_do) continue;
     least = found;
     at_zero_ = n - at_one;
     numerator_.swap(c);

@@ -86,7 +86,12 @@ RecordedResults read_summary(const std::string& file) {
   const nlohmann::json summary = nlohmann::json::parse(text, nullptr, false);
   if (!summary.is_object() || !is_whole_summary(text)) reject("damaged: its checksum is not that of its content");
   if (!summary.contains("configuration")) reject("states no configuration: written by an older version");
-  return {parse_configuration(summary["configuration"].dump()), summary.at("complete").get<bool>(),
+  nlohmann::json document = summary["configuration"];
+  nlohmann::json& hosting = document["run"]["hosting"];
+  // Those without ROS are no choice of a launch file.
+  if (hosting == to_string(Hosting::monte_carlo) || hosting == to_string(Hosting::bag))
+    hosting = to_string(Hosting::one_process);
+  return {parse_configuration(document.dump()), summary.at("complete").get<bool>(),
           summary.at("crc32").at("statistics").get<std::string>()};
 }
 

@@ -17,7 +17,7 @@ nlohmann::json provenance(const Configuration& configuration);
 
 /// The results of a finished run in a folder.
 struct RecordedResults {
-  Configuration configuration;
+  Configuration configuration;  ///< hosting is one_process if the run had no ROS nodes
   bool complete;
   std::string statistics_checksum;  ///< checksum() of statistics.csv
 };

@@ -17,6 +17,7 @@ namespace {
 class ProvenanceTest : public testing::Test {
 protected:
   ProvenanceTest() : configuration_(paper_run(folder_.path(), 2.4)) {
+    configuration_.run.record_compression = "none";
     const Prediction prediction = predict(configuration_);
     write_results(configuration_, prediction, result_with(configuration_, prediction));
     text_ = content_of(summary_file());
@@ -53,6 +54,15 @@ TEST_F(ProvenanceTest, TheConfigurationIsReadBackWhole) {
   EXPECT_EQ(to_json(found.configuration), to_json(configuration_));
   EXPECT_TRUE(found.complete);
   EXPECT_EQ(found.statistics_checksum, checksum(content_of(folder_ / "statistics.csv")));
+}
+
+TEST_F(ProvenanceTest, TheConfigurationOfARunWithoutNodesIsReadToo) {
+  for (const Hosting hosting : {Hosting::monte_carlo, Hosting::bag}) {
+    configuration_.run.hosting = hosting;
+    const Prediction prediction = predict(configuration_);
+    write_results(configuration_, prediction, result_with(configuration_, prediction));
+    EXPECT_EQ(read_summary(summary_file()).configuration.run.hosting, Hosting::one_process);
+  }
 }
 
 TEST_F(ProvenanceTest, AChangedSummaryIsRejected) {
