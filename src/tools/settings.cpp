@@ -43,7 +43,7 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
   std::map<std::string, std::string> help = extra;
   for (const std::string& name : accepted) help[name] = help_of(name);
   options::options_description description(purpose);
-  description.add_options()("help", "print this")("version", "print the version");
+  description.add_options()("help,h", "print this")("version", "print the version");
   for (const auto& entry : help) {
     description.add_options()(option_name(entry.first).c_str(), options::value<std::string>(), entry.second.c_str());
   }

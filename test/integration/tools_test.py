@@ -29,9 +29,10 @@ class EveryTool(unittest.TestCase):
 
     def test_prints_its_help(self):
         for program in self.programs():
-            done = run(program, "--help")
-            self.assertEqual(done.returncode, 0, program)
-            self.assertIn("--version", done.stdout)
+            for option in ("--help", "-h"):
+                done = run(program, option)
+                self.assertEqual(done.returncode, 0, program)
+                self.assertIn("--version", done.stdout)
 
     def test_refuses_an_option_that_it_does_not_know(self):
         for program in self.programs():

@@ -305,6 +305,10 @@ class Sweeps(PlotTest):
         self.make_sweep(*[self.row(i, 0.01 * i, 2.4 + 0.1 * i) for i in range(20)])
         self.assertEqual(len(plot.sweep.read_tails(self.path("sweep.csv")).curves), 1)
 
+    def test_names_curves_by_rounded_numbers(self):
+        path = self.make_sweep(*[self.row(i, 0.09999999999999992, 2.4 + i) for i in range(3)])
+        self.assertEqual([curve.name for curve in plot.sweep.read_tails(path).curves], ["loss = 0.1"])
+
     def test_refuses_what_is_no_sweep(self):
         self.assert_refuses("sweep", self.path("none"), saying=["no such file"])
         self.assert_refuses("sweep", self.make_sweep(heading=""), saying=["is empty"])

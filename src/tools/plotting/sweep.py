@@ -89,7 +89,8 @@ def read_tails(path, over=None):
         at = np.array([float(row[over]) for row in group])
         columns = {name: drawable(np.array([number_of(path, row["line"], name, row[name]) for row in group]))
                    for name in MEASURED}
-        name = ", ".join("{} = {}".format(label, value) for label, value in zip(others, values))
+        name = ", ".join("{} = {}".format(label, "{:g}".format(float(value)) if is_number(value) else value)
+                         for label, value in zip(others, values))
         curves.append(Curve(name, at, **columns))
     if not any(np.isfinite(curve.variance).any() for curve in curves):
         raise InputError("{}: variance is NaN everywhere: nothing to draw".format(path))

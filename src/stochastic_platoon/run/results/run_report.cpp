@@ -30,7 +30,10 @@ std::string heading(const RunOptions& run, const RunResult& result) {
 
 std::string row(const ResultCell& of, bool has_theory) {
   std::string text = formatted("%8zu %16.6g ", of.follower, of.measured.variance());
-  if (!has_theory) return text + formatted("%16s %14s %9s\n", "-", "-", "-");
+  if (!has_theory) {
+    const double error = standard_error_of_variance(of);  // by what was measured
+    return text + formatted("%16s %14s %9s\n", std::isnan(error) ? "-" : formatted("%.2g", error).c_str(), "-", "-");
+  }
   if (std::isnan(of.share.variance)) return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
   return text + formatted("%16.2g %14.6g %9.2f\n", standard_error_of_variance(of), of.theoretical_variance,
                           scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share,

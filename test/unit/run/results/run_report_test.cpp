@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "unit/run/results/result_with.hpp"
 
@@ -37,6 +40,19 @@ TEST(Report, SaysThatMeasurementAndTheoryDisagree) {
   only_variance.moments.back().squared_deviations *= 5.0;
   EXPECT_NE(report(configuration, prediction, only_variance).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
             std::string::npos);
+}
+
+TEST(Report, GivesTheMeasuredStandardErrorOfAnExternalVehicle) {
+  Configuration configuration = paper_run("");
+  const Prediction whole = predict(configuration);
+  const RunResult result = result_with(configuration, whole);
+  configuration.run.external = {2};
+  const Prediction prediction = predict(configuration);
+  ASSERT_EQ(prediction.followers_with_theory, 1u);
+  const double variance = result.moments.back().variance(), error = variance * std::sqrt(2.0 / 19.0);
+  const std::string row = formatted("%8d %16.6g %16.2g %14s %9s\n", 2, variance, error, "-", "-");
+  EXPECT_NE(report(configuration, prediction, result).find(row), std::string::npos)
+      << report(configuration, prediction, result);
 }
 
 TEST(Report, SaysThatSomethingUndefinedDoesNotAgree) {
