@@ -31,7 +31,7 @@ Arguments parse(int argc, char** argv) {
   Arguments arguments;
   options::options_description description(
       "bag_statistics BAG...: statistics of a recorded platoon (several bags: a split one)");
-  description.add_options()("help", "print this")                                           //
+  description.add_options()("help,h", "print this")                                         //
       ("version", "print the version")                                                      //
       ("bag", options::value(&arguments.bags.files), "bag files; may stand without --bag")  //
       ("output", options::value(&arguments.output),
