@@ -51,7 +51,7 @@ Arguments parsed(int argc, char** argv) {
   arguments.settings = platoon::parse_command_line(
       argc - (numbered ? 1 : 0), argv + (numbered ? 1 : 0),
       "check_vehicle I: drives vehicle I alone through the vehicle contract, a verdict for each clause",
-      {"model", "headway"},
+      {"model", "headway", "headway_seconds"},
       {{"patience", "seconds to wait for an answer (2)"}, {"wait", "seconds to wait for the vehicle (30)"}});
   if (!numbered) throw platoon::ConfigurationError({std::string("vehicle: missing: must be ") + kNumber});
   arguments.patience = seconds_of(arguments.settings, "patience", arguments.patience);

@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
       {"repeat", "summary.json of a run: repeats it into another output folder and compares the results"}};
   std::map<std::string, std::string> settings =
       platoon::parse_command_line(argc, argv, "Monte Carlo of the platoon in one process",
-                                  {"model", "headway", "noise_variance", "loss", "delay", "followers", "steps",
+                                  {"model", "headway", "headway_seconds", "noise_variance", "loss", "delay", "followers", "steps",
                                    "realizations", "batch", "seed", "output"},
                                   extra);
   std::map<std::string, std::string> own;

@@ -19,9 +19,8 @@ platoon::LoopDesign paper_design() {
 // The numerical example of the paper, h = 3.2.
 platoon::PlatoonModel paper_model() {
   const double headway = 3.2;
-  platoon::PlatoonModel model{platoon::close_loop(paper_design(), headway), headway, 0.0, 0.1, 0.6,
-                              platoon::LeaderProfile({{0, 20.0}}, 0.1),     {}};
-  return model;
+  return {platoon::VehicleModel{platoon::close_loop(paper_design(), headway), headway, 0.0, 0.6},
+          platoon::LeaderProfile({{0, 20.0}}, 0.1)};
 }
 
 void StringStability(benchmark::State& state) {
@@ -62,9 +61,11 @@ BENCHMARK(StationaryVariances)->Arg(20)->Arg(100)->Arg(1000000)->Unit(benchmark:
 void StationaryVariancesByDenseLyapunov(benchmark::State& state) {
   const platoon::PlatoonModel model = paper_model();
   const platoon::StringMatrices matrices =
-      platoon::string_matrices(model.loop.realization, model.headway, static_cast<std::size_t>(state.range(0)));
+      platoon::string_matrices(model.default_vehicle().loop.realization, model.default_vehicle().headway,
+                               static_cast<std::size_t>(state.range(0)));
   for (auto _ : state) {
-    benchmark::DoNotOptimize(platoon::stationary_covariance_by_lyapunov(matrices, model.noise_variance));
+    benchmark::DoNotOptimize(
+        platoon::stationary_covariance_by_lyapunov(matrices, model.default_vehicle().noise_variance));
   }
 }
 BENCHMARK(StationaryVariancesByDenseLyapunov)->Arg(20)->Arg(100)->Unit(benchmark::kMillisecond);

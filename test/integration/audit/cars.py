@@ -1,35 +1,22 @@
 """Random cars: an actuator lag with an input delay, e^(-d s) / (s^2 (tau s + 1)), with a zero-order hold, and a
-proportional-derivative controller."""
+proportional-derivative controller; as G(z) and K(z), and described by lag, delay and gains."""
 
 import math
 
 from mpmath import mp, mpf
 
 from audit.paper_models import expanded, rest_of_model
+from audit.sampled import pulse_transfer
 
 
 def held(period, lag, delay):
-    """The pulse transfer function of a car, with an exact double pole at z = 1 and the lag's pole rounded to 44 bits."""
-    period, lag, delay = mpf(period), mpf(lag), mpf(delay)
-    pole = round(float(mp.exp(-period / lag)) * 2 ** 44) / 2 ** 44
+    """The pulse transfer function in doubles, with an exact double pole at z = 1 and the lag's pole rounded to 44 bits."""
+    pole = round(float(mp.exp(-mpf(period) / mpf(lag))) * 2 ** 44) / 2 ** 44
     if not 2.0 ** -8 < pole < 1.0:
         return None
-    exact = mp.exp(-period / lag)
-
-    def of_step(t):  # position at time t after a step of the input
-        return mpf(0) if t <= 0 else t * t / 2 - lag * t + lag * lag * -mp.expm1(-t / lag)
-    # The step response times (z - 1)^2 (z - e^(-T/tau)) and (1 - 1/z) is finite: it is the numerator.
-    denominator = [mpf(1), -2 - exact, 1 + 2 * exact, -exact]
-    whole = int(mp.floor(delay / period))
-    steps = [of_step(k * period - delay) for k in range(whole + 8)]
-    jumps = [a - b for a, b in zip(steps, [mpf(0)] + steps)]
-    product = [sum(denominator[i] * jumps[k - i] for i in range(min(k, 3) + 1)) for k in range(len(jumps))]
-    least = mpf(10) ** -20 * max(abs(x) for x in product)
-    size = max(k for k, x in enumerate(product) if abs(x) > least) + 1  # down to z^-(size - 1)
-    numerator = [float(x) for x in product[:size]]
-    first = next(k for k, x in enumerate(product) if abs(x) > least)
+    numerator, denominator = pulse_transfer(period, lag, delay)
     exact_denominator = expanded([1, -1], [1, -1], [1, -pole])
-    return {"numerator": numerator[first:], "denominator": exact_denominator + [0.0] * (size - 4)}
+    return {"numerator": [float(x) for x in numerator], "denominator": exact_denominator + [0.0] * (len(denominator) - 4)}
 
 
 def car_vehicle(draw, period):
@@ -40,6 +27,19 @@ def car_vehicle(draw, period):
     kp, kd = math.exp(draw.uniform(math.log(0.05), 0)), draw.uniform(0.3, 1.5)
     return {"time_headway": draw.uniform(0.4, 3.0) / period, "plant": held(period, lag, delay),
             "controller": {"numerator": [kp + kd / period, -kd / period], "denominator": [1.0, 0.0]}}
+
+
+def described_car(draw):
+    """A car by lag, delay and gains: delays of up to 40 sample periods, with or without a headway filter."""
+    period = draw.choice([0.01, 0.02, 0.05, 0.1, draw.uniform(0.01, 0.1)])
+    samples = draw.uniform(0, 0.4) / period
+    controller = {"kp": math.exp(draw.uniform(math.log(0.05), 0)), "kd": draw.uniform(0.3, 1.5)}
+    if draw.random() < 0.2:
+        controller["ki"] = controller["kp"] * draw.uniform(0.001, 0.02)
+    controller["headway_filter"] = draw.random() < 0.7
+    return dict(rest_of_model(draw, period), time_headway=draw.uniform(0.6, 2.0) * math.sqrt(2 / controller["kp"]) / period, controller=controller,
+                plant={"actuator_lag": draw.choice([0.0, draw.uniform(0.05, 0.5)]),
+                       "input_delay": (round(samples) if draw.random() < 0.5 else samples) * period})
 
 
 def car(draw):

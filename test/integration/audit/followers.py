@@ -68,7 +68,7 @@ def _made(vehicle):
 
 def made(vehicle):
     """The follower of a vehicle of link_reference.vehicles_of()."""
-    keys = ("plant", "controller", "closed_loop", "time_headway", "noise_variance", "channel")
+    keys = ("plant", "controller", "closed_loop", "time_headway", "noise_variance", "channel", "sample_period")
     return _made(json.dumps({key: vehicle[key] for key in keys if key in vehicle}, sort_keys=True))
 
 

@@ -4,6 +4,7 @@ from mpmath import mp, mpf
 
 from audit.polynomials import plus, slope, squared_modulus, squared_norm, times, trimmed, value, without_factor, zeros, \
     zeros_of_margin
+from audit.sampled import discrete_controller, pulse_transfer
 
 UNDECIDED = 1e-11  # smallest |D|^2 - |N|^2, relative to the sum of its terms, that the digits of the coefficients determine
 
@@ -96,11 +97,22 @@ def at_one(p):
 def design_loop(vehicle, h=None):
     h = mpf(vehicle["time_headway"] if h is None else h)
     plant, controller = vehicle["plant"], vehicle["controller"]
-    n = times([mpf(a) for a in plant["numerator"]], [mpf(a) for a in controller["numerator"]])
-    d = times(at_one([mpf(a) for a in plant["denominator"]]), [mpf(a) for a in controller["denominator"]])
+    if "actuator_lag" in plant:
+        plant_n, plant_d = pulse_transfer(vehicle["sample_period"], plant["actuator_lag"], plant["input_delay"])
+    else:
+        plant_n, plant_d = ([mpf(a) for a in plant[part]] for part in ("numerator", "denominator"))
+        plant_d = at_one(plant_d)
+    if "kp" in controller:
+        controller_n, controller_d = discrete_controller(controller, vehicle["sample_period"])
+    else:
+        controller_n, controller_d = ([mpf(a) for a in controller[part]] for part in ("numerator", "denominator"))
+    n, d = times(plant_n, controller_n), times(plant_d, controller_d)
     if controller.get("divide_by_one_plus_headway", False):
         d = [a * (1 + h) for a in d]
-    numerator, denominator = times(n, [1, 0]), plus(times(d, [1, 0]), times(n, [1 + h, -h]))
+    if controller.get("headway_filter", False):
+        numerator, denominator = times(n, [1, 0]), times([1 + h, -h], plus(d, n))
+    else:
+        numerator, denominator = times(n, [1, 0]), plus(times(d, [1, 0]), times(n, [1 + h, -h]))
     while numerator[-1] == 0 and denominator[-1] == 0:
         numerator, denominator = numerator[:-1], denominator[:-1]
     return Loop(numerator, denominator, h)

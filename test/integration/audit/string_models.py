@@ -7,7 +7,7 @@ import numpy as np
 from mpmath import mpf
 
 import link_reference
-from audit.cars import car, car_vehicle
+from audit.cars import car, car_vehicle, described_car
 from audit.followers import made
 from audit.paper_models import dyadic, expanded, plain
 
@@ -232,4 +232,4 @@ def mostly_stable(kind):
     return drawn
 
 
-KINDS = [mostly_stable(kind) for kind in (car, linked, mixed, long_pattern, car_behind_link, car_string, flat)]
+KINDS = [described_car] + [mostly_stable(kind) for kind in (car, linked, mixed, long_pattern, car_behind_link, car_string, flat)]

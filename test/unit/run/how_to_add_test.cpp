@@ -70,7 +70,7 @@ TEST(HowToAdd, AChannelAsAStageOfTheLink) {
   EXPECT_TRUE(link.keeps_state());
   LeaderVehicle leader(model);
   FollowerVehicle follower(model, kSeed, 1);
-  const TrackingError error{model.headway, model.standstill_distance};
+  const TrackingError error{model.default_vehicle().headway, model.default_vehicle().standstill_distance};
   std::vector<double> own(1), received;
   double sent = leader.start(), largest = 0.0;
   follower.start(0, 1, own);

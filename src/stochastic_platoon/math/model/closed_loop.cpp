@@ -6,8 +6,10 @@
 #include <limits>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
-#include "stochastic_platoon/math/numerics/exact.hpp"
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/numerics/delayed_zeros.hpp"
 
 namespace platoon {
 
@@ -19,74 +21,93 @@ void require_order(Eigen::Index order) {
                               std::to_string(kHighestOrder) + " poles");
 }
 
-/// p without its zeros at the origin; adds their number to `count`.
-ExactPolynomial without_zeros_at_origin(const Polynomial& p, std::size_t& count) {
-  ExactPolynomial q = exact(p);
-  for (; q.size() > 1 && q.back() == 0; ++count) q.pop_back();
-  return q;
-}
-
-/// p by powers of s; zeros at s = 0 to the rounding of the coefficients of p are placed there exactly.
-ExactPolynomial with_zeros_at_one(const ExactPolynomial& p) {
-  ExactPolynomial magnitudes;
-  for (const Exact& coefficient : p) magnitudes.push_back(abs(coefficient));
-  const ExactPolynomial size = shifted_to_one(magnitudes);
-  ExactPolynomial q = shifted_to_one(p);
-  const Exact rounding = std::numeric_limits<double>::epsilon();
-  for (std::size_t j = 0; j + 1 < q.size() && abs(q[j]) <= rounding * size[j]; ++j) q[j] = 0;
-  return q;
-}
-
-/// p(s) (1 + s)^count, that is p z^count.
-ExactPolynomial delayed(ExactPolynomial p, std::size_t count) {
-  for (; count > 0; --count) p = multiply(p, {Exact(1), Exact(1)});
-  return p;
-}
-
-/// With G K = (n / d) / divisor and H = (1 + h) - h / z: T = n z / (d z divisor + n ((1 + h) z - h)).
-ExactFraction exact_closed_loop(const TransferFunction& plant, const TransferFunction& controller, const Exact& divisor,
-                                double headway) {
-  std::size_t zeros = 0, poles = 0;  // of G K at z = 0
-  const ExactPolynomial n = multiply(shifted_to_one(without_zeros_at_origin(plant.numerator(), zeros)),
-                                     shifted_to_one(without_zeros_at_origin(controller.numerator(), zeros)));
-  ExactPolynomial d = multiply(with_zeros_at_one(without_zeros_at_origin(plant.denominator(), poles)),
-                               with_zeros_at_one(without_zeros_at_origin(controller.denominator(), poles)));
-  for (Exact& coefficient : d) coefficient *= divisor;
-  const std::size_t common = std::min(zeros, poles + 1);
-  ExactPolynomial numerator = delayed(n, zeros + 1 - common);
-  ExactPolynomial denominator = delayed(d, poles + 1 - common);
-  const ExactPolynomial fed_back = multiply(delayed(n, zeros - common), {Exact(1), Exact(1) + Exact(headway)});
-  if (denominator.size() < fed_back.size()) denominator.resize(fed_back.size(), Exact(0));
-  for (std::size_t j = 0; j < fed_back.size(); ++j) denominator[j] += fed_back[j];
-  const Exact leading = denominator.back();
-  for (ExactPolynomial* p : {&numerator, &denominator}) {
-    for (Exact& coefficient : *p) coefficient /= leading;
+/// With G K = n / (d divisor) z^-q and H = ((1 + h) z - h) / z: T = n z / (d z^(q+1) divisor + n ((1 + h) z - h)), or
+/// n z / (((1 + h) z - h) (d z^q divisor + n)) with a headway filter.
+class DesignedLoop {
+public:
+  DesignedLoop(const LoopDesign& design, double headway)
+      : filtered_(design.headway_filter), policy_{Exact(1), Exact(1) + Exact(headway)} {
+    const ExactTransfer &plant = design.plant.exact(), &controller = design.controller.exact();
+    const std::ptrdiff_t q = plant.delay + controller.delay;
+    delay_ = filtered_ ? q : q + 1;
+    numerator_ = times_power_of_z(multiply(plant.numerator, controller.numerator), -delay_);
+    fed_back_ = filtered_ ? numerator_ : multiply(numerator_, policy_);
+    open_ = multiply(plant.denominator, controller.denominator);
+    if (design.divide_by_one_plus_headway) {
+      for (Exact& coefficient : open_) coefficient *= policy_[1];
+    }
   }
-  return {numerator, denominator};
-}
+
+  ExactFraction transfer() const {
+    const ExactPolynomial closed = add(times_power_of_z(open_, delay_), fed_back_);
+    const ExactPolynomial denominator = filtered_ ? multiply(policy_, closed) : closed;
+    const auto monic = [&](ExactPolynomial p) {
+      for (Exact& coefficient : p) coefficient /= denominator.back();
+      return p;
+    };
+    return {monic(times_power_of_z(numerator_, 1)), monic(denominator)};
+  }
+
+  std::vector<std::complex<long double>> poles() const {
+    std::vector<std::complex<long double>> found =
+        zeros_behind_delay(open_, static_cast<std::size_t>(std::max<std::ptrdiff_t>(delay_, 0)), fed_back_);
+    if (filtered_) found.emplace_back(Exact(-1 / policy_[1]).convert_to<long double>());
+    return found;
+  }
+
+private:
+  bool filtered_;
+  ExactPolynomial policy_;  ///< (1 + h) z - h
+  std::ptrdiff_t delay_;
+  ExactPolynomial numerator_, fed_back_, open_;  ///< T = z numerator / (open z^delay + fed_back), over the policy
+};
 
 // Modes are computed as zeros of polynomials, so a mode within rounding of the unit circle counts as on it.
 bool is_inside_unit_circle(std::complex<double> mode) {
   return std::abs(mode) < 1.0 - 1e-6;
 }
 
-/// If `divide`, the controller is divided by 1 + h.
-ClosedLoop form_loop(const TransferFunction& plant, const TransferFunction& controller, bool divide, double headway) {
+int zeros_at_one(const ExactPolynomial& p) {
+  const auto other = std::find_if(p.begin(), p.end(), [](const Exact& coefficient) { return coefficient != 0; });
+  return static_cast<int>(other - p.begin());
+}
+
+ClosedLoop loop_by_parts(const LoopDesign& design, double headway) {
+  const ExactTransfer &plant = design.plant.exact(), &controller = design.controller.exact();
+  const auto order = static_cast<Eigen::Index>(plant.denominator.size() + controller.denominator.size() - 1);
+  require_order(order + std::max<Eigen::Index>(controller.delay, 0));
+  const LoopParts parts = loop_parts(design, headway);
+  const DesignedLoop designed(design, headway);
+  ExactFraction exact = designed.transfer();
+  const int integrators = zeros_at_one(plant.denominator) + zeros_at_one(controller.denominator) -
+                          zeros_at_one(plant.numerator) - zeros_at_one(controller.numerator);
+  const TransferFunction transfer{rounded(shifted_to_origin(exact.numerator)),
+                                  rounded(shifted_to_origin(exact.denominator))};
+  return {transfer,
+          realization(parts),
+          {},
+          integrators,
+          std::make_shared<const ExactFraction>(std::move(exact)),
+          designed.poles(),
+          parts};
+}
+
+ClosedLoop form_loop(const LoopDesign& design, double headway) {
+  const TransferFunction& plant = std::get<TransferFunction>(design.plant.given());
+  const TransferFunction& controller = std::get<TransferFunction>(design.controller.given());
   for (const TransferFunction* part : {&plant, &controller}) {
     if (part->numerator()(0) == 0.0)
       throw std::invalid_argument("G(z) K(z) = 0: neither plant nor controller may be zero");
   }
   require_order(plant.denominator().size() + controller.denominator().size() - 1);
-  const double divisor = divide ? 1.0 + headway : 1.0;
+  const double divisor = design.divide_by_one_plus_headway ? 1.0 + headway : 1.0;
   const TransferFunction open_loop = series(plant, {controller.numerator() / divisor, controller.denominator()});
   const Reduction t = reduce(feedback(open_loop, headway_policy(headway)));
   const int integrators = multiplicity_at_one(plant.denominator()) + multiplicity_at_one(controller.denominator()) -
                           multiplicity_at_one(plant.numerator()) - multiplicity_at_one(controller.numerator());
   ClosedLoop loop{t.minimal, observable_canonical(t.minimal), roots(t.common_factor), integrators, {}};
-  if (std::all_of(loop.hidden_modes.begin(), loop.hidden_modes.end(), is_inside_unit_circle)) {
-    loop.exact = std::make_shared<const ExactFraction>(
-        exact_closed_loop(plant, controller, divide ? Exact(1) + Exact(headway) : Exact(1), headway));
-  }
+  if (std::all_of(loop.hidden_modes.begin(), loop.hidden_modes.end(), is_inside_unit_circle))
+    loop.exact = std::make_shared<const ExactFraction>(DesignedLoop(design, headway).transfer());
   return loop;
 }
 
@@ -102,10 +123,14 @@ DeltaFraction delta_fraction(const ClosedLoop& loop) {
   return {delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())};
 }
 
+std::vector<std::complex<long double>> poles_of(const ClosedLoop& loop) {
+  return loop.poles.empty() ? zeros(delta_fraction(loop).denominator) : loop.poles;
+}
+
 double spectral_radius(const ClosedLoop& loop) {
   if (!loop.exact) return spectral_radius(delta_form(loop.transfer.denominator()));
   // Factors cancelled in T remain in `exact` and are no modes of A; zeros at z = 0 are cancelled in both.
-  std::vector<std::complex<long double>> poles = zeros(rounded_delta(loop.exact->denominator));
+  std::vector<std::complex<long double>> poles = poles_of(loop);
   for (const std::complex<double>& mode : loop.hidden_modes) {
     if (mode == 0.0 || poles.empty()) continue;
     const auto distance = [&](const std::complex<long double>& s) {
@@ -119,12 +144,12 @@ double spectral_radius(const ClosedLoop& loop) {
   return static_cast<double>(1.0L + excess);
 }
 
-ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway) {
-  return form_loop(plant, controller, false, headway);
+ClosedLoop close_loop(const LoopDesign& design, double headway) {
+  return is_by_parts(design) ? loop_by_parts(design, headway) : form_loop(design, headway);
 }
 
-ClosedLoop close_loop(const LoopDesign& design, double headway) {
-  return form_loop(design.plant, design.controller, design.divide_by_one_plus_headway, headway);
+ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway) {
+  return form_loop({plant, controller}, headway);
 }
 
 ClosedLoop closed_loop_from(const StateSpace& realization) {
@@ -173,6 +198,7 @@ std::string missing_integral_action(const ClosedLoop& loop, const RampGain& gain
 /// Explains why the vehicles, which compute T with coefficients rounded to double, do not realize T; empty if they do.
 std::string rounded_away(const ClosedLoop& loop, double headway) {
   const RampGain gain = ramp_gain({delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())});
+  if (loop.parts) return {};  // T(1) = 1 and dT/dz(1) = -h by construction
   if (tracks_a_ramp(gain, headway) && (spectral_radius(loop) >= 1.0 || spectral_radius(loop.realization) < 1.0))
     return {};
   std::ostringstream text;

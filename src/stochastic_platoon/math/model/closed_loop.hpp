@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/math/model/loop_design.hpp"
+#include "stochastic_platoon/math/model/loop_parts.hpp"
 #include "stochastic_platoon/math/model/state_space.hpp"
 #include "stochastic_platoon/math/model/transfer_function.hpp"
 
@@ -25,9 +27,16 @@ struct ClosedLoop {
   /// polynomials here, except zeros at z = 0. Empty if T is `transfer`, which includes loops with an unstable hidden
   /// mode.
   std::shared_ptr<const ExactFraction> exact = {};
+
+  /// Poles of T as s = z - 1, zeros and poles at z = 0 included. Empty: they follow from the coefficients.
+  std::vector<std::complex<long double>> poles = {};
+
+  /// The parts by which a vehicle is computed, if its design is_by_parts(): `realization` is theirs, and `transfer` is
+  /// not reduced. Empty: it is computed by `realization`.
+  std::optional<LoopParts> parts = {};
 };
 
-/// Largest number of poles of T; a closed loop with more is rejected.
+/// Largest number of poles of T without those of an input delay; a closed loop with more is rejected.
 constexpr Eigen::Index kHighestOrder = 20;
 
 /// T by powers of z - 1, to a hundred digits (numerics/exact.hpp).
@@ -36,6 +45,9 @@ ExactFraction exact_fraction(const ClosedLoop& loop);
 /// T by powers of z - 1.
 DeltaFraction delta_fraction(const ClosedLoop& loop);
 
+/// The poles of T as s = z - 1, with those that `transfer` has cancelled; see ClosedLoop::exact.
+std::vector<std::complex<long double>> poles_of(const ClosedLoop& loop);
+
 /// rho(A) of the loop defined by plant and controller, or by A, B and C; 1 - rho(A) is as accurate as rho(A).
 double spectral_radius(const ClosedLoop& loop);
 
@@ -43,15 +55,9 @@ double spectral_radius(const ClosedLoop& loop);
 /// controller it is rounding; for A, B and C it depends on the digits they are written with.
 double integral_defect(const ClosedLoop& loop, double headway);
 
-/// Plant and controller of a vehicle; they define a closed loop for every headway.
-struct LoopDesign {
-  TransferFunction plant;       ///< G(z)
-  TransferFunction controller;  ///< K(z), or K(z) (1 + h) if divide_by_one_plus_headway
-  bool divide_by_one_plus_headway = false;
-};
-
 /// T = K G / (1 + K G H) with H = (1 + h) - h / z, in lowest terms, realized in observable canonical form. Poles of
-/// plant and controller that are at z = 1 to the rounding of their coefficients are placed there exactly.
+/// plant and controller that are at z = 1 to the rounding of their coefficients are placed there exactly. A headway
+/// filter divides K by H: T = K G / (H (1 + K G)).
 ///
 /// Throws std::invalid_argument if T is not strictly proper, if G K is zero, if T has more than kHighestOrder poles, or
 /// if a coefficient of T is not finite.

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "stochastic_platoon/math/model/closed_loop.hpp"
@@ -20,12 +21,12 @@ struct InitialPosition {
 /// Per-follower part of the model: the vehicle, its spacing and the link into it.
 struct VehicleModel {
   ClosedLoop loop;
-  double headway;              ///< h > 0, in sample periods
-  double standstill_distance;  ///< delta >= 0 [m], to its predecessor
-  double noise_variance;       ///< P_d >= 0 [m^2]
-  InitialPosition initial_position;
-  std::optional<LoopDesign> design;  ///< none if the closed loop itself was given
-  LinkModel link;
+  double headway;                    ///< h > 0, in sample periods
+  double standstill_distance = 0.0;  ///< delta >= 0 [m], to its predecessor
+  double noise_variance = 0.0;       ///< P_d >= 0 [m^2]
+  InitialPosition initial_position = {};
+  std::optional<LoopDesign> design = {};  ///< none if the closed loop itself was given
+  LinkModel link = {};
 };
 
 /// Parameters that a vehicle type takes from the default vehicle, including later changes of them.
@@ -43,37 +44,38 @@ struct VehicleType {
   Inherited inherited = {};
 };
 
-/// Everything the mathematics of a platoon needs (paper, section 3): the contents of the model file. Without types in
-/// `string` the platoon is homogeneous; if the link is also the default one, it is the paper's.
+/// Everything the mathematics of a platoon needs (paper, section 3): the contents of the model file. The platoon is
+/// homogeneous if all its followers have the default type; if the link is also the default one, it is the paper's.
 ///
 /// A plain value: each class that uses a part of it checks that part (ClosedLoopBatch, AwgnChannel, FollowerVehicle,
 /// LeaderVehicle throw std::invalid_argument), and the parser of the model file checks all of it.
 struct PlatoonModel {
-  ClosedLoop loop;
-  double headway;                    ///< h > 0, in sample periods
-  double standstill_distance = 0.0;  ///< delta >= 0 [m]
-  double sample_period = 0.1;        ///< T_s > 0 [s]; pacing and stamps only
-  double noise_variance = 0.0;       ///< P_d >= 0 [m^2]
+  /// One type, named default.
+  PlatoonModel(VehicleModel vehicle, LeaderProfile profile, double period = 0.1)
+      : types{{"default", std::move(vehicle), {true, true, true, true}}},
+        sample_period(period),
+        leader(std::move(profile)) {}
+
+  std::vector<VehicleType> types;  ///< [0] is the default type, which is also the leader's
+  /// Types of followers 1, 2, ..., repeated. Empty: all have the default type.
+  std::vector<std::size_t> string;
+  double sample_period;  ///< T_s > 0 [s]; pacing and stamps only
   LeaderProfile leader;
-  InitialPosition initial_position;
-  bool allow_unstable = false;            ///< whether rho(A) >= 1 is accepted
-  std::optional<LoopDesign> design = {};  ///< none if the closed loop itself was given
   /// y_0(-1), y_0(0), ... [m]: recorded positions of vehicle 0, used instead of the loop behind `leader`. Empty: none.
-  std::vector<double> recorded_leader = {};
-  LinkModel link = {};                  ///< into every follower of type `default`
-  std::vector<VehicleType> types = {};  ///< vehicle types other than `default`
-  /// Types of followers 1, 2, ..., repeated: 0 is the vehicle above, n is types[n - 1]. Empty: all are 0.
-  std::vector<std::size_t> string = {};
+  std::vector<double> recorded_leader;
+  bool allow_unstable = false;  ///< whether rho(A) >= 1 is accepted
+
+  const VehicleModel& default_vehicle() const { return types.front().vehicle; }
+  VehicleModel& default_vehicle() { return types.front().vehicle; }
 };
 
-/// Follower i >= 1 of the platoon; for i = 0 the leader, which is the default vehicle.
-VehicleModel vehicle(const PlatoonModel& model, std::size_t follower);
+/// Follower i >= 1 of the platoon; for i = 0 the leader, which has the default type.
+const VehicleModel& vehicle(const PlatoonModel& model, std::size_t follower);
 
-/// Types of one repetition of the string: 0 is the default vehicle, n is types[n - 1].
+/// Types of one repetition of the string, as indices of PlatoonModel::types.
 std::vector<std::size_t> type_order(const PlatoonModel& model);
-VehicleModel vehicle_of_type(const PlatoonModel& model, std::size_t type);
 
-/// Names of the types in the string, including `default`, that inherit the given parameter of the default vehicle.
+/// Names of the types in the string that have the given parameter of the default vehicle, which includes its own type.
 std::vector<std::string> types_with_default(const PlatoonModel& model, bool Inherited::*inherited);
 
 /// The platoon with another headway, controller gain (leading coefficient of the numerator) or loss probability of the

@@ -127,6 +127,11 @@ void ClosedLoopBatch::step(const double* input, double offset, double* positions
   if (shift_register_) output_place_ = (output_place_ + 1) % order();
 }
 
+std::unique_ptr<LoopBatch> loop_batch(const ClosedLoop& loop) {
+  if (loop.parts) return std::make_unique<LoopPartsBatch>(*loop.parts);
+  return std::make_unique<ClosedLoopBatch>(loop.realization);
+}
+
 void ClosedLoopBatch::output(std::vector<double>& positions) const {
   positions.resize(size_);
   for (std::size_t t = 0; t < tiles(); ++t) {
@@ -156,7 +161,7 @@ FollowerVehicle::FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, 
     : FollowerVehicle(vehicle(model, index), place_in_formation(model, index), seed, index) {}
 
 FollowerVehicle::FollowerVehicle(const VehicleModel& own, double place, std::uint64_t seed, std::uint32_t index)
-    : loop_(own.loop.realization),
+    : loop_(loop_batch(own.loop)),
       noise_(seed),
       initial_place_(own.initial_position.mean + place),
       initial_deviation_(root_of("variance of the initial positions", own.initial_position.variance)),
@@ -171,12 +176,12 @@ void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count, 
   } else {
     positions.assign(count, initial_place_);
   }
-  loop_.start_at_equilibrium(positions);
-  loop_.output(positions);
+  loop_->start_at_equilibrium(positions);
+  loop_->output(positions);
 }
 
 LeaderVehicle::LeaderVehicle(const PlatoonModel& model)
-    : loop_(model.loop.realization),
+    : loop_(loop_batch(model.default_vehicle().loop)),
       profile_(model.leader),
       sample_period_(model.sample_period),
       manoeuvre_(model.sample_period),
@@ -190,8 +195,8 @@ double LeaderVehicle::start() {
   manoeuvre_.end();
   if (!recorded_.empty()) return recorded_.front();
   buffer_.assign(1, profile_.position(step_));
-  loop_.start_at_equilibrium(buffer_);
-  loop_.output(buffer_);
+  loop_->start_at_equilibrium(buffer_);
+  loop_->output(buffer_);
   return buffer_.front();
 }
 
@@ -199,7 +204,7 @@ double LeaderVehicle::step() {
   if (!recorded_.empty()) return recorded_.at(static_cast<std::size_t>(++step_ + 1));
   input_.front() = profile_.position(step_);
   if (departure_ != 0.0) input_.front() += departure_;
-  loop_.step(input_, 0.0, buffer_);
+  loop_->step(input_.data(), 0.0, buffer_.data());
   const double speed = profile_.speed(step_);
   departure_ += sample_period_ * (manoeuvre_.next_speed(speed) - speed);
   ++step_;

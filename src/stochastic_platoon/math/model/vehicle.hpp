@@ -1,24 +1,19 @@
 #pragma once
 
 #include <algorithm>
-#include <boost/align/aligned_allocator.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "stochastic_platoon/math/model/loop_batch.hpp"
 #include "stochastic_platoon/math/model/manoeuvre.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/model/white_noise.hpp"
 
 namespace platoon {
 
-/// Realizations per tile: the states of one vehicle for a tile fit in the first level cache.
-constexpr std::size_t kTile = 512;
-
-/// 64-byte aligned, as a load across two cache lines costs two.
-using AlignedValues = std::vector<double, boost::alignment::aligned_allocator<double, 64>>;
-
-/// One vehicle's closed loop for a batch of realizations: x(k+1) = A x(k) + B u(k), y(k) = C x(k), eq.
+/// A closed loop computed by its realization: x(k+1) = A x(k) + B u(k), y(k) = C x(k), eq.
 /// (ith-closedloop).
 ///
 /// The observable canonical form, which plant and controller give, is a shift register,
@@ -28,23 +23,23 @@ using AlignedValues = std::vector<double, boost::alignment::aligned_allocator<do
 /// Other realizations are computed with their matrices.
 ///
 /// Every realization undergoes the same operations in the same order, so its bits do not depend on the batch.
-class ClosedLoopBatch {
+class ClosedLoopBatch : public LoopBatch {
 public:
   /// Throws std::invalid_argument if the loop has no equilibrium.
   explicit ClosedLoopBatch(const StateSpace& system);
 
   /// x = (I - A)^-1 B p / T(1): equilibrium with y = p at these positions p [m].
-  void start_at_equilibrium(const std::vector<double>& positions);
+  void start_at_equilibrium(const std::vector<double>& positions) override;
 
   /// One step with the input [m] minus offset [m]; writes y = C x [m]. Both arrays have the size of the batch.
-  void step(const double* input, double offset, double* positions);
+  void step(const double* input, double offset, double* positions) override;
   void step(const std::vector<double>& input, double offset, std::vector<double>& positions) {
     positions.resize(size_);
     step(input.data(), offset, positions.data());
   }
 
   /// y = C x [m], resized to the batch.
-  void output(std::vector<double>& positions) const;
+  void output(std::vector<double>& positions) const override;
 
 private:
   std::size_t order() const { return b_.size(); }
@@ -74,15 +69,16 @@ public:
 
   /// Computes the own position at step k + 1 from the predecessor's received position at step k. Both arrays have the
   /// size of the batch.
-  void step(const double* received, double* positions) { loop_.step(received, standstill_distance_, positions); }
+  void step(const double* received, double* positions) { loop_->step(received, standstill_distance_, positions); }
   void step(const std::vector<double>& received, std::vector<double>& positions) {
-    loop_.step(received, standstill_distance_, positions);
+    positions.resize(received.size());
+    step(received.data(), positions.data());
   }
 
 private:
   FollowerVehicle(const VehicleModel& own, double place, std::uint64_t seed, std::uint32_t index);
 
-  ClosedLoopBatch loop_;
+  std::unique_ptr<LoopBatch> loop_;
   WhiteNoise noise_;
   double initial_place_;      ///< mean [m]
   double initial_deviation_;  ///< [m]
@@ -106,7 +102,7 @@ public:
   Manoeuvre& manoeuvre() { return manoeuvre_; }
 
 private:
-  ClosedLoopBatch loop_;
+  std::unique_ptr<LoopBatch> loop_;
   LeaderProfile profile_;
   double sample_period_;  ///< T_s [s]
   Manoeuvre manoeuvre_;

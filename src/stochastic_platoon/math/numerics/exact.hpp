@@ -1,6 +1,7 @@
 #pragma once
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cstddef>
 #include <vector>
 
 #include "stochastic_platoon/math/numerics/delta_form.hpp"
@@ -26,8 +27,16 @@ ExactPolynomial exact(const Polynomial& p);
 /// p q, by powers of z or of s, the same as both factors.
 ExactPolynomial multiply(const ExactPolynomial& p, const ExactPolynomial& q);
 
+ExactPolynomial add(ExactPolynomial p, const ExactPolynomial& q);
+
+/// p z^count, by powers of s; p itself if count <= 0.
+ExactPolynomial times_power_of_z(ExactPolynomial p, std::ptrdiff_t count);
+
 /// Converts from descending powers of z to ascending powers of s.
 ExactPolynomial shifted_to_one(ExactPolynomial p);
+
+/// Converts back.
+ExactPolynomial shifted_to_origin(ExactPolynomial p);
 
 /// The polynomial with every coefficient rounded.
 Polynomial rounded(const ExactPolynomial& p);

@@ -28,8 +28,8 @@ Eigen::MatrixXd kronecker(const Eigen::MatrixXd& left, const Eigen::MatrixXd& ri
 
 InitialString initial_string(const PlatoonModel& model, std::size_t followers) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  const StateSpace& vehicle = model.loop.realization;
-  const double h = model.headway;
+  const StateSpace& vehicle = model.default_vehicle().loop.realization;
+  const double h = model.default_vehicle().headway;
   const Eigen::Index n = vehicle.order();
   const auto count = static_cast<Eigen::Index>(followers);
   const Eigen::VectorXd equilibrium = unit_equilibrium(vehicle);
@@ -41,8 +41,9 @@ InitialString initial_string(const PlatoonModel& model, std::size_t followers) {
     if (i > 0) initial.response.block(i * n, i - 1, n, 1) = left - (1.0 + h) * vehicle.b();
     if (i > 1) initial.response.block(i * n, i - 2, n, 1) = vehicle.b();
   }
-  initial.mean = model.initial_position.mean * initial.response.rowwise().sum();
-  initial.covariance = model.initial_position.variance * initial.response * initial.response.transpose();
+  initial.mean = model.default_vehicle().initial_position.mean * initial.response.rowwise().sum();
+  initial.covariance =
+      model.default_vehicle().initial_position.variance * initial.response * initial.response.transpose();
   return initial;
 }
 
@@ -54,10 +55,11 @@ Eigen::MatrixXd noise_covariance(const StringMatrices& string, double noise_vari
 
 ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   const std::vector<double> leader = leader_error(model, steps);
-  const StringMatrices string = string_matrices(model.loop.realization, model.headway, followers);
+  const StringMatrices string =
+      string_matrices(model.default_vehicle().loop.realization, model.default_vehicle().headway, followers);
   const InitialString initial = initial_string(model, followers);
-  const Eigen::MatrixXd first = model.noise_variance * string.b_a * string.b_a.transpose();
-  const Eigen::MatrixXd later = noise_covariance(string, model.noise_variance);
+  const Eigen::MatrixXd first = model.default_vehicle().noise_variance * string.b_a * string.b_a.transpose();
+  const Eigen::MatrixXd later = noise_covariance(string, model.default_vehicle().noise_variance);
   Eigen::VectorXd mean = initial.mean;
   Eigen::MatrixXd covariance = initial.covariance;
   const auto count = static_cast<std::size_t>(steps);

@@ -128,20 +128,21 @@ double initial_covariance_gain(const StateSpace& vehicle, std::size_t followers)
 
 TheoremTwoBounds theorem_two_bounds(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  const StateSpace vehicle = scaled(model.loop.realization);
+  const StateSpace vehicle = scaled(model.default_vehicle().loop.realization);
   PlatoonModel in_scale = model;
-  in_scale.loop.realization = vehicle;
+  in_scale.default_vehicle().loop.realization = vehicle;
   const std::vector<double> leader = leader_error(model, steps);
   const InitialString three = initial_string(in_scale, 3);  // the means of all further followers are zero
   const StringStability stability = string_stability(model);
   TheoremTwoBounds bounds{};
   bounds.leader_norm = sequence_norm(leader.data(), leader.size(), NormOrder::kTwo);
   bounds.initial_mean = followers < 3 ? initial_string(in_scale, followers).mean.norm() : three.mean.norm();
-  bounds.initial_covariance = model.initial_position.variance * initial_response_gain(three);
+  bounds.initial_covariance = model.default_vehicle().initial_position.variance * initial_response_gain(three);
   if (stability.mean_bounded) {
     bounds.alpha_1 = stability.peak_gain * bounds.leader_norm;
-    bounds.beta_1 =
-        bounds.initial_mean > 0.0 ? bounds.initial_mean * mean_gain(vehicle, model.headway, followers) : 0.0;
+    bounds.beta_1 = bounds.initial_mean > 0.0
+                        ? bounds.initial_mean * mean_gain(vehicle, model.default_vehicle().headway, followers)
+                        : 0.0;
     bounds.mean_bound = *bounds.alpha_1 + *bounds.beta_1;
   }
   if (stability.string_stable) {

@@ -31,11 +31,15 @@ std::vector<double> samples_of(const HeadwayRange& range) {
 }  // namespace
 
 double string_margin(const ClosedLoop& loop, double headway) {
-  const LoopSpectrum spectrum(loop, headway);
+  if (!loop.parts) LoopSpectrum(loop, headway);  // throws without double integral action
   const double decay = 1.0 - spectral_radius(loop);
   if (!(decay > 0.0)) return decay;
-  const LeastMargin least = PatternGain({rated_factor(delta_fraction(loop))}).least();
-  const bool flat = spectrum.margin_zeros() > spectrum.sensitivity_zeros();  // then |T| < 1 is not sufficient
+  const PatternGain gain({rated_factor(loop)});
+  const LeastMargin least = gain.least();
+  const auto is_flat = [&](const LoopSpectrum& spectrum) {
+    return spectrum.margin_zeros() > spectrum.sensitivity_zeros();
+  };
+  const bool flat = gain.zeros() > 2 && is_flat(LoopSpectrum(loop, headway));  // then |T| < 1 is not sufficient
   return std::min(decay, flat ? std::min(least.value, 0.0) : least.value);
 }
 
@@ -79,15 +83,15 @@ StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange
 
 std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
   const std::vector<std::string> types = types_with_default(model, &Inherited::headway);
-  const bool designed =
-      model.design && std::all_of(model.types.begin(), model.types.end(), [](const VehicleType& type) {
-        return !type.inherited.headway || type.vehicle.design;
-      });
+  const bool designed = std::all_of(model.types.begin(), model.types.end(), [](const VehicleType& type) {
+    return !type.inherited.headway || type.vehicle.design;
+  });
   if (!designed || types.empty()) return std::nullopt;
-  HeadwayRange range = headways_about(model.headway);
+  HeadwayRange range = headways_about(model.default_vehicle().headway);
   StableHeadways found;
   if (is_papers(model)) {
-    found = stable_headways([&model](double headway) { return close_loop(*model.design, headway); }, range);
+    found = stable_headways([&model](double headway) { return close_loop(*model.default_vehicle().design, headway); },
+                            range);
   } else {
     const LinkedPattern pattern = linked_pattern(model);
     const auto margin = [&](double headway) {

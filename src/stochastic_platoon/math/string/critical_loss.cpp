@@ -8,8 +8,7 @@ namespace {
 
 // If the default link has no loss stage, gives it and every type without one a stage that holds the last position.
 PlatoonModel with_loss_stage(PlatoonModel model) {
-  if (model.link.loss) return model;
-  model.link.loss = LossModel{};
+  if (model.default_vehicle().link.loss) return model;
   for (VehicleType& type : model.types) {
     if (type.vehicle.link.loss) continue;
     type.vehicle.link.loss = LossModel{};
@@ -24,11 +23,11 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   const PlatoonModel model = with_loss_stage(given);
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;
-  const int stride = given.link.loss ? 1 : 5;  // in hundredths
+  const int stride = given.default_vehicle().link.loss ? 1 : 5;  // in hundredths
   std::vector<double> samples;
   for (int i = 0; i < 99; i += stride) samples.push_back(0.01 * i);
   samples.push_back(0.99);
-  const LinkedPattern pattern = linked_pattern(with_loss(model, model.link.loss->probability));
+  const LinkedPattern pattern = linked_pattern(with_loss(model, model.default_vehicle().link.loss->probability));
   const auto margin = [&](double probability) {
     return linked_string_margin(linked_pattern(with_loss(model, probability), pattern));
   };

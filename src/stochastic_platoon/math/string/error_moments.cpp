@@ -145,7 +145,7 @@ template <class Filter>
 typename Filter::Sequence leader_error_by(const Filter& filter, const PlatoonModel& model, std::size_t count) {
   using Scalar = typename Filter::Scalar;
   const Scalar gain = filter.gain();
-  const Scalar h = model.headway;
+  const Scalar h = model.default_vehicle().headway;
   const std::vector<double> displacements = leader_displacements(model, count);
   const typename Filter::Sequence moved(displacements.begin(), displacements.end());
   const typename Filter::Sequence lag = filter.lag(moved);
@@ -163,9 +163,9 @@ ErrorMoments error_moments_by(const Filter& filter, const PlatoonModel& model, s
   using Scalar = typename Filter::Scalar;
   const std::size_t count = checked_steps(steps);
   typename Filter::Sequence leader = leader_error_by(filter, model, count);
-  ErrorResponses<Filter> noise = noise_responses(filter, model.headway, count);
-  ErrorResponses<Filter> position = position_responses(filter, model.headway, count);
-  const InitialPosition& initial = model.initial_position;
+  ErrorResponses<Filter> noise = noise_responses(filter, model.default_vehicle().headway, count);
+  ErrorResponses<Filter> position = position_responses(filter, model.default_vehicle().headway, count);
+  const InitialPosition& initial = model.default_vehicle().initial_position;
   const bool placed = initial.mean != 0.0 || initial.variance != 0.0;
   typename Filter::Sequence mean_shift(count, 0);
   typename Filter::Sequence variance(count, 0);
@@ -179,7 +179,7 @@ ErrorMoments error_moments_by(const Filter& filter, const PlatoonModel& model, s
       const Scalar a = placed ? position.current()[k + 1] : 0;
       energy += noise.current()[k] * noise.current()[k];
       mean_shift[k] += initial.mean * a;
-      variance[k] += model.noise_variance * energy + initial.variance * a * a;
+      variance[k] += model.default_vehicle().noise_variance * energy + initial.variance * a * a;
       moments.mean.push_back(static_cast<double>(leader[k] + mean_shift[k]));
       moments.variance.push_back(static_cast<double>(variance[k]));
     }
@@ -194,18 +194,20 @@ ErrorMoments error_moments_by(const Filter& filter, const PlatoonModel& model, s
 
 std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) {
   const std::size_t count = checked_steps(steps);
-  unit_equilibrium(model.loop.realization);
-  if (has_digits_in_double(model.loop)) return leader_error_by(DoubleFilter(model.loop), model, count);
-  const LoopResponse::Sequence error = leader_error_by(LoopResponse(model.loop), model, count);
+  unit_equilibrium(model.default_vehicle().loop.realization);
+  if (has_digits_in_double(model.default_vehicle().loop))
+    return leader_error_by(DoubleFilter(model.default_vehicle().loop), model, count);
+  const LoopResponse::Sequence error = leader_error_by(LoopResponse(model.default_vehicle().loop), model, count);
   return {error.begin(), error.end()};
 }
 
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   if (!is_papers(model)) return linked_error_moments(model, followers, steps);
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  unit_equilibrium(model.loop.realization);
-  if (has_digits_in_double(model.loop)) return error_moments_by(DoubleFilter(model.loop), model, followers, steps);
-  return error_moments_by(LoopResponse(model.loop), model, followers, steps);
+  unit_equilibrium(model.default_vehicle().loop.realization);
+  if (has_digits_in_double(model.default_vehicle().loop))
+    return error_moments_by(DoubleFilter(model.default_vehicle().loop), model, followers, steps);
+  return error_moments_by(LoopResponse(model.default_vehicle().loop), model, followers, steps);
 }
 
 }  // namespace platoon

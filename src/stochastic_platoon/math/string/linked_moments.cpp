@@ -88,7 +88,7 @@ private:
     }
     for (std::size_t a = 0; a <= steps_; ++a)
       positions.push_back(model_.leader.position(static_cast<std::int64_t>(a) - 1));
-    return LoopResponse(model_.loop)(positions);
+    return LoopResponse(model_.default_vehicle().loop)(positions);
   }
 
   void pass_means(Values& error_means, std::vector<Values>& innovation_means) const {

@@ -77,7 +77,7 @@ LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle)
   const CirclePolynomial arriving =
       multiply(squared_modulus(near_.denominator, Centre::kOne), squared_modulus(near_.registers, Centre::kOne));
   margin_ = without_zero_at_origin(subtract(arriving, scaled(squared_modulus(near_.numerator, Centre::kOne), p * p)));
-  factor_ = rated_factor(t);
+  factor_ = rated_factor(vehicle.loop);
   if (has_losses()) {
     for (const std::complex<long double>& s : zeros(near_.registers)) factor_.factor.poles.push_back(s);
     factor_.rounded.push_back(z_form(near_.registers));
@@ -195,7 +195,7 @@ LinkedPattern linked_pattern(const PlatoonModel& model, const LinkedPattern& kno
   for (const std::size_t type : type_order(model)) {
     const auto inserted = place.emplace(type, found.types.size());
     if (inserted.second) {
-      const VehicleModel vehicle = vehicle_of_type(model, type);
+      const VehicleModel& vehicle = model.types[type].vehicle;
       const bool is_known = found.types.size() < known.types.size() && known.types[found.types.size()].is_of(vehicle);
       found.types.push_back(is_known ? known.types[found.types.size()] : LinkedVehicle(vehicle));
     }

@@ -26,9 +26,9 @@ double frequency_of(long double t) {
 
 }  // namespace
 
-RatedFactor rated_factor(const DeltaFraction& transfer) {
-  return {{zeros(transfer.denominator), zeros(transfer.numerator)},
-          {z_form(transfer.denominator), z_form(transfer.numerator)}};
+RatedFactor rated_factor(const ClosedLoop& loop) {
+  const DeltaFraction transfer = delta_fraction(loop);
+  return {{poles_of(loop), zeros(transfer.numerator)}, {z_form(transfer.denominator), z_form(transfer.numerator)}};
 }
 
 PatternGain::PatternGain(std::vector<RatedFactor> factors)

@@ -24,7 +24,7 @@ struct RatedFactor {
 };
 
 /// The factor of a closed loop. Throws std::invalid_argument if T has a pole or a zero at z = 1.
-RatedFactor rated_factor(const DeltaFraction& transfer);
+RatedFactor rated_factor(const ClosedLoop& loop);
 
 /// |prod T|^2 over one pattern of vehicles, evaluated from its factors. They are never multiplied out, as the
 /// coefficients of a product of a dozen vehicles have no accurate digits left.

@@ -17,8 +17,8 @@ std::vector<double> mean_errors_behind_recorded_leader(const PlatoonModel& model
                                 " positions: must be at least steps + 1 = " + std::to_string(count));
   }
   PlatoonModel without_noise = model;
-  without_noise.initial_position.variance = 0.0;
-  const TrackingError error{model.headway, model.standstill_distance};
+  without_noise.default_vehicle().initial_position.variance = 0.0;
+  const TrackingError error{model.default_vehicle().headway, model.default_vehicle().standstill_distance};
   std::vector<double> predecessor(model.recorded_leader.begin(),
                                   model.recorded_leader.begin() + static_cast<std::ptrdiff_t>(count));
   std::vector<double> errors;

@@ -46,9 +46,10 @@ RoundingGains rounding_gains(const StateSpace& vehicle, double headway, std::siz
 /// M(k) for k = 0 .. steps-1: 1.5 times the leader's largest position, as a vehicle may overshoot, plus the spread.
 std::vector<double> largest_positions(const PlatoonModel& model, std::size_t followers, std::size_t steps) {
   constexpr double kDeviations = 8.0;
-  const InitialPosition& initial = model.initial_position;
-  const double spread = static_cast<double>(followers) * model.standstill_distance + std::abs(initial.mean) +
-                        kDeviations * (std::sqrt(initial.variance) + std::sqrt(model.noise_variance));
+  const InitialPosition& initial = model.default_vehicle().initial_position;
+  const double spread = static_cast<double>(followers) * model.default_vehicle().standstill_distance +
+                        std::abs(initial.mean) +
+                        kDeviations * (std::sqrt(initial.variance) + std::sqrt(model.default_vehicle().noise_variance));
   std::vector<double> largest;
   double farthest = 0.0;
   for (std::size_t k = 0; k < steps; ++k) {
@@ -73,11 +74,10 @@ std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const Erro
   std::vector<double> largest(moments.variance.size(), 0.0);
   for (const VehicleModel& vehicle : pattern(model)) {
     PlatoonModel alike = model;
-    alike.types.clear();
     alike.string.clear();
-    alike.link = LinkModel();
-    alike.loop = vehicle.loop;
-    alike.headway = vehicle.headway;
+    alike.default_vehicle().link = LinkModel();
+    alike.default_vehicle().loop = vehicle.loop;
+    alike.default_vehicle().headway = vehicle.headway;
     double predicted = 1.0;
     if (vehicle.link.loss) {
       for (const double c : vehicle.link.loss->predictor) predicted += std::abs(c);
@@ -93,13 +93,14 @@ std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const Erro
 std::vector<double> rounding_bounds(const PlatoonModel& model, const ErrorMoments& moments) {
   if (!is_papers(model)) return linked_rounding_bounds(model, moments);
   const auto steps = static_cast<std::size_t>(moments.steps);
-  const RoundingGains gains = rounding_gains(model.loop.realization, model.headway, steps);
+  const RoundingGains gains =
+      rounding_gains(model.default_vehicle().loop.realization, model.default_vehicle().headway, steps);
   const std::vector<double> largest = largest_positions(model, moments.followers, steps);
   std::vector<double> unit_variance;
-  if (model.noise_variance == 0.0) {
+  if (model.default_vehicle().noise_variance == 0.0) {
     PlatoonModel noisy = model;
-    noisy.noise_variance = 1.0;
-    noisy.initial_position.variance = 0.0;
+    noisy.default_vehicle().noise_variance = 1.0;
+    noisy.default_vehicle().initial_position.variance = 0.0;
     noisy.recorded_leader.clear();
     unit_variance = error_moments(noisy, moments.followers, moments.steps).variance;
   }
@@ -108,10 +109,12 @@ std::vector<double> rounding_bounds(const PlatoonModel& model, const ErrorMoment
   for (std::size_t i = 1; i <= moments.followers; ++i) {
     for (std::size_t k = 0; k < steps; ++k) {
       const std::size_t c = (i - 1) * steps + k;
-      const double unit = unit_variance.empty() ? moments.variance[c] / model.noise_variance : unit_variance[c];
+      const double unit =
+          unit_variance.empty() ? moments.variance[c] / model.default_vehicle().noise_variance : unit_variance[c];
       const double ahead = 1.0 + std::sqrt(static_cast<double>(i) * static_cast<double>(k + 1) * unit);
-      bounds.push_back(kRoundoff * largest[k] *
-                       (4.0 * (1.0 + 2.0 * model.headway) + gains.error[k] + ahead * gains.position[k]));
+      bounds.push_back(
+          kRoundoff * largest[k] *
+          (4.0 * (1.0 + 2.0 * model.default_vehicle().headway) + gains.error[k] + ahead * gains.position[k]));
     }
   }
   return bounds;

@@ -114,14 +114,15 @@ std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t 
   if (!is_papers(model)) return linked_stationary_variances(model, followers);
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   std::vector<double> variances(followers, std::numeric_limits<double>::quiet_NaN());
-  if (spectral_radius(model.loop) >= 1.0) return variances;
-  if (model.noise_variance == 0.0) return std::vector<double>(followers, 0.0);
-  std::vector<double> peaks = PatternGain({rated_factor(delta_fraction(model.loop))}).maxima();
+  if (spectral_radius(model.default_vehicle().loop) >= 1.0) return variances;
+  if (model.default_vehicle().noise_variance == 0.0) return std::vector<double>(followers, 0.0);
+  std::vector<double> peaks = PatternGain({rated_factor(model.default_vehicle().loop)}).maxima();
   peaks.push_back(0.0);
-  const Modes converged = converged_modes(LoopSpectrum(model.loop, model.headway), peaks, followers);
+  const Modes converged =
+      converged_modes(LoopSpectrum(model.default_vehicle().loop, model.default_vehicle().headway), peaks, followers);
   std::vector<Mode> modes = converged.modes;
   long double variance = converged.first;
-  variances[0] = static_cast<double>(variance) * model.noise_variance;
+  variances[0] = static_cast<double>(variance) * model.default_vehicle().noise_variance;
   for (std::size_t start = 1; start < followers; start += kBlock) {
     const auto links = static_cast<double>(start);
     if (!std::isfinite(static_cast<double>(variance))) {
@@ -141,7 +142,7 @@ std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t 
     for (std::size_t i = start; i < std::min(start + kBlock, followers); ++i) {
       variance += power.sum();
       power *= gain;
-      variances[i] = static_cast<double>(variance) * model.noise_variance;
+      variances[i] = static_cast<double>(variance) * model.default_vehicle().noise_variance;
     }
   }
   return variances;

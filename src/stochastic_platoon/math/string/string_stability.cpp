@@ -66,15 +66,15 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
 
 StringStability string_stability(const PlatoonModel& model) {
   if (!is_papers(model)) return linked_string_stability(model);
-  const LoopSpectrum spectrum(model.loop, model.headway);
+  const LoopSpectrum spectrum(model.default_vehicle().loop, model.default_vehicle().headway);
   StringStability verdict;
-  verdict.spectral_radius = spectral_radius(model.loop);
+  verdict.spectral_radius = spectral_radius(model.default_vehicle().loop);
   verdict.mean_square_stable = verdict.spectral_radius < 1.0;
   if (!verdict.mean_square_stable) {
     verdict.reason = "not mean square stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is not below 1";
     return verdict;
   }
-  const PatternGain gain({rated_factor(delta_fraction(model.loop))});
+  const PatternGain gain({rated_factor(model.default_vehicle().loop)});
   if (!judge_gain(gain, "|T|", verdict)) return verdict;
   if (spectrum.margin_zeros() > spectrum.sensitivity_zeros()) {
     verdict.reason =
@@ -82,10 +82,10 @@ StringStability string_stability(const PlatoonModel& model) {
     return verdict;
   }
   verdict.string_stable = true;
-  verdict.limit_variance = mean_limit_spectrum(spectrum, gain) * model.noise_variance;
+  verdict.limit_variance = mean_limit_spectrum(spectrum, gain) * model.default_vehicle().noise_variance;
   verdict.reason =
       "string stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is below 1 and |T| is below 1 for all w > 0";
-  if (model.link.loss) verdict.loss_gain = 0.0;  // loss probability 0
+  if (model.default_vehicle().link.loss) verdict.loss_gain = 0.0;  // loss probability 0
   return verdict;
 }
 

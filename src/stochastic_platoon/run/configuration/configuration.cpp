@@ -102,6 +102,9 @@ void require_known(const std::map<std::string, std::string>& given) {
   for (const auto& entry : given) {
     if (known.count(entry.first) == 0) problems.push_back(entry.first + ": unknown setting: allowed are " + allowed);
   }
+  const auto is_given = [&given](const char* name) { return given.count(name) > 0 && !given.at(name).empty(); };
+  if (is_given("headway") && is_given("headway_seconds"))
+    problems.emplace_back("headway_seconds: given: must be absent beside headway: one of the two");
   if (!problems.empty()) throw ConfigurationError(problems);
 }
 
@@ -127,12 +130,17 @@ bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
   return put_at(path.substr(slash + 1), value, node[key]);
 }
 
+bool put_model_key(const Setting& setting, const YAML::Node& value, YAML::Node model) {
+  if (setting.other_unit != nullptr && model.IsMap()) model.remove(setting.other_unit);
+  return put_at(setting.model_key, value, model);
+}
+
 void put(const Setting& setting, const std::string& value, YAML::Node& document) {
   if (setting.model_key == nullptr) {
     document["run"][setting.name] = value;
   } else if (!value.empty() && document["model"].IsMap()) {
     // A model that is not a mapping takes no override: read_model() reports it.
-    put_at(setting.model_key, YAML::Node(value), document["model"]);
+    put_model_key(setting, YAML::Node(value), document["model"]);
   }
 }
 
@@ -168,7 +176,7 @@ void override_value(YAML::Node& document, const std::string& name, const YAML::N
       document["run"][name] = YAML::Clone(value);
       return;
     }
-    if (put_at(setting.model_key, value, document["model"])) return;
+    if (put_model_key(setting, value, document["model"])) return;
     throw ConfigurationError({name + ": leads through what is no mapping in the model file"});
   }
   if (put_at(name, value, document["model"])) return;
@@ -183,9 +191,8 @@ std::uint64_t run_identity(const Configuration& configuration) {
 nlohmann::json statistics_identity(const Configuration& configuration) {
   nlohmann::json identity = to_json(configuration.model);
   identity["version"] = kVersion;
-  identity["realization"] = to_json(configuration.model.loop.realization);
   for (const VehicleType& type : configuration.model.types)
-    identity["vehicle_types"][type.name]["realization"] = to_json(type.vehicle.loop.realization);
+    identity["realization"][type.name] = to_json(type.vehicle.loop.realization);
   identity["seed"] = configuration.run.seed;
   identity["followers"] = configuration.run.followers;
   identity["steps"] = configuration.run.steps;

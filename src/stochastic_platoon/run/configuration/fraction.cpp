@@ -5,9 +5,14 @@
 namespace platoon {
 
 TransferFunction read_fraction(Section& section) {
+  const TransferFunction fraction = read_fraction_of(section);
+  section.reject_unknown_keys();
+  return fraction;
+}
+
+TransferFunction read_fraction_of(Section& section) {
   const Eigen::VectorXd numerator = section.numbers("numerator", kLongestRow);
   const Eigen::VectorXd denominator = section.numbers("denominator", kLongestRow);
-  section.reject_unknown_keys();
   try {
     if (denominator.cwiseAbs().maxCoeff() > 0.0) return {numerator, denominator};
     section.reject("denominator", "all zero", "a polynomial other than 0");

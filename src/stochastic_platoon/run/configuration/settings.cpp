@@ -4,7 +4,9 @@ namespace platoon {
 
 const std::vector<Setting>& settings() {
   static const std::vector<Setting> all = {
-      {"headway", "", "time headway h in sample periods, above 0; empty: the model file's", "time_headway"},
+      {"headway", "", "time headway h in sample periods, above 0; empty: the model file's", "time_headway",
+       "time_headway_seconds"},
+      {"headway_seconds", "", "the same in seconds; one of the two", "time_headway_seconds", "time_headway"},
       {"noise_variance", "", "channel noise variance P_d [m^2], 0 or more; empty: the model file's", "noise_variance"},
       {"loss", "", "loss probability of the link, from 0 to below 1; empty: the model file's",
        "channel/loss/probability"},

@@ -13,6 +13,8 @@ struct Setting {
   const char* help;
   /// The model file key that a non-empty value overrides, nested keys as "a/b"; null: none.
   const char* model_key;
+  /// The model file key that a value replaces besides, as one quantity in another unit; null: none.
+  const char* other_unit = nullptr;
 };
 
 /// All settings except `model`, the name of the model file.

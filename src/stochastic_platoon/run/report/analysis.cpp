@@ -72,7 +72,9 @@ std::string headway_lines(const PlatoonModel& model, const Analysis& analysis) {
                      : "no vehicle of the string follows the default headway\n");
   }
   const StableHeadways& headways = *analysis.headways;
-  const std::string critical = headways.critical ? formatted("%.9g sample periods", *headways.critical) : "none";
+  const std::string critical = headways.critical ? formatted("%.9g sample periods (%.9g s)", *headways.critical,
+                                                             *headways.critical * model.sample_period)
+                                                 : "none";
   return "Critical headway" + of_types(model, headways.types) + ": " + critical +
          formatted("; string stable headways within [%.6g, %.6g]:", headways.searched.from, headways.searched.to) +
          shown(headways.intervals) + "\n";
@@ -81,9 +83,10 @@ std::string headway_lines(const PlatoonModel& model, const Analysis& analysis) {
 std::string loss_lines(const PlatoonModel& model, const Analysis& analysis) {
   if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
   const std::optional<double> critical = analysis.losses->critical;
-  std::string text = "Critical loss probability" + of_types(model, analysis.losses->types) +
-                     (model.link.loss ? ": " : " (a lost position is replaced by the last one received): ") +
-                     (critical ? formatted("%.9g", *critical) : "none");
+  std::string text =
+      "Critical loss probability" + of_types(model, analysis.losses->types) +
+      (model.default_vehicle().link.loss ? ": " : " (a lost position is replaced by the last one received): ") +
+      (critical ? formatted("%.9g", *critical) : "none");
   text += "; string stable loss probabilities within [0, 0.99]:" + shown(analysis.losses->intervals) + "\n";
   return text;
 }
@@ -93,8 +96,9 @@ std::string loss_lines(const PlatoonModel& model, const Analysis& analysis) {
 Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps, const StageObserver& begins) {
   Analysis analysis{};
   analysis.theory = theory_of(model);
-  analysis.integral_defect = integral_defect(model.loop, model.headway);
-  analysis.rounding = rounding_bound_of_a_metre(model.loop.realization, static_cast<std::size_t>(steps));
+  const VehicleModel& own = model.default_vehicle();
+  analysis.integral_defect = integral_defect(own.loop, own.headway);
+  analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
   if (analysis.theory == Theory::none) return analysis;
   begins("verdict");
   analysis.stability = string_stability(model);
@@ -117,7 +121,7 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
 }
 
 std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) {
-  if (!model.design && !(axes.headways.empty() && axes.gains.empty())) {
+  if (!model.default_vehicle().design && !(axes.headways.empty() && axes.gains.empty())) {
     throw std::invalid_argument("closed_loop: given: must be plant and controller for a sweep over headways");
   }
   if (theory_of(model) == Theory::none)
@@ -126,20 +130,20 @@ std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) 
     return values.empty() ? std::vector<double>{own} : values;
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const double own_gain = model.design ? model.design->controller.numerator()(0) : nan;
+  const VehicleModel& own = model.default_vehicle();
   std::vector<SweepPoint> points;
-  for (const double gain : or_own(axes.gains, own_gain)) {
-    for (const double loss : or_own(axes.losses, model.link.loss ? model.link.loss->probability : nan)) {
-      for (const double headway : or_own(axes.headways, model.headway)) {
+  for (const double gain : or_own(axes.gains, own.design ? own.design->controller.gain() : nan)) {
+    for (const double loss : or_own(axes.losses, own.link.loss ? own.link.loss->probability : nan)) {
+      for (const double headway : or_own(axes.headways, own.headway)) {
         PlatoonModel varied = model;
         if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
         if (!axes.headways.empty()) varied = with_headway(std::move(varied), headway);
         if (!axes.losses.empty()) {
-          if (!varied.link.loss) varied.link.loss = LossModel();
+          if (!own.link.loss) varied.default_vehicle().link.loss = LossModel();
           varied = with_loss(std::move(varied), loss);
         }
         points.push_back({headway, gain, string_stability(varied), {}});
-        if (varied.link.loss) points.back().loss = loss;
+        if (varied.default_vehicle().link.loss) points.back().loss = loss;
       }
     }
   }
@@ -148,7 +152,9 @@ std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) 
 
 std::string report(const PlatoonModel& model, const Analysis& analysis) {
   const StringStability& stability = analysis.stability;
-  std::string text = formatted("h = %g, P_d = %g m^2: ", model.headway, model.noise_variance);
+  const VehicleModel& own = model.default_vehicle();
+  std::string text =
+      formatted("h = %g (%g s), P_d = %g m^2: ", own.headway, own.headway * model.sample_period, own.noise_variance);
   if (analysis.theory == Theory::none)
     return text + "no theory, as losses come in bursts: monte_carlo measures what they do\n";
   text += stability.reason + "\n";
@@ -201,10 +207,11 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
 
 nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
   const StringStability& stability = analysis.stability;
+  const VehicleModel& own = model.default_vehicle();
   const auto steps = static_cast<std::size_t>(analysis.moments.steps);
   if (analysis.theory == Theory::none) {
-    return {{"headway", model.headway},
-            {"noise_variance", model.noise_variance},
+    return {{"headway", own.headway},
+            {"noise_variance", own.noise_variance},
             {"theory", to_string(analysis.theory)},
             {"rounding", number(analysis.rounding)}};
   }
@@ -218,6 +225,7 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
     for (const HeadwayInterval& interval : analysis.headways->intervals)
       headways.push_back({interval.from, interval.to});
   }
+  const std::optional<double> critical = analysis.headways ? analysis.headways->critical : std::nullopt;
   nlohmann::json norms = {{"mean_l2", numbers(analysis.norms.mean)},
                           {"variance_linf", numbers(analysis.norms.variance)},
                           {"mean_bound", number(analysis.bounds ? analysis.bounds->mean_bound : std::nullopt)},
@@ -230,11 +238,11 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
               {"beta_2", number(analysis.bounds->beta_2)},
               {"stated_beta_2", number(analysis.bounds->stated_beta_2)}};
   }
-  return {{"headway", model.headway},
-          {"noise_variance", model.noise_variance},
+  return {{"headway", own.headway},
+          {"noise_variance", own.noise_variance},
           {"transfer",
-           {{"numerator", coefficients(model.loop.transfer.numerator())},
-            {"denominator", coefficients(model.loop.transfer.denominator())}}},
+           {{"numerator", coefficients(own.loop.transfer.numerator())},
+            {"denominator", coefficients(own.loop.transfer.denominator())}}},
           {"spectral_radius", stability.spectral_radius},
           {"rounding", number(analysis.rounding)},
           {"integral_defect", number(analysis.integral_defect)},
@@ -243,7 +251,8 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
           {"mean_square_stable", stability.mean_square_stable},
           {"string_stable", truth(stability.decision())},
           {"reason", stability.reason},
-          {"critical_headway", number(analysis.headways ? analysis.headways->critical : std::nullopt)},
+          {"critical_headway", number(critical)},
+          {"critical_headway_seconds", critical ? nlohmann::json(*critical * model.sample_period) : nlohmann::json()},
           {"stable_headways", analysis.headways ? headways : nlohmann::json()},
           {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
           {"theory", to_string(analysis.theory)},

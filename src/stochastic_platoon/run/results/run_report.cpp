@@ -84,9 +84,11 @@ std::string no_verdict(std::uint64_t realizations, double needed) {
 
 std::string report(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
+  const VehicleModel& vehicle = configuration.model.default_vehicle();
   const StringStability& stability = prediction.stability;
-  std::string text = formatted("\nPlatoon of %zu followers, h = %g, P_d = %g m^2: ", run.followers,
-                               configuration.model.headway, configuration.model.noise_variance);
+  std::string text =
+      formatted("\nPlatoon of %zu followers, h = %g (%g s), P_d = %g m^2: ", run.followers,
+                vehicle.headway, vehicle.headway * configuration.model.sample_period, vehicle.noise_variance);
   text += heading(run, result) + table(run, prediction, result);
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
   if (found) {

@@ -43,7 +43,7 @@ bool any_contains(const std::vector<std::string>& texts, const std::string& part
 
 TEST(ClosedLoop, OfThePapersExampleHasOrderThreeAndTheseCoefficients) {
   for (const double h : {3.2, 2.4, 4.0}) {
-    const ClosedLoop loop = paper_platoon(h).loop;
+    const ClosedLoop loop = paper_platoon(h).default_vehicle().loop;
     const double k = 1.35 / (1.0 + h);
     ASSERT_EQ(loop.realization.order(), 3);
     ASSERT_EQ(loop.transfer.numerator().size(), 2);
@@ -57,8 +57,8 @@ TEST(ClosedLoop, OfThePapersExampleHasOrderThreeAndTheseCoefficients) {
 }
 
 TEST(ClosedLoop, OfThePapersExampleHasTheseSpectralRadii) {
-  EXPECT_NEAR(spectral_radius(paper_platoon(3.2).loop.realization), 0.5274, 0.00005);
-  EXPECT_NEAR(spectral_radius(paper_platoon(2.4).loop.realization), 0.6546, 0.00005);
+  EXPECT_NEAR(spectral_radius(paper_platoon(3.2).default_vehicle().loop.realization), 0.5274, 0.00005);
+  EXPECT_NEAR(spectral_radius(paper_platoon(2.4).default_vehicle().loop.realization), 0.6546, 0.00005);
 }
 
 TEST(ClosedLoop, IsTheFeedbackOfControllerPlantAndHeadway) {
@@ -79,7 +79,7 @@ TEST(ClosedLoop, IsTheFeedbackOfControllerPlantAndHeadway) {
 }
 
 TEST(ClosedLoop, SensitivityIsOneMinusHT) {
-  const ClosedLoop loop = paper_platoon().loop;
+  const ClosedLoop loop = paper_platoon().default_vehicle().loop;
   const std::complex<double> z(0.4, 0.9);
   const TransferFunction s = sensitivity(loop.transfer, 3.2);
   EXPECT_LT(std::abs(s(z) - (1.0 - (4.2 - 3.2 / z) * loop.transfer(z))), 1e-14);
@@ -127,7 +127,7 @@ TEST(ClosedLoop, HasEveryOrderFromTwoToSix) {
 TEST(ClosedLoop, GivenByItsRealizationIsKeptAsItIs) {
   Eigen::Matrix3d basis;
   basis << 1.0, 0.3, -0.2, 0.5, -1.0, 0.4, 0.1, 0.2, 0.9;
-  const ClosedLoop paper = paper_platoon().loop;
+  const ClosedLoop paper = paper_platoon().default_vehicle().loop;
   const StateSpace dense(basis * paper.realization.a() * basis.inverse(), basis * paper.realization.b(),
                          paper.realization.c() * basis.inverse());
   const ClosedLoop loop = closed_loop_from(dense);
@@ -140,7 +140,7 @@ TEST(ClosedLoop, GivenByItsRealizationIsKeptAsItIs) {
 }
 
 TEST(ClosedLoop, GivenByARealizationThatIsNotMinimalHasAMinimalTransferFunction) {
-  const StateSpace paper = paper_platoon().loop.realization;
+  const StateSpace paper = paper_platoon().default_vehicle().loop.realization;
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(4, 4);
   a.topLeftCorner(3, 3) = paper.a();
   a(3, 3) = 0.3;
@@ -158,7 +158,7 @@ TEST(ClosedLoop, ThatIsNotStrictlyProperIsRefused) {
   const TransferFunction plant = fraction(1.0, {}, {1.0, 1.0});
   EXPECT_THROW(close_loop(plant, fraction(0.1, {0.5, 0.4, 0.3}, {0.2}), 3.2), std::invalid_argument);
   EXPECT_THROW(close_loop(plant, fraction(0.1, {0.5, 0.4, 0.3, 0.1}, {0.2}), 3.2), std::invalid_argument);
-  const ClosedLoop paper = paper_platoon().loop;
+  const ClosedLoop paper = paper_platoon().default_vehicle().loop;
   const ClosedLoop proper{fraction(0.1, {0.5}, {0.2}), paper.realization, {}};
   EXPECT_TRUE(any_contains(violated_assumptions(proper, 3.2, true), "T(z) is not strictly proper"));
 }
@@ -201,7 +201,7 @@ TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralActionOfASlowLoop) {
 
 TEST(ViolatedAssumptions, AcceptARealizationGivenToSixDigits) {
   const auto rounded = [](double value) { return std::stod(std::to_string(value)); };
-  const StateSpace paper = paper_platoon().loop.realization;
+  const StateSpace paper = paper_platoon().default_vehicle().loop.realization;
   const StateSpace given(paper.a().unaryExpr(rounded), paper.b().unaryExpr(rounded), paper.c());
   EXPECT_TRUE(violated_assumptions(closed_loop_from(given), 3.2, false).empty());
 }

@@ -45,8 +45,8 @@ std::vector<Values> through(Link& link, std::size_t count, std::size_t batch) {
 
 PlatoonModel platoon_with(const LinkModel& link, double noise_variance) {
   PlatoonModel model = paper_platoon();
-  model.link = link;
-  model.noise_variance = noise_variance;
+  model.default_vehicle().link = link;
+  model.default_vehicle().noise_variance = noise_variance;
   return model;
 }
 

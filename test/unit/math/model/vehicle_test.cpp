@@ -15,7 +15,7 @@ namespace {
 StateSpace dense_loop() {
   Eigen::Matrix3d basis;
   basis << 1.0, 0.3, -0.2, 0.5, -1.0, 0.4, 0.1, 0.2, 0.9;
-  const StateSpace paper = paper_platoon().loop.realization;
+  const StateSpace paper = paper_platoon().default_vehicle().loop.realization;
   return {basis * paper.a() * basis.inverse(), basis * paper.b(), paper.c() * basis.inverse()};
 }
 
@@ -36,8 +36,8 @@ StateSpace large_loop() {
 std::vector<StateSpace> loops() {
   const StateSpace first_order(Eigen::MatrixXd::Constant(1, 1, 0.4), Eigen::VectorXd::Constant(1, 0.6),
                                Eigen::RowVectorXd::Ones(1));
-  return {paper_platoon(3.2).loop.realization, observable_canonical(transfer_function(large_loop())), first_order,
-          dense_loop(), large_loop()};
+  return {paper_platoon(3.2).default_vehicle().loop.realization, observable_canonical(transfer_function(large_loop())),
+          first_order, dense_loop(), large_loop()};
 }
 
 std::vector<double> random_values(std::size_t count, unsigned seed) {
@@ -155,8 +155,8 @@ TEST(ClosedLoopBatch, WithoutAStateOfRestIsRefused) {
 
 TEST(FollowerVehicle, StartsInItsPlaceWhenNothingIsRandom) {
   PlatoonModel model = paper_platoon();
-  model.standstill_distance = 6.5;
-  model.initial_position = {0.25, 0.0};
+  model.default_vehicle().standstill_distance = 6.5;
+  model.default_vehicle().initial_position = {0.25, 0.0};
   std::vector<double> positions;
   FollowerVehicle(model, 1, 4).start(10, 3, positions);
   ASSERT_EQ(positions.size(), 3u);
@@ -165,8 +165,8 @@ TEST(FollowerVehicle, StartsInItsPlaceWhenNothingIsRandom) {
 
 TEST(FollowerVehicle, StartsWithTheNoiseOfStepMinusOne) {
   PlatoonModel model = paper_platoon();
-  model.standstill_distance = 6.5;
-  model.initial_position = {0.25, 2.0};
+  model.default_vehicle().standstill_distance = 6.5;
+  model.default_vehicle().initial_position = {0.25, 2.0};
   std::vector<double> positions;
   FollowerVehicle(model, 5, 3).start(101, 50, positions);
   const std::vector<double> g = normals(5, {3, -1}, 101, 50);
@@ -178,8 +178,8 @@ TEST(FollowerVehicle, StartsWithTheNoiseOfStepMinusOne) {
 // Mean and variance of n normals have the standard errors sqrt(v / n) and v sqrt(2 / n); four of them.
 TEST(FollowerVehicle, StartsWithTheMeanAndTheVarianceOfTheModel) {
   PlatoonModel model = paper_platoon();
-  model.standstill_distance = 6.5;
-  model.initial_position = {-0.8, 0.3};
+  model.default_vehicle().standstill_distance = 6.5;
+  model.default_vehicle().initial_position = {-0.8, 0.3};
   constexpr std::size_t kCount = 40000;
   std::vector<double> positions;
   FollowerVehicle(model, 1, 2).start(0, kCount, positions);
@@ -192,7 +192,7 @@ TEST(FollowerVehicle, StartsWithTheMeanAndTheVarianceOfTheModel) {
 
 TEST(FollowerVehicle, StandsStillBehindAPredecessorThatStandsInItsPlace) {
   PlatoonModel model = paper_platoon();
-  model.standstill_distance = 6.5;
+  model.default_vehicle().standstill_distance = 6.5;
   FollowerVehicle follower(model, 1, 3);
   std::vector<double> positions;
   follower.start(0, 2, positions);
@@ -204,7 +204,7 @@ TEST(FollowerVehicle, StandsStillBehindAPredecessorThatStandsInItsPlace) {
 
 TEST(FollowerVehicle, BeginsAnewWithEveryStart) {
   PlatoonModel model = paper_platoon();
-  model.initial_position = {0.0, 1.0};
+  model.default_vehicle().initial_position = {0.0, 1.0};
   FollowerVehicle used(model, 1, 1), fresh(model, 1, 1);
   std::vector<double> one, other;
   used.start(0, 5, one);

@@ -30,7 +30,7 @@ TEST(LemmaOne, AgreesWithTheMomentsFromStructure) {
 
 TEST(LemmaOne, InitialStateIsThatOfVehiclesThatStoodStillAndMadeOneStep) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
-  const StateSpace& loop = model.loop.realization;
+  const StateSpace& loop = model.default_vehicle().loop.realization;
   const Eigen::Vector3d p(0.7, -1.1, 0.4);
   const Eigen::VectorXd equilibrium = unit_equilibrium(loop);
   const Eigen::VectorXd xi = initial_string(model, 3).response * p;
@@ -86,7 +86,7 @@ TEST(LemmaOne, RefusesWhatHasNoStationaryCovariance) {
 
 TEST(LemmaOne, LyapunovSolutionKeepsItsDigitsForLongStrings) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
-  const StringMatrices string = string_matrices(model.loop.realization, 3.2, 40);
+  const StringMatrices string = string_matrices(model.default_vehicle().loop.realization, 3.2, 40);
   // The eigenvalues of this A, of multiplicity 40, are not to be relied on: rho(A) = 0.527.
   EXPECT_GT(string.a.eigenvalues().cwiseAbs().maxCoeff(), 0.6);
   const double expected = stationary_variances(model, 40).back();

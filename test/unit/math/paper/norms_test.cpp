@@ -26,10 +26,10 @@ TEST(Norms, AreTakenPerFollower) {
 
 TEST(Norms, OfTheMeansFallAlongAStringStablePlatoonAndGrowAlongAnUnstableOne) {
   PlatoonModel model = model_with(paper_loop(3.2), 3.2);
-  model.initial_position = {0.0, 0.0};
+  model.default_vehicle().initial_position = {0.0, 0.0};
   const ErrorNorms stable = error_norms(error_moments(model, 20, 400), NormOrder::kTwo, NormOrder::kInfinity);
   model = model_with(paper_loop(2.4), 2.4);
-  model.initial_position = {0.0, 0.0};
+  model.default_vehicle().initial_position = {0.0, 0.0};
   const ErrorNorms unstable = error_norms(error_moments(model, 20, 400), NormOrder::kTwo, NormOrder::kInfinity);
   for (std::size_t i = 1; i < 20; ++i) {
     EXPECT_LT(stable.mean[i], stable.mean[i - 1]);

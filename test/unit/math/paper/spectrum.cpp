@@ -35,20 +35,20 @@ std::vector<double> error_spectra(const PlatoonModel& model, std::size_t followe
     throw std::invalid_argument("frequency: " + std::to_string(frequency) + ": must be in [0, pi]");
   }
   std::vector<double> spectra(followers, std::numeric_limits<double>::quiet_NaN());
-  const LoopSpectrum spectrum(model.loop, model.headway);
-  if (spectral_radius(model.loop) >= 1.0) return spectra;
+  const LoopSpectrum spectrum(model.default_vehicle().loop, model.default_vehicle().headway);
+  if (spectral_radius(model.default_vehicle().loop) >= 1.0) return spectra;
   const LoopSpectrumValue value = spectrum.at(frequency);
   const double input = value.gain * value.sensitivity + value.margin * value.complement;  // 1 - S = HT
-  spectra[0] = value.complement * model.noise_variance;
+  spectra[0] = value.complement * model.default_vehicle().noise_variance;
   for (std::size_t i = 1; i < followers; ++i) {
-    spectra[i] = value.gain * spectra[i - 1] + input * model.noise_variance;
+    spectra[i] = value.gain * spectra[i - 1] + input * model.default_vehicle().noise_variance;
   }
   return spectra;
 }
 
 double noise_to_error_norm(const PlatoonModel& model, std::size_t followers) {
   PlatoonModel unit = model;
-  unit.noise_variance = 1.0;
+  unit.default_vehicle().noise_variance = 1.0;
   return std::sqrt(stationary_variances(unit, followers).back());
 }
 
@@ -57,7 +57,7 @@ TransferFunction spectral_factor(const PlatoonModel& model) {
   if (!stability.string_stable) {
     throw std::invalid_argument("T(z): has no spectral factor M of 1 - T T~: " + stability.reason);
   }
-  const LoopSpectrum spectrum(model.loop, model.headway);
+  const LoopSpectrum spectrum(model.default_vehicle().loop, model.default_vehicle().headway);
   std::vector<std::complex<double>> zeros;
   for (const std::complex<double>& t : spectrum.margin_roots()) {
     // 1 - cos w = t in z = e^{jw}: z^2 - 2 (1 - t) z + 1 = 0, a pair z, 1/z.
@@ -71,7 +71,7 @@ TransferFunction spectral_factor(const PlatoonModel& model) {
   const double scale = std::sqrt(at_one / std::pow(2.0, spectrum.margin_zeros())) / inner.sum();
   Polynomial factor = scale * inner;
   for (int i = 0; i < spectrum.margin_zeros(); ++i) factor = multiply(factor, Eigen::Vector2d(1.0, -1.0));
-  const Polynomial& denominator = model.loop.transfer.denominator();
+  const Polynomial& denominator = model.default_vehicle().loop.transfer.denominator();
   Polynomial padded = Polynomial::Zero(denominator.size());
   padded.head(factor.size()) = factor;
   return {padded, denominator};

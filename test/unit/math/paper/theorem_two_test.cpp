@@ -140,8 +140,9 @@ TEST(TheoremTwo, HasTheTermsOfThePaper) {
   EXPECT_EQ(bounds.leader_norm, sequence_norm(leader.data(), leader.size(), NormOrder::kTwo));
   EXPECT_EQ(*bounds.alpha_1, bounds.leader_norm);  // ||T||_infinity = 1
   EXPECT_NEAR(bounds.initial_mean, initial_string(model, 20).mean.norm(), 1e-14);
-  EXPECT_EQ(*bounds.beta_1, initial_mean_gain(model.loop.realization, 3.2, 20) * bounds.initial_mean);
-  EXPECT_EQ(*bounds.beta_2, initial_covariance_gain(model.loop.realization, 20) * bounds.initial_covariance);
+  EXPECT_EQ(*bounds.beta_1, initial_mean_gain(model.default_vehicle().loop.realization, 3.2, 20) * bounds.initial_mean);
+  EXPECT_EQ(*bounds.beta_2,
+            initial_covariance_gain(model.default_vehicle().loop.realization, 20) * bounds.initial_covariance);
   EXPECT_EQ(*bounds.stated_beta_2, bounds.initial_covariance);  // ||C|| = 1
   EXPECT_EQ(*bounds.variance_bound, *bounds.alpha_2 + *bounds.beta_2);
 }
@@ -181,7 +182,7 @@ TEST(TheoremTwo, OfAVerySlowLoopIsThereAtOnce) {
                         Eigen::RowVectorXd::Ones(1));
   for (const double variance : {0.0, 1.0}) {
     PlatoonModel model = model_with(closed_loop_from(slow), h);
-    model.initial_position.variance = variance;
+    model.default_vehicle().initial_position.variance = variance;
     const TheoremTwoBounds bounds = theorem_two_bounds(model, 20, 100);
     ASSERT_TRUE(bounds.beta_2);
     EXPECT_GE(*bounds.beta_2, bounds.initial_covariance);

@@ -59,7 +59,7 @@ TEST(MonteCarlo, AgreesWithTheory) {
 TEST(MonteCarlo, NoticesATheoryThatIsAFewPercentOff) {
   PlatoonModel model = eventful_platoon(3.2);
   const MomentTable table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
-  model.noise_variance *= 1.08;
+  model.default_vehicle().noise_variance *= 1.08;
   const ErrorMoments theory = error_moments(model, 5, 40);
   EXPECT_GT(agreement(table.totals(), theory.mean, theory.variance).max_abs_z_variance,
             largest_plausible_score(2 * theory.mean.size()));

@@ -27,7 +27,7 @@ TEST(PlatoonString, ErrorsAreThoseOfTheEquationsWrittenOut) {
   constexpr std::uint32_t kFollowers = 4;
   constexpr std::int64_t kSteps = 30;
   const PlatoonModel model = eventful_platoon(3.2);
-  const StateSpace& loop = model.loop.realization;
+  const StateSpace& loop = model.default_vehicle().loop.realization;
   const auto g = [&](std::uint32_t i, std::int64_t k) {
     double value;
     WhiteNoise(8).fill({i, k}, kRealization, 1, &value);
@@ -57,8 +57,8 @@ TEST(PlatoonString, ErrorsAreThoseOfTheEquationsWrittenOut) {
 
 TEST(PlatoonString, StaysInFormationWhenNothingDisturbsIt) {
   PlatoonModel model = paper_platoon();
-  model.noise_variance = 0.0;
-  model.standstill_distance = 7.0;
+  model.default_vehicle().noise_variance = 0.0;
+  model.default_vehicle().standstill_distance = 7.0;
   model.leader = LeaderProfile({}, 0.1);
   PlatoonString string(model, 1, 6);
   for (const auto& entry : errors_of(string, 0, 3, 50)) {

@@ -116,6 +116,18 @@ TEST(CriticalHeadway, IsSoughtAboutTheModelsOwnHeadway) {
   EXPECT_EQ(found.searched.to, 100.0 * h);
 }
 
+// An actuator lag of 0.1 s, an input delay of 0.2 s, kp = 0.2, kd = 0.7 at 100 Hz. At low frequencies 1 / (G K) ~
+// (z - 1)^2 / (kp T_s^2), hence 1 - |T|^2 ~ (h (1+h) - 2 / (kp T_s^2)) w^2; in continuous time h = sqrt(2 / kp) s.
+TEST(CriticalHeadway, OfAdaptiveCruiseControlIsKnownInClosedForm) {
+  LoopDesign design{{car_with_actuator_lag(0.1, 0.2), 0.01}, {ControllerGains{0.2, 0.7, 0.0}, 0.01}};
+  design.headway_filter = true;
+  const StableHeadways found = stable_headways([&](double h) { return close_loop(design, h); });
+  ASSERT_TRUE(found.critical);
+  const double expected = (-1.0 + std::sqrt(1.0 + 8.0 / (0.2 * 0.01 * 0.01))) / 2.0;
+  EXPECT_NEAR(*found.critical, expected, 1e-9 * expected);
+  EXPECT_NEAR(0.01 * expected, 3.15728, 1e-5);
+}
+
 TEST(CriticalHeadway, NeverContradictsTheVerdictAtTheHeadwayAskedFor) {
   const HeadwayLaw laws[] = {paper_loop, fixed_gain(0.3), cancelling};
   for (const HeadwayLaw& law : laws) {

@@ -23,7 +23,7 @@ std::vector<double> run_string(const PlatoonModel& model, std::size_t followers,
   for (std::size_t k = 0; k < steps; ++k) ahead.push_back(leader.step());
   if (!led) ahead.assign(steps + 1, 0.0);
   for (std::size_t i = 0; i < followers; ++i) {
-    ClosedLoopBatch loop(model.loop.realization);
+    ClosedLoopBatch loop(model.default_vehicle().loop.realization);
     loop.start_at_equilibrium({initial[i]});
     std::vector<double> own;
     for (std::size_t k = 0; k <= steps; ++k) {
@@ -31,9 +31,9 @@ std::vector<double> run_string(const PlatoonModel& model, std::size_t followers,
       loop.output(y);
       own.push_back(y.front());
       const double d = k == 0 ? 0.0 : noise[i * steps + k - 1];
-      loop.step({ahead[k] + d}, model.standstill_distance, y);
+      loop.step({ahead[k] + d}, model.default_vehicle().standstill_distance, y);
     }
-    const TrackingError zeta{model.headway, model.standstill_distance};
+    const TrackingError zeta{model.default_vehicle().headway, model.default_vehicle().standstill_distance};
     for (std::size_t k = 1; k <= steps; ++k) errors.push_back(zeta(ahead[k], own[k], own[k - 1]));
     ahead = own;
   }
@@ -54,7 +54,8 @@ TEST(ErrorMoments, MeanIsWhatTheVehiclesDoWithoutNoise) {
     const PlatoonModel model = model_with(example.loop, example.headway);
     std::vector<double> places;
     for (std::size_t i = 1; i <= kFollowers; ++i) {
-      places.push_back(model.initial_position.mean - static_cast<double>(i) * model.standstill_distance);
+      places.push_back(model.default_vehicle().initial_position.mean -
+                       static_cast<double>(i) * model.default_vehicle().standstill_distance);
     }
     const std::vector<double> errors =
         run_string(model, kFollowers, kSteps, places, std::vector<double>(kFollowers * kSteps, 0.0));
@@ -69,7 +70,7 @@ TEST(ErrorMoments, MeanIsWhatTheVehiclesDoWithoutNoise) {
 TEST(ErrorMoments, VarianceIsTheSumOfSquaredUnitResponsesOfTheVehicles) {
   for (const ExampleLoop& example : example_loops()) {
     PlatoonModel model = model_with(example.loop, example.headway);
-    model.standstill_distance = 0.0;
+    model.default_vehicle().standstill_distance = 0.0;
     const std::vector<double> silence(kFollowers * kSteps, 0.0);
     std::vector<double> variance(kFollowers * kSteps, 0.0);
     const auto add_squares = [&variance](const std::vector<double>& response, double weight) {
@@ -78,12 +79,13 @@ TEST(ErrorMoments, VarianceIsTheSumOfSquaredUnitResponsesOfTheVehicles) {
     for (std::size_t j = 0; j < kFollowers; ++j) {
       std::vector<double> place(kFollowers, 0.0);
       place[j] = 1.0;
-      add_squares(run_string(model, kFollowers, kSteps, place, silence, false), model.initial_position.variance);
+      add_squares(run_string(model, kFollowers, kSteps, place, silence, false),
+                  model.default_vehicle().initial_position.variance);
       for (std::size_t l = 0; l < kSteps; ++l) {
         std::vector<double> noise = silence;
         noise[j * kSteps + l] = 1.0;
         const std::vector<double> rest(kFollowers, 0.0);
-        add_squares(run_string(model, kFollowers, kSteps, rest, noise, false), model.noise_variance);
+        add_squares(run_string(model, kFollowers, kSteps, rest, noise, false), model.default_vehicle().noise_variance);
       }
     }
     const ErrorMoments moments = error_moments(model, kFollowers, kSteps);
@@ -96,8 +98,8 @@ TEST(ErrorMoments, VarianceIsTheSumOfSquaredUnitResponsesOfTheVehicles) {
 TEST(ErrorMoments, FirstErrorsAreKnownInClosedForm) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const ErrorMoments moments = error_moments(model, 2, 1);
-  const double b = model.loop.realization.c() * model.loop.realization.a() *
-                   unit_equilibrium(model.loop.realization);  // y(0) of a vehicle at 1 that hears 0
+  const double b = model.default_vehicle().loop.realization.c() * model.default_vehicle().loop.realization.a() *
+                   unit_equilibrium(model.default_vehicle().loop.realization);  // y(0) of a vehicle at 1 that hears 0
   EXPECT_NEAR(moments.mean_at(1, 0), -0.8 * (4.2 * b - 3.2), 1e-14);
   EXPECT_NEAR(moments.variance_at(1, 0), 0.3 * (4.2 * b - 3.2) * (4.2 * b - 3.2), 1e-14);
 }
@@ -111,7 +113,7 @@ TEST(ErrorMoments, LeaderErrorVanishesToRoundingAfterTheLastChangeOfSpeed) {
 TEST(ErrorMoments, StandstillDistanceCancels) {
   PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const ErrorMoments far = error_moments(model, 3, 20);
-  model.standstill_distance = 0.0;
+  model.default_vehicle().standstill_distance = 0.0;
   EXPECT_EQ(far.mean, error_moments(model, 3, 20).mean);
 }
 
@@ -157,7 +159,7 @@ TEST(ErrorMoments, HaveTheirDigitsAtFastSampling) {
   PlatoonModel model = model_with(close_loop(plant, controller, h), h);
   model.sample_period = 0.001;
   model.leader = LeaderProfile({{0, 13.75}}, 0.001);
-  model.initial_position = {0.0, 0.0};
+  model.default_vehicle().initial_position = {0.0, 0.0};
   const ExactPolynomial g = multiply(exact(plant.numerator()), exact(controller.numerator()));
   const ExactPolynomial n = multiply(g, {Exact(1), Exact(0)});
   ExactPolynomial d =

@@ -17,7 +17,7 @@ namespace {
 
 PlatoonModel with_loss(double probability, const std::vector<double>& predictor, double headway = 3.2) {
   PlatoonModel model = paper_platoon(headway);
-  model.link.loss = LossModel{probability, {}, predictor};
+  model.default_vehicle().link.loss = LossModel{probability, {}, predictor};
   return model;
 }
 
@@ -47,7 +47,7 @@ TEST(LinkedString, WithoutLossesIsThePapers) {
 TEST(LinkedString, OfAlikeTypesIsHomogeneous) {
   const PlatoonModel model = with_loss(0.2, {2.0, -1.0});
   PlatoonModel patterned = model;
-  patterned.types = {{"twin", vehicle(model, 1)}};
+  patterned.types.push_back({"twin", vehicle(model, 1)});
   patterned.string = {0, 1, 1};
   const StringStability one = linked_string_stability(model), other = linked_string_stability(patterned);
   EXPECT_NEAR(*other.loss_gain, *one.loss_gain, 1e-10);
@@ -72,7 +72,7 @@ TEST(LinkedString, HasALossGainOfZeroWhereALinkMayLoseButDoesNot) {
   EXPECT_EQ(string_stability(with_loss(0.0, {1.0})).loss_gain, 0.0);
   EXPECT_FALSE(string_stability(paper_platoon()).loss_gain);
   PlatoonModel delayed = with_loss(0.0, {1.0});
-  delayed.link.delay = 1;
+  delayed.default_vehicle().link.delay = 1;
   EXPECT_EQ(string_stability(delayed).loss_gain, 0.0);
 }
 
@@ -84,7 +84,7 @@ TEST(LinkedString, HasNoStationaryVarianceWherePredictionsGrow) {
 
 TEST(LinkedString, ShowsTheMeanThatDelayAndHoldingLeave) {
   PlatoonModel model = with_loss(0.25, {1.0});
-  model.link.delay = 3;
+  model.default_vehicle().link.delay = 3;
   for (const double mean : stationary_means(model, 3)) EXPECT_DOUBLE_EQ(mean, 2.0 * (3.0 + 0.25 / 0.75));
   for (const double mean : stationary_means(with_loss(0.25, {2.0, -1.0}), 3)) EXPECT_EQ(mean, 0.0);
   EXPECT_TRUE(std::isnan(stationary_means(with_loss(0.4, {2.0, -1.0}), 1).front()));
@@ -107,14 +107,14 @@ TEST(StableLosses, AreFoundToTheLastDigitsThatDecide) {
 /// Cars, the default vehicle, and a truck every so many followers: a longer headway and a delay.
 PlatoonModel cars_and_a_truck(std::size_t vehicles) {
   PlatoonModel model = paper_platoon(3.2);
-  model.design = LoopDesign{{Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0)},
-                            {Eigen::Vector2d(1.35, 0.0), Eigen::Vector2d(1.0, 0.89)},
-                            true};
+  model.default_vehicle().design =
+      LoopDesign{TransferFunction{Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0)},
+                 TransferFunction{Eigen::Vector2d(1.35, 0.0), Eigen::Vector2d(1.0, 0.89)}, true};
   VehicleModel truck = vehicle(model, 1);
   truck.headway = 4.0;
   truck.loop = close_loop(*truck.design, 4.0);
   truck.link.delay = 1;
-  model.types = {{"truck", truck, {false, true, true, true}}};
+  model.types.push_back({"truck", truck, {false, true, true, true}});
   model.string.assign(vehicles, 0);
   model.string.back() = 1;
   return model;
@@ -136,8 +136,8 @@ TEST(LinkedString, LongPatternsAreDecidedFromTheirVehicles) {
 // The same limit by two patterns of which one is the other twice.
 TEST(LinkedString, LimitOfALossyPatternDoesNotDependOnHowItIsWritten) {
   PlatoonModel once = cars_and_a_truck(3);
-  once.link.loss = LossModel{0.1, {}, {1.0}};
-  once.types[0].vehicle.link.loss = LossModel{0.2, {}, {2.0, -1.0}};
+  once.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
+  once.types[1].vehicle.link.loss = LossModel{0.2, {}, {2.0, -1.0}};
   PlatoonModel twice = once;
   twice.string = {0, 0, 1, 0, 0, 1};
   PlatoonModel often = once;
@@ -155,9 +155,9 @@ TEST(LinkedString, LimitOfALossyPatternDoesNotDependOnHowItIsWritten) {
 
 TEST(LinkedString, TypesThatInheritTheHeadwayFollowIt) {
   PlatoonModel model = cars_and_a_truck(3);
-  model.types[0].inherited.headway = true;
-  model.types[0].vehicle = vehicle_of_type(model, 0);
-  model.types[0].vehicle.link.delay = 1;
+  model.types[1].inherited.headway = true;
+  model.types[1].vehicle = model.default_vehicle();
+  model.types[1].vehicle.link.delay = 1;
   const std::optional<StableHeadways> found = stable_headways(model);
   ASSERT_TRUE(found && found->critical);
   EXPECT_EQ(found->types, (std::vector<std::string>{"default", "truck"}));
@@ -166,17 +166,17 @@ TEST(LinkedString, TypesThatInheritTheHeadwayFollowIt) {
   EXPECT_FALSE(linked_string_stability(with_headway(model, *found->critical - 1e-6)).string_stable);
   model.string = {1};
   EXPECT_EQ(stable_headways(model)->types, std::vector<std::string>{"truck"});
-  model.types[0].inherited.headway = false;
+  model.types[1].inherited.headway = false;
   EXPECT_FALSE(stable_headways(model)) << "no vehicle of the string follows the default headway";
 }
 
 TEST(LinkedString, TypesThatInheritTheLossProbabilityFollowIt) {
   PlatoonModel model = cars_and_a_truck(2);
-  model.link.loss = LossModel{0.1, {}, {2.0, -1.0}};
-  model.types[0].vehicle.link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+  model.default_vehicle().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+  model.types[1].vehicle.link.loss = LossModel{0.1, {}, {2.0, -1.0}};
   const std::optional<StableLosses> followed = stable_losses(model);
   EXPECT_EQ(followed->types, (std::vector<std::string>{"default", "truck"}));
-  model.types[0].inherited.loss_probability = false;
+  model.types[1].inherited.loss_probability = false;
   const std::optional<StableLosses> alone = stable_losses(model);
   EXPECT_EQ(alone->types, std::vector<std::string>{"default"});
   EXPECT_LT(*followed->critical, *alone->critical);
@@ -189,7 +189,7 @@ TEST(LinkedString, FlatGainsGrowWhereTheErrorsVanishMoreSlowly) {
   const ExampleLoop flat = string_stable_loops().back();
   PlatoonModel model = model_with(flat.loop, flat.headway);
   EXPECT_EQ(linked_string_stability(model).decision(), true);
-  model.link.delay = 1;
+  model.default_vehicle().link.delay = 1;
   const StringStability delayed = linked_string_stability(model);
   EXPECT_EQ(delayed.decision(), false);
   EXPECT_NE(delayed.reason.find("vanishes so fast"), std::string::npos) << delayed.reason;
@@ -205,8 +205,8 @@ TEST(LinkedString, FlatGainsBehindExtrapolationHaveALimit) {
   shift.diagonal(1).setOnes();
   Eigen::VectorXd b(5);
   b << -0.075, 0.3526315789473684, 0.4447368421052632, 0.3526315789473684, -0.075;
-  model.loop = closed_loop_from(StateSpace(shift, b, Eigen::VectorXd::Unit(5, 0).transpose()));
-  model.link.loss = LossModel{0.05, {}, {2.0, -1.0}};
+  model.default_vehicle().loop = closed_loop_from(StateSpace(shift, b, Eigen::VectorXd::Unit(5, 0).transpose()));
+  model.default_vehicle().link.loss = LossModel{0.05, {}, {2.0, -1.0}};
   const LinkedPattern pattern = linked_pattern(model);
   ASSERT_EQ(pattern.gain().zeros(), 2);
   EXPECT_EQ(pattern[0].zeros_at_zero().innovation, 2);
@@ -224,21 +224,21 @@ TEST(LinkedString, FlatGainsBehindExtrapolationHaveALimit) {
 TEST(LinkedString, DelaysAreExactHoweverLong) {
   PlatoonModel model = with_loss(0.2, {1.0});
   for (const std::int64_t delay : {1, 7, 9, 20, 33}) {
-    model.link.delay = delay;
+    model.default_vehicle().link.delay = delay;
     const std::vector<double> stationary = linked_stationary_variances(model, 3);
-    model.initial_position = {};
+    model.default_vehicle().initial_position = {};
     const ErrorMoments table = linked_error_moments(model, 3, 400 + 4 * delay);
     for (std::size_t i = 1; i <= 3; ++i)
       EXPECT_NEAR(table.variance_at(i, table.steps - 1) / stationary[i - 1], 1.0, 1e-10) << delay << " " << i;
   }
-  model.link.delay = 1000000;
+  model.default_vehicle().link.delay = 1000000;
   const std::vector<double> late = linked_stationary_variances(model, 2);
   EXPECT_TRUE(std::isfinite(late[1]));
 }
 
 TEST(LinkedTheory, ThrowsForWhatItDoesNotKnow) {
   PlatoonModel bursts = with_loss(0.1, {1.0});
-  bursts.link.loss->mean_burst = 3.0;
+  bursts.default_vehicle().link.loss->mean_burst = 3.0;
   EXPECT_THROW(linked_string_stability(bursts), std::invalid_argument);
   EXPECT_THROW(linked_stationary_variances(bursts, 2), std::invalid_argument);
   EXPECT_THROW(linked_error_moments(bursts, 2, 5), std::invalid_argument);
@@ -254,15 +254,16 @@ std::vector<std::vector<double>> errors_of(const PlatoonModel& model, unsigned p
   for (std::size_t k = 0; k <= steps; ++k) ahead.push_back(static_cast<double>(k));  // from step -1 on
   std::vector<std::vector<double>> errors;
   for (std::size_t i = 0; i < 2; ++i) {
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(model.loop.realization.order());
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(model.default_vehicle().loop.realization.order());
     double used = ahead.front();
     std::vector<double> own{0.0};
     errors.emplace_back();
     for (std::size_t k = 0; k < steps; ++k) {
-      own.push_back(model.loop.realization.c() * x);
-      errors.back().push_back(ahead[k + 1] - own[k + 1] - model.headway * (own[k + 1] - own[k]));
+      own.push_back(model.default_vehicle().loop.realization.c() * x);
+      errors.back().push_back(ahead[k + 1] - own[k + 1] - model.default_vehicle().headway * (own[k + 1] - own[k]));
       if ((pattern >> (2 * k + i) & 1U) == 0) used = ahead[k + 1];
-      x = (model.loop.realization.a() * x + model.loop.realization.b() * used).eval();
+      x = (model.default_vehicle().loop.realization.a() * x + model.default_vehicle().loop.realization.b() * used)
+              .eval();
     }
     ahead = own;
   }
@@ -273,7 +274,7 @@ std::vector<std::vector<double>> errors_of(const PlatoonModel& model, unsigned p
 TEST(LinkedErrorMoments, HaveTheFourthCumulantsOfRareLosses) {
   constexpr std::size_t kSteps = 7;
   PlatoonModel model = with_loss(1e-6, {1.0});
-  model.noise_variance = 0.0;
+  model.default_vehicle().noise_variance = 0.0;
   for (std::size_t k = 0; k <= kSteps; ++k) model.recorded_leader.push_back(static_cast<double>(k));
   std::vector<double> cumulants;
   const ErrorMoments moments = linked_error_moments(model, 2, kSteps, &cumulants);

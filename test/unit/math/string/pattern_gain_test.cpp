@@ -10,7 +10,7 @@ namespace platoon {
 namespace {
 
 RatedFactor factor_of(const ExampleLoop& example, double count = 1.0) {
-  RatedFactor factor = rated_factor(delta_fraction(example.loop));
+  RatedFactor factor = rated_factor(example.loop);
   factor.factor.count = count;
   return factor;
 }

@@ -21,8 +21,8 @@ std::vector<double> own_leader(const PlatoonModel& model, std::int64_t steps) {
 
 TEST(RecordedLeader, OfTheModelsOwnLeaderGivesTheMeansOfTheStructure) {
   PlatoonModel model = paper_platoon();
-  model.standstill_distance = 5.0;
-  model.initial_position = {0.7, 0.4};
+  model.default_vehicle().standstill_distance = 5.0;
+  model.default_vehicle().initial_position = {0.7, 0.4};
   const ErrorMoments expected = error_moments(model, 6, 80);
   model.recorded_leader = own_leader(model, 80);
   const std::vector<double> means = mean_errors_behind_recorded_leader(model, 6, 80);

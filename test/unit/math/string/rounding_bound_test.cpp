@@ -14,7 +14,7 @@ namespace {
 
 /// The tracking errors of a platoon without noise, computed as a run computes them.
 std::vector<double> run(const PlatoonModel& model, std::size_t followers, std::size_t steps) {
-  const TrackingError zeta{model.headway, model.standstill_distance};
+  const TrackingError zeta{model.default_vehicle().headway, model.default_vehicle().standstill_distance};
   LeaderVehicle leader(model);
   std::vector<double> ahead{leader.start()};
   for (std::size_t k = 0; k < steps; ++k) ahead.push_back(leader.step());
@@ -46,8 +46,8 @@ double share_of_bound(const PlatoonModel& model, std::size_t followers, std::siz
 }
 
 PlatoonModel without_noise(PlatoonModel model) {
-  model.noise_variance = 0.0;
-  model.initial_position.variance = 0.0;
+  model.default_vehicle().noise_variance = 0.0;
+  model.default_vehicle().initial_position.variance = 0.0;
   return model;
 }
 

@@ -36,18 +36,19 @@ TEST(SettlingTime, GrowsWithDelaysAndSlowPoles) {
   PlatoonModel model = paper_platoon(3.2);
   const std::int64_t before = *settling_steps(model, 20);
   EXPECT_LT(before, 300);
-  model.link.delay = 10;
+  model.default_vehicle().link.delay = 10;
   EXPECT_EQ(*settling_steps(model, 20), before + 200);
-  model.link.loss = LossModel();
-  model.link.loss->probability = 0.9;
+  model.default_vehicle().link.loss = LossModel();
+  model.default_vehicle().link.loss->probability = 0.9;
   EXPECT_GT(*settling_steps(model, 20), before + 300) << "a lost position is kept for ten steps on average";
 }
 
 TEST(SettlingTime, AnUnstableVehicleHasNone) {
   PlatoonModel model = paper_platoon(3.2);
-  Eigen::MatrixXd a = model.loop.realization.a();
-  model.loop = closed_loop_from(
-      {a / spectral_radius(model.loop) * 1.01, model.loop.realization.b(), model.loop.realization.c()});
+  Eigen::MatrixXd a = model.default_vehicle().loop.realization.a();
+  model.default_vehicle().loop =
+      closed_loop_from({a / spectral_radius(model.default_vehicle().loop) * 1.01,
+                        model.default_vehicle().loop.realization.b(), model.default_vehicle().loop.realization.c()});
   EXPECT_FALSE(settling_steps(model, 20));
 }
 

@@ -32,8 +32,9 @@ TEST(StationaryVariance, AgreesWithTheLyapunovEquationOfTheWholeString) {
   for (const ExampleLoop& example : loops_for_dense_solutions()) {
     const PlatoonModel model = model_with(example.loop, example.headway);
     const std::vector<double> variances = stationary_variances(model, 4);
-    const StringMatrices string = string_matrices(model.loop.realization, model.headway, 4);
-    const Eigen::MatrixXd dense = stationary_covariance_by_lyapunov(string, model.noise_variance);
+    const StringMatrices string =
+        string_matrices(model.default_vehicle().loop.realization, model.default_vehicle().headway, 4);
+    const Eigen::MatrixXd dense = stationary_covariance_by_lyapunov(string, model.default_vehicle().noise_variance);
     for (std::size_t i = 0; i < 4; ++i) {
       const double expected = dense(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
       EXPECT_NEAR(variances[i], expected, 1e-10 * expected) << example.name;
@@ -46,8 +47,9 @@ TEST(StationaryVariance, AgreesWithTheVecFormulaOfLemmaOne) {
     const PlatoonModel model = model_with(example.loop, example.headway);
     const std::size_t followers = example.loop.realization.order() <= 3 ? 3 : 1;
     const std::vector<double> variances = stationary_variances(model, followers);
-    const StringMatrices string = string_matrices(model.loop.realization, model.headway, followers);
-    const Eigen::MatrixXd dense = stationary_covariance_by_vec(string, model.noise_variance);
+    const StringMatrices string =
+        string_matrices(model.default_vehicle().loop.realization, model.default_vehicle().headway, followers);
+    const Eigen::MatrixXd dense = stationary_covariance_by_vec(string, model.default_vehicle().noise_variance);
     for (std::size_t i = 0; i < followers; ++i) {
       const double expected = dense(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
       EXPECT_NEAR(variances[i], expected, 1e-10 * expected) << example.name;
@@ -58,8 +60,8 @@ TEST(StationaryVariance, AgreesWithTheVecFormulaOfLemmaOne) {
 TEST(StationaryVariance, IsWhereTheVariancesOverTimeSettle) {
   for (const ExampleLoop& example : all_loops()) {
     PlatoonModel model = model_with(example.loop, example.headway);
-    model.initial_position = {0.0, 0.0};
-    const double rho = spectral_radius(model.loop.realization);
+    model.default_vehicle().initial_position = {0.0, 0.0};
+    const double rho = spectral_radius(model.default_vehicle().loop.realization);
     const auto steps = static_cast<std::int64_t>(200.0 + 60.0 / (1.0 - rho));
     const ErrorMoments moments = error_moments(model, 3, steps);
     const std::vector<double> variances = stationary_variances(model, 3);
@@ -112,7 +114,7 @@ TEST(StationaryVariance, IsNotANumberForAnUnstableVehicle) {
 
 TEST(StationaryVariance, IsZeroWithoutNoise) {
   PlatoonModel model = model_with(paper_loop(2.4), 2.4);
-  model.noise_variance = 0.0;
+  model.default_vehicle().noise_variance = 0.0;
   EXPECT_EQ(stationary_variances(model, 5000), std::vector<double>(5000, 0.0));
 }
 

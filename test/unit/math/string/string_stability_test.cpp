@@ -131,7 +131,7 @@ TEST(StringStability, LimitAgreesWithTheSpectralFactor) {
       s.conservativeResize(s.size() - 1);
     }
     const double norm = h2_norm({s, multiply(rest, Eigen::Vector2d(1.0, 0.0))});
-    const double limit = (norm * norm - 1.0) * model.noise_variance;
+    const double limit = (norm * norm - 1.0) * model.default_vehicle().noise_variance;
     // S and M by coefficients lose digits where the poles are slow; the limit itself does not.
     const double slowness = 1.0 - verdict.spectral_radius;
     const double tolerance = 1e-11 + 1e-15 / (slowness * slowness);
@@ -167,9 +167,9 @@ TEST(StringStability, FlatterThanTheSensitivityHasNoLimitThoughTheGainStaysBelow
 TEST(StringStability, LimitScalesWithTheNoise) {
   PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const double limit = *string_stability(model).limit_variance;
-  model.noise_variance = 0.0;
+  model.default_vehicle().noise_variance = 0.0;
   EXPECT_EQ(*string_stability(model).limit_variance, 0.0);
-  model.noise_variance = 1.2;
+  model.default_vehicle().noise_variance = 1.2;
   EXPECT_NEAR(*string_stability(model).limit_variance, 2.0 * limit, 1e-15 * limit);
 }
 

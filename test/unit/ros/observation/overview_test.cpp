@@ -131,7 +131,7 @@ TEST(Overview, OfAveragesOverManyStepsHasTheLargestScore) {
 TEST(Overview, SaysHowManyRealizationsAVerdictNeedsWhereThereIsNone) {
   Configuration configuration = paper_run("");
   EXPECT_TRUE(std::isnan(overview_of(configuration.run, predict(configuration), {}).realizations_needed));
-  configuration.model.link.loss = LossModel{0.01, {}, {1.0}};
+  configuration.model.default_vehicle().link.loss = LossModel{0.01, {}, {1.0}};
   const Prediction prediction = predict(configuration);
   RunResult result = result_with_fourth_moments(configuration, prediction, 0.5);
   const auto overview = overview_of(configuration.run, prediction, result);
@@ -152,7 +152,7 @@ TEST(Overview, SaysHowManyRealizationsAVerdictNeedsWhereThereIsNone) {
 
 TEST(Overview, OfAveragesOverTimeOfAStringThatLosesHasNoStandardErrors) {
   Configuration configuration = long_run(2, 0);
-  configuration.model.link.loss = LossModel{0.1, {}, {1.0}};
+  configuration.model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
   const Prediction prediction = predict(configuration);
   RunResult result = result_with(configuration, prediction);
   result.last_steps = {9999, 9999};

@@ -33,25 +33,26 @@ protected:
 
 TEST_F(ConfigurationTest, IsTheModelFileAndTheDefaults) {
   const Configuration configuration = configured({});
-  EXPECT_EQ(configuration.model.headway, 3.2);
-  EXPECT_EQ(configuration.model.noise_variance, 0.6);
+  EXPECT_EQ(configuration.model.default_vehicle().headway, 3.2);
+  EXPECT_EQ(configuration.model.default_vehicle().noise_variance, 0.6);
   EXPECT_EQ(configuration.run.followers, 20u);
 }
 
 TEST_F(ConfigurationTest, IsOverriddenByTheSettingsThatAreGiven) {
   const Configuration configuration =
       configured({{"headway", "2.4"}, {"noise_variance", "0.1"}, {"followers", "3"}, {"steps", "7"}});
-  EXPECT_EQ(configuration.model.headway, 2.4);
-  EXPECT_EQ(configuration.model.loop.realization.a(), paper_platoon(2.4).loop.realization.a());
-  EXPECT_EQ(configuration.model.noise_variance, 0.1);
+  EXPECT_EQ(configuration.model.default_vehicle().headway, 2.4);
+  EXPECT_EQ(configuration.model.default_vehicle().loop.realization.a(),
+            paper_platoon(2.4).default_vehicle().loop.realization.a());
+  EXPECT_EQ(configuration.model.default_vehicle().noise_variance, 0.1);
   EXPECT_EQ(configuration.run.followers, 3u);
   EXPECT_EQ(configuration.run.steps, 7);
 }
 
 TEST_F(ConfigurationTest, IsNotOverriddenByEmptySettings) {
   const Configuration configuration = configured({{"headway", ""}, {"noise_variance", ""}});
-  EXPECT_EQ(configuration.model.headway, 3.2);
-  EXPECT_EQ(configuration.model.noise_variance, 0.6);
+  EXPECT_EQ(configuration.model.default_vehicle().headway, 3.2);
+  EXPECT_EQ(configuration.model.default_vehicle().noise_variance, 0.6);
 }
 
 TEST_F(ConfigurationTest, NamesWhatIsWrongWithAnOverride) {
@@ -83,7 +84,7 @@ TEST_F(ConfigurationTest, TheBurnInOfAnEndlessRunIsItsSettlingTime) {
 TEST_F(ConfigurationTest, AnUnstableVehicleNeedsABurnIn) {
   const std::string unstable = folder_.file("unstable.yaml", std::string(kModelText) + "\nallow_unstable: true\n");
   const Settings settings{{"model", unstable}, {"headway", "0.1"}, {"steps", "0"}};
-  ASSERT_GE(spectral_radius(configured({{"model", unstable}, {"headway", "0.1"}}).model.loop), 1.0);
+  ASSERT_GE(spectral_radius(configured({{"model", unstable}, {"headway", "0.1"}}).model.default_vehicle().loop), 1.0);
   EXPECT_EQ(problems_with(settings),
             Problems{"run/burn_in: (empty): must be given, as the closed loop of a vehicle is unstable"});
   Settings given = settings;
@@ -178,17 +179,20 @@ TEST_F(ConfigurationTest, IsTheSameWhenWrittenAndReadAgain) {
   const Configuration configuration = configured({{"seed", "9223372036854775807"}, {"noise_variance", "0.1"}});
   const Configuration again = parse_configuration(YAML::Load(to_json(configuration).dump()));
   EXPECT_EQ(to_json(again), to_json(configuration));
-  EXPECT_EQ(again.model.loop.realization.a(), configuration.model.loop.realization.a());
-  EXPECT_EQ(again.model.loop.realization.b(), configuration.model.loop.realization.b());
+  EXPECT_EQ(again.model.default_vehicle().loop.realization.a(),
+            configuration.model.default_vehicle().loop.realization.a());
+  EXPECT_EQ(again.model.default_vehicle().loop.realization.b(),
+            configuration.model.default_vehicle().loop.realization.b());
 }
 
 TEST_F(ConfigurationTest, ChangesOnlyWhatIsGivenBesideAnotherOne) {
   const Configuration base = configured({{"seed", "5"}, {"followers", "3"}, {"noise_variance", "0.1"}});
   const Configuration changed =
       parse_configuration(configuration_document(base, {{"headway", "2.4"}, {"followers", "4"}, {"model", ""}}));
-  EXPECT_EQ(changed.model.headway, 2.4);
-  EXPECT_EQ(changed.model.loop.realization.a(), paper_platoon(2.4).loop.realization.a());
-  EXPECT_EQ(changed.model.noise_variance, 0.1);
+  EXPECT_EQ(changed.model.default_vehicle().headway, 2.4);
+  EXPECT_EQ(changed.model.default_vehicle().loop.realization.a(),
+            paper_platoon(2.4).default_vehicle().loop.realization.a());
+  EXPECT_EQ(changed.model.default_vehicle().noise_variance, 0.1);
   EXPECT_EQ(changed.run.followers, 4u);
   EXPECT_EQ(changed.run.seed, 5u);
   EXPECT_EQ(problems_of([&base] { configuration_document(base, {{"color", "red"}}); }).size(), 1u);
@@ -219,15 +223,15 @@ TEST(Configuration, TakesLossAndDelayAsItTakesTheHeadway) {
   const std::string model = PLATOON_SOURCE_DIR "/config/paper.yaml";
   const Configuration changed =
       parse_configuration(configuration_document({{"model", model}, {"loss", "0.25"}, {"delay", "2"}}));
-  EXPECT_EQ(changed.model.link.delay, 2);
-  ASSERT_TRUE(changed.model.link.loss);
-  EXPECT_EQ(changed.model.link.loss->probability, 0.25);
-  EXPECT_EQ(changed.model.link.loss->predictor, std::vector<double>{1.0});
+  EXPECT_EQ(changed.model.default_vehicle().link.delay, 2);
+  ASSERT_TRUE(changed.model.default_vehicle().link.loss);
+  EXPECT_EQ(changed.model.default_vehicle().link.loss->probability, 0.25);
+  EXPECT_EQ(changed.model.default_vehicle().link.loss->predictor, std::vector<double>{1.0});
   const Configuration again = parse_configuration(configuration_document(changed, {{"loss", "0.5"}}));
-  EXPECT_EQ(again.model.link.loss->probability, 0.5);
-  EXPECT_EQ(again.model.link.delay, 2);
+  EXPECT_EQ(again.model.default_vehicle().link.loss->probability, 0.5);
+  EXPECT_EQ(again.model.default_vehicle().link.delay, 2);
   EXPECT_NE(run_identity(changed), run_identity(again));
-  EXPECT_FALSE(parse_configuration(configuration_document({{"model", model}})).model.link.loss);
+  EXPECT_FALSE(parse_configuration(configuration_document({{"model", model}})).model.default_vehicle().link.loss);
 }
 
 // What the losses of every link add to every vehicle behind it takes followers^2 x steps.

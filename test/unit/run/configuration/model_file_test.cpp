@@ -51,14 +51,14 @@ TEST(ModelFile, LoadsEveryShippedFile) {
 TEST(ModelFile, OfThePaperIsThePapersExample) {
   const PlatoonModel model = parse_model(load_yaml(PLATOON_SOURCE_DIR "/config/paper.yaml"));
   const PlatoonModel expected = paper_platoon();
-  expect_same_bits(model.loop.realization, expected.loop.realization);
-  EXPECT_EQ(model.headway, 3.2);
-  EXPECT_EQ(model.standstill_distance, 0.0);
+  expect_same_bits(model.default_vehicle().loop.realization, expected.default_vehicle().loop.realization);
+  EXPECT_EQ(model.default_vehicle().headway, 3.2);
+  EXPECT_EQ(model.default_vehicle().standstill_distance, 0.0);
   EXPECT_EQ(model.sample_period, 0.1);
-  EXPECT_EQ(model.noise_variance, 0.6);
+  EXPECT_EQ(model.default_vehicle().noise_variance, 0.6);
   EXPECT_EQ(model.leader.position(10), expected.leader.position(10));
-  EXPECT_EQ(model.initial_position.mean, 0.0);
-  EXPECT_EQ(model.initial_position.variance, 0.0);
+  EXPECT_EQ(model.default_vehicle().initial_position.mean, 0.0);
+  EXPECT_EQ(model.default_vehicle().initial_position.variance, 0.0);
   EXPECT_FALSE(model.allow_unstable);
 }
 
@@ -72,26 +72,26 @@ TEST(ModelFile, SetsEveryQuantity) {
   put("[{from_step: 0, value: 20.0}]", "[{from_step: 2, value: 10}, {from_step: 5, value: -4.5}]");
   put("{mean: 0.0, variance: 0.0}", "{mean: -0.5, variance: 0.09}");
   const PlatoonModel model = parse(text + "allow_unstable: true\n");
-  EXPECT_EQ(model.standstill_distance, 6.5);
+  EXPECT_EQ(model.default_vehicle().standstill_distance, 6.5);
   EXPECT_EQ(model.sample_period, 0.02);
-  EXPECT_EQ(model.noise_variance, 0.25);
+  EXPECT_EQ(model.default_vehicle().noise_variance, 0.25);
   ASSERT_EQ(model.leader.changes().size(), 2u);
   EXPECT_EQ(model.leader.changes()[1].from_step, 5);
   EXPECT_EQ(model.leader.changes()[1].value, -4.5);
   EXPECT_NEAR(model.leader.position(6), 0.02 * (3 * 10 - 4.5), 1e-15);
-  EXPECT_EQ(model.initial_position.mean, -0.5);
-  EXPECT_EQ(model.initial_position.variance, 0.09);
+  EXPECT_EQ(model.default_vehicle().initial_position.mean, -0.5);
+  EXPECT_EQ(model.default_vehicle().initial_position.variance, 0.09);
   EXPECT_TRUE(model.allow_unstable);
 }
 
 TEST(ModelFile, DividesTheControllerByOnePlusHeadwayWhenAsked) {
   const PlatoonModel divided = parse(model_text_with("time_headway: 3.2", "time_headway: 2.4"));
-  expect_same_bits(divided.loop.realization, paper_platoon(2.4).loop.realization);
+  expect_same_bits(divided.default_vehicle().loop.realization, paper_platoon(2.4).default_vehicle().loop.realization);
   for (const char* not_asked : {"", ", divide_by_one_plus_headway: false"}) {
     const PlatoonModel model =
         parse(model_text_with("[1.35, 0.0], denominator: [1.0, 0.89], divide_by_one_plus_headway: true",
                               std::string("[0.32, 0.0], denominator: [1.0, 0.89]") + not_asked));
-    EXPECT_DOUBLE_EQ(model.loop.transfer.numerator()(0), 0.32);
+    EXPECT_DOUBLE_EQ(model.default_vehicle().loop.transfer.numerator()(0), 0.32);
   }
 }
 
@@ -102,7 +102,7 @@ TEST(ModelFile, TakesNumbersInQuotes) {
       "'true'}\n"
       "time_headway: '3.2'\nstandstill_distance: '0'\nsample_period: '0.1'\nnoise_variance: '0.6'\n"
       "leader: {speed: [{from_step: '0', value: '20'}]}\ninitial_position: {mean: '0', variance: '0'}\n");
-  expect_same_bits(model.loop.realization, paper_platoon().loop.realization);
+  expect_same_bits(model.default_vehicle().loop.realization, paper_platoon().default_vehicle().loop.realization);
 }
 
 TEST(ModelFile, ClosedLoopFormEqualsPlantAndControllerForm) {
@@ -114,12 +114,21 @@ TEST(ModelFile, ClosedLoopFormEqualsPlantAndControllerForm) {
       parse(model_text_with(loop,
                             "closed_loop: {A: [[1.11, 1, 0], [-0.57, 0, 1], [0.13857142857142857, 0, 0]], "
                             "B: [0, 0.3214285714285714, 0], C: [1, 0, 0]}\n"));
-  EXPECT_LT((given.loop.realization.a() - designed.loop.realization.a()).cwiseAbs().maxCoeff(), 1e-15);
-  EXPECT_LT((given.loop.realization.b() - designed.loop.realization.b()).cwiseAbs().maxCoeff(), 1e-15);
-  EXPECT_EQ(given.loop.realization.c(), designed.loop.realization.c());
-  EXPECT_LT((given.loop.transfer.denominator() - designed.loop.transfer.denominator()).norm(), 1e-14);
-  EXPECT_TRUE(designed.design);
-  EXPECT_FALSE(given.design);
+  EXPECT_LT((given.default_vehicle().loop.realization.a() - designed.default_vehicle().loop.realization.a())
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-15);
+  EXPECT_LT((given.default_vehicle().loop.realization.b() - designed.default_vehicle().loop.realization.b())
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-15);
+  EXPECT_EQ(given.default_vehicle().loop.realization.c(), designed.default_vehicle().loop.realization.c());
+  EXPECT_LT(
+      (given.default_vehicle().loop.transfer.denominator() - designed.default_vehicle().loop.transfer.denominator())
+          .norm(),
+      1e-14);
+  EXPECT_TRUE(designed.default_vehicle().design);
+  EXPECT_FALSE(given.default_vehicle().design);
 }
 
 // What one process writes for the others must mean the same bits to them.
@@ -133,9 +142,9 @@ TEST(ModelFile, IsTheSameToTheBitWhenWrittenAndReadAgain) {
   for (const std::string& text : {kModelText, uneven, closed, model_text_with("0.6", "0.1")}) {
     const PlatoonModel model = parse(text);
     const PlatoonModel again = parse(to_json(model).dump());
-    expect_same_bits(again.loop.realization, model.loop.realization);
-    EXPECT_EQ(again.loop.transfer.denominator(), model.loop.transfer.denominator());
-    EXPECT_EQ(again.noise_variance, model.noise_variance);
+    expect_same_bits(again.default_vehicle().loop.realization, model.default_vehicle().loop.realization);
+    EXPECT_EQ(again.default_vehicle().loop.transfer.denominator(), model.default_vehicle().loop.transfer.denominator());
+    EXPECT_EQ(again.default_vehicle().noise_variance, model.default_vehicle().noise_variance);
     EXPECT_EQ(to_json(again), to_json(model));
   }
 }
@@ -317,17 +326,17 @@ const char* const kLinkText =
 
 TEST(ModelFile, SetsLinksAndTypesThatInheritWhatTheyDoNotGive) {
   const PlatoonModel model = parse(kModelText + kLinkText);
-  EXPECT_EQ(model.link.noise_filter.numerator(), Eigen::Vector2d(1.0, 0.3));
-  EXPECT_EQ(model.link.quantisation_step, 0.5);
-  EXPECT_EQ(model.link.delay, 2);
-  ASSERT_TRUE(model.link.loss);
-  EXPECT_EQ(model.link.loss->probability, 0.2);
-  EXPECT_EQ(model.link.loss->mean_burst, 2.5);
-  EXPECT_EQ(model.link.loss->predictor, (std::vector<double>{2.0, -1.0}));
-  ASSERT_EQ(model.types.size(), 2u);
-  const VehicleModel &bus = model.types[0].vehicle, &truck = model.types[1].vehicle;
+  EXPECT_EQ(model.default_vehicle().link.noise_filter.numerator(), Eigen::Vector2d(1.0, 0.3));
+  EXPECT_EQ(model.default_vehicle().link.quantisation_step, 0.5);
+  EXPECT_EQ(model.default_vehicle().link.delay, 2);
+  ASSERT_TRUE(model.default_vehicle().link.loss);
+  EXPECT_EQ(model.default_vehicle().link.loss->probability, 0.2);
+  EXPECT_EQ(model.default_vehicle().link.loss->mean_burst, 2.5);
+  EXPECT_EQ(model.default_vehicle().link.loss->predictor, (std::vector<double>{2.0, -1.0}));
+  ASSERT_EQ(model.types.size(), 3u);
+  const VehicleModel &bus = model.types[1].vehicle, &truck = model.types[2].vehicle;
   EXPECT_EQ(truck.headway, 4.0);
-  expect_same_bits(truck.loop.realization, paper_platoon(4.0).loop.realization);
+  expect_same_bits(truck.loop.realization, paper_platoon(4.0).default_vehicle().loop.realization);
   EXPECT_EQ(truck.standstill_distance, 5.0);
   EXPECT_EQ(truck.noise_variance, 0.6);
   EXPECT_EQ(truck.link.delay, 1);
@@ -337,8 +346,8 @@ TEST(ModelFile, SetsLinksAndTypesThatInheritWhatTheyDoNotGive) {
   EXPECT_EQ(bus.headway, 3.2);
   EXPECT_EQ(bus.noise_variance, 0.1);
   EXPECT_EQ(bus.initial_position.variance, 2.0);
-  EXPECT_NE(bus.loop.realization.b(), model.loop.realization.b());
-  EXPECT_TRUE(bus.link == model.link);
+  EXPECT_NE(bus.loop.realization.b(), model.default_vehicle().loop.realization.b());
+  EXPECT_TRUE(bus.link == model.default_vehicle().link);
   EXPECT_EQ(model.string, (std::vector<std::size_t>{0, 2, 0, 1}));
   EXPECT_FALSE(is_homogeneous(model));
   for (const std::size_t i : {2, 6}) EXPECT_EQ(vehicle(model, i).headway, 4.0);
@@ -350,7 +359,9 @@ TEST(ModelFile, SetsATypeByItsOwnClosedLoop) {
       parse(kModelText +
             "vehicle_types: {twin: {closed_loop: {A: [[1.11, 1, 0], [-0.57, 0, 1], [0.13857142857142857, 0, 0]], "
             "B: [0, 0.3214285714285714, 0], C: [1, 0, 0]}}}\nstring: [twin]\n");
-  EXPECT_LT((vehicle(model, 1).loop.realization.a() - model.loop.realization.a()).cwiseAbs().maxCoeff(), 1e-15);
+  EXPECT_LT(
+      (vehicle(model, 1).loop.realization.a() - model.default_vehicle().loop.realization.a()).cwiseAbs().maxCoeff(),
+      1e-15);
   EXPECT_FALSE(vehicle(model, 1).design);
   EXPECT_TRUE(vehicle(model, 0).design);
   // The loop is of one headway: another needs another loop.
@@ -367,7 +378,7 @@ TEST(ModelFile, OfLinksAndTypesIsTheSameWhenWrittenAndReadAgain) {
   const PlatoonModel model = parse(kModelText + kLinkText);
   const PlatoonModel again = parse(to_json(model).dump());
   EXPECT_EQ(to_json(again), to_json(model));
-  EXPECT_TRUE(again.link == model.link);
+  EXPECT_TRUE(again.default_vehicle().link == model.default_vehicle().link);
   EXPECT_EQ(again.string, model.string);
   for (std::size_t i = 0; i < model.types.size(); ++i) {
     EXPECT_TRUE(again.types[i].vehicle.link == model.types[i].vehicle.link);

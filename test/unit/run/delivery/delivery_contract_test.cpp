@@ -16,8 +16,8 @@ const BatchSchedule kSchedule{99, 4, 3};  // the last batch has three realizatio
 
 PlatoonModel example() {
   PlatoonModel model = paper_platoon();
-  model.standstill_distance = 7.0;
-  model.initial_position = {0.8, 0.3};
+  model.default_vehicle().standstill_distance = 7.0;
+  model.default_vehicle().initial_position = {0.8, 0.3};
   return model;
 }
 

@@ -48,7 +48,7 @@ public:
         to_recorder_(troubles.recorder ? followers + 1 : 0) {
     for (std::uint32_t i = 1; i <= followers; ++i) {
       followers_.push_back(new_follower(i));
-      channels_.emplace_back(model.noise_variance, noise_seed, i);
+      channels_.emplace_back(model.default_vehicle().noise_variance, noise_seed, i);
     }
     start_leader();
     start_monitor();
@@ -293,7 +293,7 @@ private:
   }
 
   void add_errors(const DueErrors& due) {
-    const TrackingError error{model_.headway, model_.standstill_distance};
+    const TrackingError error{model_.default_vehicle().headway, model_.default_vehicle().standstill_distance};
     std::vector<double> errors(due.own->size());
     error(due.predecessor->data(), due.own->data(), due.own_before->data(), errors.size(), errors.data());
     const auto in_place = [&errors](std::size_t offset, std::size_t, double*) {

@@ -16,9 +16,9 @@ LoopDesign paper_design() {
 
 PlatoonModel model_at(double headway) {
   PlatoonModel model = paper_platoon();
-  model.design = paper_design();
-  model.headway = headway;
-  model.loop = close_loop(*model.design, headway);
+  model.default_vehicle().design = paper_design();
+  model.default_vehicle().headway = headway;
+  model.default_vehicle().loop = close_loop(*model.default_vehicle().design, headway);
   return model;
 }
 
@@ -46,13 +46,13 @@ TEST(Analysis, HasEveryKeyWithItsShape) {
 
 TEST(Analysis, WarnsWhereTheCoefficientsDoNotDetermineAFineVerdict) {
   PlatoonModel model = model_at(3.2);
-  const StateSpace exact = model.loop.realization;
-  model.design.reset();
-  model.loop = closed_loop_from(exact);
+  const StateSpace exact = model.default_vehicle().loop.realization;
+  model.default_vehicle().design.reset();
+  model.default_vehicle().loop = closed_loop_from(exact);
   const std::string warning = "Warning: A, B and C have T(1) = 1";
   EXPECT_EQ(report(model, analyze(model, 2, 10)).find(warning), std::string::npos);
   EXPECT_NE(report(model, analyze(model, 2, 10)).find("of one follower sqrt(sum of mean(k)^2)"), std::string::npos);
-  model.loop = closed_loop_from(StateSpace(exact.a(), exact.b() * (1.0 + 1e-6), exact.c()));
+  model.default_vehicle().loop = closed_loop_from(StateSpace(exact.a(), exact.b() * (1.0 + 1e-6), exact.c()));
   const Analysis analysis = analyze(model, 2, 10);
   EXPECT_NEAR(analysis.integral_defect, 1e-6 * (1.0 + 3.2 / 4.2), 1e-12);
   EXPECT_NE(report(model, analysis).find(warning), std::string::npos);
@@ -65,7 +65,7 @@ TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
   EXPECT_TRUE(document.at("norms").at("variance_bound").is_null());
   PlatoonModel unstable_loop = model_at(0.3);
   unstable_loop.allow_unstable = true;
-  ASSERT_GT(spectral_radius(unstable_loop.loop.realization), 1.0);
+  ASSERT_GT(spectral_radius(unstable_loop.default_vehicle().loop.realization), 1.0);
   const Analysis analysis = analyze(unstable_loop, 3, 10);
   const nlohmann::json other = to_json(unstable_loop, analysis);
   EXPECT_TRUE(other.at("stationary_variance").at(0).is_null());
@@ -75,7 +75,7 @@ TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
 
 TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
   PlatoonModel model = paper_platoon();
-  model.design.reset();
+  model.default_vehicle().design.reset();
   const nlohmann::json document = to_json(model, analyze(model, 2, 5));
   EXPECT_TRUE(document.at("critical_headway").is_null());
   EXPECT_TRUE(document.at("stable_headways").is_null());

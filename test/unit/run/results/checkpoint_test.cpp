@@ -276,7 +276,7 @@ TEST(StartingPoint, NamesWhatDiffersInARunOfAnotherConfiguration) {
   write_checkpoint(folder.path(), checkpoint_of(configuration, 13));
   configuration.run.resume = true;
   configuration.run.seed = 2;
-  configuration.model.noise_variance = 0.25;
+  configuration.model.default_vehicle().noise_variance = 0.25;
   EXPECT_EQ(refusal(configuration), "output: " + folder.path() +
                                         ": holds a run of another configuration: noise_variance is 0.6 there and "
                                         "0.25 here, seed is 1 there and 2 here");
@@ -352,7 +352,7 @@ TEST(StartingPoint, RefusesResultsWithoutACheckpointAndLeavesThem) {
 TEST(StartingPoint, NamesWhatOnlyOneOfTheTwoConfigurationsHas) {
   const TemporaryFolder folder;
   Configuration configuration = paper_run(folder.path());
-  configuration.model.link.delay = 1;
+  configuration.model.default_vehicle().link.delay = 1;
   write_checkpoint(folder.path(), checkpoint_of(configuration, 13));
   EXPECT_NE(refusal(paper_run(folder.path())).find("channel is {\"delay\":1} there and null here"), std::string::npos);
 }

@@ -72,7 +72,7 @@ std::string report_of(const Configuration& configuration, const Prediction& pred
   RunResult result;
   result.realizations = realizations;
   PlatoonModel model = configuration.model;
-  model.noise_variance *= noise_factor;
+  model.default_vehicle().noise_variance *= noise_factor;
   result.moments = monte_carlo(model, {seed, 2, 20, realizations, 1024}, 1, [](std::uint64_t) {}).totals();
   return report(configuration, prediction, result);
 }
@@ -80,8 +80,8 @@ std::string report_of(const Configuration& configuration, const Prediction& pred
 Configuration lossy_run(double probability, double noise_variance, std::vector<double> predictor) {
   Configuration configuration = paper_run("");
   configuration.run.steps = 20;
-  configuration.model.noise_variance = noise_variance;
-  configuration.model.link.loss = LossModel{probability, {}, std::move(predictor)};
+  configuration.model.default_vehicle().noise_variance = noise_variance;
+  configuration.model.default_vehicle().link.loss = LossModel{probability, {}, std::move(predictor)};
   return configuration;
 }
 

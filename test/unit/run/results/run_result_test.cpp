@@ -152,7 +152,7 @@ TEST(WriteResults, SaysHowManyRealizationsAVerdictNeedsWherePacketsAreLost) {
                   .summary["realizations_needed"]
                   .is_null())
       << "errors are normal";
-  configuration.model.link.loss = LossModel{0.01, {}, {1.0}};
+  configuration.model.default_vehicle().link.loss = LossModel{0.01, {}, {1.0}};
   const Prediction prediction = predict(configuration);
   const RunResult result = result_with_fourth_moments(configuration, prediction, 0.5);
   const nlohmann::json summary = written(configuration, prediction, result).summary;

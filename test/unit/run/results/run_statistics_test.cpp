@@ -25,7 +25,7 @@ std::vector<std::vector<Positions>> positions_of(const Configuration& configurat
   for (std::int64_t k = 0; k < steps; ++k) all[0].push_back(share(std::vector<double>(count, leader.step())));
   for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
     FollowerVehicle follower(configuration.model, configuration.run.seed, i);
-    const AwgnChannel channel(configuration.model.noise_variance, configuration.run.seed, i);
+    const AwgnChannel channel(configuration.model.default_vehicle().noise_variance, configuration.run.seed, i);
     std::vector<double> received, own;
     follower.start(first, count, own);
     all.push_back({share(own)});
@@ -229,7 +229,8 @@ TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
   EXPECT_EQ(statistics.averages().realizations(), 1u);
   ASSERT_EQ(statistics.averages().moments().size(), 2u);
   const auto all = positions_of(configuration, 0, 1, 50);
-  const TrackingError error{configuration.model.headway, configuration.model.standstill_distance};
+  const TrackingError error{configuration.model.default_vehicle().headway,
+                            configuration.model.default_vehicle().standstill_distance};
   for (std::size_t i = 1; i <= 2; ++i) {
     Moments expected;
     for (std::size_t k = 31; k <= 50; ++k) {

@@ -72,8 +72,8 @@ TEST(Merge, OfShardsWhoseErrorsAreNotNormalKeepsTheBitsOfAllFourMoments) {
   for (std::uint64_t i = 0; i < 5; ++i) {
     folders.push_back(folder / std::to_string(i));
     ShardRun run = paper_shard(folders.back(), i, 5);
-    run.configuration.model.link.loss = LossModel();
-    run.configuration.model.link.loss->probability = 0.2;
+    run.configuration.model.default_vehicle().link.loss = LossModel();
+    run.configuration.model.default_vehicle().link.loss->probability = 0.2;
     compute_shard(run, {});
   }
   std::reverse(folders.begin(), folders.end());
@@ -141,9 +141,9 @@ TEST(Merge, NamesInWhatShardsAreOfDifferentRuns) {
   EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.realizations = 1001; }),
             "realizations is 1000 there and 1001 here");
   EXPECT_EQ(named_difference([](ShardRun& run) { run.shard.of = 4; }), "shards is 3 there and 4 here");
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.model.noise_variance = 0.5; }),
+  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.model.default_vehicle().noise_variance = 0.5; }),
             "noise_variance is 0.6 there and 0.5 here");
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.model.link.delay = 1; }),
+  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.model.default_vehicle().link.delay = 1; }),
             "channel is null there and {\"delay\":1} here");
 }
 

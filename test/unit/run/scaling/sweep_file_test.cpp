@@ -31,8 +31,8 @@ TEST(SweepFile, VariesTheLastAxisFastest) {
   EXPECT_EQ(sweep.name_of(1), "loss = 0, headway = 3.2");
   EXPECT_EQ(sweep.name_of(5), "loss = 0.1, headway = 4");
   const Configuration last = sweep.configuration(5);
-  EXPECT_EQ(last.model.headway, 4.0);
-  EXPECT_EQ(last.model.link.loss->probability, 0.1);
+  EXPECT_EQ(last.model.default_vehicle().headway, 4.0);
+  EXPECT_EQ(last.model.default_vehicle().link.loss->probability, 0.1);
   EXPECT_EQ(last.run.seed, 7u);
   EXPECT_EQ(last.run.batch, 512u);
   EXPECT_EQ(last.run.hosting, Hosting::monte_carlo);
@@ -42,7 +42,7 @@ TEST(SweepFile, PairsValuesThatAreAsMany) {
   const Sweep sweep = sweep_of("combine: paired\nvary: {followers: 10:30:3, headway: [2.4, 3.2, 4]}\n");
   ASSERT_EQ(sweep.points(), 3u);
   EXPECT_EQ(sweep.configuration(1).run.followers, 20u);
-  EXPECT_EQ(sweep.configuration(1).model.headway, 3.2);
+  EXPECT_EQ(sweep.configuration(1).model.default_vehicle().headway, 3.2);
   EXPECT_EQ(refusal("combine: paired\nvary: {followers: 10:30:3, headway: [2.4, 3.2]}\n"),
             "combine: paired: headway has 2 values and followers 3: must have as many");
 }
@@ -54,12 +54,12 @@ TEST(SweepFile, VariesAnyKeyOfTheModelFile) {
   ASSERT_EQ(sweep.points(), 8u);
   const PlatoonModel paper = paper_platoon();
   const PlatoonModel first = sweep.configuration(0).model, last = sweep.configuration(7).model;
-  EXPECT_NE(first.loop.transfer.numerator(), last.loop.transfer.numerator());
-  EXPECT_EQ(last.loop.transfer.numerator(), paper.loop.transfer.numerator());
-  EXPECT_EQ(last.link.delay, 1u);
+  EXPECT_NE(first.default_vehicle().loop.transfer.numerator(), last.default_vehicle().loop.transfer.numerator());
+  EXPECT_EQ(last.default_vehicle().loop.transfer.numerator(), paper.default_vehicle().loop.transfer.numerator());
+  EXPECT_EQ(last.default_vehicle().link.delay, 1u);
   EXPECT_EQ(last.leader.changes().size(), 1u);
   // Nothing of a point is left in another.
-  EXPECT_EQ(sweep.configuration(0).model.link.delay, 0u);
+  EXPECT_EQ(sweep.configuration(0).model.default_vehicle().link.delay, 0u);
 }
 
 TEST(SweepFile, HasTheSettingsOfTheRunsAndWhatIsKept) {
@@ -68,7 +68,7 @@ TEST(SweepFile, HasTheSettingsOfTheRunsAndWhatIsKept) {
       "keep: {followers: last, steps: all}\n");
   EXPECT_EQ(sweep.configuration(0).run.realizations, 100000u);
   EXPECT_EQ(sweep.configuration(0).run.followers, 7u);
-  EXPECT_EQ(sweep.configuration(0).model.link.loss->probability, 0.2);
+  EXPECT_EQ(sweep.configuration(0).model.default_vehicle().link.loss->probability, 0.2);
   EXPECT_EQ(sweep.tasks(), 8u);
   EXPECT_FALSE(sweep.all_followers);
   EXPECT_TRUE(sweep.all_steps);

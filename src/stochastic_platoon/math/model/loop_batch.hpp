@@ -1,0 +1,37 @@
+#pragma once
+
+#include <algorithm>
+#include <boost/align/aligned_allocator.hpp>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace platoon {
+
+struct ClosedLoop;
+
+/// Realizations per tile: the states of one vehicle for a tile fit in the first level cache.
+constexpr std::size_t kTile = 512;
+
+/// 64-byte aligned, as a load across two cache lines costs two.
+using AlignedValues = std::vector<double, boost::alignment::aligned_allocator<double, 64>>;
+
+/// One vehicle's closed loop for a batch of realizations.
+class LoopBatch {
+public:
+  virtual ~LoopBatch() = default;
+
+  /// Equilibrium with y = p at these positions p [m].
+  virtual void start_at_equilibrium(const std::vector<double>& positions) = 0;
+
+  /// One step with the input [m] minus offset [m]; writes y [m]. Both arrays have the size of the batch.
+  virtual void step(const double* input, double offset, double* positions) = 0;
+
+  /// y [m], resized to the batch.
+  virtual void output(std::vector<double>& positions) const = 0;
+};
+
+/// The computation that fits the loop. Throws std::invalid_argument if it has no equilibrium.
+std::unique_ptr<LoopBatch> loop_batch(const ClosedLoop& loop);
+
+}  // namespace platoon

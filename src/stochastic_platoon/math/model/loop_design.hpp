@@ -1,0 +1,87 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <variant>
+
+#include "stochastic_platoon/math/model/transfer_function.hpp"
+
+namespace platoon {
+
+struct ExactTransfer;
+
+/// G(s) = N(s) / D(s) e^(-input_delay s), by descending powers of s.
+struct ContinuousPlant {
+  Polynomial numerator;
+  Polynomial denominator;
+  double input_delay = 0.0;  ///< [s], >= 0
+};
+
+/// A car whose acceleration follows its control input: 1 / (s^2 (lag s + 1)) e^(-input_delay s). lag >= 0 [s].
+ContinuousPlant car_with_actuator_lag(double lag, double input_delay);
+
+/// K(z) = kp + kd (1 - 1/z) / T_s + ki T_s / (1 - 1/z).
+struct ControllerGains {
+  double kp = 0.0;  ///< [1/s^2], of the spacing error
+  double kd = 0.0;  ///< [1/s]
+  double ki = 0.0;  ///< [1/s^3]
+};
+
+/// The plant of a vehicle: G(z) as given, or the exact zero-order hold equivalent of G(s).
+///
+/// An input delay of d + f sample periods, 0 <= f < 1, makes the held input change within the sample: G(z) = z^-d C (zI
+/// - Phi(T_s))^-1 (Gamma_0 + Gamma_1 / z) with Phi(t) = e^(A t), Gamma(t) = (integral of Phi from 0 to t) B, Gamma_0 =
+/// Gamma((1 - f) T_s), Gamma_1 = Phi((1 - f) T_s) Gamma(f T_s). Computed to a hundred digits; poles at s = 0 become
+/// poles at z = 1 exactly. A delay within 8 units in the last place of whole sample periods is taken as whole.
+class Plant {
+public:
+  Plant(const TransferFunction& sampled);
+  /// Throws std::invalid_argument unless G(s) is strictly proper and T_s > 0, the delay >= 0, both finite, and if the
+  /// delay is more than kLongestInputDelay sample periods.
+  Plant(const ContinuousPlant& continuous, double sample_period);
+
+  /// As given.
+  const std::variant<TransferFunction, ContinuousPlant>& given() const { return given_; }
+  const ExactTransfer& exact() const { return *exact_; }
+
+private:
+  std::variant<TransferFunction, ContinuousPlant> given_;
+  std::shared_ptr<const ExactTransfer> exact_;
+};
+
+constexpr long kLongestInputDelay = 100;  ///< in sample periods
+
+/// The controller of a vehicle: K(z) as given, or by its gains.
+class Controller {
+public:
+  Controller(const TransferFunction& sampled);
+  /// Throws std::invalid_argument unless the gains are finite, not all zero, and T_s > 0 is finite.
+  Controller(const ControllerGains& gains, double sample_period);
+
+  const std::variant<TransferFunction, ControllerGains>& given() const { return given_; }
+  const ExactTransfer& exact() const { return *exact_; }
+
+  /// Leading coefficient of the numerator, or kp.
+  double gain() const;
+  /// The same controller, multiplied so that its gain() is this. Throws std::invalid_argument if the present gain is 0.
+  Controller with_gain(double gain) const;
+
+private:
+  std::variant<TransferFunction, ControllerGains> given_;
+  double sample_period_ = 0.0;  ///< of gains
+  std::shared_ptr<const ExactTransfer> exact_;
+};
+
+/// Plant and controller of a vehicle; they define a closed loop for every headway.
+struct LoopDesign {
+  Plant plant;            ///< G(z)
+  Controller controller;  ///< K(z), K(z) (1 + h) or K(z) H(z), see below
+  bool divide_by_one_plus_headway = false;
+  bool headway_filter = false;  ///< the controller is divided by H(z) = (1 + h) - h / z
+};
+
+/// Whether the design is written in an engineer's terms: a continuous plant, gains or a headway filter. Such a vehicle
+/// is computed part by part (DesignedLoop), any other one by the canonical form of T.
+bool is_by_parts(const LoopDesign& design);
+
+}  // namespace platoon

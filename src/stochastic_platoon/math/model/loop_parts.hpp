@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "stochastic_platoon/math/model/loop_batch.hpp"
+#include "stochastic_platoon/math/model/state_space.hpp"
+
+namespace platoon {
+
+struct LoopDesign;
+
+/// A strictly proper fraction and its direct term by powers of s = z - 1, in observable canonical form:
+///     x_j(k+1) = x_j(k) + x_{j+1}(k) - a_j x_0(k) + b_j u(k),   y = x_0 + direct u.
+/// The coefficients of slow poles are small here, and those of integrators are 0: rounding does not move them.
+struct DeltaFilter {
+  std::vector<double> a, b;
+  double direct = 0.0;
+
+  std::size_t order() const { return a.size(); }
+};
+
+/// A vehicle as it is built: plant G behind an input delay, controller K, and their spacing policy, in double.
+///     e = u^ - y - h (y - y(k-1)),   c = K e,   u = c or, with a headway filter, (c + h u(k-1)) / (1 + h),
+///     y = G z^-delay u
+/// T(1) = 1 and dT/dz(1) = -h hold whatever the rounding of the coefficients.
+struct LoopParts {
+  DeltaFilter plant, controller;
+  std::size_t delay = 0;  ///< of the plant's input [steps]: costs a load, no multiplication
+  double headway = 0.0;
+  bool headway_filter = false;
+
+  /// States in their order: plant, controller, y(k-1), u(k-1), u(k-2) ... u(k-delay); u(k-1) is there with a headway
+  /// filter or a delay.
+  std::size_t order() const;
+};
+
+/// The parts of a design. Throws std::invalid_argument if G is not strictly proper or K not proper.
+LoopParts loop_parts(const LoopDesign& design, double headway);
+
+/// A, B and C of the same loop.
+StateSpace realization(const LoopParts& parts);
+
+/// The parts of one vehicle for a batch of realizations. Every realization undergoes the same operations in the same
+/// order, so its bits do not depend on the batch.
+class LoopPartsBatch : public LoopBatch {
+public:
+  explicit LoopPartsBatch(LoopParts parts);
+
+  void start_at_equilibrium(const std::vector<double>& positions) override;
+  void step(const double* input, double offset, double* positions) override;
+  void output(std::vector<double>& positions) const override;
+
+private:
+  LoopParts parts_;
+  std::vector<double> equilibrium_;  ///< states for y = 1
+  std::size_t size_ = 0;
+  std::size_t place_ = 0;  ///< of u(k-delay) among the delayed inputs
+  AlignedValues state_;    ///< tile by tile, state by state
+};
+
+}  // namespace platoon
