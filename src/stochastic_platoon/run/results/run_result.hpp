@@ -99,6 +99,10 @@ std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizatio
 /// detect damage. Throws std::runtime_error.
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
+/// Name of summary.json until statistics.csv is there: with it, a statistics.csv without summary.json is what a killed
+/// write_results() left.
+std::string unfinished_summary_file(const std::string& output);
+
 /// Whether a summary's text is as write_results() wrote it.
 bool is_whole_summary(const std::string& text);
 
