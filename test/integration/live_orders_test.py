@@ -76,11 +76,12 @@ class Orders(LaunchTest):
         rospy.wait_for_service("/platoon/leader/" + service, 60)
         return rospy.ServiceProxy("/platoon/leader/" + service, Trigger)()
 
-    def change(self, headway="", noise_variance="", loss=""):
+    def change(self, **values):
         import rospy
-        from stochastic_platoon.srv import ChangeRun
+        from std_srvs.srv import Trigger
         rospy.wait_for_service("/platoon/change_run", 60)
-        return rospy.ServiceProxy("/platoon/change_run", ChangeRun)(str(headway), str(noise_variance), str(loss))
+        rospy.set_param("/platoon/change_run", values)
+        return rospy.ServiceProxy("/platoon/change_run", Trigger)()
 
     def in_both(self, check):
         for hosting in ("processes", "one_process"):
@@ -231,11 +232,13 @@ class Changes(Orders):
             return statistics.messages[-1], snapshots.newest(lambda message: message.run != run).run
 
         stable, first_run = averaged(3.2, None)
-        for bad, words in ((dict(headway="0"), "time_headway: 0: must be a finite number > 0"),
+        for bad, words in ((dict(headway=0), "time_headway: 0: must be a finite number > 0"),
                            (dict(headway="inf"), "time_headway: inf: must be a finite number > 0"),
                            (dict(headway="fast"), "time_headway: fast: must be a finite number > 0"),
-                           (dict(noise_variance="-1"), "noise_variance: -1: must be a finite number >= 0"),
-                           (dict(loss="1"), "channel/loss/probability: 1: must be a number from 0 to below 1")):
+                           (dict(headway=[2.4]), "headway: must be a number"),
+                           (dict(hedway=2.4), "hedway: unknown key: allowed are headway, noise_variance, loss"),
+                           (dict(noise_variance=-1), "noise_variance: -1: must be a finite number >= 0"),
+                           (dict(loss=1.0), "channel/loss/probability: 1.0: must be a number from 0 to below 1")):
             answer = self.change(**bad)
             self.assertFalse(answer.success)
             self.assertIn(words, answer.message)
@@ -297,12 +300,17 @@ class Changes(Orders):
             del reports.messages[:-20]
 
     def test_an_order_before_the_one_before_has_begun_keeps_that_one(self):
+        import rosservice
         import rospy
-        from stochastic_platoon.srv import ChangeRun
+        from std_srvs.srv import Trigger
         self.endless("processes", followers=3, rate=200)
         rospy.wait_for_service("/platoon/change_run", 60)
-        proxy = rospy.ServiceProxy("/platoon/change_run", ChangeRun, persistent=True)
-        answers = [proxy("2.8", "", ""), proxy("", "0.3", "")]
+        subprocess.run(["rossrv", "show", rosservice.get_service_type("/platoon/change_run")], check=True, stdout=subprocess.DEVNULL)
+        proxy = rospy.ServiceProxy("/platoon/change_run", Trigger, persistent=True)
+        answers = []
+        for values in ({"headway": 2.8}, {"noise_variance": 0.3}):
+            rospy.set_param("/platoon/change_run", values)
+            answers.append(proxy())
         self.assertEqual([answer.success for answer in answers], [True, True])
 
         def both():

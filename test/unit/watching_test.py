@@ -347,12 +347,11 @@ class Ordered(unittest.TestCase):
 
     def setUp(self):
         named = {"rospy": types.ModuleType("rospy"), "std_msgs": types.ModuleType("std_msgs"), "std_msgs.msg": types.ModuleType("std_msgs.msg"),
-                 "std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": types.ModuleType("std_srvs.srv"),
-                 "stochastic_platoon": types.ModuleType("stochastic_platoon"), "stochastic_platoon.srv": types.ModuleType("stochastic_platoon.srv")}
+                 "std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": types.ModuleType("std_srvs.srv")}
         self.published = []
         named["rospy"].Publisher = lambda *_, **__: types.SimpleNamespace(publish=self.published.append, get_num_connections=lambda: 1,
                                                                           resolved_name="/platoon/leader/speed")
-        named["std_msgs.msg"].Float64 = named["std_srvs.srv"].Trigger = named["stochastic_platoon.srv"].ChangeRun = None
+        named["std_msgs.msg"].Float64 = named["std_srvs.srv"].Trigger = None
         before = {name: sys.modules.get(name) for name in list(named) + ["watching.commands"]}
         sys.modules.update(named)
 
