@@ -16,7 +16,7 @@ def batch(message):
 
 class Follower:
     def __init__(self, index):
-        topic = "/platoon/vehicle_{}/".format(index)
+        topic = "platoon/vehicle_{}/".format(index)
         self.index, self.latest = index, None  # the latest message that was answered
         self.out = rospy.Publisher(topic + "position", numpy_msg(Position), queue_size=0, tcp_nodelay=True)
         rospy.Subscriber(topic + "predecessor_position", numpy_msg(Position), self.receive, queue_size=None, tcp_nodelay=True)
@@ -35,7 +35,7 @@ class Follower:
         self.move(received)
 
     def start(self, size):
-        model = json.loads(rospy.get_param("/platoon/configuration"))["model"]
+        model = json.loads(rospy.get_param("platoon/configuration"))["model"]
         self.h, self.delta = model["time_headway"], model["standstill_distance"]
         self.y = self.y_before = np.full(size, -self.index * self.delta)  # y(k), y(k - 1): at rest
         self.u = np.zeros(size)

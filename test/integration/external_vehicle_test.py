@@ -139,6 +139,10 @@ class Example(ExternalTest):
     def test_it_stays_up_from_run_to_run_and_goes_with_one_process(self):
         self.start_example(3)
         self.assert_keeps_the_contract(3, "--headway", "2.4")
+        rejected = self.launch(master=self.master, **self.SETTINGS)
+        self.assertNotEqual(rejected.wait(), 0)
+        self.assertIn("/platoon/vehicle_3/position: node /vehicle_3 publishes it already: must be outside first:= .. last:=, or in external:=",
+                      rejected.text())
         self.run_to_the_end(external=3, hosting="one_process", **self.SETTINGS)
         self.assert_equal_within_rounding()
 
