@@ -34,13 +34,13 @@ for (let at = 0; at < data.length; at += 4) count += Math.abs(data[at] - r) + Ma
 return count"""
 # Makes the page's event stream accessible as window.stream; runs before the page's own scripts.
 KEEP_STREAM = "window.EventSource = class extends EventSource { constructor(...words) { super(...words); window.stream = this; } }"
-# Sends the page so many snapshots, 150 per frame, together with the other events that accompany them at twenty per second.
+# Sends the page so many snapshots, 600 per frame, together with the other events that accompany them at twenty per second.
 TELL = '''const [snapshots, first, followers] = arguments, done = arguments[arguments.length - 1];
 const tell = (kind, news) => window.stream.dispatchEvent(new MessageEvent(kind, {data: JSON.stringify(news)}));
 const values = () => Array.from({length: followers}, () => 2 + Math.random());
 let step = first;
 function frame() {
-  for (let j = 0; j < 150 && step < first + snapshots; ++j, ++step) {
+  for (let j = 0; j < 600 && step < first + snapshots; ++j, ++step) {
     tell("snapshot", {realization: 0, step, position: [2 * step, ...values().map((v, i) => 2 * step - 6 * i - v)], tracking_error: values().map(v => v - 2.5), speed: [20, ...values()]});
     tell("told", {realization: 0, step, position: values().map((v, i) => 2 * step - 6 * i - v)});
     if (step % 20) continue;

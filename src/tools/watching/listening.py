@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import String
 from stochastic_platoon.msg import Overview, Snapshot
 
-POLL = 0.5  # [s]
+POLL = 1.0  # [s]
 
 
 def report_start(state, namespace):

@@ -115,6 +115,7 @@ const draw = {
 
 function frame(now) {
   requestAnimationFrame(frame);  // first: an error in this frame does not stop the next
+  if (stale.size) document.body.dataset.waiting = !known.statistics;  // charts need the size of their cards
   for (const figure of [...stale]) {
     stale.delete(figure);
     draw[figure]();

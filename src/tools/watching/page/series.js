@@ -1,6 +1,8 @@
 // Series that the reader hides: a button of a legend shows or hides its series in the chart of its card.
 
-const FIELDS = { measured: ["mean", "variance", "standard_error"], errors: ["standard_error"], theory: ["theoretical_mean", "theoretical_variance"], limit: ["limit_variance"] };
+const FIELDS = {
+  measured: ["mean", "variance", "standard_error"], errors: ["standard_error"], theory: ["theoretical_mean", "theoretical_variance"], limit: ["limit_variance"],
+};
 const PER_FOLLOWER = ["mean", "variance", "theoretical_mean", "theoretical_variance"];
 
 const nothing = values => Array.isArray(values) ? values.map(nothing) : null;

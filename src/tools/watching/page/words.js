@@ -8,12 +8,14 @@ const write = (element, text) => { if (element.textContent !== text) element.tex
 const seconds = (steps, { sample_period }) => `${+(steps * sample_period).toPrecision(3)} s`;
 
 // What the averages contain at present.
-function averagesOf(configuration, of, health) {
-  if (!of.time_average) return of.step === null ? health?.start ?? "theory; nothing is measured yet" : `at step ${of.step}, ${spaced(of.realizations)} realizations`;
-  const until = of.paused_until, left = until === null ? "" : `until step ${until}, ${seconds(until - of.latest_step, configuration)} of driving from now`;
-  if (of.step === null) return health?.start ?? `theory; burn-in ${left || `of ${configuration.burn_in} steps, ${seconds(configuration.burn_in, configuration)} of driving`}`;
-  if (of.manoeuvre) return `averages paused: the leader manoeuvres; at the earliest ${left}`;
-  return until === null ? `averages over time up to step ${of.step}` : `averages paused: burn-in after a manoeuvre or restart, ${left}`;
+function averagesOf(of, run, health) {
+  if (of.step === null && health?.start) return health.start;
+  if (!of.time_average) return of.step === null ? "theory; nothing is measured yet" : `at step ${of.step}, ${spaced(of.realizations)} realizations`;
+  const until = of.paused_until;
+  if (until === null) return of.step === null ? `theory; burn-in of ${run.burn_in} steps, ${seconds(run.burn_in, run)} of driving` : `averages over time up to step ${of.step}`;
+  const end = `until step ${until}, ${seconds(until - of.latest_step, run)} of driving from now`;
+  if (of.step === null) return `theory; burn-in ${end}`;
+  return of.manoeuvre ? `averages paused: the leader manoeuvres; at the earliest ${end}` : `averages paused: burn-in after a manoeuvre or restart, ${end}`;
 }
 
 export function showHeadline({ configuration, statistics, health }, live) {
@@ -25,14 +27,13 @@ export function showHeadline({ configuration, statistics, health }, live) {
     document.title = `${verdict.replace(/^. /, "")}, h = ${configuration.headway}`;
   }
   at("verdict").dataset.stable = stable;
-  document.body.dataset.waiting = !statistics;
   const complete = statistics?.complete;
   write(at("connection"), complete && live !== "paused" ? "complete" : live ?? "connection lost, trying again");
   at("connection").dataset.live = complete || live === "live";
   const culprit = complete ? null : health?.culprit;
   at("culprit").hidden = !culprit;
   write(at("culprit"), culprit ? `The platoon stands still: ${culprit} (${health.retries} retries)` : "");
-  write(at("string-note"), statistics ? averagesOf(configuration, statistics, health) : "");
+  write(at("string-note"), statistics ? averagesOf(statistics, configuration, health) : "");
   at("string-note").dataset.paused = statistics?.step != null && statistics.paused_until !== null;
   write(at("curves-note"), !statistics ? "" : !statistics.time_average ? "over realizations" : "averages up to k" + (statistics.restarts ? ", since the latest restart" : ""));
   at("errors-key").hidden = !statistics?.standard_error.some(e => e !== null) || statistics.variance.length > MOST_WHISKERS;
@@ -44,8 +45,8 @@ const duration = seconds => seconds < 90 ? `${Math.ceil(seconds)} s` : seconds <
 
 export function facts(list, { configuration, statistics }, snapshot) {
   if (!configuration) return list.replaceChildren();
-  const of = statistics ?? {}, shown = [["headway h", `${short(configuration.headway, 4)} sample periods = ${seconds(configuration.headway, configuration)}`], ["noise variance", `${short(configuration.noise_variance)} m²`],
-    ["link", configuration.link], ["followers N", configuration.followers]];
+  const of = statistics ?? {}, shown = [["headway h", `${short(configuration.headway, 4)} sample periods = ${seconds(configuration.headway, configuration)}`],
+    ["noise variance", `${short(configuration.noise_variance)} m²`], ["link", configuration.link], ["followers N", configuration.followers]];
   if (configuration.endless) shown.push(["step k", snapshot?.step ?? of.latest_step ?? "–"]);
   else shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
   if (!configuration.endless || of.max_abs_z != null) shown.push(["largest |z|", of.max_abs_z == null ? of.realizations_needed == null ? "–" : `no verdict before ${short(of.realizations_needed, 2)} realizations` : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
