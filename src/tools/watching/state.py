@@ -140,7 +140,7 @@ class PlatoonState:
                 self.log.add_run(self.configuration, self.configuration)
             self.early = None
             self.add_overview(message, now)
-        self.tell("statistics", "curves")
+        self.tell("statistics", "curves", "health")
 
     def add_overview(self, message, now):
         self.run, self.overview = message.run, message
