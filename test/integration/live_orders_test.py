@@ -124,6 +124,7 @@ class Watched(Orders):
             for i in range(1, FOLLOWERS + 1):
                 error = now.position[i - 1] - now.position[i] - HEADWAY * (now.position[i] - before[i])
                 self.assertAlmostEqual(now.tracking_error[i - 1], error, 9)
+                self.assertAlmostEqual(now.speed[i], (now.position[i] - before[i]) / 0.1, 9)
         noise = [theirs[step].position[i] - own[step].position[i] for step in set(own) & set(theirs) for i in range(FOLLOWERS)]
         variance = sum(value ** 2 for value in noise) / len(noise)
         self.assertLess(abs(variance / NOISE_VARIANCE - 1.0), 4.0 * (2.0 / len(noise)) ** 0.5)

@@ -18,15 +18,17 @@ def shown(followers, lines):
 
 def heading(state):
     if state["followers"] is None:
-        return ["Waiting for a platoon's monitor"]
+        return [state["start"] or "Waiting for a platoon's monitor"]
     first = "h = {:g}, P_d = {:g} m^2, {}, N = {}".format(state["headway"], state["noise_variance"], state["link"], state["followers"])
     if "reason" not in state:
-        return [first, "Starting"]
+        return [first, "Starting: " + state["start"] if state["start"] else "Starting"]
     if state["step"] is None:
         second = "nothing is measured yet" + (" (burn-in: {} steps, {:.3g} s of driving)".format(
             state["burn_in"], state["burn_in"] * state["sample_period"]) if state["endless"] else "")
     elif state["time_average"]:
         second = "averages over time up to step {}".format(state["step"])
+        if state["paused_until"] is not None:
+            second += ", {}: paused until step {}".format("manoeuvre" if state["manoeuvre"] else "burn-in", state["paused_until"])
     else:
         second = "step {}, {} of {} realizations".format(state["step"], state["realizations"], state["realizations_wanted"])
         if state["max_abs_z"] is not None:

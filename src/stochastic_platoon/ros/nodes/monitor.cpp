@@ -59,7 +59,8 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration, co
                static_cast<double>(configuration.run.followers) * static_cast<double>(configuration.run.steps),
                "vehicle-steps"),
       publisher_(platoon, configuration, prediction_, membership_.run()),
-      snapshots_(platoon, kSnapshotTopic, configuration.run.followers + 1, errors_of(configuration)),
+      snapshots_(platoon, kSnapshotTopic, configuration.run.followers + 1, errors_of(configuration),
+                 configuration.model.sample_period),
       change_(platoon, configuration, [this](const Configuration& next) { membership_.join(next); }) {
   snapshots_.set_rate(configuration.run.rate);
   wall_seconds_before_ = statistics_.tally().wall_seconds;

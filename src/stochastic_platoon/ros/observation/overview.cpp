@@ -101,6 +101,9 @@ Overview overview_of(const RunOptions& run, const Prediction& prediction, const 
   message.realizations = result.realizations;
   message.time_average = run.averaging() == Averaging::over_time;
   message.complete = result.complete;
+  message.attempt = result.tally.attempts;
+  message.counted_from = result.counted_from;
+  message.manoeuvre = result.manoeuvre;
   message.wall_seconds = result.tally.wall_seconds;
   add_verdict(prediction, message);
   const Columns columns = columns_of(run, prediction, result);

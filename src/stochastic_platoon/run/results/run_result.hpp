@@ -25,10 +25,12 @@ struct Tally {
 struct RunResult {
   bool complete = false;
   std::uint64_t realizations = 0;  ///< committed
-  std::int64_t last_step = 0;      ///< the latest step in the figures
+  std::int64_t last_step = 0;      ///< the latest step that the figures of all followers have reached
   Tally tally;
   std::vector<Moments> moments;
   std::vector<std::int64_t> last_steps;  ///< for averages over time: the latest step of each follower
+  std::int64_t counted_from = 0;         ///< see ErrorAverages
+  bool manoeuvre = false;                ///< the leader departs from the model at present
 };
 
 /// A cell of a result: follower i and a step.
