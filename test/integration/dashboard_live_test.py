@@ -17,7 +17,7 @@ from dashboard_test import Page, address, ask, state
 from terminal import Terminal, start_master
 
 FOLLOWERS = 5
-RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, burn_in=20, headway=3.2, dashboard=True)
+RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, headway=3.2, dashboard=True)
 
 # The number of pixels of a canvas that have a colour, with a tolerance for smoothed edges.
 PIXELS = """const canvas = document.getElementById(arguments[0]), [r, g, b] = arguments[1];

@@ -3,6 +3,7 @@ import { short, spaced } from "./scale.js";
 import { MOST_WHISKERS } from "./string_chart.js";
 
 const at = id => document.getElementById(id);
+const seconds = (steps, configuration) => `${+(steps * configuration.sample_period).toPrecision(6)} s`;
 const write = (element, text) => { if (element.textContent !== text) element.textContent = text; };
 
 export function showHeadline({ configuration, statistics, health }, live) {
@@ -20,8 +21,8 @@ export function showHeadline({ configuration, statistics, health }, live) {
   const culprit = complete ? null : health?.culprit;
   at("culprit").hidden = !culprit;
   write(at("culprit"), culprit ? `The platoon stands still: ${culprit} (${health.retries} retries)` : "");
-  const waiting = configuration?.endless ? `theory; measured values follow after a burn-in of ${configuration.burn_in} steps (${+(configuration.burn_in * configuration.sample_period).toPrecision(3)} s of driving)` : "theory; nothing is measured yet";
-  write(at("string-note"), !statistics ? "" : statistics.step === null ? waiting : statistics.time_average ? `averages over time up to step ${statistics.step}` : `at step ${statistics.step}, ${spaced(statistics.realizations)} realizations`);
+  const waiting = configuration?.endless ? `theory; measured values follow after a burn-in of ${configuration.burn_in} steps (${seconds(configuration.burn_in, configuration)} of driving)` : "theory; nothing is measured yet";
+  write(at("string-note"), !(statistics && configuration) ? "" : statistics.step === null ? waiting : statistics.time_average ? `averages over time up to step ${statistics.step} (${seconds(statistics.step, configuration)})` : `at step ${statistics.step} (${seconds(statistics.step, configuration)}), ${spaced(statistics.realizations)} realizations`);
   write(at("curves-note"), !statistics ? "" : statistics.time_average ? "averages up to k" : "over realizations");
   at("errors-key").hidden = !statistics?.standard_error.some(e => e !== null) || statistics.variance.length > MOST_WHISKERS;
   at("limit-key").hidden = statistics?.limit_variance == null;
@@ -34,7 +35,7 @@ export function facts(list, { configuration, statistics }) {
   if (!configuration) return list.replaceChildren();
   const of = statistics ?? {}, shown = [["headway h", short(configuration.headway, 4)], ["noise variance", `${short(configuration.noise_variance)} m²`],
     ["link", configuration.link], ["followers N", configuration.followers]];
-  if (configuration.endless) shown.push(["step k", of.step ?? "–"]);
+  if (configuration.endless) shown.push(["step k", of.step == null ? "–" : `${of.step} (${seconds(of.step, configuration)})`]);
   else shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
   if (!configuration.endless || of.max_abs_z != null) shown.push(["largest |z|", of.max_abs_z == null ? of.realizations_needed == null ? "–" : `no verdict before ${short(of.realizations_needed, 2)} realizations` : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
   if (of.vehicle_steps_per_second != null) shown.push(["vehicle-steps/s", short(of.vehicle_steps_per_second)]);
