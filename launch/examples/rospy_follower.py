@@ -36,8 +36,11 @@ class Follower:
 
     def start(self, size):
         model = json.loads(rospy.get_param("platoon/configuration"))["model"]
-        self.h, self.delta = model["time_headway"], model["standstill_distance"]
-        self.y = self.y_before = np.full(size, -self.index * self.delta)  # y(k), y(k - 1): at rest
+        string, types = model.get("string", ["default"]), dict(model.get("vehicle_types", {}), default={})
+        vehicles = [dict(model, **types[string[i % len(string)]]) for i in range(self.index)]  # 1 .. index
+        self.h, self.delta = vehicles[-1]["time_headway"], vehicles[-1]["standstill_distance"]
+        place = -sum(vehicle["standstill_distance"] for vehicle in vehicles)
+        self.y = self.y_before = np.full(size, place)  # y(k), y(k - 1): at rest
         self.u = np.zeros(size)
 
     def move(self, received):

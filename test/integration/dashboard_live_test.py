@@ -24,7 +24,7 @@ from watching.listening import report_start  # noqa: E402
 from watching.state import PlatoonState  # noqa: E402
 
 FOLLOWERS = 5
-RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, burn_in=20, headway=3.2, dashboard=True)
+RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, headway=3.2, dashboard=True)
 
 # The number of pixels of a canvas that have a colour, with a tolerance for smoothed edges.
 PIXELS = """const canvas = document.getElementById(arguments[0]), [r, g, b] = arguments[1];

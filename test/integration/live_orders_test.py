@@ -168,7 +168,7 @@ class Manoeuvres(Orders):
         live_platoon.wait_for(lambda: len(speeds()) > 9 and min(speeds()) < 9.0 and max(speeds()) > 11.0, "the leader to swing about 10 m/s", 60)
         self.assertTrue(self.trigger("cruise").success)
         speed_is(20.0)
-        terminal.wait_for_text("the leader drives by the model file again: averages go on in 100 steps", 60)
+        terminal.wait_for_text("the leader drives by the model file again: averages go on in 100 steps (10 s)", 60)
         # A new attempt starts with the leader of the model file.
         self.assertTrue(self.trigger("brake").success)
         live_platoon.kill("/platoon/platoon" if hosting == "one_process" else "/platoon/vehicle_3", self.master)
@@ -222,7 +222,7 @@ class Changes(Orders):
         from stochastic_platoon.msg import ErrorStatistics, Snapshot
         snapshots, statistics = self.listen("snapshot", Snapshot), self.listen("error_statistics", ErrorStatistics)
         bag = os.path.join(self.folder, hosting)
-        terminal = self.endless(hosting, rate=0, seed=3, record=bag + ".bag")
+        terminal = self.endless(hosting, rate=0, burn_in="", seed=3, record=bag + ".bag")
         enough = 4000 if live_platoon.SANITIZED else 20000
 
         def averaged(headway_is, run):

@@ -244,6 +244,12 @@ class Table(unittest.TestCase):
     def test_has_a_row_of_mean_variance_error_theory_and_score(self):
         self.assertEqual(self.lines(3, 50)[-1].split(), ["3", "3.3", "33", "0.5", "34", "-1.00"])
 
+    def test_gives_times_in_seconds_beside_steps(self):
+        first, _, second = self.lines(3, 50)[:3]
+        self.assertIn("h = 3.2 (0.32 s)", first)
+        self.assertIn("step 3 (0.3 s), 100 of 1000 realizations", second)
+        self.assertIn("averages over time up to step 3 (0.3 s)", " ".join(self.lines(3, 50, time_average=True)))
+
     def test_of_a_long_string_has_both_ends_in_as_many_lines_as_there_are(self):
         lines = self.lines(500, 24)
         self.assertLessEqual(len(lines), 24)

@@ -52,7 +52,7 @@ struct PlatoonModel {
   ClosedLoop loop;
   double headway;                    ///< h > 0, in sample periods
   double standstill_distance = 0.0;  ///< delta >= 0 [m]
-  double sample_period = 0.1;        ///< T_s > 0 [s]; pacing and stamps only
+  double sample_period = 0.1;        ///< T_s > 0 [s]; absorbed by h
   double noise_variance = 0.0;       ///< P_d >= 0 [m^2]
   LeaderProfile leader;
   InitialPosition initial_position;
@@ -95,6 +95,9 @@ bool is_papers(const PlatoonModel& model);
 
 /// Whether all errors are normal, which losses and quantisation prevent.
 bool has_normal_errors(const PlatoonModel& model);
+
+/// Duration of a number of steps, with its unit: "9.9 s".
+std::string duration(std::int64_t steps, const PlatoonModel& model);
 
 /// Place of follower i in formation: -(delta_1 + ... + delta_i) [m].
 double place_in_formation(const PlatoonModel& model, std::size_t follower);

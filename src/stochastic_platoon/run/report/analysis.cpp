@@ -72,7 +72,9 @@ std::string headway_lines(const PlatoonModel& model, const Analysis& analysis) {
                      : "no vehicle of the string follows the default headway\n");
   }
   const StableHeadways& headways = *analysis.headways;
-  const std::string critical = headways.critical ? formatted("%.9g sample periods", *headways.critical) : "none";
+  const std::string critical = headways.critical ? formatted("%.9g sample periods (%.6g s)", *headways.critical,
+                                                             *headways.critical * model.sample_period)
+                                                 : "none";
   return "Critical headway" + of_types(model, headways.types) + ": " + critical +
          formatted("; string stable headways within [%.6g, %.6g]:", headways.searched.from, headways.searched.to) +
          shown(headways.intervals) + "\n";
@@ -148,7 +150,8 @@ std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) 
 
 std::string report(const PlatoonModel& model, const Analysis& analysis) {
   const StringStability& stability = analysis.stability;
-  std::string text = formatted("h = %g, P_d = %g m^2: ", model.headway, model.noise_variance);
+  std::string text = formatted("h = %g (%g s), P_d = %g m^2: ", model.headway, model.headway * model.sample_period,
+                               model.noise_variance);
   if (analysis.theory == Theory::none)
     return text + "no theory, as losses come in bursts: monte_carlo measures what they do\n";
   text += stability.reason + "\n";
@@ -170,8 +173,9 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
                       *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
   }
   text += formatted(
-      "Largest norms over %zu followers and %lld steps k: ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
+      "Largest norms over %zu followers and %lld steps k (%s): ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
       analysis.moments.followers, static_cast<long long>(analysis.moments.steps),
+      duration(analysis.moments.steps, model).c_str(),
       figure(sequence_norm(analysis.norms.mean.data(), analysis.norms.mean.size(), NormOrder::kInfinity), "m").c_str(),
       figure(sequence_norm(analysis.norms.variance.data(), analysis.norms.variance.size(), NormOrder::kInfinity), "m^2")
           .c_str());

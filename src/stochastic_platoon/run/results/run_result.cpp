@@ -87,7 +87,8 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
           {"agreement", agreement_json(measured_agreement(run, prediction, result))},
           {"realizations_needed", needed_json(realizations_needed(run, prediction, result))},
-          {"theory", theory_json(prediction)}};
+          {"theory", theory_json(prediction)},
+          {"warning", prediction.warning.empty() ? nlohmann::json() : nlohmann::json(prediction.warning)}};
 }
 
 }  // namespace

@@ -5,14 +5,15 @@ import { MOST_WHISKERS } from "./string_chart.js";
 const at = id => document.getElementById(id);
 const write = (element, text) => { if (element.textContent !== text) element.textContent = text; };
 
-const seconds = (steps, { sample_period }) => `${+(steps * sample_period).toPrecision(3)} s`;
+const seconds = (steps, { sample_period }) => `${+(steps * sample_period).toPrecision(6)} s`;
+const atStep = (step, run) => step == null ? "–" : `${step} (${seconds(step, run)})`;
 
 // What the averages contain at present.
 function averagesOf(of, run, health) {
   if (of.step === null && health?.start) return health.start;
-  if (!of.time_average) return of.step === null ? "theory; nothing is measured yet" : `at step ${of.step}, ${spaced(of.realizations)} realizations`;
+  if (!of.time_average) return of.step === null ? "theory; nothing is measured yet" : `at step ${atStep(of.step, run)}, ${spaced(of.realizations)} realizations`;
   const until = of.paused_until;
-  if (until === null) return of.step === null ? `theory; burn-in of ${run.burn_in} steps, ${seconds(run.burn_in, run)} of driving` : `averages over time up to step ${of.step}`;
+  if (until === null) return of.step === null ? `theory; burn-in of ${run.burn_in} steps, ${seconds(run.burn_in, run)} of driving` : `averages over time up to step ${atStep(of.step, run)}`;
   const end = `until step ${until}, ${seconds(until - of.latest_step, run)} of driving from now`;
   if (of.step === null) return `theory; burn-in ${end}`;
   return of.manoeuvre ? `averages paused: the leader manoeuvres; at the earliest ${end}` : `averages paused: burn-in after a manoeuvre or restart, ${end}`;
@@ -47,7 +48,7 @@ export function facts(list, { configuration, statistics }, snapshot) {
   if (!configuration) return list.replaceChildren();
   const of = statistics ?? {}, shown = [["headway h", `${short(configuration.headway, 4)} sample periods = ${seconds(configuration.headway, configuration)}`],
     ["noise variance", `${short(configuration.noise_variance)} m²`], ["link", configuration.link], ["followers N", configuration.followers]];
-  if (configuration.endless) shown.push(["step k", snapshot?.step ?? of.latest_step ?? "–"]);
+  if (configuration.endless) shown.push(["step k", atStep(snapshot?.step ?? of.latest_step, configuration)]);
   else shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
   if (!configuration.endless || of.max_abs_z != null) shown.push(["largest |z|", of.max_abs_z == null ? of.realizations_needed == null ? "–" : `no verdict before ${short(of.realizations_needed, 2)} realizations` : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
   if (of.vehicle_steps_per_second != null) shown.push(["vehicle-steps/s", short(of.vehicle_steps_per_second)]);
