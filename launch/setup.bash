@@ -3,7 +3,7 @@
 
 platoon_packages=(
   cmake g++ make
-  ros-core rosbash ros-message-generation ros-message-runtime libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev libvisualization-msgs-dev ros-std-msgs
+  ros-core rosbash ros-message-generation ros-message-runtime libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev libvisualization-msgs-dev ros-std-msgs ros-std-srvs
   libdiagnostic-updater-dev libdiagnostic-msgs-dev libtf2-msgs-dev
   libboost-program-options-dev libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev
   python3-diagnostic-msgs python3-diagnostic-updater python3-geometry-msgs python3-matplotlib python3-nav-msgs python3-numpy

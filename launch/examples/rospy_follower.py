@@ -16,7 +16,7 @@ def batch(message):
 
 class Follower:
     def __init__(self, index):
-        topic = "/platoon/vehicle_{}/".format(index)
+        topic = "platoon/vehicle_{}/".format(index)
         self.index, self.latest = index, None  # the latest message that was answered
         self.out = rospy.Publisher(topic + "position", numpy_msg(Position), queue_size=0, tcp_nodelay=True)
         rospy.Subscriber(topic + "predecessor_position", numpy_msg(Position), self.receive, queue_size=None, tcp_nodelay=True)
@@ -35,9 +35,12 @@ class Follower:
         self.move(received)
 
     def start(self, size):
-        model = json.loads(rospy.get_param("/platoon/configuration"))["model"]
-        self.h, self.delta = model["time_headway"], model["standstill_distance"]
-        self.y = self.y_before = np.full(size, -self.index * self.delta)  # y(k), y(k - 1): at rest
+        model = json.loads(rospy.get_param("platoon/configuration"))["model"]
+        string, types = model.get("string", ["default"]), dict(model.get("vehicle_types", {}), default={})
+        vehicles = [dict(model, **types[string[i % len(string)]]) for i in range(self.index)]  # 1 .. index
+        self.h, self.delta = vehicles[-1]["time_headway"], vehicles[-1]["standstill_distance"]
+        place = -sum(vehicle["standstill_distance"] for vehicle in vehicles)
+        self.y = self.y_before = np.full(size, place)  # y(k), y(k - 1): at rest
         self.u = np.zeros(size)
 
     def move(self, received):

@@ -60,7 +60,7 @@ Arguments parsed(int argc, char** argv) {
   return arguments;
 }
 
-// Two batches, of 1000 and of 1 realizations.
+// Two batches, of 1000 and of 1 realizations, from the nominal initial positions.
 platoon::Configuration run_of(const Arguments& arguments, const std::string& name) {
   std::map<std::string, std::string> settings = arguments.settings;
   settings["followers"] = std::to_string(arguments.vehicle);
@@ -68,7 +68,9 @@ platoon::Configuration run_of(const Arguments& arguments, const std::string& nam
   settings["realizations"] = "1001";
   settings["batch"] = "1000";
   settings["launch_id"] = name;
-  return platoon::parse_configuration(platoon::configuration_document(settings));
+  platoon::Configuration configuration = platoon::parse_configuration(platoon::configuration_document(settings));
+  for (platoon::VehicleType& type : configuration.model.types) type.vehicle.initial_position = {};
+  return configuration;
 }
 
 // Throws if a platoon is running, because the test would disturb its run.

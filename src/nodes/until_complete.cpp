@@ -1,11 +1,12 @@
-// Exits with status 0 when all receivers report that they have finished. It is a required node of its launch
-// file: its exit ends the launch.
+// Ends the launch when all receivers report that they have finished. As a required node it also ends the launch when it
+// is killed.
 
 #include <stochastic_platoon/Progress.h>
 
 #include <algorithm>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "stochastic_platoon/ros/hosting/run_component.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
@@ -33,7 +34,7 @@ public:
     if (receiver.reporter.admits(event.getConnectionHeaderPtr(), run_)) receiver.finished = message->finished;
     const bool all =
         std::all_of(receivers_.begin(), receivers_.end(), [](const auto& entry) { return entry.second.finished; });
-    if (all) ros::shutdown();
+    if (all && !std::exchange(ended_, true)) platoon::end_launch();
   }
 
 private:
@@ -43,6 +44,7 @@ private:
   };
   std::uint64_t run_;
   std::map<std::string, Receiver> receivers_;
+  bool ended_ = false;
 };
 
 void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {

@@ -28,6 +28,8 @@ void run(const ros::NodeHandle& platoon) {
   std::printf("%s\n", replay.verdict().c_str());
   std::fflush(stdout);
   if (!replay.equal()) throw std::runtime_error(replay.verdict());
+  platoon::end_launch();
+  while (ros::ok()) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "stochastic_platoon/run/configuration/spaced.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/report/analysis.hpp"
+#include "stochastic_platoon/run/report/stability_sweep.hpp"
 #include "tools/settings.hpp"
 
 namespace {
@@ -128,9 +129,9 @@ int main(int argc, char** argv) {
       {"sweep_loss", "FROM:TO:COUNT: stability over loss probabilities, and headways where both are given"},
       {"csv", "file for the sweep, for plot map"},
   };
-  std::map<std::string, std::string> settings =
-      platoon::parse_command_line(argc, argv, "What the theory says of a platoon",
-                                  {"model", "followers", "headway", "headway_seconds", "noise_variance", "loss", "delay", "steps"}, extra);
+  std::map<std::string, std::string> settings = platoon::parse_command_line(
+      argc, argv, "What the theory says of a platoon",
+      {"model", "followers", "headway", "headway_seconds", "noise_variance", "loss", "delay", "steps"}, extra);
   std::map<std::string, std::string> own;
   for (const auto& entry : extra) {
     if (settings.count(entry.first) > 0) own[entry.first] = settings[entry.first];

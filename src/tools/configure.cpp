@@ -2,8 +2,12 @@
 // server. platoon.launch runs it before any node starts, so that a problem is reported once, before anything is started
 // or overwritten.
 
+#include <ros/init.h>
+#include <ros/names.h>
+#include <ros/param.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
@@ -14,6 +18,8 @@
 #include "stochastic_platoon/ros/bags/bag_reader.hpp"
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/bags/bag_writer.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/ros/transport/live_publisher.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/launch_arguments.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
@@ -88,6 +94,46 @@ void require_free_recording(const platoon::RunOptions& run) {
   }
 }
 
+// Throws ConfigurationError if a platoon runs in the namespace already, or a vehicle that this launch would start.
+void require_free_namespace(std::map<std::string, std::string> launch, const platoon::RunOptions& run) {
+  if (platoon::roslaunch_process() == 0) return;
+  const char* environment = std::getenv("ROS_MASTER_URI");
+  ros::init(ros::M_string{{"__master", platoon::master_address(platoon::command_line(), environment)}}, "configure",
+            ros::init_options::AnonymousName | ros::init_options::NoRosout | ros::init_options::NoSigintHandler);
+  std::string problem;
+  if (!ros::names::validate(launch["ns"], problem))
+    throw platoon::ConfigurationError({"ns: " + launch["ns"] + ": " + problem});
+  const std::string name_space = ros::names::resolve(launch["ns"]);
+  using Topic = platoon::PlatoonTopic;
+  const auto publisher = [&name_space](const auto& selected) {
+    return platoon::live_publisher([&](const std::string& name) {
+      const std::optional<Topic> topic = platoon::parse_topic(name);
+      return topic && topic->name_space == name_space && selected(*topic);
+    });
+  };
+  const auto running =
+      publisher([](const Topic& topic) { return topic.kind != Topic::Kind::position || topic.vehicle == 0; });
+  if (running) {
+    std::string text;
+    ros::param::get(name_space + "/configuration", text);
+    const auto configuration = nlohmann::json::parse(text, nullptr, false);
+    const std::string output =
+        configuration.is_object() ? configuration.value(nlohmann::json::json_pointer("/run/output"), "") : "";
+    throw platoon::ConfigurationError({"ns: " + launch["ns"] + ": a platoon runs in it already (node " + running->node +
+                                       ", results in " + output +
+                                       "): must be another namespace, as in ns:=platoon2, or wait for its end"});
+  }
+  const auto number = [&launch](const char* key) { return std::strtoull(launch[key].c_str(), nullptr, 10); };
+  const auto vehicle = publisher([&](const Topic& topic) {
+    const bool is_external = std::count(run.external.begin(), run.external.end(), topic.vehicle) > 0;
+    return topic.kind == Topic::Kind::position && topic.vehicle >= number("first") && topic.vehicle <= number("last") &&
+           !is_external;
+  });
+  if (!vehicle) return;
+  throw platoon::ConfigurationError({vehicle->topic + ": node " + vehicle->node +
+                                     " publishes it already: must be outside first:= .. last:=, or in external:="});
+}
+
 // The settings that are not empty, that is, those given to the launch file.
 std::map<std::string, std::string> given(const std::map<std::string, std::string>& settings) {
   std::map<std::string, std::string> found;
@@ -120,6 +166,9 @@ int main(int argc, char** argv) {
   std::map<std::string, std::string> settings = platoon::parse_command_line(
       argc, argv, "Checks a platoon's configuration and prints it for the parameter server", accepted,
       {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
+       {"ns", "namespace of the platoon, which must be free"},
+       {"first", "first vehicle that the launch starts"},
+       {"last", "last vehicle that the launch starts"},
        {"own", "renamed: external (rejected when given)"},
        {"quote_in_path", "true: refuse a quote in a path, which a launch file cannot pass on"},
        {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
@@ -139,6 +188,11 @@ int main(int argc, char** argv) {
         platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch");
     if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);
     require_log_folder();
+    std::map<std::string, std::string> launch;
+    for (const char* key : {"ns", "first", "last"}) {
+      launch[key] = settings[key];
+      settings.erase(key);
+    }
     const platoon::BagSource bags{platoon::bag_files(settings["bag"]), platoon::Accept::whole,
                                   is_true(settings["unverified"])};
     const bool behind_recorded_leader = settings["recorded_leader"] == "true";
@@ -155,6 +209,7 @@ int main(int argc, char** argv) {
     if (behind_recorded_leader) {
       configuration.model.recorded_leader = platoon::recorded_leader(bags, configuration.run.steps);
     }
+    require_free_namespace(launch, configuration.run);
     require_free_recording(configuration.run);
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
     const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);

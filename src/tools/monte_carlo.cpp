@@ -1,13 +1,15 @@
 // The platoon's Monte Carlo in one process, without ROS: the same vehicles, channels and statistics as in the nodes,
 // with the same bits. Writes the same statistics.csv and summary.json, or a shard for merge; --repeat runs a
-// summary.json again.
+// summary.json again. A run that was interrupted or killed continues with the same command.
 
+#include <atomic>
 #include <chrono>
+#include <csignal>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
@@ -19,61 +21,70 @@
 
 namespace {
 
+constexpr int kInterrupted = 130;  // exit status, as the shell's after Ctrl-C
+
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-platoon::ProgressDisplay display_of(const platoon::RunOptions& options, std::uint64_t realizations) {
-  return {realizations, "realizations", static_cast<double>(options.followers) * static_cast<double>(options.steps),
-          "vehicle-steps"};
+// Ctrl-C, or a scheduler, stops the run after the batches that have begun; the second one ends the program at once.
+std::atomic<bool> stop_requested{false};
+
+void request_stop(int signal) {
+  stop_requested = true;
+  std::signal(signal, SIG_DFL);
 }
 
-platoon::RunResult run(const platoon::Configuration& configuration, unsigned threads) {
-  const platoon::RunOptions& options = configuration.run;
-  platoon::ProgressDisplay display = display_of(options, options.realizations);
-  const double began = now();
-  const platoon::MomentTable table = platoon::monte_carlo(
-      configuration.model, {options.seed, options.followers, options.steps, options.realizations, options.batch},
-      threads, [&display](std::uint64_t done) { display.update(done, now()); });
-  display.finish();
+// Of the whole run. Unless it is complete, its checkpoint stays beside the results.
+void write_results(platoon::Configuration configuration, const platoon::Prediction& prediction,
+                   const platoon::Checkpoint& checkpoint, bool complete) {
+  const std::string output = configuration.run.output;
+  configuration.run.launch_id.clear();
   platoon::RunResult result;
-  result.complete = true;
-  result.realizations = options.realizations;
-  result.tally.wall_seconds = now() - began;
-  result.tally.positions_received = platoon::positions_expected(options, options.realizations);
-  result.tally.attempts = 1;
-  result.moments = table.totals();
-  return result;
-}
-
-void run_whole(const platoon::Configuration& configuration, unsigned threads) {
-  const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-  if (platoon::starting_point(configuration)) throw std::logic_error("a fresh folder cannot hold a checkpoint");
-  const platoon::Prediction prediction = platoon::predict(configuration);
-  const platoon::RunResult result = run(configuration, threads);
+  result.complete = complete;
+  result.realizations = checkpoint.table.count();
+  result.tally = checkpoint.tally;
+  result.moments = checkpoint.table.totals();
   platoon::write_results(configuration, prediction, result);
-  std::cout << platoon::report(configuration, prediction, result) << "Results: " << configuration.run.output
+  std::cout << platoon::report(configuration, prediction, result) << "Results: " << output
             << "/statistics.csv and summary.json\n";
+  if (!complete) return;
+  std::filesystem::remove(platoon::checkpoint_file(output));
+  std::filesystem::remove(platoon::previous_checkpoint_file(output));
 }
 
-void run_shard(platoon::Configuration configuration, const std::string& text, const std::string& seconds,
-               unsigned threads) {
-  const platoon::Shard shard = platoon::parse_shard(text, configuration.run.realizations);
-  // A restarted shard keeps its name, so that it takes over its folder and its lock.
-  configuration.run.launch_id = platoon::name_of(shard);
-  const platoon::ShardRun part{configuration, shard};
-  const platoon::RealizationRange range = part.range();
-  platoon::ProgressDisplay display = display_of(configuration.run, range.size());
-  platoon::ShardSettings settings;
-  settings.threads = threads;
-  if (!seconds.empty()) settings.checkpoint_seconds = platoon::seconds_of("checkpoint-seconds", seconds);
+// Returns whether the whole run or its shard is complete.
+bool run(platoon::Configuration configuration, const std::optional<std::string>& shard,
+         platoon::ShardSettings settings) {
+  platoon::RunOptions& options = configuration.run;
+  const platoon::Shard part = platoon::parse_shard(shard.value_or("0/1"), options.realizations);
+  const std::string name = shard ? platoon::name_of(part) : "monte_carlo";
+  // A restarted run keeps its name, so that it takes over its folder and its lock.
+  options.launch_id = name;
+  const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(options);
+  const std::optional<platoon::Prediction> prediction =
+      shard ? std::nullopt : std::optional(platoon::predict(configuration));
+  const platoon::RealizationRange range = platoon::range_of(part, options.realizations);
+  platoon::ProgressDisplay display(range.size(), "realizations",
+                                   static_cast<double>(options.followers) * static_cast<double>(options.steps),
+                                   "vehicle-steps");
   settings.progress = [&display](std::uint64_t done) { display.update(done, now()); };
   settings.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
-  const std::uint64_t computed = platoon::compute_shard(part, settings);
+  settings.stop = [] { return stop_requested.load(); };
+  const auto [checkpoint, computed] = platoon::compute_shard({configuration, part}, settings);
   display.finish();
-  std::cout << platoon::name_of(shard) << ": complete: realizations " << range.first << " to " << range.end - 1
-            << " of " << configuration.run.realizations << ", " << computed
-            << " of them computed now: " << configuration.run.output << "\n";
+  const std::uint64_t done = checkpoint.table.count();
+  const bool complete = done == range.size();
+  if (prediction && done > 0) write_results(configuration, *prediction, checkpoint, complete);
+  if (shard && complete) {
+    std::cout << name << ": complete: realizations " << range.first << " to " << range.end - 1 << " of "
+              << options.realizations << ", " << computed << " of them computed now: " << options.output << "\n";
+  }
+  if (!complete) {
+    std::cout << name << ": stopped after " << done << " of " << range.size()
+              << " realizations: the same command continues\n";
+  }
+  return complete;
 }
 
 /// The configuration that the summary of a run states, with another output folder. Throws ConfigurationError if it
@@ -109,24 +120,33 @@ void require_equal(const platoon::RecordedResults& recorded, const std::string& 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::map<std::string, std::string> extra = {
+  const std::map<std::string, std::string> own_help = {
       {"threads", "worker threads (one per core); the result does not depend on it"},
-      {"shard", "I/N: only part I = 0 .. N - 1 of the realizations, for merge; goes on from what it has left"},
-      {"checkpoint_seconds", "seconds between checkpoints of a shard (10)"},
+      {"shard", "I/N: only part I = 0 .. N - 1 of the realizations, for merge"},
+      {"checkpoint_seconds", "seconds between checkpoints (10), from which the same command continues"},
       {"repeat", "summary.json of a run: repeats it into another output folder and compares the results"}};
-  std::map<std::string, std::string> settings =
-      platoon::parse_command_line(argc, argv, "Monte Carlo of the platoon in one process",
-                                  {"model", "headway", "headway_seconds", "noise_variance", "loss", "delay", "followers", "steps",
-                                   "realizations", "batch", "seed", "output"},
-                                  extra);
+  std::map<std::string, std::string> help = own_help;
+  help["steps"] = "steps per realization, 1 or more (100)";
+  help["batch"] = "realizations that a thread computes at once (" + std::string(platoon::kMonteCarloBatch) + ")";
+  help["output"] = "folder for the results";
+  std::map<std::string, std::string> settings = platoon::parse_command_line(
+      argc, argv, "Monte Carlo of the platoon in one process",
+      {"model", "headway", "headway_seconds", "noise_variance", "loss", "delay", "followers", "realizations", "seed"},
+      help);
   std::map<std::string, std::string> own;
-  for (const auto& entry : extra) {
+  for (const auto& entry : own_help) {
     if (settings.count(entry.first) > 0) own[entry.first] = settings[entry.first];
     settings.erase(entry.first);
   }
   platoon::ignore_file_size_signal();
+  for (const int signal : {SIGINT, SIGTERM}) {
+    if (std::signal(signal, request_stop) == SIG_IGN) std::signal(signal, SIG_IGN);  // a job in the background
+  }
   try {
-    const unsigned threads = platoon::threads_of(own["threads"]);
+    platoon::ShardSettings how;
+    how.threads = platoon::threads_of(own["threads"]);
+    if (own.count("checkpoint_seconds") > 0)
+      how.checkpoint_seconds = platoon::seconds_of("checkpoint-seconds", own["checkpoint_seconds"]);
     std::optional<platoon::RecordedResults> recorded;
     if (own.count("repeat") > 0) recorded = repeated(own["repeat"], settings);
     settings.emplace("model", platoon::paper_model_file());
@@ -137,16 +157,10 @@ int main(int argc, char** argv) {
     if (configuration.run.averaging() == platoon::Averaging::over_time)
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
     if (configuration.run.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
-    if (recorded && own.count("shard") > 0)
-      throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
-    if (own.count("shard") > 0) {
-      run_shard(configuration, own["shard"], own["checkpoint_seconds"], threads);
-    } else if (own.count("checkpoint_seconds") > 0) {
-      throw platoon::ConfigurationError({"checkpoint-seconds: given: must go with --shard"});
-    } else {
-      run_whole(configuration, threads);
-      if (recorded) require_equal(*recorded, configuration.run.output, own["repeat"]);
-    }
+    const std::optional<std::string> shard = own.count("shard") > 0 ? std::optional(own["shard"]) : std::nullopt;
+    if (recorded && shard) throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
+    if (!run(configuration, shard, how)) return kInterrupted;
+    if (recorded) require_equal(*recorded, configuration.run.output, own["repeat"]);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << argv[0] << ": " << error.what() << "\n";

@@ -72,7 +72,8 @@ void run_task(const platoon::Sweep& sweep, const std::string& text, const platoo
   platoon::ShardSettings how;
   how.threads = settings.threads;
   how.warn = warn;
-  const std::uint64_t computed = platoon::compute_shard(part, how);
+  const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(part.configuration.run);
+  const std::uint64_t computed = platoon::compute_shard(part, how).computed;
   std::cout << "task " << task << ": point " << point << " (" << sweep.name_of(point) << "), "
             << platoon::name_of(shard) << ": complete, " << computed << " realizations computed now\n";
 }

@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 """External followers that each violate one clause of the vehicle contract: broken_follower.py INDEX:FAULT...
 
-Apart from its fault, a follower takes the position that it received from its predecessor one step before.
+Apart from its fault, a follower takes the position that it received from its predecessor one step before, less the standstill
+distance; so it also ignores the headway.
 """
 
+import json
 import sys
 
 import numpy as np
@@ -17,7 +19,7 @@ STEP = 5  # the step of faults that occur once
 class Follower:
     def __init__(self, index, fault):
         topic = "/platoon/vehicle_{}/".format(index)
-        self.fault, self.latest, self.y = fault, None, np.zeros(1)
+        self.index, self.fault, self.latest, self.y, self.delta = index, fault, None, np.zeros(1), 0.0
         self.faults = ["answer", "twice", "size", "finite", "wrong_run"]  # the faults of `each`
         self.batches, self.silent = 0, False                              # in this attempt
         self.out = rospy.Publisher(topic + "position", numpy_msg(Position), queue_size=0, tcp_nodelay=True)
@@ -45,7 +47,9 @@ class Follower:
         if not self.is_in_turn(message):
             return
         if message.step == -1 and (self.fault != "start_anew" or self.y.size != message.position.size):
-            self.y = np.zeros(message.position.size)
+            if self.fault != "place":
+                self.delta = json.loads(rospy.get_param("/platoon/configuration"))["model"]["standstill_distance"]
+            self.y = np.full(message.position.size, 0.0 - self.index * self.delta)
         if message.step == -1:
             if self.latest is None or message.attempt != self.latest.attempt:
                 self.batches, self.silent = 0, False
@@ -56,7 +60,7 @@ class Follower:
             self.latest.run = first_run  # keeps the first run
         if not self.silent and self.fault != "mute":
             self.answer(message)
-        self.y = message.position
+        self.y = message.position - self.delta
 
     def answer(self, message):
         answer = numpy_msg(Position)(header=message.header, run=self.latest.run, attempt=message.attempt, step=message.step,
@@ -91,5 +95,5 @@ class Follower:
 
 
 rospy.init_node("broken_followers", anonymous=True, disable_rosout=True)
-followers = [Follower(*word.split(":")) for word in sys.argv[1:] if ":=" not in word]
+followers = [Follower(int(index), fault) for index, fault in (word.split(":") for word in sys.argv[1:] if ":=" not in word)]
 rospy.spin()

@@ -5,19 +5,26 @@ survives a restart of its node."""
 import json
 import os
 import signal
+import sys
 import tempfile
+import threading
 import time
 import unittest
 
 import rospy
+from std_msgs.msg import String
 from stochastic_platoon.msg import ErrorStatistics
 
 import live_platoon
 from dashboard_test import Page, address, ask, state
 from terminal import Terminal, start_master
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "tools"))
+from watching.listening import report_start  # noqa: E402
+from watching.state import PlatoonState  # noqa: E402
+
 FOLLOWERS = 5
-RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, burn_in=20, headway=3.2, dashboard=True)
+RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, headway=3.2, dashboard=True)
 
 # The number of pixels of a canvas that have a colour, with a tolerance for smoothed edges.
 PIXELS = """const canvas = document.getElementById(arguments[0]), [r, g, b] = arguments[1];
@@ -27,20 +34,20 @@ for (let at = 0; at < data.length; at += 4) count += Math.abs(data[at] - r) + Ma
 return count"""
 # Makes the page's event stream accessible as window.stream; runs before the page's own scripts.
 KEEP_STREAM = "window.EventSource = class extends EventSource { constructor(...words) { super(...words); window.stream = this; } }"
-# Sends the page so many snapshots, 150 per frame, together with the other events that accompany them at twenty per second.
+# Sends the page so many snapshots, 600 per frame, together with the other events that accompany them at twenty per second.
 TELL = '''const [snapshots, first, followers] = arguments, done = arguments[arguments.length - 1];
 const tell = (kind, news) => window.stream.dispatchEvent(new MessageEvent(kind, {data: JSON.stringify(news)}));
 const values = () => Array.from({length: followers}, () => 2 + Math.random());
 let step = first;
 function frame() {
-  for (let j = 0; j < 150 && step < first + snapshots; ++j, ++step) {
-    tell("snapshot", {realization: 0, step, position: [2 * step, ...values().map((v, i) => 2 * step - 6 * i - v)], tracking_error: values().map(v => v - 2.5)});
+  for (let j = 0; j < 600 && step < first + snapshots; ++j, ++step) {
+    tell("snapshot", {realization: 0, step, position: [2 * step, ...values().map((v, i) => 2 * step - 6 * i - v)], tracking_error: values().map(v => v - 2.5), speed: [20, ...values()]});
     tell("told", {realization: 0, step, position: values().map((v, i) => 2 * step - 6 * i - v)});
     if (step % 20) continue;
     const [v, t] = [values(), values()];
     tell("statistics", {step, realizations: 1, time_average: true, complete: false, theory: "exact", reason: "string stable: because", string_stable: true,
       stable_headways: [[2.8, 1000]], limit_variance: 3, mean: v, variance: v, theoretical_mean: t, theoretical_variance: t, standard_error: t,
-      score: v, max_abs_z: 1, plausible_z: 4, vehicle_steps_per_second: 1, seconds_left: null, wall_seconds: 1});
+      score: v, attempt: 1, restarts: 0, manoeuvre: false, paused_until: null, latest_step: step, max_abs_z: 1, plausible_z: 4, vehicle_steps_per_second: 1, seconds_left: null, wall_seconds: 1});
   }
   step < first + snapshots ? requestAnimationFrame(frame) : done(true);
 }
@@ -100,19 +107,28 @@ class Live(Page):
         self.assertEqual([said for said in self.browser.complaints() if "Uncaught" in said], [])
 
     def test_who_holds_the_platoon_up_is_named_and_no_longer_when_it_moves(self):
-        victim = live_platoon.process_of("/platoon/vehicle_3", self.master)
+        victim, before = live_platoon.process_of("/platoon/vehicle_3", self.master), self.step()
         os.kill(victim, signal.SIGSTOP)
         try:
             self.wait_for_page("!document.getElementById('culprit').hidden && document.getElementById('culprit').textContent.includes('vehicle_3')",
                                "the name of the vehicle that is stopped")
-            for _ in range(40):  # during several retries
-                self.assertIn("vehicle_3", state(self.url)["culprit"] or "nobody")
+            while True:  # during several retries
+                shown = state(self.url)
+                self.assertIn("vehicle_3", shown["culprit"] or "nobody")
+                if shown["retries"] >= 2:
+                    break
                 time.sleep(0.2)
-            self.assertGreater(state(self.url)["retries"], 0)
         finally:
             os.kill(victim, signal.SIGCONT)
         self.wait_for_page("document.getElementById('culprit').hidden", "no culprit")
         self.steps_on()
+        events = [event for event in state(self.url)["events"] if event["kind"] in ("stall", "restart")]
+        self.assertEqual([event["kind"] for event in events][-3:], ["stall", "restart", "stall"])
+        self.assertRegex(events[-2]["text"], r"^attempts \d+ to \d+: the platoon begins again at step 0")
+        self.assertLess(events[-2]["step"] - before, 500)
+        # The curves begin again, and the restart is marked.
+        self.wait_for_page("document.getElementById('strip').dataset.restarts > 0", "the mark of the restart")
+        self.wait_for_page("document.getElementById('curves-note').textContent.includes('since the latest restart')", "the restart")
 
     def test_the_page_goes_on_behind_a_restart_of_its_node(self):
         self.browser.run("window.same_page = true")
@@ -128,6 +144,12 @@ class Live(Page):
                              "[data-command={}]".format(command))
             self.wait_for_page("document.getElementById('answer').textContent.includes('the leader')", "the answer")
             self.assertEqual(self.browser.run("return document.getElementById('answer').dataset.success"), "true")
+            if command == "brake":
+                self.wait_for_page("document.getElementById('string-note').textContent.startsWith('averages paused: the leader manoeuvres')", "the pause")
+                self.assertLess(state(self.url)["latest_step"], state(self.url)["paused_until"])
+        live_platoon.wait_for(lambda: "averages go on" in [event["text"] for event in state(self.url)["events"]], "the end of the pause")
+        kinds = [event["kind"] for event in state(self.url)["events"]]
+        self.assertEqual((kinds.count("order"), kinds.count("manoeuvre")), (2, 2))
         own = dict(Content_Type="application/json", Origin=self.url)
         for wrong, words in (({"headway": 0.0}, "headway"), ({"headway": -1}, "headway"), ({"loss": 1.0}, "loss"), ({"noise_variance": -1}, "noise_variance")):
             status, answer = ask(self.url, "POST", "/command", json.dumps(dict(wrong, command="change")), **own)
@@ -154,6 +176,14 @@ class Live(Page):
         finally:
             self.open("about:blank")
 
+    def test_the_start_is_read_from_the_master(self):
+        fresh = PlatoonState()
+        fresh.take_configuration(String(rospy.get_param("/platoon/configuration")))
+        threading.Thread(target=report_start, args=(fresh, "/platoon/"), daemon=True).start()
+        live_platoon.wait_for(lambda: fresh.start, "the state of the start")
+        self.assertEqual(fresh.start, "all 6 vehicles are there, the first step is under way")
+        fresh.began = True
+
     def test_the_stable_headways_are_marked_below_the_slider(self):
         (low, high), = live_platoon.wait_for(lambda: state(self.url).get("stable_headways"), "the stable headways")
         self.assertAlmostEqual(low, 2.8, places=9)
@@ -173,6 +203,7 @@ class Live(Page):
             slider.value = 2.4; slider.dispatchEvent(new Event("input")); document.querySelector("[data-command=change]").click()""")
         self.wait_for_page("document.getElementById('verdict').textContent.includes('Not string stable')", "the new verdict")
         self.assertEqual(state(self.url)["headway"], 2.4)
+        self.assertIn("a run with headway 3.2 sample periods -> 2.4 sample periods", [event["text"] for event in state(self.url)["events"]])
         live_platoon.wait_for(lambda: self.step() > 0, "the first figures of the new run")
         self.steps_on()
 

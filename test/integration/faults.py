@@ -10,7 +10,7 @@ import time
 
 import rospy
 from stochastic_platoon.msg import Progress
-from stochastic_platoon.srv import ChangeRun
+from std_srvs.srv import Trigger
 
 PAGE = os.sysconf("SC_PAGE_SIZE")
 
@@ -213,7 +213,8 @@ class Injector:
         before = self.watch.run
         try:
             rospy.wait_for_service("/platoon/change_run", 5.0)
-            answer = rospy.ServiceProxy("/platoon/change_run", ChangeRun)(str(fault.value), "", "")
+            rospy.set_param("/platoon/change_run", {"headway": fault.value})
+            answer = rospy.ServiceProxy("/platoon/change_run", Trigger)()
         except (rospy.ROSException, rospy.ServiceException):
             return []
         if not answer.success:

@@ -70,14 +70,24 @@ class BadInput(LaunchTest):
                      realizations=200)
         self.assertEqual(live_platoon.statistics(self.output), before)
 
-    def test_a_folder_in_use_is_refused_by_name_of_its_holder(self):
-        first = self.launch(followers=2, steps=10, realizations=2000, batch=10, rate=500)
+    def test_a_folder_and_a_namespace_in_use_are_refused_and_other_ones_run_side_by_side(self):
+        master = self.roscore()
+        settings = dict(followers=2, steps=10, realizations=2000)
+        first = self.launch(master=master, batch=10, rate=500, **settings)
         live_platoon.wait_for(lambda: os.path.exists(self.output + "/.lock"), "the first launch to check its folder")
-        second = self.launch(followers=2, steps=10, realizations=100)
-        self.assertNotEqual(second.wait(), 0)
-        self.assertRegex(second.text(), r"output: {}: is in use by launch \S+; it is free .*when process \d+ ends".format(self.output))
-        first.wait()
-        self.assertEqual(live_platoon.completed_summary(self.output)["realizations"], 2000)
+        self.assertRegex(self.refused("output", master=master, ns="platoon2"),
+                         r"output: {}: is in use by launch \S+; it is free .*when process \d+ ends".format(self.output))
+        live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/vehicle_0", master), "the first node")
+        second = os.path.join(self.folder, "second")
+        for file, arguments in (("platoon.launch", dict(hosting="one_process")), ("live.launch", dict(rviz="false"))):
+            self.refused("ns: platoon: a platoon runs in it already (node /platoon/", ", results in " + self.output + ")",
+                         file=file, master=master, output=second, **arguments)
+        beside = self.launch(master=master, ns="left/platoon2", output=second, headway=2.4, **settings)
+        for terminal, output, headway in ((beside, second, 2.4), (first, self.output, 3.2)):
+            self.assertEqual(terminal.wait(), 0)
+            self.assertNotIn("has died", terminal.text())
+            self.assertLessEqual(live_platoon.completed_summary(output)["attempts"], live_platoon.UNDISTURBED)
+            self.assertEqual(live_platoon.statistics(output), live_platoon.reference(output, headway=headway, **settings))
 
     def test_a_checkpoint_of_another_configuration_is_refused_with_what_differs(self):
         self.launch(followers=1, steps=5, realizations=100).wait()

@@ -76,11 +76,12 @@ class Orders(LaunchTest):
         rospy.wait_for_service("/platoon/leader/" + service, 60)
         return rospy.ServiceProxy("/platoon/leader/" + service, Trigger)()
 
-    def change(self, headway="", noise_variance="", loss=""):
+    def change(self, **values):
         import rospy
-        from stochastic_platoon.srv import ChangeRun
+        from std_srvs.srv import Trigger
         rospy.wait_for_service("/platoon/change_run", 60)
-        return rospy.ServiceProxy("/platoon/change_run", ChangeRun)(str(headway), str(noise_variance), str(loss))
+        rospy.set_param("/platoon/change_run", values)
+        return rospy.ServiceProxy("/platoon/change_run", Trigger)()
 
     def in_both(self, check):
         for hosting in ("processes", "one_process"):
@@ -123,6 +124,7 @@ class Watched(Orders):
             for i in range(1, FOLLOWERS + 1):
                 error = now.position[i - 1] - now.position[i] - HEADWAY * (now.position[i] - before[i])
                 self.assertAlmostEqual(now.tracking_error[i - 1], error, 9)
+                self.assertAlmostEqual(now.speed[i], (now.position[i] - before[i]) / 0.1, 9)
         noise = [theirs[step].position[i] - own[step].position[i] for step in set(own) & set(theirs) for i in range(FOLLOWERS)]
         variance = sum(value ** 2 for value in noise) / len(noise)
         self.assertLess(abs(variance / NOISE_VARIANCE - 1.0), 4.0 * (2.0 / len(noise)) ** 0.5)
@@ -166,7 +168,7 @@ class Manoeuvres(Orders):
         live_platoon.wait_for(lambda: len(speeds()) > 9 and min(speeds()) < 9.0 and max(speeds()) > 11.0, "the leader to swing about 10 m/s", 60)
         self.assertTrue(self.trigger("cruise").success)
         speed_is(20.0)
-        terminal.wait_for_text("the leader drives by the model file again: averages go on in 100 steps", 60)
+        terminal.wait_for_text("the leader drives by the model file again: averages go on in 100 steps (10 s)", 60)
         # A new attempt starts with the leader of the model file.
         self.assertTrue(self.trigger("brake").success)
         live_platoon.kill("/platoon/platoon" if hosting == "one_process" else "/platoon/vehicle_3", self.master)
@@ -220,7 +222,7 @@ class Changes(Orders):
         from stochastic_platoon.msg import ErrorStatistics, Snapshot
         snapshots, statistics = self.listen("snapshot", Snapshot), self.listen("error_statistics", ErrorStatistics)
         bag = os.path.join(self.folder, hosting)
-        terminal = self.endless(hosting, rate=0, seed=3, record=bag + ".bag")
+        terminal = self.endless(hosting, rate=0, burn_in="", seed=3, record=bag + ".bag")
         enough = 4000 if live_platoon.SANITIZED else 20000
 
         def averaged(headway_is, run):
@@ -231,11 +233,13 @@ class Changes(Orders):
             return statistics.messages[-1], snapshots.newest(lambda message: message.run != run).run
 
         stable, first_run = averaged(3.2, None)
-        for bad, words in ((dict(headway="0"), "time_headway: 0: must be a finite number > 0"),
+        for bad, words in ((dict(headway=0), "time_headway: 0: must be a finite number > 0"),
                            (dict(headway="inf"), "time_headway: inf: must be a finite number > 0"),
                            (dict(headway="fast"), "time_headway: fast: must be a finite number > 0"),
-                           (dict(noise_variance="-1"), "noise_variance: -1: must be a finite number >= 0"),
-                           (dict(loss="1"), "channel/loss/probability: 1: must be a number from 0 to below 1")):
+                           (dict(headway=[2.4]), "headway: must be a number"),
+                           (dict(hedway=2.4), "hedway: unknown key: allowed are headway, noise_variance, loss"),
+                           (dict(noise_variance=-1), "noise_variance: -1: must be a finite number >= 0"),
+                           (dict(loss=1.0), "channel/loss/probability: 1.0: must be a number from 0 to below 1")):
             answer = self.change(**bad)
             self.assertFalse(answer.success)
             self.assertIn(words, answer.message)
@@ -297,12 +301,17 @@ class Changes(Orders):
             del reports.messages[:-20]
 
     def test_an_order_before_the_one_before_has_begun_keeps_that_one(self):
+        import rosservice
         import rospy
-        from stochastic_platoon.srv import ChangeRun
+        from std_srvs.srv import Trigger
         self.endless("processes", followers=3, rate=200)
         rospy.wait_for_service("/platoon/change_run", 60)
-        proxy = rospy.ServiceProxy("/platoon/change_run", ChangeRun, persistent=True)
-        answers = [proxy("2.8", "", ""), proxy("", "0.3", "")]
+        subprocess.run(["rossrv", "show", rosservice.get_service_type("/platoon/change_run")], check=True, stdout=subprocess.DEVNULL)
+        proxy = rospy.ServiceProxy("/platoon/change_run", Trigger, persistent=True)
+        answers = []
+        for values in ({"headway": 2.8}, {"noise_variance": 0.3}):
+            rospy.set_param("/platoon/change_run", values)
+            answers.append(proxy())
         self.assertEqual([answer.success for answer in answers], [True, True])
 
         def both():

@@ -18,8 +18,8 @@ PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file
 SETUP = "devel/setup.bash"
 if not os.path.exists(os.path.join(PACKAGE, SETUP)):  # in a catkin workspace: the workspace's setup.bash
     SETUP = os.path.join(os.environ["CMAKE_PREFIX_PATH"].split(":")[0], "setup.bash")
-COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "rosservice", "rostopic", "cmp", "parallel")
-ORDERS = ("rosservice", "rostopic")  # orders to the platoon of the line before
+COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "rosparam", "rosservice", "rostopic", "cmp", "parallel")
+ORDERS = ("rosparam", "rosservice", "rostopic")  # orders to the platoon of the line before
 NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it",
            "./launch/demo live": "demo_test.py runs it",
            "cmake -S launch/examples/saturated_follower -B /tmp/follower -DPYTHON_EXECUTABLE=/usr/bin/python3 && make -C /tmp/follower":

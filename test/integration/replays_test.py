@@ -144,6 +144,7 @@ class Replays(LaunchTest):
     def test_a_link_that_carries_answers_late_costs_an_attempt_and_the_verdict_comes(self):
         text = self.followers.replay(self.bag, [os.path.join(HERE, "slow_accept.py"), "2", "0.5"])
         self.assertEqual(ended(text), "right", text)
+        self.assertNotIn("has died", text)
 
     def test_a_follower_that_is_killed_and_comes_back_costs_attempts_and_the_verdict_comes(self):
         # A vehicle with the same node name replaces the first one, as after a restart. The first answers too slowly to complete.

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Shards, their merge and sweeps as programs: killed during the run, on a full disk, and with invalid input."""
 
+import functools
 import glob
 import json
 import os
@@ -16,6 +17,13 @@ import live_platoon
 REALIZATIONS = 100000 if live_platoon.SANITIZED else 400000
 LONG = ["--realizations", str(REALIZATIONS), "--checkpoint-seconds", "0.1", "--batch", "128"]
 SWEEP = "vary: {headway: 2.4:4:20}\nfollowers: 10\nsteps: 100\nrealizations: 20000\n"
+
+
+@functools.lru_cache(maxsize=None)
+def reference():
+    """statistics.csv of the whole run."""
+    with tempfile.TemporaryDirectory() as folder:
+        return live_platoon.reference(folder, realizations=str(REALIZATIONS))
 
 
 class ShardsTest(unittest.TestCase):
@@ -65,7 +73,7 @@ class Shards(ShardsTest):
             self.shard(part, *LONG)
         self.assertIn(" 0 of them computed now", self.shard("1/3", *LONG))
         self.run_tool("merge", *[self.path("{}_of_3".format(i)) for i in (2, 0, 1)], "--output", self.path("merged"))
-        self.assertEqual(live_platoon.statistics(self.path("merged")), live_platoon.reference(self.folder, realizations=str(REALIZATIONS)))
+        self.assertEqual(live_platoon.statistics(self.path("merged")), reference())
         with open(self.path("merged", "summary.json")) as file:
             summary = json.load(file)
         self.assertEqual((summary["complete"], summary["realizations"], summary["positions_lost"], summary["hosting"]),
@@ -97,8 +105,6 @@ class Shards(ShardsTest):
         for part in ("3/3", "-1/3", "1", "x/3", "0/10001"):
             self.assertIn("shard: {}: must be I/N, I from 0 to N - 1, N at most the 10000 realizations".format(part),
                           self.shard(part, status=1))
-        self.assertIn("checkpoint-seconds: given: must go with --shard",
-                      self.run_tool("monte_carlo", "--output", self.path("x"), "--checkpoint-seconds", "1", status=1))
         self.assertIn("checkpoint-seconds: 0: must be a finite number > 0", self.shard("0/3", "--checkpoint-seconds", "0", status=1))
         self.assertIn("must be given the folders of the shards", self.run_tool("merge", "--output", self.path("x"), status=1))
         self.assertIn("/nowhere: holds no shard", self.run_tool("merge", "/nowhere", "--output", self.path("x"), status=1))
@@ -106,6 +112,68 @@ class Shards(ShardsTest):
         self.run_tool("merge", self.path("0_of_1"), "--output", self.path("merged"))
         self.assertIn("holds results already, which are never written over",
                       self.run_tool("merge", self.path("0_of_1"), "--output", self.path("merged"), status=1))
+
+
+KILL = """
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <signal.h>
+#include <stdlib.h>
+int rename(const char* from, const char* to) {
+  static int count;
+  if (++count == atoi(getenv("KILL_AT"))) raise(SIGKILL);
+  return ((int (*)(const char*, const char*))dlsym(RTLD_NEXT, "rename"))(from, to);
+}
+"""
+
+
+class Interrupted(ShardsTest):
+    def interrupted(self, signals, *words):
+        """Starts a run, sends it these signals one after another from its first checkpoint on; returns status and output of the last."""
+        file = self.path("run", "checkpoint.cbor")
+        for number in signals:
+            before = os.stat(file).st_mtime_ns if os.path.exists(file) else None
+            process = self.start("monte_carlo", "--output", self.path("run"), *LONG, *words)
+            live_platoon.wait_for(lambda: process.poll() is not None or (os.path.exists(file) and os.stat(file).st_mtime_ns != before),
+                                  "a checkpoint")
+            self.assertIsNone(process.poll(), "it was over before it could be stopped")
+            process.send_signal(number)
+            said, _ = process.communicate(timeout=live_platoon.DEADLINE)
+        return process.returncode, said
+
+    def test_ctrl_c_writes_the_results_so_far_and_the_same_command_continues_to_the_same_bits(self):
+        status, said = self.interrupted([signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+        self.assertEqual(status, 130, said)
+        with open(self.path("run", "summary.json")) as file:
+            summary = json.load(file)
+        done = summary["realizations"]
+        self.assertTrue(0 < done < REALIZATIONS and not summary["complete"])
+        self.assertIn("stopped after {} of {} realizations: the same command continues".format(done, REALIZATIONS), said)
+        self.assertIn("holds a shard of another run: seed is 1 there and 2 here",
+                      self.run_tool("monte_carlo", "--output", self.path("run"), "--seed", "2", *LONG, status=1))
+        self.run_tool("monte_carlo", "--output", self.path("run"), *LONG)
+        self.assertTrue(live_platoon.completed_summary(self.path("run")))
+        self.assertEqual(live_platoon.statistics(self.path("run")), reference())
+        self.assertEqual(sorted(os.listdir(self.path("run"))), [".lock", "statistics.csv", "summary.json"])
+        self.assertIn("holds results already", self.run_tool("monte_carlo", "--output", self.path("run"), *LONG, status=1))
+
+    @unittest.skipIf(live_platoon.SANITIZED, "a sanitizer comes first in the list of preloaded libraries")
+    def test_nothing_that_a_kill_leaves_must_be_removed_by_hand(self):
+        shim = self.path("kill.so")
+        subprocess.run(["cc", "-shared", "-fPIC", "-x", "c", "-o", shim, "-", "-ldl"], input=KILL, universal_newlines=True, check=True)
+        expected = live_platoon.reference(self.folder, realizations="2000")
+        self.run_tool("monte_carlo", "--shard", "0/1", "--realizations", "2000", "--output", self.path("shard"))
+        for command in (["merge", self.path("shard")], ["monte_carlo", "--realizations", "2000"]):
+            for kill in range(1, 10):
+                output = self.path("{}_{}".format(command[0], kill))
+                process = self.start(*command, "--output", output, before="export LD_PRELOAD={} KILL_AT={}; ".format(shim, kill))
+                process.communicate(timeout=live_platoon.DEADLINE)
+                if process.returncode == 0:
+                    break
+                self.assertEqual(process.returncode, -signal.SIGKILL)
+                self.run_tool(*command, "--output", output)
+                self.assertEqual(live_platoon.statistics(output), expected)
+            self.assertTrue(1 < kill < 9, "killed {} times".format(kill - 1))
 
 
 class Sweeps(ShardsTest):

@@ -34,6 +34,11 @@ class EveryTool(unittest.TestCase):
                 self.assertEqual(done.returncode, 0, program)
                 self.assertIn("--version", done.stdout)
 
+    def test_the_help_offers_nothing_that_is_rejected(self):
+        text = run(live_platoon.executable("monte_carlo"), "--help").stdout
+        for rejected in ("endless", "ROS home", "per message"):
+            self.assertNotIn(rejected, text)
+
     def test_refuses_an_option_that_it_does_not_know(self):
         for program in self.programs():
             self.assertNotEqual(run(program, "--nothing").returncode, 0, program)

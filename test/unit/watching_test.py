@@ -37,7 +37,7 @@ def configuration(followers=3, steps=4, **model):
 
 def overview(followers=3, step=(0, 1, 2, 3), **changes):
     cells = [float(10 * i + j) for i in range(1, followers + 1) for j in range(len(step))]
-    of = dict(run=1, realizations=100, time_average=False, complete=False, wall_seconds=1.5, theory="exact", string_stable=True, undecided=False,
+    of = dict(run=1, attempt=1, manoeuvre=False, counted_from=0, realizations=100, time_average=False, complete=False, wall_seconds=1.5, theory="exact", string_stable=True, undecided=False,
               reason="string stable: because", limit_variance=2.5, stationary_variance=[2.0] * followers, step=list(step),
               mean=[0.1 * c for c in cells], variance=cells, stable_headways=[0.5, 1.0, 2.8, 320.0], theoretical_mean=[0.0] * len(cells), theoretical_variance=[c + 1 for c in cells],
               standard_error=[0.5] * followers, variance_score=[-1.0] * followers, max_abs_z_mean=1.5, max_abs_z_variance=2.5,
@@ -45,14 +45,15 @@ def overview(followers=3, step=(0, 1, 2, 3), **changes):
     return message(**dict(of, **changes))
 
 
-def endless(followers, step):
-    return overview(followers, (step,), time_average=True, realizations=1, standard_error=[NAN] * followers,
-                    variance_score=[NAN] * followers, max_abs_z_mean=NAN, max_abs_z_variance=NAN, plausible_z=NAN)
+def endless(followers, step, **changes):
+    of = dict(time_average=True, realizations=1, standard_error=[NAN] * followers, variance_score=[NAN] * followers,
+              max_abs_z_mean=NAN, max_abs_z_variance=NAN, plausible_z=NAN)
+    return overview(followers, (step,), **dict(of, **changes))
 
 
 def snapshot(step, followers=3, realization=0, run=1):
     return message(run=run, realization=realization, step=step, position=[2.0 * step - 6.4 * i for i in range(followers + 1)],
-                   tracking_error=[0.25 * i for i in range(followers)])
+                   tracking_error=[0.25 * i for i in range(followers)], speed=[20.0 + i for i in range(followers + 1)])
 
 
 class State(unittest.TestCase):
@@ -131,6 +132,70 @@ class State(unittest.TestCase):
         diagnostics("platoon/monitor: monitor", "")
         self.assertIsNone(self.state.document()["culprit"])
 
+    def texts(self):
+        return [event["text"] for event in self.state.document()["events"]]
+
+    def test_a_restart_begins_the_curves_anew_and_is_an_event(self):
+        self.state.take_configuration(configuration(3, 0))
+        for attempt, steps in ((1, range(0, 300, 10)), (2, range(0, 50, 10))):
+            for step in steps:
+                self.state.take_overview(endless(3, step, attempt=attempt), step / 10)
+        self.assertEqual(self.state.give("curves")["step"], [0, 10, 20, 30, 40])
+        document = self.state.document()
+        self.assertEqual((document["attempt"], document["restarts"]), (2, 1))
+        restart, = [event for event in document["events"] if event["kind"] == "restart"]
+        self.assertEqual((restart["step"], restart["text"]), (290, "attempt 2: the platoon begins again at step 0; averages keep the steps before"))
+        # A monitor that was started again has no attempt at first, then the latest one.
+        self.state.take_overview(endless(3, 0, attempt=0), 40.0)
+        self.state.take_overview(endless(3, 0, attempt=2), 40.0)
+        self.state.take_overview(endless(3, 10, attempt=3), 40.0)
+        self.assertEqual([event["step"] for event in self.state.document()["events"] if event["kind"] == "restart"], [290, 40])
+
+    def test_the_attempts_of_a_stalled_platoon_are_one_event(self):
+        self.state.take_configuration(configuration(3, 0))
+        for attempt, step in ((1, 80), (2, 0), (3, 0), (4, 0), (4, 50), (5, 0)):
+            self.state.take_overview(endless(3, step, attempt=attempt), 0.0)
+        for attempt, realizations in ((1, 8), (2, 8), (3, 8), (3, 16), (4, 16)):
+            self.state.take_overview(overview(run=2, attempt=attempt, realizations=realizations), 0.0)
+            self.state.take_overview(overview(run=2, attempt=attempt, realizations=realizations), 0.0)
+        restarts = [event["text"].split(":")[0] for event in self.state.document()["events"] if event["kind"] == "restart"]
+        self.assertEqual(restarts, ["attempts 2 to 4", "attempt 5", "attempts 2 to 3", "attempt 4"])
+
+    def test_averages_are_paused_during_a_manoeuvre_and_a_burn_in_behind_it(self):
+        self.state.take_configuration(configuration(3, 0))
+        known = []
+        for step, manoeuvre, counted_from in ((290, False, 200), (300, True, 501), (310, True, 511), (320, False, 520), (519, False, 520), (520, False, 520)):
+            self.state.take_overview(endless(3, step, manoeuvre=manoeuvre, counted_from=counted_from), 0.0)
+            known.append((self.state.document()["manoeuvre"], self.state.document()["paused_until"]))
+        self.assertEqual(known, [(False, None), (True, 501), (True, 511), (False, 520), (False, 520), (False, None)])
+        self.assertEqual(self.texts()[-3:], ["the leader manoeuvres: averages are paused", "the manoeuvre is over: averages go on at step 520",
+                                             "averages go on"])
+        self.state.take_overview(endless(3, 600, counted_from=800), 0.0)  # it began and ended between two overviews
+        self.assertEqual(self.texts()[-2:], ["the leader manoeuvres: averages are paused", "the manoeuvre is over: averages go on at step 800"])
+        self.assertIn("averages over time up to step 600, burn-in: paused until step 800", table.table(self.state.document(), 24)[2])
+
+    def test_changes_orders_and_the_end_of_a_run_are_events(self):
+        self.state.take_overview(overview(complete=True), 0.0)
+        self.state.take_order("the leader brakes")
+        self.state.take_configuration(configuration(time_headway=2.4))
+        self.assertEqual(self.texts()[-3:], ["complete", "the leader brakes", "a run with headway 3.2 sample periods -> 2.4 sample periods"])
+        for _ in range(200):
+            self.state.take_order("again")
+        self.assertEqual(len(self.texts()), 100)
+
+    def test_before_the_first_step_it_counts_the_vehicles_that_are_there(self):
+        def start(count, *others):
+            self.state.take_topics({"vehicle_{}/position".format(i) for i in range(count)} | set(others))
+            return self.state.document()["start"]
+        self.assertEqual(start(1), "1 of 4 vehicles are there, missing: vehicle_1, vehicle_2, vehicle_3")
+        self.assertEqual(start(4), "all 4 vehicles are there, the monitor starts")
+        self.assertEqual(start(4, "overview"), "all 4 vehicles are there, the first step is under way")
+        self.assertIn("Starting: all 4", " ".join(table.table(self.state.document(), 24)))
+        self.state.take_overview(overview(attempt=0), 0.0)
+        self.assertIsNotNone(self.state.document()["start"])
+        self.state.take_overview(overview(), 0.0)
+        self.assertIsNone(start(2))
+
     def test_rate_and_time_left(self):
         self.state.take_overview(overview(realizations=100), 10.0)
         self.state.take_overview(overview(realizations=300), 12.0)
@@ -178,6 +243,12 @@ class Table(unittest.TestCase):
 
     def test_has_a_row_of_mean_variance_error_theory_and_score(self):
         self.assertEqual(self.lines(3, 50)[-1].split(), ["3", "3.3", "33", "0.5", "34", "-1.00"])
+
+    def test_gives_times_in_seconds_beside_steps(self):
+        first, _, second = self.lines(3, 50)[:3]
+        self.assertIn("h = 3.2 (0.32 s)", first)
+        self.assertIn("step 3 (0.3 s), 100 of 1000 realizations", second)
+        self.assertIn("averages over time up to step 3 (0.3 s)", " ".join(self.lines(3, 50, time_average=True)))
 
     def test_of_a_long_string_has_both_ends_in_as_many_lines_as_there_are(self):
         lines = self.lines(500, 24)
@@ -347,12 +418,11 @@ class Ordered(unittest.TestCase):
 
     def setUp(self):
         named = {"rospy": types.ModuleType("rospy"), "std_msgs": types.ModuleType("std_msgs"), "std_msgs.msg": types.ModuleType("std_msgs.msg"),
-                 "std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": types.ModuleType("std_srvs.srv"),
-                 "stochastic_platoon": types.ModuleType("stochastic_platoon"), "stochastic_platoon.srv": types.ModuleType("stochastic_platoon.srv")}
+                 "std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": types.ModuleType("std_srvs.srv")}
         self.published = []
         named["rospy"].Publisher = lambda *_, **__: types.SimpleNamespace(publish=self.published.append, get_num_connections=lambda: 1,
                                                                           resolved_name="/platoon/leader/speed")
-        named["std_msgs.msg"].Float64 = named["std_srvs.srv"].Trigger = named["stochastic_platoon.srv"].ChangeRun = None
+        named["std_msgs.msg"].Float64 = named["std_srvs.srv"].Trigger = None
         before = {name: sys.modules.get(name) for name in list(named) + ["watching.commands"]}
         sys.modules.update(named)
 

@@ -11,6 +11,19 @@
 
 namespace platoon {
 
+/// The settings of one vehicle in a run.
+struct VehicleSettings {
+  double headway;              ///< h, in sample periods
+  double standstill_distance;  ///< delta_i, to its predecessor [m]
+  double sample_period;        ///< T_s [s]
+  double initial_position;     ///< -(delta_1 + ... + delta_i) [m]
+};
+
+/// The settings of vehicle `index` in the present run of the platoon in this namespace, from its parameter
+/// `configuration`. A vehicle that outlives a run reads them in Start. Throws std::invalid_argument if index is 0, and
+/// std::runtime_error if the parameter is absent or not a configuration.
+VehicleSettings vehicle_settings(const ros::NodeHandle& platoon, std::size_t index);
+
 /// An external vehicle with any dynamics that keeps the vehicle contract (msg/README.md). Other packages link this
 /// class; it depends only on the messages of this package.
 ///

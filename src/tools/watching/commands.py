@@ -5,7 +5,6 @@ import math
 import rospy
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
-from stochastic_platoon.srv import ChangeRun
 
 MANOEUVRES = ("brake", "accelerate", "sinusoid", "cruise")
 CHANGES = ("headway", "noise_variance", "loss")
@@ -31,11 +30,6 @@ def shortened(value):
     return text if len(text) <= 40 else text[:40] + "..."
 
 
-def text_of(number):
-    """The number as a launch argument: NaN becomes an empty text, which keeps the present value."""
-    return "" if math.isnan(number) else repr(number)
-
-
 class Commands:
     """Carries out commands. `configuration` returns the present run's (see state.described), None before the first."""
 
@@ -49,11 +43,12 @@ class Commands:
         command = content.get("command")
         try:
             if command in MANOEUVRES:
-                return self.call("leader/" + command, Trigger)
+                return self.call("leader/" + command)
             if command == "speed":
                 return self.set_speed(number_of(content, "speed"))
             if command == "change":
-                return self.call("change_run", ChangeRun, *[text_of(number_of(content, key)) for key in CHANGES])
+                given = {key: number_of(content, key) for key in CHANGES}
+                return self.call("change_run", {key: value for key, value in given.items() if not math.isnan(value)})
             return False, "command: {}: must be one of {}, speed, change".format(shortened(command), ", ".join(MANOEUVRES))
         except ValueError as error:
             return False, str(error)
@@ -75,10 +70,13 @@ class Commands:
         self.speed.publish(speed)
         return True, "speed {:g} m/s".format(speed)
 
-    def call(self, name, kind, *values):
+    def call(self, name, parameter=None):
+        """Calls a service that reads the parameter of the same name, if any."""
         try:
             rospy.wait_for_service(name, PATIENCE)
-            answer = rospy.ServiceProxy(name, kind)(*values)
+            if parameter is not None:
+                rospy.set_param(name, parameter)
+            answer = rospy.ServiceProxy(name, Trigger)()
             return answer.success, answer.message
-        except (rospy.ROSException, rospy.ServiceException) as error:
+        except (rospy.ROSException, rospy.ServiceException, OSError) as error:
             return False, "{}: {}".format(rospy.resolve_name(name), error)

@@ -1,11 +1,31 @@
 """Feeds a PlatoonState from the condensed topics of a platoon."""
 
+import threading
 import time
+import types
 
+import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import String
 from stochastic_platoon.msg import Overview, Snapshot
+
+POLL = 1.0  # [s]
+
+
+def report_start(state, namespace):
+    """Reports the start from the master: the monitor starts last, half a minute behind the first of 500 followers."""
+    master = rosgraph.Master(rospy.get_name())
+    while not rospy.is_shutdown() and not state.began:
+        try:
+            topics = {name[len(namespace):] for name, _ in master.getPublishedTopics(namespace)}
+            text = rospy.get_param(namespace + "configuration", None)
+            if text and "configuration" not in topics:
+                state.take_configuration(types.SimpleNamespace(data=text))
+            state.take_topics(topics)
+        except (rosgraph.MasterException, OSError, ValueError, KeyError):
+            pass  # asked again
+        rospy.rostime.wallsleep(POLL)
 
 
 def listen(state, namespace="", snapshots=True):
@@ -22,3 +42,4 @@ def listen(state, namespace="", snapshots=True):
     if snapshots:
         subscribe("predecessor_snapshot", Snapshot, state.take_told, queue_size=5)
         subscribe("snapshot", Snapshot, state.take_snapshot, queue_size=2)
+    threading.Thread(target=report_start, args=(state, namespace or rospy.get_namespace()), daemon=True).start()

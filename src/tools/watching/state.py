@@ -8,11 +8,13 @@ import json
 import math
 import threading
 
+from .events import EventLog, is_paused
+from .history import Rate, ThinnedHistory
+
 STRIP = 240          # snapshots in the space-time strip
 COLUMNS = 120        # steps in the curves over k
 MOST_CURVES = 40     # as in the figures of `plot`: longer strings show only some followers
 CURVES_OF_MANY = 16
-RATE_WINDOW = 5.0    # [s]
 
 
 def finite(value):
@@ -34,42 +36,6 @@ def drawn_followers(followers):
     if followers <= MOST_CURVES:
         return list(range(1, followers + 1))
     return [1 + round(j * (followers - 1) / (CURVES_OF_MANY - 1)) for j in range(CURVES_OF_MANY)]
-
-
-class ThinnedHistory:
-    """At most `most` evenly spaced columns over a step that grows without bound: when full, it drops every second column."""
-
-    def __init__(self, most):
-        self.most, self.stride, self.columns = most, 1, []
-
-    def add(self, step, column):
-        if self.columns and step < self.columns[-1][0] + self.stride:
-            return
-        self.columns.append((step, column))
-        if len(self.columns) > self.most:
-            del self.columns[1::2]
-            self.stride *= 2
-
-
-class Rate:
-    """The rate of a growing count over the latest RATE_WINDOW seconds."""
-
-    def __init__(self):
-        self.seen = collections.deque(maxlen=200)
-
-    def saw(self, count, now):
-        if self.seen and count < self.seen[-1][1]:
-            self.seen.clear()
-        if self.seen and now - self.seen[-1][0] < RATE_WINDOW / 100:
-            return
-        self.seen.append((now, count))
-        while len(self.seen) > 2 and now - self.seen[0][0] > RATE_WINDOW:
-            self.seen.popleft()
-
-    def per_second(self):
-        if len(self.seen) < 2 or self.seen[-1][0] <= self.seen[0][0]:
-            return None
-        return (self.seen[-1][1] - self.seen[0][1]) / (self.seen[-1][0] - self.seen[0][0])
 
 
 def link_of(model):
@@ -99,20 +65,32 @@ def described(text):
             "burn_in": run["burn_in"], "headway": model["time_headway"], "noise_variance": model["noise_variance"],
             "loss": loss["probability"] if loss else None, "link": link_of(model),
             "standstill_distance": model["standstill_distance"], "sample_period": model["sample_period"],
-            "output": run["output"]}
+            "output": run["output"], "external": [int(i) for i in run.get("external", "").split(",") if i]}
+
+
+def start_of(topics, followers, external):
+    """What a platoon waits for before its first step, in words."""
+    missing = [i for i in range(followers + 1) if "vehicle_{}/position".format(i) not in topics]
+    if not missing:
+        return "all {} vehicles are there, the {}".format(followers + 1, "first step is under way" if "overview" in topics else "monitor starts")
+    names = ", ".join("vehicle_{}{}".format(i, " (external)" if i in external else "") for i in missing[:3])
+    return "{} of {} vehicles are there, missing: {}{}".format(followers + 1 - len(missing), followers + 1, names, ", ..." if missing[3:] else "")
 
 
 class PlatoonState:
     """Takes messages from any thread. Calls changed(kind) after each message that changes the state, without holding the lock."""
 
-    KINDS = ("configuration", "statistics", "curves", "snapshot", "told", "health")
+    KINDS = ("configuration", "statistics", "curves", "snapshot", "told", "health", "log")
 
     def __init__(self, changed=lambda kind: None, namespace="platoon"):
         self.lock = threading.RLock()
         self.changed, self.namespace = changed, namespace
         self.text = None
         self.culprit, self.retries = None, 0
+        self.start = None  # what the platoon waits for before its first step
+        self.log = EventLog()
         self.early = None  # (overview, arrival time) of a run whose configuration has not arrived yet
+        self.over = None   # the run before
         self.begin(None)
 
     def begin(self, configuration):
@@ -120,25 +98,37 @@ class PlatoonState:
         self.configuration = configuration
         self.run = None  # the run named in this configuration's overviews
         self.overview = None
+        self.began = None  # the latest overview of an attempt
+        self.restarts = 0
         self.rate = Rate()
         self.history = ThinnedHistory(COLUMNS)
         self.strip = collections.deque(maxlen=STRIP)
         self.told = self.snapshot = None
 
+    def tell(self, *kinds):
+        """Reports changes of these kinds, and of the log."""
+        for kind in kinds + (("log",) if self.log.take_news() else ()):
+            self.changed(kind)
+
     def take_configuration(self, message):
         with self.lock:
             if message.data == self.text:
                 return
-            self.begin(described(message.data))
+            before, now = self.configuration, described(message.data)
+            if self.text is None or now != before or self.run is not None:
+                self.log.add_run(before, now)
+            self.over = self.run
+            self.begin(now)
             self.text = message.data
             early, self.early = self.early, None
             if early:
                 self.add_overview(*early)
-        for kind in self.KINDS:
-            self.changed(kind)
+        self.tell(*self.KINDS[:-1])
 
     def take_overview(self, message, now):
         with self.lock:
+            if message.run == self.over:
+                return  # a late one
             other = self.configuration is None or (self.run is not None and message.run != self.run)
             # Each topic has its own connection: an overview may arrive before its configuration. A second overview of another run
             # means that the present run is over.
@@ -147,13 +137,20 @@ class PlatoonState:
                 return
             if other:
                 self.begin(self.configuration)
+                self.log.add_run(self.configuration, self.configuration)
             self.early = None
             self.add_overview(message, now)
-        self.changed("statistics")
-        self.changed("curves")
+        self.tell("statistics", "curves", "health")
 
     def add_overview(self, message, now):
         self.run, self.overview = message.run, message
+        known = self.began and (self.began.attempt, self.began.step[-1])
+        # A monitor that was started again has no attempt yet, or the one before.
+        if message.attempt and (known is None or (message.attempt, message.step[-1]) >= known):
+            if self.log.add_changes(self.began, message):
+                self.restarts += 1
+                self.history = ThinnedHistory(COLUMNS)
+            self.began, self.start = message, None
         endless = message.time_average
         self.rate.saw(message.step[-1] if endless else message.realizations, now)
         if endless and any(map(math.isfinite, message.mean)):
@@ -167,8 +164,8 @@ class PlatoonState:
     def take_snapshot(self, message):
         with self.lock:
             errors = rounded(message.tracking_error)
-            self.snapshot = {"realization": message.realization, "step": message.step,
-                             "position": numbers(message.position), "tracking_error": errors}
+            self.snapshot = {"realization": message.realization, "step": message.step, "position": numbers(message.position),
+                             "tracking_error": errors, "speed": rounded(message.speed)}
             if message.step >= 0:
                 self.strip.append((message.realization, message.step, errors))
         self.changed("snapshot")
@@ -180,9 +177,23 @@ class PlatoonState:
             if not status.name.startswith(self.namespace + "/") or "culprit" not in values:
                 continue
             with self.lock:
-                self.culprit = values["culprit"] or None
+                before, self.culprit = self.culprit, values["culprit"] or None
                 self.retries = int(values.get("retries") or 0)
-            self.changed("health")
+                if bool(before) != bool(self.culprit):
+                    self.log.add("stall", "the platoon stands still: " + self.culprit if self.culprit else "the platoon moves again")
+            self.tell("health")
+
+    def take_topics(self, topics):
+        """Takes the names of the published topics in the platoon's namespace: before the first step they show what is missing."""
+        with self.lock:
+            if self.configuration and not self.began:
+                self.start = start_of(topics, self.configuration["followers"], self.configuration["external"])
+        self.tell("health")
+
+    def take_order(self, text):
+        with self.lock:
+            self.log.add("order", text)
+        self.tell()
 
     def of_drawn(self, values):
         """The values of the drawn followers."""
@@ -205,7 +216,10 @@ class PlatoonState:
         return self.told
 
     def give_health(self):
-        return {"culprit": self.culprit, "retries": self.retries}
+        return {"culprit": self.culprit, "retries": self.retries, "start": self.start}
+
+    def give_log(self):
+        return list(self.log.events)
 
     def give_strip(self):
         return [{"realization": r, "step": k, "tracking_error": errors} for r, k, errors in self.strip]
@@ -225,8 +239,9 @@ class PlatoonState:
             left = (wanted - of.realizations) / per_second
         measured = any(map(math.isfinite, of.mean[len(of.step) - 1::len(of.step)]))
         work = followers * (1 if of.time_average else self.configuration["steps"])
-        return {"step": of.step[-1] if measured else None, "realizations": of.realizations, "time_average": of.time_average,
-                "complete": of.complete, "theory": of.theory, "reason": of.reason,
+        return {"step": of.step[-1] if measured else None, "latest_step": of.step[-1] if of.attempt else None, "realizations": of.realizations, "time_average": of.time_average,
+                "attempt": of.attempt, "restarts": self.restarts, "manoeuvre": of.manoeuvre,
+                "paused_until": of.counted_from if is_paused(of) else None, "complete": of.complete, "theory": of.theory, "reason": of.reason,
                 "string_stable": of.string_stable if of.theory == "exact" and not of.undecided else None,
                 "stable_headways": list(zip(of.stable_headways[::2], of.stable_headways[1::2])),
                 "limit_variance": finite(of.limit_variance), "mean": self.last_column(of.mean),
@@ -261,4 +276,5 @@ class PlatoonState:
         with self.lock:
             nothing = {"followers": None, "step": None, "realizations": None, "mean": [], "variance": [],
                        "theoretical_variance": [], "string_stable": None, "limit_variance": None, "max_abs_z": None}
-            return {**nothing, **(self.give_configuration() or {}), **(self.give_statistics() or {}), **self.give_health()}
+            return {**nothing, **(self.give_configuration() or {}), **(self.give_statistics() or {}), **self.give_health(),
+                    "events": self.give_log()}

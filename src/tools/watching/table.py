@@ -18,17 +18,22 @@ def shown(followers, lines):
 
 def heading(state):
     if state["followers"] is None:
-        return ["Waiting for a platoon's monitor"]
-    first = "h = {:g}, P_d = {:g} m^2, {}, N = {}".format(state["headway"], state["noise_variance"], state["link"], state["followers"])
+        return [state["start"] or "Waiting for a platoon's monitor"]
+    period = state["sample_period"]
+    first = "h = {:g} ({:g} s), P_d = {:g} m^2, {}, N = {}".format(
+        state["headway"], state["headway"] * period, state["noise_variance"], state["link"], state["followers"])
     if "reason" not in state:
-        return [first, "Starting"]
-    if state["step"] is None:
+        return [first, "Starting: " + state["start"] if state["start"] else "Starting"]
+    at = None if state["step"] is None else "{} ({:.6g} s)".format(state["step"], state["step"] * period)
+    if at is None:
         second = "nothing is measured yet" + (" (burn-in: {} steps, {:.3g} s of driving)".format(
-            state["burn_in"], state["burn_in"] * state["sample_period"]) if state["endless"] else "")
+            state["burn_in"], state["burn_in"] * period) if state["endless"] else "")
     elif state["time_average"]:
-        second = "averages over time up to step {}".format(state["step"])
+        second = "averages over time up to step {}".format(at)
+        if state["paused_until"] is not None:
+            second += ", {}: paused until step {}".format("manoeuvre" if state["manoeuvre"] else "burn-in", state["paused_until"])
     else:
-        second = "step {}, {} of {} realizations".format(state["step"], state["realizations"], state["realizations_wanted"])
+        second = "step {}, {} of {} realizations".format(at, state["realizations"], state["realizations_wanted"])
         if state["max_abs_z"] is not None:
             second += ", largest |z| {:.2f} (plausible to {:.2f})".format(state["max_abs_z"], state["plausible_z"])
         elif state["realizations_needed"] is not None:

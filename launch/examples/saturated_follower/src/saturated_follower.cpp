@@ -1,5 +1,5 @@
 // The paper's vehicle behind an actuator that saturates, abs(u) <= limit: no theory speaks of it. Parameters: ~index
-// (i of vehicle_<i>), ~limit [m per sample period squared], ~headway [sample periods].
+// (i of vehicle_<i>), ~limit [m per sample period squared]. Headway and standstill distance are those of the run.
 
 #include <ros/ros.h>
 #include <stochastic_platoon/external_vehicle.hpp>
@@ -11,17 +11,22 @@ namespace {
 
 /// G(z) = 1 / (z - 1)^2 behind K(z) = 1.35 z / (z + 0.89) / (1 + h), for a batch of realizations.
 struct Dynamics {
-  double limit, headway;
+  double limit;
+  platoon::VehicleSettings of_run;
   std::vector<double> y, y_before, u, demanded;
 
-  void start(std::vector<double>& position) {
-    y = y_before = position;  // zero: it stands behind a leader without standstill distance
-    u = demanded = position;
+  void start(const platoon::VehicleSettings& settings, std::vector<double>& position) {
+    of_run = settings;
+    position.assign(position.size(), settings.initial_position);
+    y = y_before = position;
+    u.assign(position.size(), 0.0);
+    demanded = u;
   }
 
   void move(const std::vector<double>& received, std::vector<double>& position) {
+    const double headway = of_run.headway;
     for (std::size_t r = 0; r < received.size(); ++r) {
-      const double error = received[r] - y[r] - headway * (y[r] - y_before[r]);
+      const double error = received[r] - y[r] - of_run.standstill_distance - headway * (y[r] - y_before[r]);
       const double next = 2.0 * y[r] - y_before[r] + u[r];
       demanded[r] = -0.89 * demanded[r] + 1.35 / (1.0 + headway) * error;
       u[r] = std::clamp(demanded[r], -limit, limit);
@@ -41,10 +46,12 @@ int main(int argc, char** argv) {
     ROS_FATAL("~index: %d: must be the number of the vehicle, 1 or more", index);
     return 1;
   }
-  Dynamics dynamics{own.param("limit", 1.0), own.param("headway", 3.2), {}, {}, {}, {}};
+  const auto number = static_cast<std::size_t>(index);
+  const ros::NodeHandle in_platoon("platoon");
+  Dynamics dynamics{own.param("limit", 1.0), {}, {}, {}, {}, {}};
   const platoon::ExternalVehicle vehicle(
-      ros::NodeHandle("platoon"), static_cast<std::size_t>(index),
-      [&](std::vector<double>& position) { dynamics.start(position); },
+      in_platoon, number,
+      [&](std::vector<double>& position) { dynamics.start(platoon::vehicle_settings(in_platoon, number), position); },
       [&](const std::vector<double>& received, std::vector<double>& position) { dynamics.move(received, position); });
   ros::spin();
 }

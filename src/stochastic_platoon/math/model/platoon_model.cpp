@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/numerics/text.hpp"
+
 namespace platoon {
 
 namespace {
@@ -89,6 +91,10 @@ bool has_normal_errors(const PlatoonModel& model) {
     const bool loses = vehicle.link.loss && vehicle.link.loss->probability > 0.0;
     return !loses && vehicle.link.quantisation_step == 0.0;
   });
+}
+
+std::string duration(std::int64_t steps, const PlatoonModel& model) {
+  return formatted("%.6g s", static_cast<double>(steps) * model.sample_period);
 }
 
 double place_in_formation(const PlatoonModel& model, std::size_t follower) {

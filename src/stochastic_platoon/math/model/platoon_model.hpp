@@ -59,7 +59,7 @@ struct PlatoonModel {
   std::vector<VehicleType> types;  ///< [0] is the default type, which is also the leader's
   /// Types of followers 1, 2, ..., repeated. Empty: all have the default type.
   std::vector<std::size_t> string;
-  double sample_period;  ///< T_s > 0 [s]; pacing and stamps only
+  double sample_period;  ///< T_s > 0 [s]
   LeaderProfile leader;
   /// y_0(-1), y_0(0), ... [m]: recorded positions of vehicle 0, used instead of the loop behind `leader`. Empty: none.
   std::vector<double> recorded_leader;
@@ -97,6 +97,9 @@ bool is_papers(const PlatoonModel& model);
 
 /// Whether all errors are normal, which losses and quantisation prevent.
 bool has_normal_errors(const PlatoonModel& model);
+
+/// Duration of a number of steps, with its unit: "9.9 s".
+std::string duration(std::int64_t steps, const PlatoonModel& model);
 
 /// Place of follower i in formation: -(delta_1 + ... + delta_i) [m].
 double place_in_formation(const PlatoonModel& model, std::size_t follower);

@@ -89,6 +89,12 @@ bool EnsembleRun::work() {
   return hand_over(own);
 }
 
+void EnsembleRun::stop() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  waiting_.clear();
+  all_begun_ = true;
+}
+
 bool EnsembleRun::is_complete() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return outstanding_ == 0;

@@ -35,7 +35,10 @@ public:
   /// Computes until no batch is left to start. Returns true in exactly one thread: the one that completes the run.
   bool work();
 
-  /// Whether all batches have started.
+  /// Begins no further batch: the threads hand over what they have begun. The run is then incomplete.
+  void stop();
+
+  /// Whether all batches have started, or the run was stopped.
   bool all_begun() const { return all_begun_; }
 
   /// Number of computed realizations of the range, handed over or not.
@@ -66,7 +69,8 @@ private:
   std::atomic<bool> all_begun_{false};
 };
 
-/// Completes a run with this many threads. Calls `tick` from the calling thread every tenth of a second and at the end.
+/// Completes a run, unless it is stopped, with this many threads. Calls `tick` from the calling thread every tenth of a
+/// second and at the end.
 void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& tick);
 
 /// Moments of every zeta_i(k) over the realizations, computed by this many threads. Calls `progress` with the number of

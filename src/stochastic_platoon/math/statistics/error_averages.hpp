@@ -55,9 +55,13 @@ public:
   /// Whether the averages contain no value.
   virtual bool empty() const = 0;
 
-  /// The latest step in the averages, and in those of one follower.
+  /// The latest step that all followers have reached, and the latest of one follower.
   virtual std::int64_t last_step() const = 0;
   virtual std::int64_t last_step(std::size_t follower) const = 0;
+
+  /// The first step from which on the averages of all followers include every error, unless the leader departs from
+  /// the model again.
+  virtual std::int64_t counted_from() const { return 0; }
 
   /// Moments per cell (follower and step), or per follower for averages over time.
   virtual std::vector<Moments> moments() const = 0;

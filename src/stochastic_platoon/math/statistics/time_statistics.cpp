@@ -57,14 +57,19 @@ void TimeStatistics::count_due(std::size_t index) {
 }
 
 bool TimeStatistics::empty() const {
-  return last_step() < 0 &&
+  return std::all_of(followers_.begin(), followers_.end(), [](const Follower& of) { return of.next_step == 0; }) &&
          std::all_of(earlier_.begin(), earlier_.end(), [](const Moments& moments) { return moments.count == 0; });
 }
 
 std::int64_t TimeStatistics::last_step() const {
-  std::int64_t last = -1;
-  for (const Follower& follower : followers_) last = std::max(last, follower.next_step - 1);
-  return last;
+  const auto slowest = std::min_element(followers_.begin(), followers_.end(),
+                                        [](const Follower& a, const Follower& b) { return a.next_step < b.next_step; });
+  return slowest->next_step - 1;
+}
+
+std::int64_t TimeStatistics::counted_from() const {
+  const std::int64_t hops = departed_ == kNever ? 0 : static_cast<std::int64_t>(followers_.size()) - 1;
+  return counts_from_ + hops;
 }
 
 std::vector<Moments> TimeStatistics::moments() const {

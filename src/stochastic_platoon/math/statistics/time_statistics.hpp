@@ -35,6 +35,7 @@ public:
   bool empty() const override;
   std::int64_t last_step() const override;
   std::int64_t last_step(std::size_t follower) const override { return followers_[follower - 1].next_step - 1; }
+  std::int64_t counted_from() const override;
   /// One per follower; count is the number of steps in it.
   std::vector<Moments> moments() const override;
   const MomentTable* totals() const override { return nullptr; }

@@ -18,6 +18,9 @@
 #include <thread>
 #include <vector>
 
+#include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
+
 namespace platoon {
 
 namespace {
@@ -26,7 +29,7 @@ namespace {
 // with the next launch on the same master. The launch files set this variable; a node started by hand may outlive its
 // shell.
 void end_with_launch() {
-  if (std::getenv("PLATOON_ENDS_WITH_LAUNCH") == nullptr) return;
+  if (std::getenv(kEndsWithLaunch) == nullptr) return;
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (::getppid() == 1) ::raise(SIGTERM);  // it has ended already
 }
@@ -72,6 +75,11 @@ int run_node(int argc, char** argv, const NodeTraits& traits, const std::functio
     ROS_FATAL_STREAM(ros::this_node::getName() << ": " << error.what());
     return 1;
   }
+}
+
+void end_launch() {
+  const long roslaunch = std::getenv(kEndsWithLaunch) != nullptr ? roslaunch_process() : 0;
+  if (roslaunch == 0 || ::kill(static_cast<pid_t>(roslaunch), SIGINT) != 0) ros::shutdown();
 }
 
 // Not ros::spin(): while ROS shuts down, the global queue no longer waits for callbacks, and its busy loop would cost a

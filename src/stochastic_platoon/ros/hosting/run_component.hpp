@@ -25,6 +25,11 @@ struct NodeTraits {
 int run_node(int argc, char** argv, const NodeTraits& traits,
              const std::function<void(const ros::NodeHandle& platoon)>& run);
 
+/// Ends the launch of this node without an error: interrupts its roslaunch, which then ends all its nodes. roslaunch
+/// reports the exit of a required node as an error, whatever its status. Without roslaunch, ends this node. Call it
+/// once.
+void end_launch();
+
 /// Signals to the main of a component that another run has begun.
 class Superseded {
 public:

@@ -59,8 +59,10 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration, co
                static_cast<double>(configuration.run.followers) * static_cast<double>(configuration.run.steps),
                "vehicle-steps"),
       publisher_(platoon, configuration, prediction_, membership_.run()),
-      snapshots_(platoon, kSnapshotTopic, configuration.run.followers + 1, errors_of(configuration)),
+      snapshots_(platoon, kSnapshotTopic, configuration.run.followers + 1, errors_of(configuration),
+                 configuration.model.sample_period),
       change_(platoon, configuration, [this](const Configuration& next) { membership_.join(next); }) {
+  if (!prediction_.warning.empty()) warn(prediction_.warning);
   snapshots_.set_rate(configuration.run.rate);
   wall_seconds_before_ = statistics_.tally().wall_seconds;
   reports_.saw(statistics_.tally().platoon_time);
@@ -248,8 +250,9 @@ void Monitor::show_manoeuvre(bool departs) {
   if (departs) {
     ROS_INFO("the leader manoeuvres: averages leave out what it causes");
   } else {
-    ROS_INFO_STREAM("the leader drives by the model file again: averages go on in " << configuration_.run.burn_in
-                                                                                    << " steps");
+    const std::int64_t burn_in = configuration_.run.burn_in;
+    ROS_INFO_STREAM("the leader drives by the model file again: averages go on in "
+                    << burn_in << " steps (" << duration(burn_in, configuration_.model) << ")");
   }
 }
 

@@ -56,7 +56,7 @@ void add_verdict(const Prediction& prediction, Overview& message) {
   message.theory = to_string(prediction.theory);
   message.string_stable = prediction.stability.string_stable;
   message.undecided = prediction.stability.undecided;
-  message.reason = prediction.stability.reason;
+  message.reason = prediction.stability.reason + (prediction.warning.empty() ? "" : "; " + prediction.warning);
   message.limit_variance = prediction.stability.limit_variance.value_or(kNone);
   message.stationary_variance = prediction.stationary_variance;
 }
@@ -101,6 +101,9 @@ Overview overview_of(const RunOptions& run, const Prediction& prediction, const 
   message.realizations = result.realizations;
   message.time_average = run.averaging() == Averaging::over_time;
   message.complete = result.complete;
+  message.attempt = result.tally.attempts;
+  message.counted_from = result.counted_from;
+  message.manoeuvre = result.manoeuvre;
   message.wall_seconds = result.tally.wall_seconds;
   add_verdict(prediction, message);
   const Columns columns = columns_of(run, prediction, result);

@@ -23,9 +23,9 @@ namespace platoon {
 /// Publishes: `topic` (stochastic_platoon/Snapshot).
 class Snapshots {
 public:
-  /// `errors`: of all followers if the streams are vehicles 0 .. N; else empty.
+  /// `errors`: of all followers if the streams are vehicles 0 .. N; else empty. `sample_period` [s]: for their speeds.
   Snapshots(ros::NodeHandle platoon, const std::string& topic, std::size_t streams,
-            std::vector<TrackingError> errors = {});
+            std::vector<TrackingError> errors = {}, double sample_period = 1.0);
 
   /// Whether take() needs positions at present.
   bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
@@ -41,6 +41,7 @@ private:
   void publish();
 
   std::vector<TrackingError> errors_;
+  double sample_period_;
   std::atomic<bool> wanted_{false};
   std::atomic<bool> paced_{false};
   SpinLock lock_;  ///< protects the members down to `complete_`

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -18,6 +19,7 @@ namespace platoon {
 
 namespace {
 
+const std::set<std::string> kChangeable{"headway", "noise_variance", "loss"};
 constexpr double kAnswerTime = 0.02;  // [s] for the service's answer to be sent
 
 std::string suffix_of(std::uint64_t number) {
@@ -33,6 +35,31 @@ std::string renamed(std::string stem, std::uint64_t from, std::uint64_t to, cons
   drop(extension);
   drop(suffix_of(from));
   return stem + suffix_of(to) + extension;
+}
+
+// The number as text that the parser reads to the same bits; a text as it is.
+std::string text_of(const std::string& key, const XmlRpc::XmlRpcValue& value) {
+  using Value = XmlRpc::XmlRpcValue;
+  if (value.getType() == Value::TypeInt) return std::to_string(static_cast<int>(value));
+  if (value.getType() == Value::TypeDouble) return nlohmann::json(static_cast<double>(value)).dump();
+  if (value.getType() == Value::TypeString) return static_cast<std::string>(value);
+  throw ConfigurationError({key + ": must be a number"});
+}
+
+// The settings in the parameter change_run, which this call removes. Throws ConfigurationError.
+std::map<std::string, std::string> taken_parameter(const ros::NodeHandle& platoon) {
+  XmlRpc::XmlRpcValue value;
+  std::map<std::string, std::string> given;
+  if (!platoon.getParam(kChangeRunService, value)) return given;
+  platoon.deleteParam(kChangeRunService);
+  if (value.getType() != XmlRpc::XmlRpcValue::TypeStruct)
+    throw ConfigurationError({"parameter change_run: must be a dictionary, as in {headway: 2.4}"});
+  for (auto& entry : value) {
+    if (kChangeable.count(entry.first) == 0)
+      throw ConfigurationError({entry.first + ": unknown key: allowed are headway, noise_variance, loss"});
+    given[entry.first] = text_of(entry.first, entry.second);
+  }
+  return given;
 }
 
 bool is_taken(const RunOptions& run) {
@@ -66,16 +93,9 @@ RunChange::RunChange(ros::NodeHandle platoon, const Configuration& present, Begi
       notices_(platoon.advertise<stochastic_platoon::Progress>(kProgressTopic, 10)),
       service_(platoon.advertiseService(kChangeRunService, &RunChange::serve, this)) {}
 
-bool RunChange::serve(stochastic_platoon::ChangeRun::Request& request,
-                      stochastic_platoon::ChangeRun::Response& response) {
-  std::map<std::string, std::string> given;
-  const auto give = [&given](const char* name, const std::string& value) {
-    if (!value.empty()) given[name] = value;
-  };
-  give("headway", request.headway);
-  give("noise_variance", request.noise_variance);
-  give("loss", request.loss);
+bool RunChange::serve(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   try {
+    const std::map<std::string, std::string> given = taken_parameter(platoon_);
     const Configuration next = changed(asked_.value_or(present_), given);
     lock_output(next.run)->leave_claim(::getppid());  // roslaunch, or the shell
     // Before the answer: from now on every restarted node takes part in this run.

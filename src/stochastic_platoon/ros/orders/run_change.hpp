@@ -1,7 +1,7 @@
 #pragma once
 
 #include <ros/node_handle.h>
-#include <stochastic_platoon/ChangeRun.h>
+#include <std_srvs/Trigger.h>
 
 #include <functional>
 #include <map>
@@ -17,10 +17,11 @@ namespace platoon {
 /// file's arguments do, and for a run over realizations.
 Configuration changed(const Configuration& present, const std::map<std::string, std::string>& given);
 
-/// The service change_run (stochastic_platoon/ChangeRun): changes headway, noise and loss of an endless run. A new run
-/// with these settings replaces the present one, and its statistics start anew. The service returns success only after
-/// the new configuration is on the parameter server, so that no node failure loses it. An order that arrives before the
-/// previous new run has begun changes that run's settings.
+/// The service change_run (std_srvs/Trigger): changes headway, noise and loss of an endless run to the values of the
+/// parameter change_run, a dictionary that the call consumes: {headway: 2.4, noise_variance: 1.0, loss: 0.1}, each
+/// optional. A new run with these settings replaces the present one, and its statistics start anew. The service returns
+/// success only after the new configuration is on the parameter server, so that no node failure loses it. An order that
+/// arrives before the previous new run has begun changes that run's settings.
 class RunChange {
 public:
   using Begin = std::function<void(const Configuration&)>;
@@ -33,7 +34,7 @@ public:
   void begin_if_asked();
 
 private:
-  bool serve(stochastic_platoon::ChangeRun::Request& request, stochastic_platoon::ChangeRun::Response& response);
+  bool serve(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   ros::NodeHandle platoon_;
   Configuration present_;

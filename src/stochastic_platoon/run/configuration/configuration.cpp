@@ -44,6 +44,18 @@ void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, s
       run.followers, most, static_cast<long long>(run.steps)));
 }
 
+// A shorter default where the theory or the record of the leader requires it.
+void choose_steps(const PlatoonModel& model, RunOptions& run) {
+  const std::int64_t fewest = run.steps;
+  run.steps = chosen_steps(run, model.sample_period);
+  const auto followers = static_cast<double>(run.followers);
+  if (has_independent_losses(model))
+    run.steps = std::min(run.steps, static_cast<std::int64_t>(kMostLossResponses / (followers * followers)));
+  if (!model.recorded_leader.empty())
+    run.steps = std::min(run.steps, static_cast<std::int64_t>(model.recorded_leader.size()) - 1);
+  run.steps = std::max(run.steps, fewest);
+}
+
 void choose_burn_in(const PlatoonModel& model, RunOptions& run, std::vector<std::string>& problems) {
   if (run.averaging() != Averaging::over_time) return;
   const std::optional<std::int64_t> steps = settling_steps(model, run.followers);
@@ -63,6 +75,7 @@ Configuration parse_configuration(const YAML::Node& document) {
   if (!problems.empty()) throw ConfigurationError(problems);
   RunOptions run = read_run_options(root.section("run"));
   const std::optional<PlatoonModel> model = read_model(root.section("model"), problems);
+  if (model && run.steps_chosen) choose_steps(*model, run);
   root.reject_unknown_keys();
   if (model && !model->recorded_leader.empty()) {
     const auto needed = static_cast<std::size_t>(run.steps) + 1;

@@ -113,4 +113,15 @@ std::vector<std::string> undeclared_arguments(const std::vector<std::string>& co
   return problems;
 }
 
+std::string master_address(const std::vector<std::string>& command_line, const char* environment) {
+  static const std::regex port("(-p|--port=?)([0-9]*)");
+  for (auto word = command_line.begin(); word != command_line.end(); ++word) {
+    std::smatch found;
+    if (!std::regex_match(*word, found, port)) continue;
+    if (found[2].length() > 0) return "http://localhost:" + found[2].str();
+    if (word + 1 != command_line.end()) return "http://localhost:" + *(word + 1);
+  }
+  return environment != nullptr ? environment : "http://localhost:11311";
+}
+
 }  // namespace platoon

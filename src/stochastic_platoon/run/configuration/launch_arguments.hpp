@@ -13,4 +13,8 @@ namespace platoon {
 /// to report, and neither is there for a command line of anything but roslaunch.
 std::vector<std::string> undeclared_arguments(const std::vector<std::string>& command_line, const std::string& folder);
 
+/// The address of the master of a roslaunch command line: that of --port (-p), else `environment` (ROS_MASTER_URI),
+/// else that of the default port.
+std::string master_address(const std::vector<std::string>& command_line, const char* environment);
+
 }  // namespace platoon

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -25,6 +26,15 @@ const Allowed kStallTimeout{"a finite number >= 0", std::numeric_limits<double>:
 constexpr double kShortestStall = 1e-3;
 
 constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
+
+// The paper's example has a sample period of 0.1 s and 100 steps.
+constexpr double kChosenSeconds = 10.0;
+constexpr std::int64_t kFewestChosenSteps = 100;
+
+// Whether a value is to be chosen once the model is known.
+bool is_left_empty(Section& section, const std::string& key) {
+  return section.has(key) && section.text(key).empty();
+}
 
 // The launch files compare the entries of the list as text, so each number must have one spelling.
 std::vector<std::size_t> read_external(Section& section, std::size_t followers) {
@@ -64,6 +74,15 @@ const char* to_string(Hosting hosting) {
   return "unknown";
 }
 
+std::int64_t chosen_steps(const RunOptions& options, double sample_period) {
+  const auto followers = static_cast<double>(options.followers),
+             realizations = static_cast<double>(options.realizations);
+  const double most = std::min({1e4, static_cast<double>(kMaxCells) / followers,
+                                static_cast<double>(kMaxPositions / 2) / realizations / (followers + 1.0)});
+  const double steps = std::min(std::round(kChosenSeconds / sample_period), most);
+  return std::max(kFewestChosenSteps, static_cast<std::int64_t>(steps));
+}
+
 std::uint64_t chosen_batch(const RunOptions& options) {
   const bool recorded = !options.record.empty();
   const std::uint64_t positions_of_a_step = std::uint64_t{1} << (recorded ? 21 : 22);
@@ -82,7 +101,8 @@ std::int64_t chosen_window(std::uint64_t batch, std::size_t followers) {
 RunOptions read_run_options(Section section) {
   RunOptions options;
   options.followers = static_cast<std::size_t>(section.integer("followers", 1, kMaxFollowers));
-  options.steps = section.integer("steps", 0, kMaxCount);
+  options.steps_chosen = is_left_empty(section, "steps");
+  options.steps = options.steps_chosen ? kFewestChosenSteps : section.integer("steps", 0, kMaxCount);
   options.realizations = static_cast<std::uint64_t>(section.integer("realizations", 1, kMaxCount));
   options.batch = static_cast<std::uint64_t>(section.integer("batch", 0, 1 << 24));
   options.rate = section.number("rate", kRate);
@@ -106,7 +126,7 @@ RunOptions read_run_options(Section section) {
     section.reject("stall_timeout", formatted("%g", options.stall_timeout),
                    formatted("0 or at least %g", kShortestStall));
   options.burn_in_chosen = section.has("burn_in_chosen") && section.boolean("burn_in_chosen");
-  if (section.has("burn_in") && section.text("burn_in").empty()) {
+  if (is_left_empty(section, "burn_in")) {
     options.burn_in_chosen = true;
     options.burn_in = 0;  // until the model is known
   } else {

@@ -37,6 +37,7 @@ struct RunOptions {
   double stall_timeout;             ///< [s]; 0 = wait forever
   std::uint64_t number;  ///< number of the run in its launch, from 1: every change of an endless run begins another
   std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
+  bool steps_chosen = false;               ///< steps is chosen_steps() instead of a given number
   bool burn_in_chosen = false;             ///< burn_in is settling_steps() instead of a given number
   std::vector<std::size_t> external = {};  ///< external vehicles, ascending
 
@@ -63,6 +64,9 @@ RunOptions read_run_options(Section section);
 
 /// JSON for read_run_options().
 nlohmann::json to_json(const RunOptions& options);
+
+/// Default number of steps: 10 s of driving, from 100 to 10,000 steps and within the limits of a run.
+std::int64_t chosen_steps(const RunOptions& options, double sample_period);
 
 /// Default number of realizations per message: 64 kB messages, or 256 kB with a recorder, whose cost per message is
 /// higher; fewer for strings of hundreds of followers and more, so that the few steps in flight fit the memory.

@@ -24,6 +24,8 @@ const char* to_string(Clause clause) {
       return "On step -1 it stands at its initial position and has forgotten everything: the same messages, the same positions.";
     case Clause::causal:
       return "Its position at a step depends on the messages before that step only.";
+    case Clause::spacing:
+      return "It keeps the run's standstill distance delta and headway h: behind a predecessor that drives v per step, the distance settles at delta + h v.";
     case Clause::queues:
       return "Its queues drop nothing: unbounded, with tcpNoDelay.";
   }

@@ -40,32 +40,10 @@ Analysis analyze(
     const PlatoonModel& model, std::size_t followers, std::int64_t steps,
     const StageObserver& begins = [](const char*) {});
 
-/// One point of a sweep or map over headway, gain and loss probability of the default vehicle.
-struct SweepPoint {
-  double headway;
-  double gain;  ///< leading coefficient of the controller's numerator, as in the model file; NaN without a controller
-  StringStability stability;
-  std::optional<double> loss = {};  ///< loss probability, if the link has a loss stage
-};
-
-/// The values of a sweep; an empty list stands for the model's own value.
-struct SweepAxes {
-  std::vector<double> headways, gains, losses;
-};
-
-/// Stability at every combination. Throws std::invalid_argument for losses in bursts, and for headways or gains if the
-/// closed loop was given directly.
-std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes);
-
 /// Text report: the verdict first, then the reasons.
 std::string report(const PlatoonModel& model, const Analysis& analysis);
 
 /// JSON for programs; missing values are null.
 nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis);
-nlohmann::json to_json(const std::vector<SweepPoint>& points);
-
-/// One row per point: headway,gain,spectral_radius,peak_gain,string_stable; with a loss stage
-/// headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable.
-std::string to_csv(const std::vector<SweepPoint>& points);
 
 }  // namespace platoon

@@ -5,10 +5,12 @@
 #include <limits>
 #include <string>
 
+#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/linked_moments.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
+#include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
 namespace platoon {
@@ -51,6 +53,18 @@ Prediction no_prediction(const Configuration& configuration, const std::string& 
           0};
 }
 
+// Averages that contain the transient of the start have no known standard error.
+std::string burn_in_warning(const Configuration& configuration) {
+  const PlatoonModel& model = configuration.model;
+  const std::int64_t given = configuration.run.burn_in;
+  const std::optional<std::int64_t> needed = settling_steps(model, configuration.run.followers);
+  if (!needed || given >= *needed) return "";
+  return formatted(
+      "burn_in: %lld: %s are below the %lld steps (%s) in which the start decays to 1e-6, so that the averages are not compared with the theory",
+      static_cast<long long>(given), duration(given, model).c_str(), static_cast<long long>(*needed),
+      duration(*needed, model).c_str());
+}
+
 // Sets the values of all followers from the first external vehicle on to NaN.
 void void_behind(const RunOptions& run, Prediction& prediction) {
   const std::size_t steps = run.averaging() == Averaging::over_time ? 1 : static_cast<std::size_t>(run.steps);
@@ -83,7 +97,9 @@ Prediction predict(const Configuration& configuration) {
     prediction.mean = is_papers(configuration.model) ? std::vector<double>(run.followers, 0.0)
                                                      : stationary_means(configuration.model, run.followers);
     prediction.variance = prediction.stationary_variance;
-    prediction.error_correlation = error_correlations(configuration.model, run.followers);
+    prediction.warning = burn_in_warning(configuration);
+    if (prediction.warning.empty())
+      prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
     ErrorMoments moments = loses(configuration.model) ? linked_error_moments(configuration.model, run.followers,
                                                                              run.steps, &prediction.fourth_cumulant)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/math/string/effective_sample.hpp"
@@ -36,6 +37,7 @@ struct Prediction {
   Theory theory = Theory::exact;  ///< none if it covers no follower
   std::size_t followers_with_theory = 0;
   std::vector<ErrorCorrelation> error_correlation = {};  ///< over time: one per follower
+  std::string warning = {};  ///< the reason why a run with a theory is not compared with it; empty: none
 };
 
 Prediction predict(const Configuration& configuration);

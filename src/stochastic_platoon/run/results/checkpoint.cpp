@@ -106,12 +106,12 @@ std::string identity_differences(const nlohmann::json& there, const nlohmann::js
 }
 
 void require_no_results(const std::string& output) {
-  for (const char* name : {"/statistics.csv", "/summary.json"}) {
-    if (!std::filesystem::exists(output + name)) continue;
-    throw ConfigurationError(
-        {"output: " + output +
-         ": holds results already, which are never written over, and no checkpoint to go on from: must be another folder"});
-  }
+  const auto holds = [](const std::string& file) { return std::filesystem::exists(file); };
+  const bool statistics = holds(output + "/statistics.csv") && !holds(unfinished_summary_file(output));
+  if (!statistics && !holds(output + "/summary.json")) return;
+  throw ConfigurationError(
+      {"output: " + output +
+       ": holds results already, which are never written over, and no checkpoint to go on from: must be another folder"});
 }
 
 std::string extent_of(const Checkpoint& checkpoint) {

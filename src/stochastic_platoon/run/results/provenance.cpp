@@ -63,12 +63,15 @@ std::string host() {
 
 }  // namespace
 
+long roslaunch_process() {
+  long process = ::getpid();
+  while (process > 0 && !is_roslaunch(command_line_of(process))) process = parent_of(process);
+  return process;
+}
+
 std::vector<std::string> command_line() {
-  for (long process = ::getpid(); process > 1; process = parent_of(process)) {
-    std::vector<std::string> words = command_line_of(process);
-    if (is_roslaunch(words)) return words;
-  }
-  return command_line_of(::getpid());
+  const long roslaunch = roslaunch_process();
+  return command_line_of(roslaunch > 0 ? roslaunch : ::getpid());
 }
 
 nlohmann::json provenance(const Configuration& configuration) {

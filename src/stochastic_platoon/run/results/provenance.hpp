@@ -8,6 +8,9 @@
 
 namespace platoon {
 
+/// Number of the roslaunch process that started this process, directly or not; 0 if none did.
+long roslaunch_process();
+
 /// The command line of this process, or of the roslaunch that started it, from /proc; empty if it cannot be read.
 std::vector<std::string> command_line();
 

@@ -13,19 +13,23 @@ bool is_shown(std::size_t follower, std::size_t followers) {
   return followers <= 30 || follower <= 10 || follower + 10 > followers;
 }
 
-std::string heading(const RunOptions& run, const RunResult& result) {
-  if (run.averaging() == Averaging::over_time) {
-    std::string text = formatted(
-        "time averages up to step %lld (variance over time; standard errors by the theory's correlation of successive errors)\n",
-        static_cast<long long>(result.last_step));
-    if (result.tally.attempts > 1) {
-      text += formatted("the run was begun %u times, each time left out up to step %lld and with new noise\n",
-                        result.tally.attempts, static_cast<long long>(run.burn_in) - 1);
-    }
-    return text;
+std::string heading(const Configuration& configuration, const RunResult& result) {
+  const RunOptions& run = configuration.run;
+  const auto last = static_cast<long long>(run.averaging() == Averaging::over_time ? result.last_step : run.steps - 1);
+  const std::string at = formatted("step %lld (%s)", last, duration(last, configuration.model).c_str());
+  if (run.averaging() == Averaging::over_realizations) {
+    return "tracking errors at " + at +
+           formatted(", %llu realizations\n", static_cast<unsigned long long>(result.realizations));
   }
-  return formatted("tracking errors at step %lld, %llu realizations\n", static_cast<long long>(run.steps - 1),
-                   static_cast<unsigned long long>(result.realizations));
+  const auto burn_in = static_cast<long long>(run.burn_in);
+  std::string text =
+      "time averages up to " + at +
+      formatted(
+          ", behind a burn-in of %lld steps (%s): variance over time; standard errors by the theory's correlation of successive errors\n",
+          burn_in, duration(burn_in, configuration.model).c_str());
+  if (result.tally.attempts > 1)
+    text += formatted("the run was begun %u times, each time with a burn-in and new noise\n", result.tally.attempts);
+  return text;
 }
 
 std::string row(const ResultCell& of, bool has_theory) {
@@ -87,9 +91,9 @@ std::string report(const Configuration& configuration, const Prediction& predict
   const VehicleModel& vehicle = configuration.model.default_vehicle();
   const StringStability& stability = prediction.stability;
   std::string text =
-      formatted("\nPlatoon of %zu followers, h = %g (%g s), P_d = %g m^2: ", run.followers,
-                vehicle.headway, vehicle.headway * configuration.model.sample_period, vehicle.noise_variance);
-  text += heading(run, result) + table(run, prediction, result);
+      formatted("\nPlatoon of %zu followers, h = %g (%g s), P_d = %g m^2: ", run.followers, vehicle.headway,
+                vehicle.headway * configuration.model.sample_period, vehicle.noise_variance);
+  text += heading(configuration, result) + table(run, prediction, result);
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
   if (found) {
     text +=
@@ -98,6 +102,7 @@ std::string report(const Configuration& configuration, const Prediction& predict
   }
   const std::optional<double> needed = realizations_needed(run, prediction, result);
   if (!found && needed) text += no_verdict(result.realizations, *needed);
+  if (!prediction.warning.empty()) text += "Warning: " + prediction.warning + ".\n";
   text += "Theory: " + stability.reason + ".\n";
   if (stability.limit_variance) {
     text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);

@@ -87,7 +87,8 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
           {"agreement", agreement_json(measured_agreement(run, prediction, result))},
           {"realizations_needed", needed_json(realizations_needed(run, prediction, result))},
-          {"theory", theory_json(prediction)}};
+          {"theory", theory_json(prediction)},
+          {"warning", prediction.warning.empty() ? nlohmann::json() : nlohmann::json(prediction.warning)}};
 }
 
 }  // namespace
@@ -264,6 +265,10 @@ std::string summary_text(nlohmann::json summary, const std::string& statistics) 
 
 }  // namespace
 
+std::string unfinished_summary_file(const std::string& output) {
+  return output + "/summary.unfinished.json";
+}
+
 bool is_whole_summary(const std::string& text) {
   const std::size_t place = place_of_checksum(text);
   if (place == std::string::npos || place + kNoChecksum.size() > text.size()) return false;
@@ -275,10 +280,11 @@ bool is_whole_summary(const std::string& text) {
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const std::string& output = configuration.run.output;
   const std::string statistics = statistics_csv(configuration, prediction, result);
-  write_atomically(output + "/statistics.csv", statistics);
   nlohmann::json summary = summary_json(configuration, prediction, result);
   summary.update(provenance(configuration));
-  write_atomically(output + "/summary.json", summary_text(std::move(summary), statistics));
+  write_atomically(unfinished_summary_file(output), summary_text(std::move(summary), statistics));
+  write_atomically(output + "/statistics.csv", statistics);
+  sync_and_rename(unfinished_summary_file(output), output + "/summary.json");
 }
 
 }  // namespace platoon

@@ -25,10 +25,12 @@ struct Tally {
 struct RunResult {
   bool complete = false;
   std::uint64_t realizations = 0;  ///< committed
-  std::int64_t last_step = 0;      ///< the latest step in the figures
+  std::int64_t last_step = 0;      ///< the latest step that the figures of all followers have reached
   Tally tally;
   std::vector<Moments> moments;
   std::vector<std::int64_t> last_steps;  ///< for averages over time: the latest step of each follower
+  std::int64_t counted_from = 0;         ///< see ErrorAverages
+  bool manoeuvre = false;                ///< the leader departs from the model at present
 };
 
 /// A cell of a result: follower i and a step.
@@ -98,6 +100,10 @@ std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizatio
 /// summary's "crc32" holds the checksum() of both, its own computed with "00000000" in its place, so that readers
 /// detect damage. Throws std::runtime_error.
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
+
+/// Name of summary.json until statistics.csv is there: with it, a statistics.csv without summary.json is what a killed
+/// write_results() left.
+std::string unfinished_summary_file(const std::string& output);
 
 /// Whether a summary's text is as write_results() wrote it.
 bool is_whole_summary(const std::string& text);

@@ -104,8 +104,14 @@ void RunStatistics::saw(std::uint64_t platoon_time) {
 }
 
 RunResult RunStatistics::result(bool complete) const {
-  RunResult result{complete, averages_->realizations(), std::max<std::int64_t>(averages_->last_step(), 0),
-                   tally_,   averages_->moments(),      {}};
+  RunResult result{complete,
+                   averages_->realizations(),
+                   std::max<std::int64_t>(averages_->last_step(), 0),
+                   tally_,
+                   averages_->moments(),
+                   {},
+                   averages_->counted_from(),
+                   leader_departs_};
   for (std::size_t i = 1; i <= configuration_.run.followers; ++i) result.last_steps.push_back(averages_->last_step(i));
   return result;
 }

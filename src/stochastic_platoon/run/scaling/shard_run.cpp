@@ -45,6 +45,7 @@ std::optional<Checkpoint> held(const ShardRun& run, const ShardSettings& setting
   try {
     found = read_checkpoint(output);
   } catch (const DamagedCheckpoint& error) {
+    require_no_results(output);
     settings.warn(std::string(error.what()) + ": the shard begins anew");
     return std::nullopt;
   } catch (const std::runtime_error& error) {
@@ -99,9 +100,8 @@ ShardRun shard_run_of(const nlohmann::json& record) {
   }
 }
 
-std::uint64_t compute_shard(const ShardRun& run, const ShardSettings& settings) {
+ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings) {
   const RunOptions& options = run.configuration.run;
-  const std::unique_ptr<FolderLock> lock = lock_output(options);
   const double began = now();
   const std::optional<Checkpoint> found = held(run, settings);
   const double earlier_seconds = found ? found->tally.wall_seconds : 0.0;
@@ -110,36 +110,31 @@ std::uint64_t compute_shard(const ShardRun& run, const ShardSettings& settings) 
                    found ? found->table : MomentTable(options.followers * static_cast<std::size_t>(options.steps)),
                    settings.checkpoint_seconds);
   const std::uint64_t held_before = work.done();
-  if (work.is_complete()) return 0;
-  const auto handed_over = [&work] {
-    std::uint64_t count = 0;
-    work.read([&count](const MomentTable& table) { count = table.count(); });
-    return count;
+  if (work.is_complete()) return {*found, 0};
+  std::uint64_t saved = found ? found->table.count() : 0;
+  const auto checkpoint_of = [&](MomentTable table) {
+    const Tally tally{positions_expected(options, table.count()), 1, earlier_seconds + now() - began, 0};
+    return Checkpoint{
+        statistics_identity(run.configuration), options.launch_id, tally, std::move(table), {}, {}, to_json(run)};
   };
-  std::uint64_t saved = handed_over();
-  // Returns the number of realizations in the checkpoint.
-  const auto write = [&] {
-    std::uint64_t count = 0;
-    work.read([&](const MomentTable& table) {
-      count = table.count();
-      const Tally tally{positions_expected(options, table.count()), 1, earlier_seconds + now() - began, 0};
-      write_checkpoint(options.output,
-                       {statistics_identity(run.configuration), options.launch_id, tally, table, {}, {}, to_json(run)});
-    });
-    return count;
+  const auto write = [&](const MomentTable& table) {
+    // Skip a checkpoint without new realizations: it would count as progress.
+    if (table.count() == saved) return;
+    write_checkpoint(options.output, checkpoint_of(table));
+    saved = table.count();
   };
   double written = began;
   RetriedWrite retried([&](const std::string& error) { settings.warn(error + ": it goes on without a checkpoint"); });
   complete(work, settings.threads, [&] {
     settings.progress(work.done());
+    if (settings.stop()) work.stop();
     const double present = now();
     if (work.all_begun() || present - written < settings.checkpoint_seconds || !retried.is_due(present)) return;
-    // Skip a checkpoint without new realizations: it would count as progress.
-    if (handed_over() == saved) return;
-    if (retried(present, [&] { saved = write(); })) written = now();
+    if (retried(present, [&] { work.read(write); })) written = now();
   });
-  write();
-  return work.done() - held_before;
+  ShardResult result{checkpoint_of(work.release()), work.done() - held_before};
+  if (result.computed > 0) write_checkpoint(options.output, result.checkpoint);
+  return result;
 }
 
 }  // namespace platoon

@@ -11,7 +11,8 @@
 
 namespace platoon {
 
-/// A shard of a run. Its folder is configuration.run.output; configuration.run.realizations is that of the whole run.
+/// A shard of a run; shard 0/1 is the whole run. Its folder is configuration.run.output; configuration.run.realizations
+/// is that of the whole run.
 ///
 /// The folder holds a checkpoint of the range's realizations: while some are missing, to continue from; then for
 /// merge(). The checkpoint's digest detects every change of a byte.
@@ -39,13 +40,21 @@ struct ShardSettings {
   unsigned threads = 1;
   double checkpoint_seconds = 10.0;  ///< between checkpoints; a kill costs at most twice as much
   std::function<void(std::uint64_t done)> progress = [](std::uint64_t) {};
+  /// Returns whether to stop: the shard is then incomplete, and its checkpoint holds every batch that was begun.
+  std::function<bool()> stop = [] { return false; };
   /// Receives problems that do not end the shard: a damaged checkpoint, or one that cannot be written at the moment.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
 
-/// Computes the realizations of the shard that its folder does not hold yet, and returns their number: 0 for a complete
-/// shard. Throws ConfigurationError if the folder belongs to another run or shard, has other content, or cannot be
-/// written; std::runtime_error if the complete shard cannot be written.
-std::uint64_t compute_shard(const ShardRun& run, const ShardSettings& settings);
+/// The realizations of a shard that its folder now holds, and how many of them were computed now.
+struct ShardResult {
+  Checkpoint checkpoint;
+  std::uint64_t computed;
+};
+
+/// Computes the realizations of the shard that its folder, which the caller has locked, does not hold yet. Throws
+/// ConfigurationError if the folder belongs to another run or shard, has other content, or cannot be written;
+/// std::runtime_error if the complete shard cannot be written.
+ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings);
 
 }  // namespace platoon

@@ -15,16 +15,18 @@ export class Controls {
   }
 
   showChange(name) {
-    document.querySelector(`output[for=${name}]`).textContent = input(name).value;
+    const value = input(name).value, seconds = name === "headway" && this.period ? ` = ${short(value * this.period)} s` : "";
+    document.querySelector(`output[for=${name}]`).textContent = value + seconds;
   }
 
   // Sets the sliders to the values of the run.
   take(configuration) {
     const endless = Boolean(configuration?.endless);
-    document.getElementById("controls").hidden = !endless;
+    document.getElementById("controls-card").hidden = !endless;
+    this.period = configuration?.sample_period;
     this.marked = null;  // redraw the marks: the slider's range may change
-    document.getElementById("controls-note").textContent = endless ? "" :
-      "in an endless run (live.launch): this one averages over realizations, which have to be alike";
+    document.getElementById("controls-note").textContent = endless || !configuration ? "" :
+      "Orders are taken in an endless run (live.launch): this one averages over realizations, which have to be alike.";
     for (const name of CHANGES) {
       this.set[name] = configuration?.[name] ?? 0;
       const slider = input(name);

@@ -2,24 +2,28 @@
 import { setTheme, theme } from "./colours.js";
 import { Controls } from "./controls.js";
 import { drawCurves } from "./curves.js";
-import { facts, readout, showHeadline, showTable } from "./words.js";
+import { facts, readout, showHeadline, showLog, showTable } from "./words.js";
 import { Road } from "./road.js";
+import { offerSaving } from "./save.js";
 import { short } from "./scale.js";
+import { Series } from "./series.js";
 import { StringChart } from "./string_chart.js";
 import { Strip } from "./strip.js";
+import { TABLES } from "./tables.js";
 
 const at = id => document.getElementById(id);
-const known = { configuration: null, statistics: null, curves: null, health: null };
+const known = { configuration: null, statistics: null, curves: null, health: null, log: [] };
 const stale = new Set();
-let chosen = null, live = false;
+let chosen = null, live = "connecting", source = null;
 
 const choose = follower => {
   if (follower === chosen) return;
   chosen = follower;
-  for (const figure of ["string", "curves", "words"]) stale.add(figure);
+  for (const figure of ["string", "curves", "facts"]) stale.add(figure);
 };
+const series = new Series(card => stale.add(card));
 const road = new Road(at("road")), strip = new Strip(at("strip")), controls = new Controls(), chart = new StringChart(at("string"), choose);
-const everything = () => ["string", "curves", "strip", "words", "road"].forEach(figure => stale.add(figure));
+const everything = () => ["string", "curves", "strip", "words", "facts", "road"].forEach(figure => stale.add(figure));
 
 const take = {
   configuration(news) {
@@ -31,38 +35,59 @@ const take = {
     controls.take(news);
     everything();
   },
-  statistics(news) { known.statistics = news; controls.mark(news?.stable_headways ?? []); stale.add("string").add("words"); },
+  statistics(news) { known.statistics = news; controls.mark(news?.stable_headways ?? []); stale.add("string").add("words").add("facts"); },
   curves(news) { known.curves = news; stale.add("curves"); },
   health(news) { known.health = news; stale.add("words"); },
+  log(news) { known.log = news; stale.add("log"); },
   strip(news) { strip.replace(news); stale.add("strip"); },
   told(news) { road.hear(news); },
   snapshot(news) {
     road.take(news, performance.now());
     strip.take(news);
-    stale.add("strip");
-    if (chosen) stale.add("words");
+    stale.add("strip").add("facts");
   },
 };
 
 function connect() {
-  const source = new EventSource("events");
-  source.onopen = () => { live = true; stale.add("words"); };
+  const own = source = new EventSource("events");
+  source.onopen = () => { live = "live"; stale.add("words"); };
   source.onerror = () => {
-    live = false;
+    live = null;
     stale.add("words");
     // Rejected (too many pages): the browser does not reconnect by itself.
-    if (source.readyState === EventSource.CLOSED) setTimeout(connect, 3000);
+    if (own.readyState === EventSource.CLOSED) setTimeout(() => source === own && connect(), 3000);
   };
-  for (const [kind, handler] of Object.entries(take)) source.addEventListener(kind, event => handler(JSON.parse(event.data)));
+  for (const [kind, handler] of Object.entries(take)) own.addEventListener(kind, event => handler(JSON.parse(event.data)));
 }
 
+// A paused page has no stream. The server keeps the strip, the curves and the log, and sends all of them when it goes on.
+function togglePause() {
+  if (source) {
+    source.close();
+    source = null;
+    live = "paused";
+  } else {
+    live = "connecting";
+    connect();
+  }
+  at("pause").textContent = source ? "Pause" : "Go on";
+  stale.add("words");
+}
+
+const tables = Object.fromEntries(Object.keys(TABLES).map(name => [name, () => TABLES[name](known, road, strip)]));
+const about = () => {
+  const { configuration: of, statistics } = known;
+  return of ? `h = ${of.headway} sample periods, noise variance ${of.noise_variance} m², ${of.link}, N = ${of.followers}, ` +
+    (of.endless ? `step ${road.present?.step ?? "–"}` : `${statistics?.realizations ?? 0} realizations`) : "";
+};
+
 const draw = {
-  string() { if (known.statistics) chart.draw(known.statistics, chosen); },
+  string() { if (known.statistics) chart.draw(series.shown("string", known.statistics), chosen); },
   curves() {
     if (!known.curves) return;
-    const n = known.configuration.followers;
-    drawCurves(at("mean"), known.curves, "mean", n, chosen, false);
-    drawCurves(at("variance"), known.curves, "variance", n, chosen, true);
+    const n = known.configuration.followers, of = series.shown("curves", known.curves, chosen);
+    drawCurves(at("mean"), of, "mean", n, chosen, false);
+    drawCurves(at("variance"), of, "variance", n, chosen, true);
   },
   strip() {
     const { configuration, statistics } = known;
@@ -74,15 +99,23 @@ const draw = {
   },
   words() {
     showHeadline(known, live);
-    facts(at("facts"), known);
-    at("readout").textContent = readout(known, chosen, road.present);
     if (at("table-card").open) showTable(at("table").tBodies[0], known.statistics);
+  },
+  facts() {
+    facts(at("facts"), known, road.present);
+    at("readout").textContent = readout(known, chosen, road.present);
+    road.describe(at("road-note"), at("body-length"), at("speed-key"));
+  },
+  log() {
+    showLog(at("log"), known.log);
+    at("log-note").textContent = known.log.length ? "the latest first" : "none yet";
   },
   road() { if (known.configuration) road.layOut(known.configuration.followers); },
 };
 
 function frame(now) {
   requestAnimationFrame(frame);  // first: an error in this frame does not stop the next
+  if (stale.size) document.body.dataset.waiting = !known.statistics;  // charts need the size of their cards
   for (const figure of [...stale]) {
     stale.delete(figure);
     draw[figure]();
@@ -99,6 +132,7 @@ const KEYS = {
   ArrowRight: () => known.configuration && choose(Math.min((chosen ?? 0) + 1, known.configuration.followers)),
   ArrowLeft: () => known.configuration && choose(Math.max((chosen ?? known.configuration.followers + 1) - 1, 1)),
   Escape: () => choose(null),
+  p: togglePause,
   t: () => { at("table-card").open = !at("table-card").open; },
   d: turnTheme,
   b: () => document.querySelector("[data-command=brake]").click(),
@@ -118,8 +152,10 @@ const darkWanted = matchMedia("(prefers-color-scheme: dark)");
 darkWanted.addEventListener("change", () => { setTheme(darkWanted.matches ? "dark" : "light"); everything(); });
 setTheme(darkWanted.matches ? "dark" : "light");
 at("theme").addEventListener("click", turnTheme);
+at("pause").addEventListener("click", togglePause);
 at("table-card").addEventListener("toggle", () => stale.add("words"));
 new ResizeObserver(everything).observe(document.body);
 controls.take(null);
+offerSaving(tables, about);
 connect();
 requestAnimationFrame(frame);

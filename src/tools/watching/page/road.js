@@ -1,11 +1,12 @@
 // The road from above, in lanes from left to right: every vehicle at its position, and below it a mark at the position that its
 // follower received. The view moves with the leader; long strings continue in the lane below.
 import { css, followerColour, inkOn } from "./colours.js";
-import { canvasOf } from "./scale.js";
+import { canvasOf, niceTicks, short } from "./scale.js";
 
 const LEAST_GAP = 5.0;  // [m]
 const LENGTH = 4.2;     // [m] length of a drawn vehicle, below its largest width; vehicles in the model are points
 const WIDTH = 1.6;
+const FOOT = 22;        // [px] below the lanes, for the scale
 
 // The median gap: unstable motion at the tail does not affect the scale.
 function usualGap(position) {
@@ -65,31 +66,60 @@ export class Road {
   }
 
   lanes(n, width) {
-    const across = Math.max(Math.min(n + 1, Math.floor(width / (n > 200 ? 20 : n > 40 ? 26 : 42))), 5);
-    const count = Math.ceil((n + 1) / across);
-    return { across, count, lane: n < 9 ? 84 : count > 8 ? 26 : count > 3 ? 36 : 60 };
+    const most = Math.max(Math.min(n + 1, Math.floor(width / (n > 200 ? 20 : n > 40 ? 26 : 42))), 5);
+    const count = Math.ceil((n + 1) / most), across = Math.max(Math.ceil((n + 1) / count), 5);
+    const lane = n < 9 ? 84 : count > 8 ? 26 : count > 3 ? 36 : 66;
+    return { across, count, lane, speeds: lane > 60 && width / across > 30 };
   }
 
   layOut(n) {
     const { count, lane } = this.lanes(n, this.canvas.clientWidth);
-    this.canvas.style.height = `${count * lane + 2}px`;
+    this.canvas.style.height = `${count * lane + FOOT}px`;
+  }
+
+  // [m]: drawn vehicles stay apart in a dense string.
+  bodyLength() {
+    return Math.min(LENGTH, 0.75 * (this.gap ?? LEAST_GAP));
+  }
+
+  // Followers that overlap the vehicle ahead, or have passed it.
+  overlapping(position) {
+    return position.flatMap((p, i) => i > 0 && position[i - 1] - p < this.bodyLength() ? [i] : []);
+  }
+
+  // Speeds and overlaps in words.
+  describe(note, length, key) {
+    const of = this.present;
+    key.hidden = this.canvas.dataset.speeds !== "true";
+    length.textContent = `${short(this.bodyLength(), 2)} m`;
+    note.textContent = "";
+    if (!of?.speed.length) return;
+    const [leader, ...others] = of.speed, over = this.overlapping(of.position), fixed = v => v.toFixed(1);
+    const slowest = others.reduce((least, v) => Math.min(least, v), Infinity), fastest = others.reduce((most, v) => Math.max(most, v), -Infinity);
+    note.textContent = `leader ${fixed(leader)} m/s (${Math.round(3.6 * leader)} km/h), followers ${fixed(slowest)} to ${fixed(fastest)} m/s` +
+      (over.length ? `; ${over.length} overlapping: ${over.slice(0, 8).join(", ")}${over.length > 8 ? ", …" : ""}` : "");
   }
 
   draw(now, n, chosen) {
     if (!this.present) return canvasOf(this.canvas);
-    const { context, width } = canvasOf(this.canvas), { across, count, lane } = this.lanes(n, width);
+    const { context, width, height } = canvasOf(this.canvas), { across, count, lane, speeds } = this.lanes(n, width);
     const position = this.positions(now);
     const wanted = Math.max(usualGap(position), LEAST_GAP);
     this.gap = this.gap === null ? wanted : this.gap + 0.02 * (wanted - this.gap);
     const metre = Math.min(width / (across + 1.2) / this.gap, lane * 0.34 / WIDTH);
-    const long = Math.max(Math.min(LENGTH, 0.75 * this.gap) * metre, 4), broad = Math.min(lane * 0.34, 0.6 * long);
+    const long = Math.max(this.bodyLength() * metre, 4), broad = Math.min(lane * (speeds ? 0.3 : 0.34), 0.6 * long);
+    const over = new Set(this.overlapping(position));
     for (let row = 0; row < count; ++row) this.drawLane(context, row, lane, width, metre, position, across, n);
     for (let i = 0; i <= n; ++i) {
-      const row = Math.floor(i / across), x = this.x[row] + (position[i] - position[0]) * metre, middle = row * lane + lane * 0.36;
+      const row = Math.floor(i / across), x = this.x[row] + (position[i] - position[0]) * metre, middle = row * lane + lane * (speeds ? 0.24 : 0.36);
       if (x < -long || x > width + long) continue;
       this.drawVehicle(context, x, middle, long, broad, i, n, chosen === i);
+      if (over.has(i)) this.drawOverlap(context, x, middle, long, broad, (position[i - 1] - position[i]) * metre);
+      if (speeds && this.present.speed[i] !== undefined) this.drawSpeed(context, x - long / 2, row * lane + lane * 0.84, this.present.speed[i]);
     }
-    this.drawTold(context, position, lane, across, metre, n);
+    this.drawTold(context, position, lane, across, metre, n, speeds ? 0.5 : 0.62);
+    this.drawScale(context, height, width, metre);
+    Object.assign(this.canvas.dataset, { metre, overlaps: [...over].join(), speeds });
   }
 
   drawLane(context, row, lane, width, metre, position, across, n) {
@@ -128,12 +158,48 @@ export class Road {
     }
   }
 
+  drawOverlap(context, x, middle, long, broad, ahead) {
+    context.fillStyle = context.strokeStyle = css("--alarm");
+    context.globalAlpha = 0.55;
+    const rear = Math.min(Math.max(x + ahead - long, x - long), x);
+    context.fillRect(rear, middle - broad / 2, Math.max(Math.min(x, x + ahead) - rear, 2), broad);
+    context.globalAlpha = 1;
+    context.lineWidth = 2;
+    context.strokeRect(x - long, middle - broad / 2 - 2, long, broad + 4);
+  }
+
+  drawSpeed(context, x, y, speed) {
+    context.fillStyle = css("--soft");
+    context.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+    context.textAlign = "center";
+    context.fillText(speed.toFixed(1), x, y);
+  }
+
+  // A bar of a round number of metres, which holds for every lane.
+  drawScale(context, height, width, metre) {
+    const most = Math.min(220, 0.5 * width) / metre, metres = niceTicks(0, most, 3)[1], y = height - 7, long = metres * metre;
+    context.strokeStyle = css("--ink");
+    context.lineWidth = 1.5;
+    context.beginPath();
+    for (const at of [0, 0.5, 1]) {
+      context.moveTo(1 + at * long, y - (at === 0.5 ? 3 : 5));
+      context.lineTo(1 + at * long, y);
+    }
+    context.lineTo(1, y);
+    context.stroke();
+    context.fillStyle = css("--soft");
+    context.font = "12px system-ui, 'DejaVu Sans', sans-serif";
+    context.textAlign = "left";
+    context.fillText(`${short(metres)} m`, long + 8, y + 1);
+    this.canvas.dataset.scale = metres;
+  }
+
   // A triangle in the follower's colour at the received position of its predecessor, with a line to the true position.
-  drawTold(context, position, lane, across, metre, n) {
+  drawTold(context, position, lane, across, metre, n, share) {
     const offsets = this.offsets();
     const size = Math.max(lane * 0.11, 3);
     for (let i = 1; i <= offsets.length && i <= n; ++i) {
-      const ahead = i - 1, row = Math.floor(ahead / across), y = row * lane + lane * 0.62;
+      const ahead = i - 1, row = Math.floor(ahead / across), y = row * lane + lane * share;
       const truth = this.x[row] + (position[ahead] - position[0]) * metre, x = truth + offsets[ahead] * metre;
       context.strokeStyle = context.fillStyle = followerColour(i, n);
       context.lineWidth = 1.5;

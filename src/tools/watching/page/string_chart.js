@@ -31,11 +31,11 @@ export class StringChart {
     this.followers = n;
     this.slot = (right - LEFT) / n;
     const x = i => LEFT + (i - 0.5) * this.slot;
-    const ends = of.variance.map((v, at) => v === null ? null : v + 2 * (of.standard_error[at] ?? 0));
+    const ends = of.variance.map((v, at) => v === null ? null : v + (n > MOST_WHISKERS ? 0 : 2 * (of.standard_error[at] ?? 0)));
     const limit = of.limit_variance === null ? [] : [of.limit_variance];
     const known = [...of.variance, ...of.theoretical_variance];
     const scale = verticalScale([...ends, ...of.theoretical_variance, ...limit], spread(known) > WIDE_RANGE);
-    const y = v => foot - scale.place(v) * (foot - TOP);
+    const y = v => foot - Math.min(Math.max(scale.place(v), 0), 1) * (foot - TOP);
     this.svg.dataset.logarithmic = scale.logarithmic;
     this.svg.dataset.high = scale.high;
     this.svg.dataset.low = scale.low;
@@ -70,7 +70,9 @@ export class StringChart {
       const e = of.standard_error[at];
       if (v === null || e === null || e === undefined || n > MOST_WHISKERS) return "";
       const high = y(v + 2 * e), low = y(v - 2 * e), at_x = x(at + 1);
-      return `M${at_x} ${high}V${low}M${at_x - cap} ${high}h${2 * cap}M${at_x - cap} ${low}h${2 * cap}`;
+      // An interval that begins below the axis ends there, without a cap.
+      const foot_cap = v - 2 * e >= scale.low ? `M${at_x - cap} ${low}h${2 * cap}` : "";
+      return `M${at_x} ${high}V${low}M${at_x - cap} ${high}h${2 * cap}${foot_cap}`;
     }).join("");
     const theory = of.theoretical_variance.map((v, at) => v === null ? null : [x(at + 1), y(v)]).filter(p => p);
     const dots = n <= 60 ? theory.map(([px, py]) => element("circle", { class: "dots", cx: px, cy: py, r: 2.4 })) : [];

@@ -58,23 +58,34 @@ export class Strip {
     return { most, logarithmic };
   }
 
-  // Draws the first and last step, and a line at the start of each realization.
+  // Whether a column begins another realization, or repeats its own after a restart.
+  isNew(at) {
+    const [before, column] = this.columns.slice(at - 1, at + 1);
+    return column.realization !== before.realization || column.step <= before.step;
+  }
+
+  // Draws the first and last step, and a line at the start of each realization and of each attempt.
   drawTime(context, foot, right, samplePeriod) {
     const { columns } = this, x = at => LEFT + (MOST - columns.length + at) / MOST * (right - LEFT);
     if (!columns.length) return;
-    context.fillStyle = css("--ink");
     columns.forEach((column, at) => {
-      if (at && column.realization !== columns[at - 1].realization) context.fillRect(x(at) - 0.5, TOP, 1, foot - TOP);
+      if (at === 0 || !this.isNew(at)) return;
+      const restart = column.realization === columns[at - 1].realization;
+      context.fillStyle = css(restart ? "--alarm" : "--ink");
+      context.fillRect(x(at) - (restart ? 1 : 0.5), TOP, restart ? 2 : 1, foot - TOP);
     });
+    this.canvas.dataset.step = columns[columns.length - 1].step;
+    this.canvas.dataset.restarts = columns.filter((column, at) => at && this.isNew(at) && column.realization === columns[at - 1].realization).length;
     const first = columns[0], last = columns[columns.length - 1];
     context.fillStyle = css("--soft");
     context.textAlign = "right";
-    context.fillText(`step ${last.step}`, right, foot + 16);
+    const end = `step ${last.step}`;
+    context.fillText(end, right, foot + 16);
     context.textAlign = "left";
     if (columns.length > 60) {
       const seconds = (last.step - first.step) * samplePeriod;
-      const words = first.realization === last.realization && seconds > 0 ? `step ${first.step}, ${seconds.toFixed(0)} s before` : `realization ${first.realization}, step ${first.step}`;
-      context.fillText(words, x(0), foot + 16);
+      const words = !columns.some((_, at) => at && this.isNew(at)) ? `step ${first.step}, ${seconds.toFixed(0)} s before` : `realization ${first.realization}, step ${first.step}`;
+      if (x(0) + context.measureText(words).width + 12 < right - context.measureText(end).width) context.fillText(words, x(0), foot + 16);
     }
   }
 }

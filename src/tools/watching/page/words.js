@@ -5,24 +5,38 @@ import { MOST_WHISKERS } from "./string_chart.js";
 const at = id => document.getElementById(id);
 const write = (element, text) => { if (element.textContent !== text) element.textContent = text; };
 
+const seconds = (steps, { sample_period }) => `${+(steps * sample_period).toPrecision(6)} s`;
+const atStep = (step, run) => step == null ? "–" : `${step} (${seconds(step, run)})`;
+
+// What the averages contain at present.
+function averagesOf(of, run, health) {
+  if (of.step === null && health?.start) return health.start;
+  if (!of.time_average) return of.step === null ? "theory; nothing is measured yet" : `at step ${atStep(of.step, run)}, ${spaced(of.realizations)} realizations`;
+  const until = of.paused_until;
+  if (until === null) return of.step === null ? `theory; burn-in of ${run.burn_in} steps, ${seconds(run.burn_in, run)} of driving` : `averages over time up to step ${atStep(of.step, run)}`;
+  const end = `until step ${until}, ${seconds(until - of.latest_step, run)} of driving from now`;
+  if (of.step === null) return `theory; burn-in ${end}`;
+  return of.manoeuvre ? `averages paused: the leader manoeuvres; at the earliest ${end}` : `averages paused: burn-in after a manoeuvre or restart, ${end}`;
+}
+
 export function showHeadline({ configuration, statistics, health }, live) {
   const stable = statistics?.string_stable ?? null;
   if (configuration) {
     const verdict = !statistics ? "Starting" : stable === null ? (statistics.theory === "exact" ? "Undecided" : "No theory") : stable ? "✓ String stable" : "✗ Not string stable";
     write(at("verdict"), verdict);
-    write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : "The first figures come when every vehicle is there.");
+    write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : health?.start ?? "The first figures come when every vehicle is there.");
     document.title = `${verdict.replace(/^. /, "")}, h = ${configuration.headway}`;
   }
   at("verdict").dataset.stable = stable;
   const complete = statistics?.complete;
-  write(at("connection"), complete ? "complete" : live ? "live" : "connection lost, trying again");
-  at("connection").dataset.live = complete || live;
+  write(at("connection"), complete && live !== "paused" ? "complete" : live ?? "connection lost, trying again");
+  at("connection").dataset.live = complete || live === "live";
   const culprit = complete ? null : health?.culprit;
   at("culprit").hidden = !culprit;
   write(at("culprit"), culprit ? `The platoon stands still: ${culprit} (${health.retries} retries)` : "");
-  const waiting = configuration?.endless ? `theory; measured values follow after a burn-in of ${configuration.burn_in} steps (${+(configuration.burn_in * configuration.sample_period).toPrecision(3)} s of driving)` : "theory; nothing is measured yet";
-  write(at("string-note"), !statistics ? "" : statistics.step === null ? waiting : statistics.time_average ? `averages over time up to step ${statistics.step}` : `at step ${statistics.step}, ${spaced(statistics.realizations)} realizations`);
-  write(at("curves-note"), !statistics ? "" : statistics.time_average ? "averages up to k" : "over realizations");
+  write(at("string-note"), statistics ? averagesOf(statistics, configuration, health) : "");
+  at("string-note").dataset.paused = statistics?.step != null && statistics.paused_until !== null;
+  write(at("curves-note"), !statistics ? "" : !statistics.time_average ? "over realizations" : "averages up to k" + (statistics.restarts ? ", since the latest restart" : ""));
   at("errors-key").hidden = !statistics?.standard_error.some(e => e !== null) || statistics.variance.length > MOST_WHISKERS;
   at("limit-key").hidden = statistics?.limit_variance == null;
   write(at("last-follower"), configuration ? String(configuration.followers) : "N");
@@ -30,11 +44,11 @@ export function showHeadline({ configuration, statistics, health }, live) {
 
 const duration = seconds => seconds < 90 ? `${Math.ceil(seconds)} s` : seconds < 5400 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`;
 
-export function facts(list, { configuration, statistics }) {
+export function facts(list, { configuration, statistics }, snapshot) {
   if (!configuration) return list.replaceChildren();
-  const of = statistics ?? {}, shown = [["headway h", short(configuration.headway, 4)], ["noise variance", `${short(configuration.noise_variance)} m²`],
-    ["link", configuration.link], ["followers N", configuration.followers]];
-  if (configuration.endless) shown.push(["step k", of.step ?? "–"]);
+  const of = statistics ?? {}, shown = [["headway h", `${short(configuration.headway, 4)} sample periods = ${seconds(configuration.headway, configuration)}`],
+    ["noise variance", `${short(configuration.noise_variance)} m²`], ["link", configuration.link], ["followers N", configuration.followers]];
+  if (configuration.endless) shown.push(["step k", atStep(snapshot?.step ?? of.latest_step, configuration)]);
   else shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
   if (!configuration.endless || of.max_abs_z != null) shown.push(["largest |z|", of.max_abs_z == null ? of.realizations_needed == null ? "–" : `no verdict before ${short(of.realizations_needed, 2)} realizations` : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
   if (of.vehicle_steps_per_second != null) shown.push(["vehicle-steps/s", short(of.vehicle_steps_per_second)]);
@@ -57,7 +71,18 @@ export function readout({ statistics: of }, i, snapshot) {
   const row = i - 1, error = snapshot?.tracking_error[row], z = of.score[row];
   return `Follower ${i}: variance ${short(of.variance[row], 5)} m²` + (of.standard_error[row] == null ? "" : ` ± ${short(of.standard_error[row], 2)}`) +
     `, theory ${short(of.theoretical_variance[row], 5)}` + (z == null ? "" : `, z ${z.toFixed(2)}`) + `, mean ${short(of.mean[row])} m` +
-    (error == null ? "" : `, error now ${error > 0 ? "+" : ""}${error.toFixed(2)} m`);
+    (error == null ? "" : `, now: error ${error > 0 ? "+" : ""}${error.toFixed(2)} m, ${snapshot.speed[i].toFixed(1)} m/s`);
+}
+
+// The latest event first.
+export function showLog(list, events) {
+  list.replaceChildren(...[...events].reverse().map(({ time, kind, step, text }) => {
+    const item = document.createElement("li"), stamp = document.createElement("time");
+    item.dataset.kind = kind;
+    stamp.textContent = new Date(1000 * time).toLocaleTimeString("en-GB");
+    item.append(stamp, step === null ? text : `step ${step}: ${text}`);
+    return item;
+  }));
 }
 
 export function showTable(body, of) {

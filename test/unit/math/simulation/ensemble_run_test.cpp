@@ -102,6 +102,14 @@ TEST(EnsembleRun, OfTheShardsOfAnyNumberGivesTheBitsOfOneRunInAnyOrder) {
   }
 }
 
+TEST(EnsembleRun, BeginsNothingMoreWhenItIsStopped) {
+  EnsembleRun run(paper_platoon(), kEnsemble, {0, kEnsemble.realizations});
+  run.stop();
+  EXPECT_FALSE(run.work());
+  EXPECT_TRUE(run.all_begun());
+  EXPECT_FALSE(run.is_complete());
+}
+
 TEST(EnsembleRun, ComputesWhatIsMissingAndNothingElse) {
   const PlatoonModel model = eventful_platoon(3.2);
   const RealizationRange range{100, 900};

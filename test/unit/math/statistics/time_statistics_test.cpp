@@ -81,6 +81,8 @@ TEST(TimeStatistics, GoOnAfterARestartWithTheSameBurnIn) {
   EXPECT_DOUBLE_EQ(statistics.moments()[1].mean, (3.0 * 4.0 + 9.0) / 4.0);
   EXPECT_EQ(statistics.last_step(1), -1);
   EXPECT_EQ(statistics.last_step(2), 5);
+  for (std::int64_t k = 0; k < 3; ++k) add(statistics, 1, k, 9.0);
+  EXPECT_EQ(statistics.last_step(), 2);  // of all followers
 }
 
 TEST(TimeStatistics, AreOfTheWholeSampleWhereverItBrokeOff) {
@@ -120,6 +122,8 @@ TEST(TimeStatistics, LeaveOutWhatAManoeuvreCausesAndABurnInBehindIt) {
       const bool counts = k >= kBurnIn && (k < kFrom + hops || k > kTo + hops + kBurnIn);
       if (counts) expected.add(static_cast<double>(k * k % 31));
       ASSERT_EQ(statistics.moments()[follower - 1].count, expected.count) << k;
+      const std::int64_t end = std::min(k - hops, kTo);  // of the manoeuvre, as far as it is seen
+      ASSERT_EQ(statistics.counted_from(), end < kFrom ? kBurnIn : end + 1 + kBurnIn + 3) << k;
     }
     EXPECT_EQ(statistics.moments()[follower - 1].mean, expected.mean);
     EXPECT_EQ(statistics.moments()[follower - 1].squared_deviations, expected.squared_deviations);

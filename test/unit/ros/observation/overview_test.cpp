@@ -29,8 +29,14 @@ TEST(SpreadSteps, AreAllOfFewAndSomeOfManyWithBothEnds) {
 TEST(Overview, HasEachCellOfAShortRunInItsPlace) {
   const Configuration configuration = paper_run("");
   const Prediction prediction = predict(configuration);
-  const RunResult result = result_with(configuration, prediction, 0.5);
+  RunResult result = result_with(configuration, prediction, 0.5);
+  result.tally.attempts = 3;
+  result.counted_from = 17;
+  result.manoeuvre = true;
   const auto overview = overview_of(configuration.run, prediction, result);
+  EXPECT_EQ(overview.attempt, 3U);
+  EXPECT_EQ(overview.counted_from, 17);
+  EXPECT_TRUE(overview.manoeuvre);
   ASSERT_EQ(overview.step, (std::vector<std::int64_t>{0, 1, 2}));
   ASSERT_EQ(overview.variance.size(), 6U);
   for (std::size_t c = 0; c < 6; ++c) {

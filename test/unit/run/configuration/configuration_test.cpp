@@ -70,6 +70,21 @@ TEST_F(ConfigurationTest, ReportsTheErrorsOfModelAndRunAtOnce) {
             problems.end());
 }
 
+TEST_F(ConfigurationTest, TheDefaultStepsAreTenSecondsOfDriving) {
+  const auto steps = [this](const std::string& sample_period, Settings given) {
+    given["model"] = folder_.file("car.yaml", model_text_with("sample_period: 0.1", "sample_period: " + sample_period));
+    return configured(given).run.steps;
+  };
+  EXPECT_EQ(configured({}).run.steps, 100) << "the paper's example";
+  EXPECT_EQ(steps("0.01", {}), 1000);
+  EXPECT_EQ(steps("0.01", {{"steps", "100"}}), 100);
+  EXPECT_EQ(steps("0.5", {}), 100) << "the fewest";
+  EXPECT_EQ(steps("1e-6", {}), 10000) << "the most";
+  EXPECT_EQ(steps("0.001", {{"followers", "10000"}}), 2000) << "of 20,000,000 cells";
+  EXPECT_EQ(steps("0.001", {{"followers", "2000"}, {"loss", "0.1"}}), 2500) << "of 1e10 responses to losses";
+  EXPECT_EQ(steps("1e-6", {{"realizations", "70368744177664"}}), 3120) << "of 2^63 positions";
+}
+
 TEST_F(ConfigurationTest, TheBurnInOfAnEndlessRunIsItsSettlingTime) {
   const Configuration chosen = configured({{"steps", "0"}});
   EXPECT_EQ(chosen.run.burn_in, *settling_steps(chosen.model, 20));

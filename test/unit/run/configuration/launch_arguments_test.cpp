@@ -53,6 +53,17 @@ TEST(LaunchArguments, AFileOfOnesOwnIsReadWithoutItsComments) {
   EXPECT_EQ(problems({mine, "headway:=2.4"}).size(), 1u) << "it does not pass it on";
 }
 
+TEST(LaunchArguments, TheMasterIsThatOfThePortElseOfTheEnvironmentElseTheDefaultOne) {
+  const Words file{"roslaunch", "stochastic_platoon", "platoon.launch"};
+  for (const Words& port : {Words{"-p", "11312"}, Words{"-p11312"}, Words{"--port", "11312"}, Words{"--port=11312"}}) {
+    Words line = file;
+    line.insert(line.begin() + 1, port.begin(), port.end());
+    EXPECT_EQ(master_address(line, "http://other:1"), "http://localhost:11312");
+  }
+  EXPECT_EQ(master_address(file, "http://other:1"), "http://other:1");
+  EXPECT_EQ(master_address(file, nullptr), "http://localhost:11311");
+}
+
 TEST(LaunchArguments, NothingIsKnownOfOtherPackagesAndPrograms) {
   EXPECT_EQ(problems({"other_package", "theirs.launch", "headways:=2.4"}), Words{});
   EXPECT_EQ(undeclared_arguments({"configure", "--model", "x.launch", "headways:=2"}, kFolder), Words{});

@@ -1,4 +1,5 @@
 #include "stochastic_platoon/run/report/analysis.hpp"
+#include "stochastic_platoon/run/report/stability_sweep.hpp"
 
 #include <gtest/gtest.h>
 

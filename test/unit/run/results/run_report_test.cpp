@@ -9,6 +9,9 @@
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "stochastic_platoon/math/simulation/platoon_string.hpp"
+#include "stochastic_platoon/math/statistics/time_statistics.hpp"
+#include "stochastic_platoon/math/string/settling_time.hpp"
 #include "unit/run/results/result_with.hpp"
 
 namespace platoon {
@@ -21,7 +24,7 @@ TEST(Report, SaysThatMeasurementAndTheoryAgree) {
   const Prediction prediction = predict(configuration);
   const std::string text = report(configuration, prediction, result_with(configuration, prediction, 0.5));
   EXPECT_NE(text.find("Measurement agrees with Lemma 1"), std::string::npos);
-  EXPECT_NE(text.find("tracking errors at step 2, 20 realizations"), std::string::npos);
+  EXPECT_NE(text.find("tracking errors at step 2 (0.2 s), 20 realizations"), std::string::npos);
   EXPECT_NE(text.find("Theory: "), std::string::npos);
   EXPECT_NE(text.find("Stationary variance along an endless string: "), std::string::npos);
 }
@@ -168,12 +171,66 @@ TEST(Report, LabelsTimeAveragesAsSuch) {
   result.moments = {Moments{800, 0.1, 79.9}, Moments{800, 0.2, 159.8}};
   result.last_steps = {999, 998};
   const std::string text = report(configuration, predict(configuration), result);
-  EXPECT_NE(text.find("time averages up to step 999"), std::string::npos);
+  EXPECT_NE(text.find("time averages up to step 999 (99.9 s), behind a burn-in of 200 steps (20 s)"),
+            std::string::npos);
   EXPECT_EQ(text.find("was begun"), std::string::npos);
   result.tally.attempts = 3;
-  EXPECT_NE(report(configuration, predict(configuration), result).find("was begun 3 times, each time left out"),
+  EXPECT_NE(report(configuration, predict(configuration), result)
+                .find("was begun 3 times, each time with a burn-in and new noise"),
             std::string::npos);
   EXPECT_EQ(text.find("agrees"), std::string::npos);
+}
+
+constexpr char kSlowModel[] = R"(
+plant:
+  numerator: [1.2692469222752578e-05, 4.8330417095066025e-05, 1.148481245083488e-05]
+  denominator: [1.0, -2.8187307530779817, 2.6374615061559634, -0.8187307530779818, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]
+controller: {numerator: [35.2, -35.0], denominator: [1.0, 0.0]}
+time_headway: 25.0
+standstill_distance: 2.0
+sample_period: 0.02
+noise_variance: 0.6
+leader: {speed: [{from_step: 0, value: 20.0}]}
+initial_position: {mean: 0.0, variance: 0.0}
+)";
+
+// Averages over time of a car with rho(A) = 0.9935, whose start leaves errors of tens of metres.
+RunResult averages_over_time(const Configuration& configuration, std::int64_t steps) {
+  const RunOptions& run = configuration.run;
+  TimeStatistics averages(run.followers, run.burn_in);
+  PlatoonString(configuration.model, run.seed, run.followers)
+      .run(0, 1, steps, [&](std::size_t follower, std::int64_t step, const std::vector<double>& errors) {
+        averages.add({follower, step, 0, 1, {{errors[0], 0.0}}});
+      });
+  RunResult result;
+  result.realizations = 1;
+  result.last_step = steps - 1;
+  result.tally.attempts = 1;
+  result.moments = averages.moments();
+  result.last_steps.assign(run.followers, steps - 1);
+  return result;
+}
+
+TEST(Report, JudgesAveragesOverTimeOnlyBehindASufficientBurnIn) {
+  Configuration configuration = paper_run("");
+  configuration.model = parse_model(YAML::Load(kSlowModel));
+  configuration.run.steps = 0;
+  configuration.run.realizations = 1;
+  configuration.run.burn_in = *settling_steps(configuration.model, 2);
+  const RunResult settled = averages_over_time(configuration, 100000);
+  const std::string text = report(configuration, predict(configuration), settled);
+  EXPECT_NEAR(settled.moments[0].variance(), 0.0128559, 0.001);
+  EXPECT_NE(text.find("Measurement agrees with Lemma 1: over all 2 followers"), std::string::npos) << text;
+  EXPECT_EQ(text.find("Warning"), std::string::npos) << text;
+
+  configuration.run.burn_in = 100;
+  const Prediction prediction = predict(configuration);
+  const RunResult unsettled = averages_over_time(configuration, 100000);
+  const std::string warned = report(configuration, prediction, unsettled);
+  EXPECT_GT(unsettled.moments[0].variance(), 2.0 * 0.0128559) << "the transient counts";
+  EXPECT_NE(warned.find("Warning: burn_in: 100: 2 s are below the "), std::string::npos) << warned;
+  EXPECT_FALSE(measured_agreement(configuration.run, prediction, unsettled)) << warned;
+  EXPECT_EQ(warned.find("agree"), std::string::npos) << warned;
 }
 
 }  // namespace

@@ -257,7 +257,7 @@ TEST(RunStatistics, OfAnEndlessRunLeaveOutAManoeuvreOfTheLeader) {
       const auto elsewhere = std::make_shared<const std::vector<double>>(1, sent->front() + moved);
       ASSERT_EQ(take(statistics, i, {1, 0, k}, elsewhere), DropReason::none);
       if (i == 0) {
-        EXPECT_EQ(statistics.leader_departs(), k == kJump) << k;
+        EXPECT_EQ(statistics.result(false).manoeuvre, k == kJump) << k;
       }
     }
   }
@@ -265,6 +265,8 @@ TEST(RunStatistics, OfAnEndlessRunLeaveOutAManoeuvreOfTheLeader) {
   EXPECT_EQ(undisturbed.averages().moments()[0].count, 130u);
   EXPECT_EQ(statistics.averages().moments()[0].count, 130u - 31u);  // steps 60 .. 90
   EXPECT_EQ(statistics.averages().moments()[1].count, 130u - 31u);  // 61 .. 91
+  EXPECT_EQ(undisturbed.result(false).counted_from, 30);
+  EXPECT_EQ(statistics.result(false).counted_from, 92);
 }
 
 TEST(RunStatistics, OfAnEndlessRunGoOnWithANewAttemptAfterItsOwnBurnIn) {

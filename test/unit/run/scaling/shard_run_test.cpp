@@ -65,12 +65,12 @@ TEST(ShardRun, OfARecordThatIsNoneIsAnError) {
 TEST(ComputeShard, LeavesItsRealizationsAndIsRecognizedWhenItIsComplete) {
   const TemporaryFolder folder;
   const ShardRun run = paper_shard(folder.path(), 2, 7);
-  EXPECT_EQ(compute_shard(run, {}), run.range().size());
+  EXPECT_EQ(compute_shard(run, {}).computed, run.range().size());
   const std::optional<Checkpoint> left = read_checkpoint(folder.path());
   EXPECT_EQ(left->table.count(), run.range().size());
   EXPECT_TRUE(left->table.missing(run.range()).empty());
   const std::string before = content_of(checkpoint_file(folder.path()));
-  EXPECT_EQ(compute_shard(run, {}), 0u);
+  EXPECT_EQ(compute_shard(run, {}).computed, 0u);
   EXPECT_EQ(content_of(checkpoint_file(folder.path())), before);
 }
 
@@ -95,7 +95,7 @@ TEST(ComputeShard, GoesOnFromItsCheckpointToTheSameBits) {
   compute_shard(paper_shard(whole.path(), 2, 7), {});
   const ShardRun run = paper_shard(killed.path(), 2, 7);
   write_checkpoint(killed.path(), broken_off(run));
-  EXPECT_EQ(compute_shard(run, {}), run.range().size() - 32);
+  EXPECT_EQ(compute_shard(run, {}).computed, run.range().size() - 32);
   const std::vector<Moments> found = read_checkpoint(killed.path())->table.totals(),
                              expected = read_checkpoint(whole.path())->table.totals();
   for (std::size_t c = 0; c < expected.size(); ++c) {
@@ -115,7 +115,7 @@ TEST(ComputeShard, BeginsAnewWhereItsCheckpointIsDamagedAndSaysSo) {
   std::string said;
   ShardSettings settings;
   settings.warn = [&said](const std::string& text) { said += text; };
-  EXPECT_EQ(compute_shard(run, settings), run.range().size());
+  EXPECT_EQ(compute_shard(run, settings).computed, run.range().size());
   EXPECT_NE(said.find("its digest is not that of its content: the shard begins anew"), std::string::npos) << said;
   EXPECT_EQ(read_checkpoint(folder.path())->table.count(), run.range().size());
 }

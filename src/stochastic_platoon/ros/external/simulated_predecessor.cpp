@@ -1,0 +1,182 @@
+#include "stochastic_platoon/ros/external/simulated_predecessor.hpp"
+
+#include <ros/callback_queue.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/run/delivery/vehicle_name.hpp"
+
+namespace platoon {
+
+using stochastic_platoon::Position;
+
+namespace {
+
+constexpr double kStartPeriod = 0.5;  // [s] between attempts to begin a run, as by a leader
+
+}  // namespace
+
+SimulatedPredecessor::SimulatedPredecessor(ros::NodeHandle platoon, std::size_t vehicle, double patience)
+    : vehicle_(vehicle),
+      platoon_(platoon),
+      patience_(patience),
+      predecessor_position_(platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
+  const boost::function<void(const PositionEvent&)> callback = [this](const PositionEvent& event) {
+    received_.push_back({event.getMessage(), event.getPublisherName()});
+  };
+  position_ = platoon.subscribe<Position, const PositionEvent&>(position_topic(vehicle), kUnboundedQueue, callback,
+                                                                ros::VoidConstPtr(), no_delay());
+}
+
+bool SimulatedPredecessor::wait_for_vehicle(double seconds) {
+  const double end = now() + seconds;
+  while (ros::ok() && now() < end) {
+    if (position_.getNumPublishers() > 0 && predecessor_position_.getNumSubscribers() > 0) return true;
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.02));
+  }
+  return false;
+}
+
+// Repeats the first step until it is answered, as a leader does while links come up.
+void SimulatedPredecessor::begin_run(const Configuration& configuration) {
+  schedule_ = configuration.run.schedule();
+  place_ = place_in_formation(configuration.model, vehicle_);
+  predecessor_place_ = place_in_formation(configuration.model, vehicle_ - 1);
+  period_ = platoon_period(configuration.model.sample_period);
+  platoon_.setParam("configuration", to_json(configuration).dump());
+  run_ = run_identity(configuration);
+  sent_.attempt = 0;
+  const double end = now() + patience_;
+  do {
+    begin_batch(sent_.attempt + 1, 0);
+    const double again = now() + kStartPeriod;
+    while (starting_ && ros::ok() && now() < again) {
+      if (const std::optional<Received> answer = next(again - now())) judge(*answer);
+    }
+  } while (starting_ && ros::ok() && now() < end);
+}
+
+void SimulatedPredecessor::begin_batch(std::uint32_t attempt, std::uint64_t first_realization) {
+  sent_ = {attempt, first_realization, kNothingYet};
+  answered_ = kNothingYet;
+  starting_ = true;
+  answers_.clear();
+  send_next();
+  start_ = stamp_;
+}
+
+void SimulatedPredecessor::go_on_to(std::int64_t step) {
+  wait_for_answer(sent_.step);
+  while (sent_.step < step) {
+    send_next();
+    wait_for_answer(sent_.step);
+  }
+}
+
+// Sends the next message in turn.
+void SimulatedPredecessor::send_next(double shift) {
+  ++sent_.step;
+  stamp_ = later(stamp_, period_);
+  send(sent_, run_, shift);
+}
+
+void SimulatedPredecessor::send(const MessageId& id, std::uint64_t run, double shift) {
+  const Position::Ptr message(new Position);
+  message->header.stamp = stamp_;
+  set_id(run, id, *message);
+  for (std::uint64_t r = 0; r < schedule_.size(id.first_realization); ++r)
+    message->position.push_back(predecessor_at(id.step, id.first_realization + r) + shift);
+  predecessor_position_.publish(message);
+}
+
+double SimulatedPredecessor::predecessor_at(std::int64_t step, std::uint64_t realization) const {
+  if (step < 0) return predecessor_place_;
+  const auto k = static_cast<double>(step), r = static_cast<double>(realization);
+  return predecessor_place_ + speed_ * k + wobble_ * std::sin(12.9898 * (r + 1.0) + 78.233 * k);
+}
+
+void SimulatedPredecessor::wait_for_answer(std::int64_t step) {
+  while (answered_ < step) {
+    const std::optional<Received> answer = next(patience_);
+    if (!answer) {
+      broken(tested_.value_or(Clause::answer), here(answered_ + 1) + formatted(": no answer within %g s", patience_));
+    }
+    judge(*answer);
+  }
+}
+
+std::optional<SimulatedPredecessor::Received> SimulatedPredecessor::next(double seconds) {
+  const double end = now() + seconds;
+  while (received_.empty() && ros::ok() && now() < end)
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.02));
+  if (received_.empty()) return std::nullopt;
+  const Received first = received_.front();
+  received_.pop_front();
+  return first;
+}
+
+void SimulatedPredecessor::judge(const Received& received) {
+  const Position& message = *received.message;
+  publishers_.insert(received.publisher);
+  if (publishers_.size() > 1)
+    broken(Clause::one_publisher,
+           *publishers_.begin() + " and " + *publishers_.rbegin() + " publish " + position_.getTopic());
+  const bool is_first =
+      message.run == run_ && message.attempt == sent_.attempt && message.first_realization == sent_.first_realization;
+  if (starting_ && !is_first) return;
+  judge_name(message);
+  starting_ = false;
+  const std::string step = here(message.step);
+  const std::size_t size = schedule_.size(sent_.first_realization);
+  if (message.position.size() != size)
+    broken(Clause::size,
+           step + ": " + std::to_string(message.position.size()) + " positions, of " + std::to_string(size));
+  if (!all_finite(message.position)) broken(Clause::finite, step + ": a NaN or an infinity");
+  if (message.step == kInitialStep) judge_start(message);
+  ros::Time due = start_;
+  for (std::int64_t k = kInitialStep; k < message.step; ++k) due = later(due, period_);
+  if (message.header.stamp != due)
+    broken(Clause::stamp, step + formatted(": stamp %.9f s, of %.9f s", message.header.stamp.toSec(), due.toSec()));
+  answered_ = message.step;
+  answers_[message.step] = message.position;
+}
+
+// Throws BrokenClause if the message is not the one that is due.
+void SimulatedPredecessor::judge_name(const Position& message) const {
+  const std::string due = here(answered_ + 1) + " was due, and came: ";
+  if (message.run != run_)
+    broken(tested_.value_or(Clause::run),
+           due + formatted("a message of run %016llx instead of %016llx", static_cast<unsigned long long>(message.run),
+                           static_cast<unsigned long long>(run_)));
+  if (message.attempt != sent_.attempt)
+    broken(tested_.value_or(Clause::attempt),
+           due + "attempt " + std::to_string(message.attempt) + " instead of " + std::to_string(sent_.attempt));
+  const bool is_due = message.first_realization == sent_.first_realization && message.step == answered_ + 1;
+  if (!is_due || message.step > sent_.step + 1)
+    broken(tested_.value_or(Clause::turn), due + "step " + std::to_string(message.step) + " of the realizations from " +
+                                               std::to_string(message.first_realization));
+}
+
+void SimulatedPredecessor::judge_start(const Position& message) const {
+  constexpr double kRounding = 1e-6;  // [m]
+  for (const double position : message.position) {
+    if (std::abs(position - place_) > kRounding)
+      broken(Clause::start_anew,
+             here(kInitialStep) + formatted(": at %g m, of %g m, its initial position", position, place_));
+  }
+}
+
+void SimulatedPredecessor::broken(Clause clause, const std::string& what) const {
+  throw BrokenClause(clause, what);
+}
+
+std::string SimulatedPredecessor::here(std::int64_t step) const {
+  return "step " + std::to_string(step) + " of the realizations from " + std::to_string(sent_.first_realization) +
+         ", attempt " + std::to_string(sent_.attempt);
+}
+
+}  // namespace platoon

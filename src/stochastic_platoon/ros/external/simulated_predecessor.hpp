@@ -1,0 +1,84 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <stochastic_platoon/Position.h>
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/delivery/vehicle_contract.hpp"
+
+namespace platoon {
+
+/// A breach of a clause of the vehicle contract.
+struct BrokenClause : std::runtime_error {
+  BrokenClause(Clause of, const std::string& text) : std::runtime_error(text), clause(of) {}
+  Clause clause;
+};
+
+/// The predecessor of one vehicle, with leader, channel and monitor: sends it positions and judges each answer by the
+/// vehicle contract. Throws BrokenClause.
+///
+/// Sets the parameter `configuration`, as a launch would. Subscribes: vehicle_<i>/position. Publishes:
+/// vehicle_<i>/predecessor_position. Both stochastic_platoon/Position.
+class SimulatedPredecessor {
+public:
+  /// `patience`: time limit for an answer [s].
+  SimulatedPredecessor(ros::NodeHandle platoon, std::size_t vehicle, double patience);
+
+  /// Waits at most `seconds` [s] for the vehicle; returns whether it is connected.
+  bool wait_for_vehicle(double seconds);
+
+protected:
+  void begin_run(const Configuration& configuration);
+  void begin_batch(std::uint32_t attempt, std::uint64_t first_realization);
+  void go_on_to(std::int64_t step);
+  void send(const MessageId& id, std::uint64_t run, double shift = 0.0);
+  void send_next(double shift = 0.0);
+  double predecessor_at(std::int64_t step, std::uint64_t realization) const;
+  void wait_for_answer(std::int64_t step);
+  [[noreturn]] void broken(Clause clause, const std::string& what) const;
+  std::string here(std::int64_t step) const;
+
+  std::size_t vehicle_;
+  BatchSchedule schedule_{1, 1, 1};
+  std::uint64_t run_ = 0;
+  MessageId sent_{0, 0, kNothingYet};  ///< the latest message sent in turn
+  double speed_ = 2.0, wobble_ = 0.5;  ///< of the predecessor [m per step], [m], different in each realization
+  std::optional<Clause> tested_;       ///< the clause that a wrong or missing answer breaks at present
+  std::map<std::int64_t, std::vector<double>> answers_;  ///< of the batch, by step
+  ros::Subscriber position_;
+
+private:
+  using Message = stochastic_platoon::Position;
+  struct Received {
+    Message::ConstPtr message;
+    std::string publisher;
+  };
+  std::optional<Received> next(double seconds);
+  void judge(const Received& received);
+  void judge_name(const Message& message) const;
+  void judge_start(const Message& message) const;
+
+  ros::NodeHandle platoon_;
+  double patience_;                               ///< [s]
+  double place_ = 0.0, predecessor_place_ = 0.0;  ///< initial positions [m]
+  ros::Duration period_;
+  std::int64_t answered_ = kNothingYet;  ///< the latest answered step of the batch
+  bool starting_ = false;                ///< no answer of this batch yet: other answers are ignored
+  ros::Time stamp_;                      ///< of the latest message in turn
+  ros::Time start_;                      ///< stamp of the batch's step -1
+  std::set<std::string> publishers_;
+  std::deque<Received> received_;
+  ros::Publisher predecessor_position_;
+};
+
+}  // namespace platoon

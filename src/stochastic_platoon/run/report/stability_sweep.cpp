@@ -1,0 +1,76 @@
+#include "stochastic_platoon/run/report/stability_sweep.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/report/json_value.hpp"
+#include "stochastic_platoon/run/report/prediction.hpp"
+
+namespace platoon {
+
+std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) {
+  if (!model.default_vehicle().design && !(axes.headways.empty() && axes.gains.empty())) {
+    throw std::invalid_argument("closed_loop: given: must be plant and controller for a sweep over headways");
+  }
+  if (theory_of(model) == Theory::none)
+    throw std::invalid_argument("mean_burst: given: must be absent for a sweep, as there is no theory for bursts");
+  const auto or_own = [](const std::vector<double>& values, double own) {
+    return values.empty() ? std::vector<double>{own} : values;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const VehicleModel& own = model.default_vehicle();
+  std::vector<SweepPoint> points;
+  for (const double gain : or_own(axes.gains, own.design ? own.design->controller.gain() : nan)) {
+    for (const double loss : or_own(axes.losses, own.link.loss ? own.link.loss->probability : nan)) {
+      for (const double headway : or_own(axes.headways, own.headway)) {
+        PlatoonModel varied = model;
+        if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
+        if (!axes.headways.empty()) varied = with_headway(std::move(varied), headway);
+        if (!axes.losses.empty()) {
+          if (!own.link.loss) varied.default_vehicle().link.loss = LossModel();
+          varied = with_loss(std::move(varied), loss);
+        }
+        points.push_back({headway, gain, string_stability(varied), {}});
+        if (varied.default_vehicle().link.loss) points.back().loss = loss;
+      }
+    }
+  }
+  return points;
+}
+
+nlohmann::json to_json(const std::vector<SweepPoint>& points) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const SweepPoint& point : points) {
+    list.push_back({{"headway", point.headway},
+                    {"gain", number(point.gain)},
+                    {"loss", number(point.loss)},
+                    {"loss_gain", number(point.stability.loss_gain)},
+                    {"spectral_radius", point.stability.spectral_radius},
+                    {"peak_gain", number(point.stability.peak_gain)},
+                    {"string_stable", truth(point.stability.decision())},
+                    {"limit_variance", number(point.stability.limit_variance)}});
+  }
+  return list;
+}
+
+std::string to_csv(const std::vector<SweepPoint>& points) {
+  const bool lossy = !points.empty() && points.front().loss;
+  std::string text = lossy ? "headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable\n"
+                           : "headway,gain,spectral_radius,peak_gain,string_stable\n";
+  // An empty cell for a missing value, as without a controller or for an unstable vehicle.
+  const auto cell = [](double value) { return std::isnan(value) ? std::string(",") : formatted("%.17g,", value); };
+  for (const SweepPoint& point : points) {
+    const StringStability& stability = point.stability;
+    text += cell(point.headway) + cell(point.gain);
+    if (lossy) text += cell(*point.loss);
+    text += cell(stability.spectral_radius) + cell(stability.peak_gain);
+    if (lossy) text += cell(stability.loss_gain.value_or(std::nan("")));
+    text += stability.undecided ? "\n" : stability.string_stable ? "1\n" : "0\n";
+  }
+  return text;
+}
+
+}  // namespace platoon

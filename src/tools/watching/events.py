@@ -1,0 +1,76 @@
+"""The log of a platoon's events: runs and their changes, attempts, manoeuvres, stalls, orders."""
+
+import collections
+import time
+
+MOST = 100  # events
+# The fields of a configuration that a change of the run may alter, with their names and units.
+CHANGES = (("followers", "followers", ""), ("headway", "headway", " sample periods"), ("noise_variance", "noise variance", " m^2"),
+           ("loss", "loss", ""), ("link", "link", ""))
+
+
+def is_paused(overview):
+    """Whether averages over time exclude the present errors of some follower."""
+    return overview.time_average and overview.attempt > 0 and overview.step[-1] < overview.counted_from
+
+
+def shown(value, unit):
+    return "none" if value is None else (value if isinstance(value, str) else "{:g}".format(value)) + unit
+
+
+class EventLog:
+    """The latest events, each with its time [s since 1970], kind, text, and step if it has one."""
+
+    def __init__(self, clock=time.time):
+        self.clock, self.events, self.news = clock, collections.deque(maxlen=MOST), False
+        self.first = self.restarted = None  # attempt and realizations of the latest restart
+
+    def add(self, kind, text, step=None):
+        self.events.append({"time": self.clock(), "kind": kind, "step": step, "text": text})
+        self.news = True
+
+    def take_news(self):
+        """Whether there are new events since the last call."""
+        news, self.news = self.news, False
+        return news
+
+    def add_run(self, before, now):
+        """Another configuration: see state.described()."""
+        changes = [(name, None if before is None else before[key], now[key], unit) for key, name, unit in CHANGES
+                   if before is None or before[key] != now[key]]
+        self.add("run", "a run with " + ", ".join(
+            name + " " + ("" if before is None else shown(old, unit) + " -> ") + shown(new, unit) for name, old, new, unit in changes
+            if before is not None or new is not None) if changes else "another run with the same configuration")
+
+    def add_changes(self, before, now):
+        """What distinguishes two successive overviews of a run; `before` may be None. Returns whether the run has begun again."""
+        began_again = before is not None and 0 < before.attempt < now.attempt
+        if began_again:
+            self.add_restart(before, now)
+        elif before is None or not before.attempt:
+            self.add("run", "the first step has arrived" if now.attempt == 1 else "attempt {} is under way".format(now.attempt))
+        # A short manoeuvre may begin and end between two overviews.
+        departed = now.manoeuvre if before is None or began_again else now.counted_from > before.counted_from
+        if departed and not (before and before.manoeuvre):
+            self.add("manoeuvre", "the leader manoeuvres: averages are paused", now.step[-1])
+        if not now.manoeuvre and not began_again and (departed or (before and before.manoeuvre)):
+            self.add("manoeuvre", "the manoeuvre is over: averages go on at step {}".format(now.counted_from), now.step[-1])
+        elif before and is_paused(before) and not is_paused(now):
+            self.add("averages", "averages go on" if any(value == value for value in before.mean) else "averages begin", now.step[-1])
+        if now.complete and not (before and before.complete):
+            self.add("run", "complete")
+        return began_again
+
+    def add_restart(self, before, now):
+        """A stalled platoon begins again every few seconds: its attempts in a row are one event."""
+        step = before.step[-1] if now.time_average else None
+        latest = self.events[-1] if self.events else {}
+        stalled = latest.get("kind") == "restart" and (step <= 0 if now.time_average else before.realizations == self.restarted)
+        if stalled:
+            step = self.events.pop()["step"]
+        else:
+            self.first = now.attempt
+        self.restarted = now.realizations
+        attempts = "attempt {}".format(now.attempt) if self.first == now.attempt else "attempts {} to {}".format(self.first, now.attempt)
+        self.add("restart", attempts + (": the platoon begins again at step 0; averages keep the steps before" if now.time_average else
+                                        ": the batch from realization {} on is repeated".format(now.realizations)), step)

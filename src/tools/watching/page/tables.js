@@ -1,0 +1,21 @@
+// The data of each chart as a table: heading and rows, named as in statistics.csv; null without data.
+
+export const TABLES = {
+  string({ statistics: of }) {
+    return of && ["vehicle,step,mean,variance,standard_error,theoretical_mean,theoretical_variance,z", of.variance.map((variance, row) =>
+      [row + 1, of.step, of.mean[row], variance, of.standard_error[row], of.theoretical_mean[row], of.theoretical_variance[row], of.score[row]])];
+  },
+  curves({ curves: of }) {
+    return of && ["vehicle,step,mean,variance,theoretical_mean,theoretical_variance", of.followers.flatMap((i, row) => of.step.map((k, at) =>
+      [i, k, of.mean[row][at], of.variance[row][at], of.theoretical_mean[row][at], of.theoretical_variance[row][at]]))];
+  },
+  road(known, road) {
+    const of = road.present, offsets = road.offsets();
+    return of && ["vehicle,realization,step,position,speed,told_to_follower", of.position.map((position, i) =>
+      [i, of.realization, of.step, position, of.speed[i], offsets[i] === undefined ? null : position + offsets[i]])];
+  },
+  strip(known, road, strip) {
+    return strip.columns.length ? ["vehicle,realization,step,tracking_error", strip.columns.flatMap(of => of.tracking_error.map((error, row) =>
+      [row + 1, of.realization, of.step, error]))] : null;
+  },
+};
