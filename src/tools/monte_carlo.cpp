@@ -139,6 +139,7 @@ int main(int argc, char** argv) {
     if (configuration.run.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
     if (recorded && own.count("shard") > 0)
       throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
+    platoon::log_slow_noise(argv[0]);
     if (own.count("shard") > 0) {
       run_shard(configuration, own["shard"], own["checkpoint_seconds"], threads);
     } else if (own.count("checkpoint_seconds") > 0) {
