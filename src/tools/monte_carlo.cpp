@@ -159,6 +159,7 @@ int main(int argc, char** argv) {
     if (configuration.run.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
     const std::optional<std::string> shard = own.count("shard") > 0 ? std::optional(own["shard"]) : std::nullopt;
     if (recorded && shard) throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
+    platoon::log_slow_noise(argv[0]);
     if (!run(configuration, shard, how)) return kInterrupted;
     if (recorded) require_equal(*recorded, configuration.run.output, own["repeat"]);
     return 0;

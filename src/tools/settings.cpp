@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "stochastic_platoon/math/model/white_noise.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
@@ -88,6 +89,11 @@ unsigned threads_of(const std::string& text) {
   const std::int64_t threads = Section(node, "", problems).integer("threads", 1, 1024);
   if (!problems.empty()) throw ConfigurationError(problems);
   return static_cast<unsigned>(threads);
+}
+
+void log_slow_noise(const char* program) {
+  const std::string reason = slow_noise();
+  if (!reason.empty()) std::cerr << program << ": " << reason << "\n";
 }
 
 double seconds_of(const std::string& option, const std::string& text) {

@@ -25,6 +25,9 @@ unsigned threads_of(const std::string& text);
 /// The value of an option that is a time above 0 [s]. Throws ConfigurationError.
 double seconds_of(const std::string& option, const std::string& text);
 
+/// Logs that the noise is slow on this machine, and why.
+void log_slow_noise(const char* program);
+
 /// The folder of this package's launch files and models: in the install space if the program runs there, else the
 /// source folder.
 std::string package_folder();

@@ -105,6 +105,7 @@ int main(int argc, char** argv) {
     settings.threads = platoon::threads_of(options["threads"]);
     settings.warn = warn;
     if (settings.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
+    platoon::log_slow_noise(argv[0]);
     if (!task.empty() && task != "merge") {
       run_task(sweep, task, settings);
       return 0;

@@ -68,12 +68,19 @@ Eigen::MatrixXd product_map(const Polynomial& p, Eigen::Index columns) {
   return map;
 }
 
-/// p - f q in long double, as both terms are equal to rounding.
+/// p - f q in twice the precision of double, as both terms are equal to rounding. (long double differs from machine to
+/// machine, and A and B with it.)
 Eigen::VectorXd residual_of(const Polynomial& p, const Polynomial& f, const Polynomial& q) {
-  Eigen::Matrix<long double, Eigen::Dynamic, 1> rest = p.cast<long double>();
-  for (Eigen::Index i = 0; i < f.size(); ++i)
-    rest.segment(i, q.size()) -= static_cast<long double>(f(i)) * q.cast<long double>();
-  return rest.cast<double>();
+  Eigen::VectorXd high = p, low = Eigen::VectorXd::Zero(p.size());
+  for (Eigen::Index i = 0; i < f.size(); ++i) {
+    for (Eigen::Index j = 0; j < q.size(); ++j) {
+      const double product = f(i) * q(j), before = high(i + j);
+      high(i + j) = before - product;
+      const double subtracted = before - high(i + j);
+      low(i + j) += (before - (high(i + j) + subtracted)) - (product - subtracted) - std::fma(f(i), q(j), -product);
+    }
+  }
+  return high + low;
 }
 
 // The gap between the singular values limits the accuracy of a null vector. Gauss-Newton steps on g u - N = 0, g v - D

@@ -7,8 +7,7 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define PLATOON_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#define PLATOON_INLINE inline __attribute__((always_inline))
 #else
 #define PLATOON_VECTOR_CLONES
-#define PLATOON_INLINE inline
 #endif
+#define PLATOON_INLINE inline __attribute__((always_inline))

@@ -12,7 +12,7 @@ namespace platoon {
 
 namespace {
 
-constexpr std::size_t kLanes = 32;  // realizations per pass: their u and y fit in registers
+constexpr std::size_t kLanes = 16;  // realizations per pass: their u and y fit in the registers of AVX2
 
 // One step of a shift register for some realizations of a tile; state, input and positions start at the first of these.
 PLATOON_INLINE void shift_lanes(const double* a, const double* b, std::size_t order, std::size_t output_place,
@@ -33,8 +33,10 @@ PLATOON_INLINE void shift_lanes(const double* a, const double* b, std::size_t or
   const double a_j = a[order - 1];
   const double b_j = b[order - 1];
   for (std::size_t r = 0; r < lanes; ++r) first[r] = a_j * y[r] + b_j * u[r];
-  const double* const output = state + (output_place + 1) % order * kTile;
-  for (std::size_t r = 0; r < lanes; ++r) positions[r] = output[r];
+  const double* const output = first == last ? state : first + kTile;
+  // By way of registers, as `positions` could overlap the state.
+  for (std::size_t r = 0; r < lanes; ++r) y[r] = output[r];
+  for (std::size_t r = 0; r < lanes; ++r) positions[r] = y[r];
 }
 
 }  // namespace

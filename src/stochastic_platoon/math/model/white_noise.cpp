@@ -1,6 +1,6 @@
 #include "stochastic_platoon/math/model/white_noise.hpp"
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#if defined(__x86_64__) && defined(__GNUC__)
 #define PLATOON_NAMED_WIDTHS
 #include <immintrin.h>
 #endif
@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include "stochastic_platoon/math/model/vector_clones.hpp"
 
@@ -27,82 +28,96 @@ PLATOON_INLINE std::uint64_t to_bits(double value) {
   return bits;
 }
 
-constexpr std::uint64_t kOne = 0x3ff0000000000000ULL;  // bits of 1.0
+constexpr std::uint64_t kMantissa = 0xfffffffffffffULL;
 
-// 1 + (the 52 leading bits) 2^-52, in [1, 2).
+// 1 + (the 52 low bits) 2^-52, in [1, 2).
 PLATOON_INLINE double in_one_to_two(std::uint64_t word) {
-  return from_bits(kOne | (word >> 12));
+  return from_bits(0x3ff0000000000000ULL | (word & kMantissa));
 }
 
-// sqrt(-2 ln u) / 2 for u in (0, 1], by u = 2^e m with m in [sqrt(1/2), sqrt(2)) and -ln m = 2 artanh((m - 1) / (-1 -
-// m)). Half of it, as factors of two and signs change no bit and would cost an operation each.
-PLATOON_INLINE double half_radius(double u) {
-  constexpr std::uint64_t kSqrtHalf = 0x3fe6a09e667f3bcdULL;  // bits of sqrt(1/2)
-  const std::uint64_t offset = to_bits(u) - kSqrtHalf + (1023ULL << 52);
-  const double m = from_bits((offset & 0xfffffffffffffULL) + kSqrtHalf);
-  // Converts a small integer to double through the mantissa of 2^52, as AVX2 lacks the conversion instruction.
-  const double e = from_bits(0x4330000000000000ULL | (offset >> 52)) - 4503599627371519.0;  // 2^52 + 1023
-  const double s = (m - 1.0) / (-1.0 - m);
-  const double t = s * s;
-  double p = 1.0 / 21.0;
-  p = p * t + 1.0 / 19.0;
-  p = p * t + 1.0 / 17.0;
-  p = p * t + 1.0 / 15.0;
-  p = p * t + 1.0 / 13.0;
-  p = p * t + 1.0 / 11.0;
-  p = p * t + 1.0 / 9.0;
-  p = p * t + 1.0 / 7.0;
-  p = p * t + 1.0 / 5.0;
-  p = p * t + 1.0 / 3.0;
-  constexpr double kHalfLn2 = 0.5 * 0.693147180559945309417232121458;
-  return std::sqrt((s + s * (t * p)) - e * kHalfLn2);
+// The value with its sign flipped if the leading bit is set.
+PLATOON_INLINE double flipped_by(std::uint64_t word, double value) {
+  return from_bits(to_bits(value) ^ (word & (1ULL << 63)));
 }
 
-// sin x for |x| <= pi/4, Taylor to x^15.
-PLATOON_INLINE double sin_polynomial(double x) {
-  const double t = x * x;
-  double p = -1.0 / 1307674368000.0;
-  p = p * t + 1.0 / 6227020800.0;
-  p = p * t - 1.0 / 39916800.0;
-  p = p * t + 1.0 / 362880.0;
-  p = p * t - 1.0 / 5040.0;
-  p = p * t + 1.0 / 120.0;
-  p = p * t - 1.0 / 6.0;
-  return x + x * (t * p);
-}
-
-// cos x for |x| <= pi/4, Taylor to x^16.
-PLATOON_INLINE double cos_polynomial(double x) {
-  const double t = x * x;
-  double p = 1.0 / 20922789888000.0;
-  p = p * t - 1.0 / 87178291200.0;
-  p = p * t + 1.0 / 479001600.0;
-  p = p * t - 1.0 / 3628800.0;
-  p = p * t + 1.0 / 40320.0;
-  p = p * t - 1.0 / 720.0;
-  p = p * t + 1.0 / 24.0;
-  p = p * t - 1.0 / 2.0;
-  return 1.0 + t * p;
-}
-
-struct Pair {
-  double cosine;
-  double sine;
+// a b + c, rounded once, by an instruction.
+struct Fused {
+  PLATOON_INLINE static double multiply_add(double a, double b, double c) { return std::fma(a, b, c); }
 };
 
-constexpr std::uint64_t kSign = 1ULL << 63;
+// The same for processors without it, of additions and multiplications that vectors have: the C library's takes twelve
+// times as long. Exact unless a product underflows, which those of the noise do not.
+struct Emulated {
+  struct Sum {
+    double value, error;  // their sum is exact
+  };
 
-// 2 cos and 2 sin of 2 pi u2 up to a common sign, which is the leading bit of the word. The next bit is set in every
-// other quadrant, and the 52 below it are u2 within the quadrant: exact reduction.
-PLATOON_INLINE Pair twice_cos_sin(std::uint64_t word) {
-  const double fraction = in_one_to_two(word << 2) - 1.5;  // in [-1/2, 1/2): quarter turns from the quadrant's middle
-  const double x = fraction * 1.57079632679489661923132169164;
-  const double c = cos_polynomial(x);
-  const double s = sin_polynomial(x);
-  // The middle of a quadrant is at 45 degrees. In the next quadrant (c - s, c + s) becomes (-c - s, c - s).
-  const std::uint64_t turned = (word << 1) & kSign;
-  constexpr double kSqrtTwo = 2.0 * 0.707106781186547524400844362105;
-  return {kSqrtTwo * (from_bits(to_bits(c) ^ turned) - s), kSqrtTwo * (c + from_bits(to_bits(s) ^ turned))};
+  PLATOON_INLINE static Sum sum(double a, double b) {
+    const double value = a + b, added = value - a;
+    return {value, (a - (value - added)) + (b - added)};
+  }
+
+  PLATOON_INLINE static double upper_half(double a) {
+    const double scaled = 134217729.0 * a;  // 2^27 + 1
+    return scaled - (scaled - a);
+  }
+
+  // T. J. Dekker (1971) for the product; S. Boldo and G. Melquiond (2008) for the sum of three, whose smaller part is
+  // rounded to odd.
+  PLATOON_INLINE static double multiply_add(double a, double b, double c) {
+    const double product = a * b, a1 = upper_half(a), b1 = upper_half(b), a2 = a - a1, b2 = b - b1;
+    const double rest = a2 * b2 - (((product - a1 * b1) - a2 * b1) - a1 * b2);
+    const Sum low = sum(c, rest), high = sum(product, low.value), small = sum(high.error, low.error);
+    const std::uint64_t bits = to_bits(small.value);
+    const std::uint64_t outwards = 1 - ((bits ^ to_bits(small.error)) >> 63 << 1);  // 1 or -1
+    const std::uint64_t to_odd = small.error != 0.0 ? ~bits & 1 : 0;
+    return high.value + from_bits(bits + (outwards & (0 - to_odd)));
+  }
+};
+
+// c + t (c_1 + t (...)).
+template <class Arithmetic>
+PLATOON_INLINE double polynomial(double, double c) {
+  return c;
+}
+template <class Arithmetic, class... Coefficients>
+PLATOON_INLINE double polynomial(double t, double c, Coefficients... further) {
+  return Arithmetic::multiply_add(polynomial<Arithmetic>(t, further...), t, c);
+}
+
+// The coefficients are minimax polynomials of test/noise_polynomials, which also measures the errors.
+
+// -ln u for u in (0, 1], by u = 2^e m with m in [sqrt(1/2), sqrt(2)) and -ln m = 2 artanh(s / 2), s = 2 (1 - m) / (1 +
+// m).
+template <class Arithmetic>
+PLATOON_INLINE double minus_log(double u) {
+  constexpr std::uint64_t kSqrtHalf = 0x3fe6a09e667f3bcdULL;  // bits of sqrt(1/2)
+  const std::uint64_t offset = to_bits(u) - kSqrtHalf + (1023ULL << 52);
+  const double m = from_bits((offset & kMantissa) + kSqrtHalf);
+  // Converts a small integer to double through the mantissa of 2^52, as AVX2 lacks the conversion instruction.
+  const double minus_e = 4503599627371519.0 - from_bits(0x4330000000000000ULL | (offset >> 52));  // 2^52 + 1023
+  const double s = (m - 1.0) / (-0.5 - 0.5 * m);
+  const double t = s * s;
+  const double p =
+      polynomial<Arithmetic>(t, 0x1.5555555555592p-4, 0x1.999999997ff6ap-7, 0x1.24924941da6f1p-9, 0x1.c71c521b146bfp-12,
+                             0x1.74663b6b40a36p-14, 0x1.39a210af88b1ap-16, 0x1.2f022da15c6d8p-18);
+  constexpr double kLn2 = 0.693147180559945309417232121458;
+  return Arithmetic::multiply_add(minus_e, kLn2, Arithmetic::multiply_add(s * t, p, s));
+}
+
+// sin(x pi / 2) for |x| <= 1/2.
+template <class Arithmetic>
+PLATOON_INLINE double sin_quarters(double x) {
+  return x * polynomial<Arithmetic>(x * x, 0x1.921fb54442d18p+0, -0x1.4abbce625bdaep-1, 0x1.466bc6774afc8p-4,
+                                    -0x1.32d2ccd469861p-8, 0x1.507821d3e5d80p-13, -0x1.e2f3efde2505dp-19,
+                                    0x1.dfc54cdf7db22p-25);
+}
+
+// cos(x pi / 2) for |x| <= 1/2.
+template <class Arithmetic>
+PLATOON_INLINE double cos_quarters(double x) {
+  return polynomial<Arithmetic>(x * x, 1.0, -0x1.3bd3cc9be459dp+0, 0x1.03c1f081b0defp-2, -0x1.55d3c7dc39f01p-6,
+                                0x1.e1f4fb80ff535p-11, -0x1.a6c9c93fb65f9p-16, 0x1.f3dcbc17ed8e0p-22);
 }
 
 }  // namespace
@@ -115,35 +130,56 @@ constexpr std::uint64_t kMultiplier1 = 0xcd9e8d57;
 constexpr std::uint32_t kWeyl0 = 0x9e3779b9;
 constexpr std::uint32_t kWeyl1 = 0xbb67ae85;
 
+// GCC makes multiply_low one instruction only through its intrinsic, and inlines an intrinsic only into a function of
+// the same target. to_low copies each odd half to the even one: a shuffle, as Intel's port for shifts is the busier.
+#ifdef __clang__
+#define PLATOON_TO_LOW(...) \
+  reinterpret_cast<Lanes>(  \
+      __builtin_shufflevector(reinterpret_cast<Halves>(lanes), reinterpret_cast<Halves>(lanes), __VA_ARGS__))
+#else
+#define PLATOON_TO_LOW(...) \
+  reinterpret_cast<Lanes>(__builtin_shuffle(reinterpret_cast<Halves>(lanes), Halves{__VA_ARGS__}))
+#endif
+
 #ifdef PLATOON_NAMED_WIDTHS
 
-#pragma GCC push_options
-#pragma GCC target("avx512f")
+#define PLATOON_TARGET __attribute__((target("avx512f")))
 namespace avx512 {
 typedef std::uint64_t Lanes __attribute__((vector_size(64)));
-inline Lanes multiply_low(Lanes a, Lanes b) {
+typedef std::uint32_t Halves __attribute__((vector_size(64)));
+PLATOON_TARGET inline Lanes multiply_low(Lanes a, Lanes b) {
   return reinterpret_cast<Lanes>(
       _mm512_maskz_mul_epu32(0xff, reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
 }
-#include "stochastic_platoon/math/model/philox_lanes.inc"
+PLATOON_TARGET inline Lanes to_low(Lanes lanes) {
+  return PLATOON_TO_LOW(1, 1, 3, 3, 5, 5, 7, 7, 9, 9, 11, 11, 13, 13, 15, 15);
+}
+using Arithmetic = Fused;
+#include "stochastic_platoon/math/model/noise_lanes.inc"
 }  // namespace avx512
-#pragma GCC pop_options
+#undef PLATOON_TARGET
 
-#pragma GCC push_options
-#pragma GCC target("avx2")
+#define PLATOON_TARGET __attribute__((target("avx2,fma")))
 namespace avx2 {
 typedef std::uint64_t Lanes __attribute__((vector_size(32)));
-inline Lanes multiply_low(Lanes a, Lanes b) {
+typedef std::uint32_t Halves __attribute__((vector_size(32)));
+PLATOON_TARGET inline Lanes multiply_low(Lanes a, Lanes b) {
   return reinterpret_cast<Lanes>(_mm256_mul_epu32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
 }
-#include "stochastic_platoon/math/model/philox_lanes.inc"
+PLATOON_TARGET inline Lanes to_low(Lanes lanes) {
+  return PLATOON_TO_LOW(1, 1, 3, 3, 5, 5, 7, 7);
+}
+using Arithmetic = Fused;
+#include "stochastic_platoon/math/model/noise_lanes.inc"
 }  // namespace avx2
-#pragma GCC pop_options
+#undef PLATOON_TARGET
 
 #endif
 
+#define PLATOON_TARGET
 namespace baseline {
 typedef std::uint64_t Lanes __attribute__((vector_size(16)));
+typedef std::uint32_t Halves __attribute__((vector_size(16)));
 inline Lanes multiply_low(Lanes a, Lanes b) {
 #ifdef PLATOON_NAMED_WIDTHS
   return reinterpret_cast<Lanes>(_mm_mul_epu32(reinterpret_cast<__m128i>(a), reinterpret_cast<__m128i>(b)));
@@ -151,64 +187,62 @@ inline Lanes multiply_low(Lanes a, Lanes b) {
   return (a & 0xffffffffULL) * (b & 0xffffffffULL);
 #endif
 }
-#include "stochastic_platoon/math/model/philox_lanes.inc"
-}  // namespace baseline
-
-std::vector<DrawWords> draw_words_versions() {
-  std::vector<DrawWords> versions;
-#ifdef PLATOON_NAMED_WIDTHS
-  if (__builtin_cpu_supports("avx512f")) versions.push_back(avx512::draw_words);
-  if (__builtin_cpu_supports("avx2")) versions.push_back(avx2::draw_words);
+inline Lanes to_low(Lanes lanes) {
+  return PLATOON_TO_LOW(1, 1, 3, 3);
+}
+#if defined(__FMA__) || !defined(__x86_64__)
+using Arithmetic = Fused;
+#else
+using Arithmetic = Emulated;
 #endif
-  versions.push_back(baseline::draw_words);
+#include "stochastic_platoon/math/model/noise_lanes.inc"
+}  // namespace baseline
+#undef PLATOON_TARGET
+
+std::vector<NoiseVersion> noise_versions() {
+  std::vector<NoiseVersion> versions;
+#ifdef PLATOON_NAMED_WIDTHS
+  if (__builtin_cpu_supports("avx512f"))
+    versions.push_back({"AVX-512", true, avx512::draw_words, avx512::box_muller, avx512::uniform_pairs});
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    versions.push_back({"AVX2", true, avx2::draw_words, avx2::box_muller, avx2::uniform_pairs});
+#endif
+  constexpr bool kFused = std::is_same_v<baseline::Arithmetic, Fused>;
+  versions.push_back({"baseline", kFused, baseline::draw_words, baseline::box_muller, baseline::uniform_pairs});
   return versions;
-}
-
-PLATOON_VECTOR_CLONES
-void box_muller(const std::uint64_t* radius, const std::uint64_t* angle, std::size_t pairs, double* normals) {
-  for (std::size_t j = 0; j < pairs; ++j) {
-    const double half = half_radius(2.0 - in_one_to_two(radius[j]));
-    const double r = from_bits(to_bits(half) ^ (angle[j] & kSign));
-    const Pair direction = twice_cos_sin(angle[j]);
-    normals[2 * j] = r * direction.cosine;
-    normals[2 * j + 1] = r * direction.sine;
-  }
-}
-
-PLATOON_VECTOR_CLONES
-void uniform_pairs(const std::uint64_t* first, const std::uint64_t* second, std::size_t pairs, double* uniforms) {
-  for (std::size_t j = 0; j < pairs; ++j) {
-    uniforms[2 * j] = in_one_to_two(first[j]) - 1.0;
-    uniforms[2 * j + 1] = in_one_to_two(second[j]) - 1.0;
-  }
 }
 
 }  // namespace detail
 
 namespace {
 
+const detail::NoiseVersion& fastest() {
+  static const detail::NoiseVersion version = detail::noise_versions().front();
+  return version;
+}
+
 // Two values per block by `transform`, for realizations that may begin and end inside a block.
-template <class Transform>
-void fill_by(const Transform& transform, std::uint64_t seed, DrawName name, std::uint64_t first_realization,
+void fill_by(detail::TransformWords transform, std::uint64_t seed, DrawName name, std::uint64_t first_realization,
              std::size_t count, double* values) {
-  static const detail::DrawWords draw_words = detail::draw_words_versions().front();
-  detail::Words first, second;
+  detail::Words w1, w2;
   double pair[2];
   std::size_t written = 0;
   while (written < count) {
     const std::uint64_t realization = first_realization + written;
     const std::size_t skipped = realization % 2;  // only the first pass can start inside a block
-    const std::size_t blocks = std::min(detail::kBlocks, (skipped + count - written + 1) / 2);
-    draw_words(seed, name, realization / 2, blocks, &first, &second);
+    const std::uint64_t first_block = realization / 2, same_upper_bits = (1ULL << 32) - (first_block & 0xffffffffULL);
+    const std::size_t blocks =
+        std::min({detail::kBlocks, (skipped + count - written + 1) / 2, static_cast<std::size_t>(same_upper_bits)});
+    fastest().draw_words(seed, name, first_block, blocks, &w1, &w2);
     if (skipped == 1) {
-      transform(first.data(), second.data(), 1, pair);
+      transform(w1.data(), w2.data(), 1, pair);
       values[written++] = pair[1];
     }
     const std::size_t pairs = std::min(blocks - skipped, (count - written) / 2);
-    transform(first.data() + skipped, second.data() + skipped, pairs, values + written);
+    transform(w1.data() + skipped, w2.data() + skipped, pairs, values + written);
     written += 2 * pairs;
     if (skipped + pairs < blocks) {
-      transform(first.data() + skipped + pairs, second.data() + skipped + pairs, 1, pair);
+      transform(w1.data() + skipped + pairs, w2.data() + skipped + pairs, 1, pair);
       values[written++] = pair[0];
     }
   }
@@ -216,13 +250,19 @@ void fill_by(const Transform& transform, std::uint64_t seed, DrawName name, std:
 
 }  // namespace
 
+std::string slow_noise() {
+  if (fastest().is_fused) return "";
+  return "the noise is slow: this processor has no AVX2 and FMA, and fused multiply-adds are computed by other operations; "
+         "the results have the same bits";
+}
+
 void WhiteNoise::fill(DrawName name, std::uint64_t first_realization, std::size_t count, double* normals) const {
-  fill_by(detail::box_muller, seed_, name, first_realization, count, normals);
+  fill_by(fastest().box_muller, seed_, name, first_realization, count, normals);
 }
 
 void WhiteNoise::fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count,
                               double* uniforms) const {
-  fill_by(detail::uniform_pairs, seed_, name, first_realization, count, uniforms);
+  fill_by(fastest().uniform_pairs, seed_, name, first_realization, count, uniforms);
 }
 
 }  // namespace platoon

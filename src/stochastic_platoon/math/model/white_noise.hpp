@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace platoon {
@@ -23,12 +24,15 @@ struct DrawName {
 
 /// Standard normal white noise g(seed, i, k, r) as a pure function of its arguments (paper, assumption d).
 ///
-/// Philox4x32-10 with key = seed and counter = (block number, step, vehicle + 2^24 purpose). Block b serves
-/// realizations 2b and 2b + 1: two 52 bit uniforms u1 in (0, 1], u2 in [0, 1) give
-///     g(2b) = sqrt(-2 ln u1) cos(2 pi u2),   g(2b + 1) = sqrt(-2 ln u1) sin(2 pi u2)     (Box and Muller, 1958).
-/// ln, cos and sin are polynomials in plain IEEE arithmetic, without libm and without contraction, and give the same
-/// bits on every x86-64 machine. |g| <= sqrt(104 ln 2) = 8.49. Reference: J. Salmon et al., Parallel random numbers: as
-/// easy as 1, 2, 3, SC 2011.
+/// Philox4x32-10 with key = seed and counter = (block number, step, vehicle + 2^24 purpose). Block b gives two words w1
+/// = (c0, c1) and w2 = (c2, c3), the first half above the second, and serves realizations 2b and 2b + 1. The 52 low
+/// bits of the words give uniform u1 in (0, 1] and u2 in [0, 1), the leading bits give the signs:
+///     g(2b)     = +- sqrt(-2 ln u1) cos(pi/2 u2),
+///     g(2b + 1) = +- sqrt(-2 ln u1) sin(pi/2 u2)                                          (Box and Muller, 1958).
+/// ln, cos and sin are polynomials of fused multiply-adds in IEEE arithmetic and give the same bits on every machine.
+/// Their largest errors over 10^8 arguments are 1.45, 1.28 and 1.50 units in the last place, that of g is 4.2 2^-53
+/// sqrt(-2 ln u1) (test/benchmark/noise_accuracy). |g| <= sqrt(104 ln 2) = 8.49. Reference: J. Salmon et al., Parallel
+/// random numbers: as easy as 1, 2, 3, SC 2011.
 class WhiteNoise {
 public:
   explicit WhiteNoise(std::uint64_t seed) : seed_(seed) {}
@@ -36,13 +40,15 @@ public:
   /// Writes g for realizations first .. first + count - 1 (below 2^48).
   void fill(DrawName name, std::uint64_t first_realization, std::size_t count, double* normals) const;
 
-  /// Writes uniform values in [0, 1), multiples of 2^-52: u(2b) = 1 - u1 and u(2b + 1), the leading bits of the two
-  /// words of block b.
+  /// Writes uniform values in [0, 1), multiples of 2^-52: u(2b) = 1 - u1 and u(2b + 1) = u2.
   void fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count, double* uniforms) const;
 
 private:
   std::uint64_t seed_;
 };
+
+/// Why the noise is slow on this machine; empty where it is not.
+std::string slow_noise();
 
 namespace detail {
 
@@ -50,15 +56,24 @@ constexpr std::size_t kBlocks = 256;  // drawn at once; their words fit in the f
 
 using Words = std::array<std::uint64_t, kBlocks>;
 
-/// Writes the words behind u1 and u2 of `blocks` <= kBlocks blocks, and possibly of further blocks that fit.
-using DrawWords = void (*)(std::uint64_t seed, DrawName name, std::uint64_t first_block, std::size_t blocks,
-                           Words* radius, Words* angle);
+/// Writes the words of `blocks` <= kBlocks blocks, and possibly of further blocks that fit. The numbers of the blocks
+/// have the same upper 32 bits.
+using DrawWords = void (*)(std::uint64_t seed, DrawName name, std::uint64_t first_block, std::size_t blocks, Words* w1,
+                           Words* w2);
+
+/// values[2j] and values[2j + 1] from the j-th words.
+using TransformWords = void (*)(const std::uint64_t* w1, const std::uint64_t* w2, std::size_t pairs, double* values);
+
+/// The noise compiled for one vector width.
+struct NoiseVersion {
+  const char* name;
+  bool is_fused;  ///< a fused multiply-add is an instruction
+  DrawWords draw_words;
+  TransformWords box_muller, uniform_pairs;
+};
 
 /// One version per vector width of this machine, the widest first. All write the same bits.
-std::vector<DrawWords> draw_words_versions();
-
-/// normals[2j] and normals[2j + 1] from the j-th words.
-void box_muller(const std::uint64_t* radius, const std::uint64_t* angle, std::size_t pairs, double* normals);
+std::vector<NoiseVersion> noise_versions();
 
 }  // namespace detail
 

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/ros/nodes/channel.hpp"
 
 #include <boost/function.hpp>
+#include <string>
 #include <utility>
 
 #include "stochastic_platoon/ros/messages/position.hpp"
@@ -17,6 +18,7 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
       membership_(platoon, "channel", 0, [this](const Configuration& joined) { begin(joined); }),
       messages_(messages),
       told_(std::move(told)) {
+  if (const std::string reason = slow_noise(); !reason.empty()) ROS_WARN_STREAM_ONCE(reason);
   for (std::uint32_t i = first; i <= last; ++i) {
     wires_.push_back({i, std::nullopt, std::nullopt,
                       PositionInput(membership_, platoon.resolveName(position_topic(i - 1)), " (channel)"),

@@ -3,36 +3,12 @@
 #include <Random123/philox.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <random>
 #include <vector>
-
-// The source once more, its clones compiled for the baseline alone: on a machine with AVX2 the loader never
-// picks those.
-namespace baseline {
-namespace platoon {
-using ::platoon::DrawName;
-class WhiteNoise {
-public:
-  explicit WhiteNoise(std::uint64_t seed) : seed_(seed) {}
-  void fill(DrawName name, std::uint64_t first_realization, std::size_t count, double* normals) const;
-  void fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count, double* uniforms) const;
-
-private:
-  std::uint64_t seed_;
-};
-namespace detail {
-using ::platoon::detail::DrawWords;
-using ::platoon::detail::kBlocks;
-using ::platoon::detail::Words;
-}  // namespace detail
-}  // namespace platoon
-#define target_clones(...) unused
-#include "stochastic_platoon/math/model/white_noise.cpp"
-#undef target_clones
-}  // namespace baseline
 
 namespace platoon {
 namespace {
@@ -41,8 +17,8 @@ using detail::kBlocks;
 using detail::Words;
 
 struct Block {
-  std::uint64_t radius;
-  std::uint64_t angle;
+  std::uint64_t w1;
+  std::uint64_t w2;
 };
 
 // What the header promises, one block at a time: key = seed, counter = (block number, step, vehicle + 2^24 purpose).
@@ -57,7 +33,7 @@ Block reference_block(std::uint64_t seed, DrawName name, std::uint64_t block) {
   key.v[0] = static_cast<std::uint32_t>(seed);
   key.v[1] = static_cast<std::uint32_t>(seed >> 32);
   const philox4x32_ctr_t words = philox4x32_R(10, counter, key);
-  return {(std::uint64_t{words.v[1]} << 32) | words.v[0], (std::uint64_t{words.v[3]} << 32) | words.v[2]};
+  return {(std::uint64_t{words.v[0]} << 32) | words.v[1], (std::uint64_t{words.v[2]} << 32) | words.v[3]};
 }
 
 struct Pair {
@@ -65,13 +41,16 @@ struct Pair {
   long double odd;
 };
 
-// Box and Muller in extended precision: u1 of 52 bits in (0, 1], u2 of 54 bits in [0, 1).
+constexpr std::uint64_t kUniform = (std::uint64_t{1} << 52) - 1;  // the bits of u1 and u2
+
+// Box and Muller in extended precision: u1 in (0, 1], u2 in [0, 1), signs in the leading bits.
 Pair reference_normals(const Block& block) {
   constexpr long double kPi = 3.141592653589793238462643383279502884L;
-  const long double u1 = 1.0L - std::ldexp(static_cast<long double>(block.radius >> 12), -52);
-  const long double u2 = std::ldexp(static_cast<long double>(block.angle >> 10), -54);
+  const long double u1 = 1.0L - std::ldexp(static_cast<long double>(block.w1 & kUniform), -52);
+  const long double u2 = std::ldexp(static_cast<long double>(block.w2 & kUniform), -52);
   const long double radius = std::sqrt(-2.0L * std::log(u1));
-  return {radius * std::cos(2.0L * kPi * u2), radius * std::sin(2.0L * kPi * u2)};
+  return {std::copysign(radius, block.w1 >> 63 ? -1.0L : 1.0L) * std::cos(kPi / 2.0L * u2),
+          std::copysign(radius, block.w2 >> 63 ? -1.0L : 1.0L) * std::sin(kPi / 2.0L * u2)};
 }
 
 std::vector<double> draw(std::uint64_t seed, DrawName name, std::uint64_t first, std::size_t count) {
@@ -121,11 +100,11 @@ TEST(WhiteNoise, OwnPhiloxGivesThePublishedAnswers) {
     const std::uint64_t step = (std::uint64_t{known.counter[1] >> 16} << 32) | known.counter[2];
     const std::uint64_t block = (std::uint64_t{known.counter[1] & 0xffff} << 32) | known.counter[0];
     const DrawName name{known.counter[3], static_cast<std::int64_t>(step)};
-    for (const detail::DrawWords draw_words : detail::draw_words_versions()) {
-      Words radius, angle;
-      draw_words(seed, name, block, 1, &radius, &angle);
-      EXPECT_EQ(radius[0], (std::uint64_t{known.output[1]} << 32) | known.output[0]);
-      EXPECT_EQ(angle[0], (std::uint64_t{known.output[3]} << 32) | known.output[2]);
+    for (const detail::NoiseVersion& version : detail::noise_versions()) {
+      Words w1, w2;
+      version.draw_words(seed, name, block, 1, &w1, &w2);
+      EXPECT_EQ(w1[0], (std::uint64_t{known.output[0]} << 32) | known.output[1]) << version.name;
+      EXPECT_EQ(w2[0], (std::uint64_t{known.output[2]} << 32) | known.output[3]) << version.name;
     }
   }
 }
@@ -135,15 +114,15 @@ TEST(WhiteNoise, WordsAreThoseOfTheLibraryForEveryNameAndEveryVectorWidth) {
   for (int trial = 0; trial < 2000; ++trial) {
     const std::uint64_t seed = choice();
     const DrawName name{static_cast<std::uint32_t>(choice()), static_cast<std::int64_t>(choice() >> 17) - 1};
-    const std::uint64_t first = (choice() >> 17) - kBlocks / 2;  // realizations below 2^48
-    const std::size_t blocks = choice() % kBlocks + 1;
-    for (const detail::DrawWords draw_words : detail::draw_words_versions()) {
-      Words radius{}, angle{};
-      draw_words(seed, name, first, blocks, &radius, &angle);
+    const std::uint64_t first = choice() >> 17;  // realizations below 2^48
+    const std::size_t blocks = std::min<std::uint64_t>(choice() % kBlocks + 1, (1ULL << 32) - (first & 0xffffffff));
+    for (const detail::NoiseVersion& version : detail::noise_versions()) {
+      Words w1{}, w2{};
+      version.draw_words(seed, name, first, blocks, &w1, &w2);
       for (std::size_t lane = 0; lane < blocks; ++lane) {
         const Block expected = reference_block(seed, name, first + lane);
-        ASSERT_EQ(radius[lane], expected.radius);
-        ASSERT_EQ(angle[lane], expected.angle);
+        ASSERT_EQ(w1[lane], expected.w1) << version.name;
+        ASSERT_EQ(w2[lane], expected.w2) << version.name;
       }
     }
   }
@@ -165,40 +144,34 @@ TEST(WhiteNoise, NormalsAreBoxAndMullersOfTheWordsByRealization) {
   }
 }
 
-TEST(WhiteNoise, NormalsAreAccurateAtTheEdgesOfTheWords) {
-  constexpr std::uint64_t kAll = ~std::uint64_t{0};
-  const std::vector<std::uint64_t> radii = {0,
-                                            1 << 12,
-                                            2 << 12,
-                                            kAll,
-                                            kAll - 1,
-                                            kAll << 12,
-                                            kAll << 13,
-                                            0x4afb0ccc06219b7bULL,
-                                            kAll / 2,
-                                            kAll / 3,
-                                            std::uint64_t{1} << 63,
-                                            0x4afb0ccc0621ab7bULL};
-  const std::vector<std::uint64_t> angles = {0,          1,          1 << 10,    kAll,       kAll >> 2,
-                                             kAll / 2,   kAll / 3,   1ULL << 62, 2ULL << 62, 3ULL << 62,
-                                             1ULL << 61, 3ULL << 61, 5ULL << 61, 7ULL << 61, (1ULL << 62) - 1};
-  std::vector<double> normals(2 * angles.size());
-  for (const std::uint64_t r : radii) {
-    const std::vector<std::uint64_t> radius(angles.size(), r);
-    detail::box_muller(radius.data(), angles.data(), angles.size(), normals.data());
-    for (std::size_t a = 0; a < angles.size(); ++a) {
-      const Pair expected = reference_normals({r, angles[a]});
-      EXPECT_NEAR(static_cast<double>(normals[2 * a] - expected.even), 0.0, 2e-15) << r << " " << angles[a];
-      EXPECT_NEAR(static_cast<double>(normals[2 * a + 1] - expected.odd), 0.0, 2e-15) << r << " " << angles[a];
+TEST(WhiteNoise, NormalsAreAccurateAtTheEdgesOfTheWordsForEveryVectorWidth) {
+  constexpr std::uint64_t kSign = std::uint64_t{1} << 63;
+  std::vector<std::uint64_t> words;
+  // u1 = 1, 0, 1/2, sqrt(1/2); u2 = 0, 1, 1/2 among them
+  for (const std::uint64_t edge : {std::uint64_t{0}, kUniform, kUniform / 2, std::uint64_t{0x4afb0ccc06219}}) {
+    for (std::uint64_t j = 0; j < 5; ++j) {
+      words.push_back((edge + j - 2) & kUniform);
+      words.push_back(words.back() | kSign);
+    }
+  }
+  std::vector<double> normals(2 * words.size());
+  for (const detail::NoiseVersion& version : detail::noise_versions()) {
+    for (const std::uint64_t w : words) {
+      const std::vector<std::uint64_t> w1(words.size(), w);
+      version.box_muller(w1.data(), words.data(), words.size(), normals.data());
+      for (std::size_t a = 0; a < words.size(); ++a) {
+        const Pair expected = reference_normals({w, words[a]});
+        EXPECT_NEAR(static_cast<double>(normals[2 * a] - expected.even), 0.0, 2e-15) << w << " " << words[a];
+        EXPECT_NEAR(static_cast<double>(normals[2 * a + 1] - expected.odd), 0.0, 2e-15) << w << " " << words[a];
+      }
     }
   }
 }
 
 TEST(WhiteNoise, LargestNormalIsTheOneTheHeaderNames) {
-  const std::uint64_t radius = ~std::uint64_t{0};
-  const std::uint64_t angle = 0;
+  const std::uint64_t w1 = kUniform, w2 = 0;
   double normals[2];
-  detail::box_muller(&radius, &angle, 1, normals);
+  detail::noise_versions().front().box_muller(&w1, &w2, 1, normals);
   EXPECT_NEAR(normals[0], std::sqrt(104.0 * std::log(2.0)), 2e-15);
 }
 
@@ -206,25 +179,37 @@ TEST(WhiteNoise, BitsArePinned) {
   const auto bits = [](std::uint64_t seed, DrawName name, std::uint64_t realization) {
     return draw(seed, name, realization, 1).front();
   };
-  EXPECT_EQ(bits(1, {1, 0}, 0), 0x1.ef68cb4769d6fp-2);
-  EXPECT_EQ(bits(1, {1, 0}, 1), 0x1.fbf0c78be5293p-4);
-  EXPECT_EQ(bits(1, {1, -1}, 0), 0x1.e1cd05280f787p-2);
-  EXPECT_EQ(bits(1, {20, 99}, 99999), 0x1.6ede4801e27b2p+1);
-  EXPECT_EQ(bits(2, {7, 12}, 123456789), 0x1.6e3b1707f4eb4p+0);
-  EXPECT_EQ(bits(0xdeadbeefcafef00dULL, {500, 1LL << 40}, (1ULL << 47) + 5), 0x1.9c55f5e7f6542p-1);
+  EXPECT_EQ(bits(1, {1, 0}, 0), 0x1.84a343642a263p+0);
+  EXPECT_EQ(bits(1, {1, 0}, 1), 0x1.511fa8bad5013p-1);
+  EXPECT_EQ(bits(1, {1, -1}, 0), 0x1.e7f4cb8bcc35p-3);
+  EXPECT_EQ(bits(1, {20, 99}, 99999), 0x1.10b7ed478e619p+1);
+  EXPECT_EQ(bits(2, {7, 12}, 123456789), 0x1.41a1a612c933fp+1);
+  EXPECT_EQ(bits(0xdeadbeefcafef00dULL, {500, 1LL << 40}, (1ULL << 47) + 5), -0x1.b480a09282339p+0);
 }
 
-TEST(WhiteNoise, BaselineCloneGivesTheSameBitsAsTheOneTheLoaderPicks) {
+// The last version emulates fused multiply-adds on x86-64: a machine without FMA gets the same bits.
+TEST(WhiteNoise, EveryVectorWidthGivesTheSameBits) {
   std::mt19937_64 choice(3);
+  const std::vector<detail::NoiseVersion> versions = detail::noise_versions();
   for (int trial = 0; trial < 200; ++trial) {
-    const std::uint64_t seed = choice();
+    Words w1, w2;
     const DrawName name{static_cast<std::uint32_t>(choice()), static_cast<std::int64_t>(choice() >> 18)};
-    const std::uint64_t first = choice() >> 17;
-    const std::vector<double> normals = draw(seed, name, first, 1001);
-    std::vector<double> again(normals.size());
-    baseline::platoon::WhiteNoise(seed).fill(name, first, again.size(), again.data());
-    ASSERT_TRUE(same_bits(normals.data(), again.data(), normals.size()));
+    versions.back().draw_words(choice(), name, choice() >> 17, kBlocks, &w1, &w2);
+    const std::size_t pairs = choice() % kBlocks;
+    double expected[2 * kBlocks], values[2 * kBlocks];
+    for (const detail::NoiseVersion& version : versions) {
+      versions.back().box_muller(w1.data(), w2.data(), pairs, expected);
+      version.box_muller(w1.data(), w2.data(), pairs, values);
+      ASSERT_TRUE(same_bits(expected, values, 2 * pairs)) << version.name;
+      versions.back().uniform_pairs(w1.data(), w2.data(), pairs, expected);
+      version.uniform_pairs(w1.data(), w2.data(), pairs, values);
+      ASSERT_TRUE(same_bits(expected, values, 2 * pairs)) << version.name;
+    }
   }
+}
+
+TEST(WhiteNoise, SlowNoiseIsReportedWhereTheFastestVersionHasNoFusedMultiplyAdd) {
+  EXPECT_EQ(slow_noise().empty(), detail::noise_versions().front().is_fused);
 }
 
 TEST(WhiteNoise, IsTheSameForEveryBatchSize) {
@@ -414,24 +399,19 @@ TEST(WhiteNoise, DrawsUniformsFromTheWordsOfItsBlocks) {
     WhiteNoise(seed).fill_uniform(name, first, count, uniforms.data());
     for (std::size_t r = 0; r < count; ++r) {
       const Block block = reference_block(seed, name, (first + r) / 2);
-      const std::uint64_t word = (first + r) % 2 == 0 ? block.radius : block.angle;
-      EXPECT_EQ(uniforms[r], std::ldexp(static_cast<double>(word >> 12), -52)) << r;
+      const std::uint64_t word = (first + r) % 2 == 0 ? block.w1 : block.w2;
+      EXPECT_EQ(uniforms[r], std::ldexp(static_cast<double>(word & kUniform), -52)) << r;
     }
   }
 }
 
-// Pinned: recordings and checkpoints depend on them. The normals to the last bit: test/integration/tools_test.py.
-constexpr double kNoiseAnswer = 0.4837981951081564, kDitherAnswer = 0x1.f671b1cf55930p-3,
-                 kLossAnswer = 0x1.d19a2ad8dce7cp-2;
-
-TEST(WhiteNoise, HasKnownAnswersForEveryPurpose) {
+// Pinned, as the normals above: recordings and checkpoints depend on them.
+TEST(WhiteNoise, HasKnownAnswersForDitherAndLosses) {
   double value;
-  WhiteNoise(1).fill({1, 0}, 0, 1, &value);
-  EXPECT_NEAR(value, kNoiseAnswer, 1e-15);
   WhiteNoise(1).fill_uniform({1, 0, Purpose::dither}, 0, 1, &value);
-  EXPECT_EQ(value, kDitherAnswer);
+  EXPECT_EQ(value, 0x1.35199f671b1c8p-3);
   WhiteNoise(1).fill_uniform({1, 0, Purpose::loss}, 0, 1, &value);
-  EXPECT_EQ(value, kLossAnswer);
+  EXPECT_EQ(value, 0x1.3ff90e8cd156cp-1);
 }
 
 }  // namespace
