@@ -77,17 +77,20 @@ class BadInput(LaunchTest):
         live_platoon.wait_for(lambda: os.path.exists(self.output + "/.lock"), "the first launch to check its folder")
         self.assertRegex(self.refused("output", master=master, ns="platoon2"),
                          r"output: {}: is in use by launch \S+; it is free .*when process \d+ ends".format(self.output))
-        live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/vehicle_0", master), "the first node")
+        held = live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/vehicle_2", master), "a node of the first launch")
+        os.kill(held, signal.SIGSTOP)  # the first run must not end before the second launch has looked
+        self.addCleanup(live_platoon.let_go_on, held)
         second = os.path.join(self.folder, "second")
         for file, arguments in (("platoon.launch", dict(hosting="one_process")), ("live.launch", dict(rviz="false"))):
             self.refused("ns: platoon: a platoon runs in it already (node /platoon/", ", results in " + self.output + ")",
                          file=file, master=master, output=second, **arguments)
         beside = self.launch(master=master, ns="left/platoon2", output=second, headway=2.4, **settings)
+        live_platoon.let_go_on(held)
         for terminal, output, headway in ((beside, second, 2.4), (first, self.output, 3.2)):
             self.assertEqual(terminal.wait(), 0)
             self.assertNotIn("has died", terminal.text())
-            self.assertLessEqual(live_platoon.completed_summary(output)["attempts"], live_platoon.UNDISTURBED)
             self.assertEqual(live_platoon.statistics(output), live_platoon.reference(output, headway=headway, **settings))
+        self.assertLessEqual(live_platoon.completed_summary(second)["attempts"], live_platoon.UNDISTURBED)
 
     def test_a_checkpoint_of_another_configuration_is_refused_with_what_differs(self):
         self.launch(followers=1, steps=5, realizations=100).wait()

@@ -118,3 +118,11 @@ def kill(node, master=None):
     before = wait_for(lambda: process_of(node, master), node)
     os.kill(before, signal.SIGKILL)
     wait_for(lambda: process_of(node, master) not in (None, before), node + " to come back")
+
+
+def let_go_on(process):
+    """Continues a process that SIGSTOP holds, if it still exists."""
+    try:
+        os.kill(process, signal.SIGCONT)
+    except ProcessLookupError:
+        pass

@@ -172,7 +172,7 @@ class State(unittest.TestCase):
                                              "averages go on"])
         self.state.take_overview(endless(3, 600, counted_from=800), 0.0)  # it began and ended between two overviews
         self.assertEqual(self.texts()[-2:], ["the leader manoeuvres: averages are paused", "the manoeuvre is over: averages go on at step 800"])
-        self.assertIn("averages over time up to step 600, burn-in: paused until step 800", table.table(self.state.document(), 24)[2])
+        self.assertIn("averages over time up to step 600 (60 s), burn-in: paused until step 800", table.table(self.state.document(), 24)[2])
 
     def test_changes_orders_and_the_end_of_a_run_are_events(self):
         self.state.take_overview(overview(complete=True), 0.0)
