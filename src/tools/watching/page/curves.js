@@ -45,7 +45,8 @@ export function drawCurves(canvas, of, name, n, chosen, last) {
   context.strokeRect(LEFT, foot, right - LEFT, 0);
   if (last) {
     context.textAlign = "center";
-    for (const k of niceTicks(from, to, 5)) if (Number.isInteger(k)) context.fillText(k, place(k), foot + 16);
+    for (const k of niceTicks(from, to, 5).filter(Number.isInteger))
+      context.fillText(k, Math.min(place(k), width - context.measureText(k).width / 2), foot + 16);
     context.fillText("step k", (LEFT + right) / 2, foot + 32);
   }
   context.lineJoin = "round";
