@@ -106,6 +106,9 @@ class Live(Page):
         live_platoon.wait_for(lambda: before == 0 or self.browser.run(PIXELS, "strip", empty) < before, "more of the strip")
         self.assertEqual([said for said in self.browser.complaints() if "Uncaught" in said], [])
 
+    def kinds(self, *of):
+        return [event["kind"] for event in state(self.url)["events"] if event["kind"] in of]
+
     def test_who_holds_the_platoon_up_is_named_and_no_longer_when_it_moves(self):
         victim, before = live_platoon.process_of("/platoon/vehicle_3", self.master), self.step()
         os.kill(victim, signal.SIGSTOP)
@@ -124,7 +127,7 @@ class Live(Page):
         self.steps_on()
         events = [event for event in state(self.url)["events"] if event["kind"] in ("stall", "restart")]
         self.assertEqual([event["kind"] for event in events][-3:], ["stall", "restart", "stall"])
-        self.assertRegex(events[-2]["text"], r"^attempts \d+ to \d+: the platoon begins again at step 0")
+        self.assertRegex(events[-2]["text"], r"^attempts? \d+( to \d+)?: the platoon begins again at step 0")
         self.assertLess(events[-2]["step"] - before, 500)
         # The curves begin again, and the restart is marked.
         self.wait_for_page("document.getElementById('strip').dataset.restarts > 0", "the mark of the restart")
@@ -147,9 +150,8 @@ class Live(Page):
             if command == "brake":
                 self.wait_for_page("document.getElementById('string-note').textContent.startsWith('averages paused: the leader manoeuvres')", "the pause")
                 self.assertLess(state(self.url)["latest_step"], state(self.url)["paused_until"])
-        live_platoon.wait_for(lambda: "averages go on" in [event["text"] for event in state(self.url)["events"]], "the end of the pause")
-        kinds = [event["kind"] for event in state(self.url)["events"]]
-        self.assertEqual((kinds.count("order"), kinds.count("manoeuvre")), (2, 2))
+        live_platoon.wait_for(lambda: self.kinds("manoeuvre", "averages")[-3:] == ["manoeuvre", "manoeuvre", "averages"], "the end of the pause")
+        self.assertEqual(self.kinds("order"), ["order", "order"])
         own = dict(Content_Type="application/json", Origin=self.url)
         for wrong, words in (({"headway": 0.0}, "headway"), ({"headway": -1}, "headway"), ({"loss": 1.0}, "loss"), ({"noise_variance": -1}, "noise_variance")):
             status, answer = ask(self.url, "POST", "/command", json.dumps(dict(wrong, command="change")), **own)

@@ -20,6 +20,14 @@ std::vector<GainFactor> plain(const std::vector<RatedFactor>& factors) {
   return result;
 }
 
+/// Change of ln |1 - u t|, u = -2 (1 + s) / s^2, over t^order by a relative change of the pole or zero s by 1.
+double spread(std::complex<double> s, double t, int order) {
+  const std::complex<double> u = -2.0 * (1.0 + s) / (s * s);
+  const double reach = std::abs(u) * t;
+  if (order > 0 && reach < 0.5) return 2.0 * order * std::pow(std::abs(u), order);
+  return reach / std::abs(1.0 - u * t) / std::pow(t, order);
+}
+
 double frequency_of(long double t) {
   return t <= 1.0L ? frequency_at(t, Centre::kOne) : frequency_at(2.0L - t, Centre::kMinusOne);
 }
@@ -28,7 +36,9 @@ double frequency_of(long double t) {
 
 RatedFactor rated_factor(const ClosedLoop& loop) {
   const DeltaFraction transfer = delta_fraction(loop);
-  return {{poles_of(loop), zeros(transfer.numerator)}, {z_form(transfer.denominator), z_form(transfer.numerator)}};
+  RatedFactor result{{poles_of(loop), zeros(transfer.numerator)}, {}};
+  if (!loop.parts) result.rounded = {z_form(transfer.denominator), z_form(transfer.numerator)};
+  return result;
 }
 
 PatternGain::PatternGain(std::vector<RatedFactor> factors)
@@ -44,6 +54,12 @@ double PatternGain::doubt(double frequency) const {
   const bool near = nearest(frequency) == Centre::kOne;
   double sum = 0.0;
   for (const RatedFactor& factor : factors_) {
+    double spread_of_places = 0.0;
+    for (const auto* places : {&factor.factor.poles, &factor.factor.zeros}) {
+      for (const std::complex<long double>& s : *places)
+        spread_of_places += spread(std::complex<double>(s), t, near ? zeros_ : 0);
+    }
+    sum += static_cast<double>(factor.factor.count) * spread_of_places;
     for (const Polynomial& p : factor.rounded) {
       double spread = 0.0;
       for (Eigen::Index i = 0; i < p.size(); ++i) {

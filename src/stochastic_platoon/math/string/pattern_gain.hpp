@@ -17,7 +17,8 @@ struct LeastMargin {
   double frequency;  ///< [rad/sample]
 };
 
-/// One factor T = N/D of |prod T|^2, and the polynomials with rounded coefficients, which limit the accuracy of T.
+/// One factor T = N/D of |prod T|^2, and the polynomials with rounded coefficients, which limit the accuracy of T: none
+/// for a vehicle by parts.
 struct RatedFactor {
   GainFactor factor;
   std::vector<Polynomial> rounded;  ///< by powers of z; all multiply or divide T

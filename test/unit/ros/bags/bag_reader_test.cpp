@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
+#include <rosbag/view.h>
 #include <std_msgs/String.h>
 
 #include <set>
@@ -80,6 +81,19 @@ protected:
     return all;
   }
 
+  /// Each message of a bag with its topic and time.
+  static std::vector<std::string> raw(const std::string& file) {
+    std::vector<std::string> all;
+    const rosbag::Bag bag(file);
+    for (const rosbag::MessageInstance& message : rosbag::View(bag)) {
+      std::string bytes(message.size(), ' ');
+      ros::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(bytes.data()), message.size());
+      message.write(stream);
+      all.push_back(message.getTopic() + " " + std::to_string(message.getTime().toNSec()) + " " + bytes);
+    }
+    return all;
+  }
+
   TemporaryFolder folder_;
 };
 
@@ -92,19 +106,21 @@ TEST_F(BagReaderTest, ReadsWhatWasWritten) {
   }
 }
 
-// The number is prime to those of bits in what repeats.
-TEST_F(BagReaderTest, RefusesAFileWithAnyFlippedBit) {
+// The number is prime to those of bits in what repeats. A copy in lz4 may begin at another place of the same bytes.
+TEST_F(BagReaderTest, RefusesAFileWithAFlippedBitThatChangesAMessage) {
   for (const char* compression : {"none", "lz4"}) {
-    const std::string content = content_of(record("run.bag", compression));
+    const std::string file = record("run.bag", compression), content = content_of(file);
     for (std::size_t bit = 0; bit < 8 * content.size(); bit += 509) {
       std::string bent = content;
       bent[bit / 8] = static_cast<char>(bent[bit / 8] ^ (1 << bit % 8));
       for (const Accept accept : {Accept::whole, Accept::cut}) {
         const BagSource source{{folder_.file("bent.bag", bent)}, accept};
-        if (accept == Accept::cut && reason_to_refuse(source).empty()) {
+        if (!reason_to_refuse(source).empty()) continue;
+        if (accept == Accept::cut) {
           EXPECT_EQ(read(source).positions, steps(kSteps)) << compression << ", bit " << bit;
         } else {
-          EXPECT_NE(reason_to_refuse(source), "") << compression << ", bit " << bit;
+          EXPECT_STREQ(compression, "lz4") << "bit " << bit;
+          EXPECT_EQ(raw(source.files.front()), raw(file)) << "bit " << bit;
         }
       }
     }
@@ -145,14 +161,17 @@ TEST_F(BagReaderTest, ReadsWholeStepsOfAFileThatIsCutAnywhere) {
 TEST_F(BagReaderTest, OfDamageReadsWhatIsBeforeItIfAsked) {
   const std::string file = record("run.bag", "none", 0, 5000);
   std::string content = content_of(file);
-  content[content.size() / 2] = static_cast<char>(content[content.size() / 2] ^ 1);
+  const double middle = 0.5;  // the position of step 5
+  const std::size_t place = content.find(std::string(reinterpret_cast<const char*>(&middle), sizeof(middle)));
+  ASSERT_NE(place, std::string::npos);
+  content[place] = static_cast<char>(content[place] ^ 1);
   const std::string bent = folder_.file("bent.bag", content);
   EXPECT_NE(reason_to_refuse({{bent}, Accept::cut}), "");
   const Found found = read({{bent}, Accept::damaged});
   EXPECT_NE(found.remainder.ending.find("is damaged"), std::string::npos);
   EXPECT_EQ(found.positions, steps(static_cast<std::int64_t>(found.positions.size())));
-  EXPECT_GT(found.positions.size(), 2u);
-  EXPECT_LT(found.positions.size(), static_cast<std::size_t>(kSteps));
+  EXPECT_GE(found.positions.size(), 3u);
+  EXPECT_LE(found.positions.size(), 5u);
 }
 
 TEST_F(BagReaderTest, ReadsSeveralFilesInTheOrderOfTheirTimes) {

@@ -18,7 +18,7 @@ std::vector<std::string> shards(const TemporaryFolder& folder, std::uint64_t of)
   std::vector<std::string> folders;
   for (std::uint64_t i = 0; i < of; ++i) {
     folders.push_back(folder / ("shard-" + std::to_string(i)));
-    compute_shard(paper_shard(folders.back(), i, of), {});
+    compute_locked(paper_shard(folders.back(), i, of));
   }
   return folders;
 }
@@ -74,7 +74,7 @@ TEST(Merge, OfShardsWhoseErrorsAreNotNormalKeepsTheBitsOfAllFourMoments) {
     ShardRun run = paper_shard(folders.back(), i, 5);
     run.configuration.model.default_vehicle().link.loss = LossModel();
     run.configuration.model.default_vehicle().link.loss->probability = 0.2;
-    compute_shard(run, {});
+    compute_locked(run);
   }
   std::reverse(folders.begin(), folders.end());
   const MergedRun merged = merge(folders);
@@ -126,7 +126,7 @@ std::string named_difference(const std::function<void(ShardRun&)>& change) {
   std::filesystem::remove_all(folders[2]);
   ShardRun other = paper_shard(folders[2], 2, 3);
   change(other);
-  compute_shard(other, {});
+  compute_locked(other);
   const std::string said = refusal(folders), begin = folders[2] + ": is of another run than " + folders[0] + ": ";
   EXPECT_NE(said.find(begin), std::string::npos) << said;
   EXPECT_NE(said.find("shards 2 of 3: missing"), std::string::npos) << said;

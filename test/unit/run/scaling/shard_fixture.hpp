@@ -1,7 +1,9 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
+#include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "unit/paper_run.hpp"
 
@@ -15,6 +17,12 @@ inline ShardRun paper_shard(const std::string& output, std::uint64_t index, std:
   configuration.run.record_compression = "none";
   configuration.run.launch_id = name_of({index, of});
   return {configuration, {index, of}};
+}
+
+/// Computes a shard as the tools do, which lock its folder.
+inline void compute_locked(const ShardRun& run) {
+  const std::unique_ptr<FolderLock> lock = lock_output(run.configuration.run);
+  compute_shard(run, {});
 }
 
 }  // namespace platoon

@@ -11,6 +11,7 @@
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
+#include "unit/run/scaling/shard_fixture.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
@@ -125,7 +126,7 @@ TEST(Sweep, OfTasksOfAnArrayIsTheSame) {
   const auto task = [&](std::uint64_t number) {
     ShardRun part{sweep.configuration(number / 3), {number % 3, 3}};
     part.configuration.run.output = shard_folder(folder.path(), number / 3, number % 3);
-    compute_shard(part, {});
+    compute_locked(part);
   };
   for (const std::uint64_t number : {11, 0, 1, 2, 4, 6, 7, 8}) task(number);
   try {
