@@ -14,6 +14,7 @@ Configuration long_run(std::size_t followers, std::int64_t steps) {
   Configuration configuration = paper_run("");
   configuration.run.followers = followers;
   configuration.run.steps = steps;
+  if (steps == 0) configuration.run.burn_in = 200;
   return configuration;
 }
 
