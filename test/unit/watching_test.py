@@ -107,6 +107,15 @@ class State(unittest.TestCase):
         early.take_configuration(configuration(time_headway=2.4))
         self.assertEqual((early.document()["realizations"], early.document()["headway"]), (7, 2.4))
 
+    def test_the_parameter_is_the_same_configuration_as_the_topic(self):
+        fresh, text = state.PlatoonState(), configuration().data
+        fresh.take_configuration(message(data=text + "\n"))  # as configure prints it and the master keeps it
+        fresh.take_overview(overview(), 0.0)
+        fresh.take_configuration(message(data=text))
+        fresh.take_overview(overview(), 1.0)
+        self.assertEqual(fresh.document()["realizations"], 100)
+        self.assertEqual([event["text"] for event in fresh.document()["events"]][1:], ["the first step has arrived"])
+
     def test_a_late_overview_of_the_run_before_does_not_stay(self):
         self.state.take_overview(overview(run=1), 0.0)
         self.state.take_configuration(configuration(time_headway=2.4))

@@ -111,15 +111,16 @@ class PlatoonState:
             self.changed(kind)
 
     def take_configuration(self, message):
+        text = message.data.strip()  # the parameter ends with a newline, the topic's text does not
         with self.lock:
-            if message.data == self.text:
+            if text == self.text:
                 return
-            before, now = self.configuration, described(message.data)
+            before, now = self.configuration, described(text)
             if self.text is None or now != before or self.run is not None:
                 self.log.add_run(before, now)
             self.over = self.run
             self.begin(now)
-            self.text = message.data
+            self.text = text
             early, self.early = self.early, None
             if early:
                 self.add_overview(*early)
