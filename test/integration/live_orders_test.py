@@ -27,6 +27,9 @@ class Topic:
         self.messages = []
         self.subscriber = rospy.Subscriber(name, kind, self.messages.append, queue_size=100000)
 
+    def connections(self):
+        return list(self.subscriber.impl.connections)
+
     def of_step(self):
         return {message.step: message for message in list(self.messages)}
 
@@ -243,6 +246,7 @@ class Changes(Orders):
             answer = self.change(**bad)
             self.assertFalse(answer.success)
             self.assertIn(words, answer.message)
+        connections = [topic.connections() for topic in (snapshots, statistics)]
         answer = self.change(headway=2.4)
         self.assertTrue(answer.success, answer.message)
         self.assertIn("run 2 begins, headway 2.4: its statistics start anew", answer.message)
@@ -251,6 +255,8 @@ class Changes(Orders):
         live_platoon.wait_for(lambda: statistics.messages, "its statistics")
         self.assertLess(statistics.messages[0].step, stable.step, "the statistics do not start anew")
         unstable, _ = averaged(2.4, first_run)
+        # rospy would lose a topic that is withdrawn and advertised again.
+        self.assertEqual([topic.connections() for topic in (snapshots, statistics)], connections)
         terminal.interrupt()
         self.assertGreater(unstable.variance[-1], 3.0 * stable.variance[-1])
         # Each run has its own folder.

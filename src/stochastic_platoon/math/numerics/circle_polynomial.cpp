@@ -29,6 +29,11 @@ Centre nearest(double frequency) {
   return frequency < 1.5707963267948966 ? Centre::kOne : Centre::kMinusOne;
 }
 
+CirclePoint::CirclePoint(double w) : frequency(w), centre(nearest(w)) {
+  const long double half = static_cast<long double>(w) / 2.0L, sine = std::sin(half), cosine = std::cos(half);
+  offset = {centre == Centre::kOne ? -2.0L * sine * sine : 2.0L * cosine * cosine, 2.0L * sine * cosine};
+}
+
 long double circle_coordinate(double frequency, Centre centre) {
   const long double half_angle = static_cast<long double>(frequency) / 2.0L;
   const long double s = centre == Centre::kOne ? std::sin(half_angle) : std::cos(half_angle);
@@ -96,6 +101,15 @@ long double squared_modulus_at(const CirclePolynomial& b, Centre centre, long do
   }
   const long double constant = b[0] - pair_product * next;  // P = constant + u current
   return constant * constant + constant * current * pair_sum + current * current * pair_product;
+}
+
+std::complex<long double> power(std::complex<long double> z, std::size_t n) {
+  std::complex<long double> product = 1.0L;
+  for (; n > 0; n /= 2) {
+    if (n % 2 == 1) product *= z;
+    z *= z;
+  }
+  return product;
 }
 
 long double magnitude(const CirclePolynomial& p, long double t) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <complex>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
@@ -24,6 +26,15 @@ Centre nearest(double frequency);
 /// t = 1 - cos w about z = 1, 1 + cos w about z = -1, without cancellation.
 long double circle_coordinate(double frequency, Centre centre);
 
+/// A point e^{jw} of the unit circle by its offset from the nearer of 1 and -1, without cancellation.
+struct CirclePoint {
+  explicit CirclePoint(double frequency);
+
+  double frequency;
+  Centre centre;
+  std::complex<long double> offset;
+};
+
 /// The w in [0, pi] of a t.
 double frequency_at(long double t, Centre centre);
 
@@ -47,6 +58,20 @@ long double squared_modulus_at(const CirclePolynomial& b, Centre centre, long do
 
 /// p(t) by Horner's rule.
 long double evaluate(const CirclePolynomial& p, long double t);
+
+/// p(s) by Horner's rule, without the infinity handling of std::complex, which is slow.
+inline std::complex<long double> evaluate(const CirclePolynomial& p, std::complex<long double> s) {
+  long double real = 0.0L, imag = 0.0L;
+  for (auto c = p.rbegin(); c != p.rend(); ++c) {
+    const long double next = real * s.real() - imag * s.imag() + *c;
+    imag = real * s.imag() + imag * s.real();
+    real = next;
+  }
+  return {real, imag};
+}
+
+/// z^n by squaring.
+std::complex<long double> power(std::complex<long double> z, std::size_t n);
 
 /// sum_i |p_i| |t|^i, the scale of the rounding error of p(t).
 long double magnitude(const CirclePolynomial& p, long double t);

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+
 namespace platoon {
 
 namespace {
@@ -13,21 +15,13 @@ struct Value {
   long double size;  ///< sum of the moduli of the terms
 };
 
-Value evaluate(const DeltaPolynomial& p, Complex s) {
+Value rated(const DeltaPolynomial& p, Complex s) {
   Value result{0.0L, 0.0L, 0.0L};
   const long double length = std::abs(s);
   for (auto c = p.rbegin(); c != p.rend(); ++c) {
     result.slope = result.slope * s + result.value;
     result.value = result.value * s + *c;
     result.size = result.size * length + std::abs(*c);
-  }
-  return result;
-}
-
-Complex power(Complex z, std::size_t exponent) {
-  Complex result = 1.0L;
-  for (; exponent > 0; exponent /= 2, z *= z) {
-    if (exponent % 2 == 1) result *= z;
   }
   return result;
 }
@@ -45,7 +39,7 @@ std::vector<std::complex<long double>> zeros_behind_delay(const ExactPolynomial&
   for (int iteration = 0; iteration < 40; ++iteration) {
     bool settled = true;
     for (std::size_t i = 0; i < s.size(); ++i) {
-      const Value p = evaluate(first, s[i]), q = evaluate(second, s[i]);
+      const Value p = rated(first, s[i]), q = rated(second, s[i]);
       const Complex z = 1.0L + s[i], before = delay > 0 ? power(z, delay - 1) : 0.0L,
                     passed = delay > 0 ? before * z : 1.0L;
       const Complex value = p.value * passed + q.value;

@@ -36,10 +36,12 @@ double string_margin(const ClosedLoop& loop, double headway) {
   if (!(decay > 0.0)) return decay;
   const PatternGain gain({rated_factor(loop)});
   const LeastMargin least = gain.least();
-  const auto is_flat = [&](const LoopSpectrum& spectrum) {
+  const auto is_flat = [&] {  // then |T| < 1 is not sufficient
+    if (loop.parts) return gain.zeros() > *loop.integrators;
+    const LoopSpectrum spectrum(loop, headway);
     return spectrum.margin_zeros() > spectrum.sensitivity_zeros();
   };
-  const bool flat = gain.zeros() > 2 && is_flat(LoopSpectrum(loop, headway));  // then |T| < 1 is not sufficient
+  const bool flat = gain.zeros() > 2 && is_flat();
   return std::min(decay, flat ? std::min(least.value, 0.0) : least.value);
 }
 

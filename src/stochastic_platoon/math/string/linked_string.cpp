@@ -182,7 +182,8 @@ MeanSquare mean_square(const LinkedPattern& pattern) {
 }
 
 void judge(const LinkedPattern& pattern, double speed, StringStability& verdict) {
-  const char* const gain_name = pattern.size() > 1 ? "|T^| of one pattern" : "|T^|";
+  const bool plain = pattern.types.front().vehicle().link.is_white_noise_only();
+  const char* const gain_name = pattern.size() > 1 ? "|T^| of one pattern" : plain ? "|T|" : "|T^|";
   const PatternGain gain = pattern.gain();
   if (!judge_gain(gain, gain_name, verdict)) return;
   if (grows_at_zero(pattern, gain)) {

@@ -24,30 +24,9 @@ CirclePolynomial register_polynomial(const std::vector<double>& c, double factor
   return shifted;
 }
 
-// p(s) without the infinity handling of std::complex, which is slow.
-Complex evaluate_at(const CirclePolynomial& p, Complex s) {
-  long double real = 0.0L, imag = 0.0L;
-  for (auto c = p.rbegin(); c != p.rend(); ++c) {
-    const long double next = real * s.real() - imag * s.imag() + *c;
-    imag = real * s.imag() + imag * s.real();
-    real = next;
-  }
-  return {real, imag};
-}
-
 CirclePolynomial scaled(CirclePolynomial p, long double factor) {
   for (long double& c : p) c *= factor;
   return p;
-}
-
-// z^n by squaring.
-Complex power(Complex z, std::size_t n) {
-  Complex product = 1.0L;
-  for (; n > 0; n /= 2) {
-    if (n % 2 == 1) product *= z;
-    z *= z;
-  }
-  return product;
 }
 
 CirclePolynomial moduli(CirclePolynomial p) {
@@ -78,15 +57,11 @@ LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle)
       multiply(squared_modulus(near_.denominator, Centre::kOne), squared_modulus(near_.registers, Centre::kOne));
   margin_ = without_zero_at_origin(subtract(arriving, scaled(squared_modulus(near_.numerator, Centre::kOne), p * p)));
   factor_ = rated_factor(vehicle.loop);
+  if (vehicle.loop.parts) designed_.emplace(*vehicle.design, vehicle.headway);
   if (has_losses()) {
     for (const std::complex<long double>& s : zeros(near_.registers)) factor_.factor.poles.push_back(s);
     factor_.rounded.push_back(z_form(near_.registers));
   }
-}
-
-CirclePoint::CirclePoint(double w) : frequency(w), centre(nearest(w)) {
-  const long double half = static_cast<long double>(w) / 2.0L, sine = std::sin(half), cosine = std::cos(half);
-  offset = {centre == Centre::kOne ? -2.0L * sine * sine : 2.0L * cosine * cosine, 2.0L * sine * cosine};
 }
 
 LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
@@ -94,36 +69,46 @@ LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
   const Half& part = near ? near_ : far_;
   const Complex s = point.offset, z = s + (near ? 1.0L : -1.0L);
   const long double t = std::abs(s.real()), x = near ? t : 2.0L - t, h = vehicle_.headway;
-  const Complex numerator = evaluate_at(part.numerator, s);
-  const Complex denominator = evaluate_at(part.denominator, s), registers = evaluate_at(part.registers, s);
-  const long double of_loop = std::norm(denominator), of_link = std::norm(registers);
-  // F T and T^ with one division.
-  const Complex passed =
-      power(z, loss_.predictor.size()) * numerator * std::conj(denominator * registers) / (of_loop * of_link);
-  const long double p = 1.0L - static_cast<long double>(loss_.probability);
+  const Complex registers = evaluate(part.registers, s), powers = power(z, loss_.predictor.size());
+  const long double of_link = std::norm(registers), p = 1.0L - static_cast<long double>(loss_.probability);
+  const Complex surprise = evaluate(part.surprise, s);
+  Complex passed;  // F T
+  long double margin;
+  if (designed_) {
+    const DesignedGain::Value loop = designed_->at(point);
+    passed = loop.transfer * powers * std::conj(registers) / of_link;
+    const Complex predicted = (1.0L - p) / p * surprise / powers;  // 1 / (p F) = 1 + q / p (1 - L)
+    const long double of_prediction = 2.0L * predicted.real() + std::norm(predicted);
+    const long double excess = loop.excess + of_prediction + loop.excess * of_prediction;
+    margin = std::isinf(excess) ? 1.0L : excess / (1.0L + excess);
+  } else {
+    const Complex numerator = evaluate(part.numerator, s), denominator = evaluate(part.denominator, s);
+    const long double of_loop = std::norm(denominator), over = of_loop * of_link;
+    passed = powers * numerator * std::conj(denominator * registers) / over;
+    const long double gain = p * p * std::norm(passed);
+    margin = 1.0L - gain;
+    if (near && gain > 0.25L) {
+      // Uses the polynomial if the difference 1 - |T^|^2 cancels, and the difference if the polynomial cancels.
+      const long double size = std::sqrt(2.0L * t);
+      const auto share = [size](const CirclePolynomial& b, long double squared) {
+        return magnitude(b, size) / std::sqrt(squared);
+      };
+      const long double doubt = share(part.denominator, of_loop) + share(part.registers, of_link) +
+                                gain * share(part.numerator, std::norm(numerator));
+      if (magnitude(margin_, t) * t <= 2.0L * doubt * over) margin = evaluate(margin_, t) * t / over;
+    }
+  }
   const Complex policy = Complex(1.0L + h) - h * std::conj(z);
   const Complex undelayed = p * policy * passed;
   const Complex mean = power(std::conj(z), vehicle_.link.delay) * undelayed;
-  const long double gain = p * p * std::norm(passed);
-  long double margin = 1.0L - gain;
-  if (near && gain > 0.25L) {
-    // Uses the polynomial if the difference 1 - |T^|^2 cancels, and the difference if the polynomial cancels.
-    const long double size = std::sqrt(2.0L * t), over = of_loop * of_link;
-    const auto share = [size](const CirclePolynomial& b, long double squared) {
-      return magnitude(b, size) / std::sqrt(squared);
-    };
-    const long double doubt = share(part.denominator, of_loop) + share(part.registers, of_link) +
-                              gain * share(part.numerator, std::norm(numerator));
-    if (magnitude(margin_, t) * t <= 2.0L * doubt * over) margin = evaluate(margin_, t) * t / over;
-  }
   const double coloured = vehicle_.link.has_white_noise()
                               ? 1.0
                               : std::norm(vehicle_.link.noise_filter(static_cast<std::complex<double>>(z)));
   const double quantisation = vehicle_.link.quantisation_step;
-  return {static_cast<double>(gain),
+  return {static_cast<double>(p * p * std::norm(passed)),
           static_cast<double>(margin),
           static_cast<double>(std::norm(passed)),
-          static_cast<double>(std::norm(evaluate_at(part.surprise, s)) / of_link),
+          static_cast<double>(std::norm(surprise) / of_link),
           coloured * vehicle_.noise_variance + quantisation * quantisation / 12.0,
           static_cast<double>(std::norm(1.0L - mean)),
           static_cast<double>(1.0L + 2.0L * h * (1.0L + h) * x),
@@ -132,7 +117,9 @@ LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
 
 ZerosAtZero LinkedVehicle::zeros_at_zero() const {
   ZerosAtZero zeros{1, 1, 0};
-  if (lag() == 0.0) {
+  if (lag() == 0.0 && designed_ && !has_losses()) {
+    zeros.complement = *vehicle_.loop.integrators;
+  } else if (lag() == 0.0) {
     // 1 - H T^ = (z D R - ((1 + h) z - h) p z^n N) / (z D R), with two zeros at s = 0 as nothing lags.
     const long double h = vehicle_.headway, p = 1.0L - static_cast<long double>(loss_.probability);
     CirclePolynomial open = multiply({1.0L, 1.0L}, multiply(near_.denominator, near_.registers));

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+#include "stochastic_platoon/math/string/designed_gain.hpp"
 #include "stochastic_platoon/math/string/pattern_gain.hpp"
 
 namespace platoon {
@@ -20,15 +22,6 @@ struct LinkedVehicleValue {
   double complement;               ///< |1 - H T^|^2
   double headway;                  ///< |H|^2
   std::complex<double> undelayed;  ///< H p F T: H T^ without the delay z^-m
-};
-
-/// A point e^{jw} of the unit circle by its offset from the nearer of 1 and -1, without cancellation.
-struct CirclePoint {
-  explicit CirclePoint(double frequency);
-
-  double frequency;
-  Centre centre;
-  std::complex<long double> offset;
 };
 
 /// Multiplicity of the factor w^2 in spectral gains at low frequencies.
@@ -88,7 +81,8 @@ private:
   LossModel loss_;  ///< probability 0 without a loss stage
   double spectral_radius_, loss_feedback_;
   Half near_, far_;
-  CirclePolynomial margin_;  ///< |D^|^2 - |N^|^2 over t, about z = 1
+  std::optional<DesignedGain> designed_;  ///< of a vehicle by parts
+  CirclePolynomial margin_;               ///< of any other one: |D^|^2 - |N^|^2 over t, about z = 1
   RatedFactor factor_;
 };
 

@@ -1,7 +1,9 @@
 #include "stochastic_platoon/math/string/pattern_gain.hpp"
 
 #include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
@@ -101,24 +103,18 @@ std::vector<double> PatternGain::maxima() const {
   const double pi = frequency_of(2.0L);
   nodes.push_back(pi);
   std::vector<double> found{pi};
-  long double from = 0.0L;
-  bool falls = attenuation_.slope(from) < 0.0L;
+  const auto slope = [this](long double t) { return attenuation_.slope(t); };
+  const auto close = [](long double a, long double b) { return b - a <= 1e-15L * b; };
+  long double from = 0.0L, before = slope(from);
   for (std::size_t k = 1; k < nodes.size(); ++k) {
-    const long double end = circle_coordinate(nodes[k], Centre::kOne);
-    const bool fell = falls;
-    falls = attenuation_.slope(end) < 0.0L;
-    long double to = end;
-    if (!fell || falls) {
-      from = end;
-      continue;
+    const long double to = circle_coordinate(nodes[k], Centre::kOne), behind = slope(to);
+    if (before < 0.0L && !(behind < 0.0L)) {
+      std::uintmax_t evaluations = 100;
+      found.push_back(
+          frequency_of(boost::math::tools::toms748_solve(slope, from, to, before, behind, close, evaluations).second));
     }
-    while (to - from > 1e-15L * to) {
-      const long double middle = from + (to - from) / 2.0L;
-      if (middle <= from || middle >= to) break;
-      (attenuation_.slope(middle) < 0.0L ? from : to) = middle;
-    }
-    found.push_back(frequency_of(to));
-    from = end;
+    from = to;
+    before = behind;
   }
   std::sort(found.begin(), found.end());
   return found;

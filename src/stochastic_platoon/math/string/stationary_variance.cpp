@@ -111,7 +111,7 @@ void drop_spent(std::vector<Mode>& modes, double links, double variance) {
 }  // namespace
 
 std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers) {
-  if (!is_papers(model)) return linked_stationary_variances(model, followers);
+  if (!is_papers(model) || model.default_vehicle().loop.parts) return linked_stationary_variances(model, followers);
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   std::vector<double> variances(followers, std::numeric_limits<double>::quiet_NaN());
   if (spectral_radius(model.default_vehicle().loop) >= 1.0) return variances;

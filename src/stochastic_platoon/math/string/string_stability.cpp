@@ -65,7 +65,7 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
 }
 
 StringStability string_stability(const PlatoonModel& model) {
-  if (!is_papers(model)) return linked_string_stability(model);
+  if (!is_papers(model) || model.default_vehicle().loop.parts) return linked_string_stability(model);
   const LoopSpectrum spectrum(model.default_vehicle().loop, model.default_vehicle().headway);
   StringStability verdict;
   verdict.spectral_radius = spectral_radius(model.default_vehicle().loop);

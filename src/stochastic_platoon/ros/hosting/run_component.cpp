@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "stochastic_platoon/ros/transport/kept_topics.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 
@@ -67,6 +68,7 @@ int run_node(int argc, char** argv, const NodeTraits& traits, const std::functio
   const std::string address_before = registered_address();
   // Outside the try block: keeps ROS, and with it the console, alive until the error is logged.
   const ros::NodeHandle platoon;
+  const KeptTopics topics;
   try {
     require_other_address(address_before, arguments);
     run(platoon);

@@ -1,9 +1,11 @@
 #include "stochastic_platoon/ros/observation/diagnostics.hpp"
 
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
 #include <algorithm>
 
+#include "stochastic_platoon/ros/transport/kept_topics.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
 
 namespace platoon {
@@ -63,6 +65,7 @@ void Diagnostics::add(const std::string& name, Fill fill) {
 void Diagnostics::update() {
   if (++seconds_ < kFirst) return;
   if (!updater_) {
+    kept(platoon_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1));
     updater_ = std::make_unique<diagnostic_updater::Updater>(platoon_);
     updater_->setHardwareID("none");
     for (const auto& entry : fills_) updater_->add(entry.first, entry.second);

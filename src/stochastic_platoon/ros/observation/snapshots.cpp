@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/ros/transport/kept_topics.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
 
 namespace platoon {
@@ -19,7 +20,7 @@ Snapshots::Snapshots(ros::NodeHandle platoon, const std::string& topic, std::siz
     : errors_(std::move(errors)),
       sample_period_(sample_period),
       assembly_(streams, kSnapshotPeriod),
-      publisher_(platoon.advertise<stochastic_platoon::Snapshot>(topic, 10)) {
+      publisher_(kept(platoon.advertise<stochastic_platoon::Snapshot>(topic, 10))) {
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kSnapshotPeriod), [this](const auto&) { publish(); });
 }
 

@@ -10,6 +10,7 @@
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/ros/observation/overview.hpp"
+#include "stochastic_platoon/ros/transport/kept_topics.hpp"
 
 namespace platoon {
 
@@ -41,9 +42,9 @@ StatisticsPublisher::StatisticsPublisher(ros::NodeHandle platoon, const Configur
     : run_(configuration.run),
       prediction_(prediction),
       identity_(run),
-      error_statistics_(platoon.advertise<ErrorStatistics>(kErrorStatisticsTopic, 1000, true)),
-      overview_(platoon.advertise<Overview>(kOverviewTopic, 1, true)),
-      configuration_(platoon.advertise<std_msgs::String>(kConfigurationTopic, 1, true)) {
+      error_statistics_(kept(platoon.advertise<ErrorStatistics>(kErrorStatisticsTopic, 1000, true))),
+      overview_(kept(platoon.advertise<Overview>(kOverviewTopic, 1, true))),
+      configuration_(kept(platoon.advertise<std_msgs::String>(kConfigurationTopic, 1, true))) {
   std_msgs::String text;
   text.data = to_json(configuration).dump();
   configuration_.publish(text);
