@@ -1,0 +1,79 @@
+#!/usr/bin/python3
+"""equal_architectures.py FOLDER FOLDER: whether two machines computed the same in every statistics.csv and *.json below the first.
+
+Measured columns must be equal to the bit. Figures of the theory are computed with the machine's long double, which has 64 bits on
+x86-64 and 113 on AArch64: they must agree to 1e-12 in tables, relative to the largest of the column, and to 1e-9 in analyze.
+"""
+
+import json
+import math
+import os
+import sys
+
+import equal_bits
+
+
+def differing(ours, theirs):
+    """Names of the columns that are not equal in all digits, with their largest difference relative to the column's largest value."""
+    for column in ours[0]:
+        pairs = [(float(a[column] or "nan"), float(b[column] or "nan")) for a, b in zip(ours, theirs) if a[column] != b[column]]
+        if pairs:
+            yield column, max(abs(a - b) for a, b in pairs) / max(abs(float(row[column] or 0)) for row in ours)
+
+
+def figures(value, name=""):
+    """The leaves of a JSON document, by name."""
+    if isinstance(value, (dict, list)):
+        for key, part in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from figures(part, "{}/{}".format(name, key))
+    else:
+        yield name, value
+
+
+def compare_statistics(first, second):
+    ours, theirs = equal_bits.rows(first), equal_bits.rows(second)
+    equal = len(ours) == len(theirs)
+    for column, difference in differing(ours, theirs):
+        allowed = 1e-12 if column.startswith("theoretical") else 0.0
+        equal = equal and difference <= allowed
+        print("{}: {}: differs by {:.2g} of the largest, allowed {:g}".format(second, column, difference, allowed))
+    return equal
+
+
+def compare_figures(first, second):
+    with open(first) as ours, open(second) as theirs:
+        ours, theirs = dict(figures(json.load(ours))), dict(figures(json.load(theirs)))
+    equal = ours.keys() == theirs.keys()
+    most, name = 0.0, ""
+    for key in ours.keys() & theirs.keys():
+        if ours[key] == theirs[key]:
+            continue
+        if not all(isinstance(value, float) and math.isfinite(value) for value in (ours[key], theirs[key])):
+            equal = False
+            print("{}: {}: {} and {}".format(second, key, ours[key], theirs[key]))
+            continue
+        most, name = max((most, name), (abs(ours[key] / theirs[key] - 1.0), key))
+    if most > 0.0:
+        print("{}: at most {:.2g} apart, {}".format(second, most, name))
+    return equal and most <= 1e-9
+
+
+def main(first, second):
+    equal = compared = 0
+    for folder, _, names in os.walk(first):
+        there = os.path.join(second, os.path.relpath(folder, first))
+        if not os.path.isdir(there):
+            continue
+        for name in names:
+            if name == "statistics.csv":
+                compared += 1
+                equal += compare_statistics(folder, there)
+            elif name.endswith(".json") and name != "summary.json":
+                compared += 1
+                equal += compare_figures(os.path.join(folder, name), os.path.join(there, name))
+    print("{} of {} equal".format(equal, compared))
+    return 0 if equal == compared > 0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
