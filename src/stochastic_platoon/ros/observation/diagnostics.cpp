@@ -65,7 +65,7 @@ void Diagnostics::add(const std::string& name, Fill fill) {
 void Diagnostics::update() {
   if (++seconds_ < kFirst) return;
   if (!updater_) {
-    kept(platoon_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1));
+    advertise_kept<diagnostic_msgs::DiagnosticArray>(platoon_, "/diagnostics", 1);
     updater_ = std::make_unique<diagnostic_updater::Updater>(platoon_);
     updater_->setHardwareID("none");
     for (const auto& entry : fills_) updater_->add(entry.first, entry.second);

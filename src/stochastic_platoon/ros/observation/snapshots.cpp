@@ -20,7 +20,7 @@ Snapshots::Snapshots(ros::NodeHandle platoon, const std::string& topic, std::siz
     : errors_(std::move(errors)),
       sample_period_(sample_period),
       assembly_(streams, kSnapshotPeriod),
-      publisher_(kept(platoon.advertise<stochastic_platoon::Snapshot>(topic, 10))) {
+      publisher_(advertise_kept<stochastic_platoon::Snapshot>(platoon, topic, 10)) {
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kSnapshotPeriod), [this](const auto&) { publish(); });
 }
 

@@ -42,9 +42,9 @@ StatisticsPublisher::StatisticsPublisher(ros::NodeHandle platoon, const Configur
     : run_(configuration.run),
       prediction_(prediction),
       identity_(run),
-      error_statistics_(kept(platoon.advertise<ErrorStatistics>(kErrorStatisticsTopic, 1000, true))),
-      overview_(kept(platoon.advertise<Overview>(kOverviewTopic, 1, true))),
-      configuration_(kept(platoon.advertise<std_msgs::String>(kConfigurationTopic, 1, true))) {
+      error_statistics_(advertise_kept<ErrorStatistics>(platoon, kErrorStatisticsTopic, 1000, true)),
+      overview_(advertise_kept<Overview>(platoon, kOverviewTopic, 1, true)),
+      configuration_(advertise_kept<std_msgs::String>(platoon, kConfigurationTopic, 1, true)) {
   std_msgs::String text;
   text.data = to_json(configuration).dump();
   configuration_.publish(text);

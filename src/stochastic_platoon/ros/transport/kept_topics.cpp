@@ -1,9 +1,11 @@
 #include "stochastic_platoon/ros/transport/kept_topics.hpp"
 
+#include <ros/callback_queue.h>
+#include <ros/init.h>
+
 #include <map>
 #include <mutex>
 #include <string>
-#include <utility>
 
 namespace platoon {
 
@@ -21,10 +23,12 @@ Registry& registry() {
 
 }  // namespace
 
-ros::Publisher kept(ros::Publisher publisher) {
+void keep_advertised(ros::NodeHandle node, ros::AdvertiseOptions options) {
   const std::lock_guard<std::mutex> lock(registry().mutex);
-  registry().topics[publisher.getTopic()] = publisher;
-  return publisher;
+  ros::Publisher& topic = registry().topics[node.resolveName(options.topic)];
+  if (topic) return;
+  options.callback_queue = ros::getGlobalCallbackQueue();
+  topic = node.advertise(options);
 }
 
 KeptTopics::~KeptTopics() {
