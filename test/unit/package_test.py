@@ -4,11 +4,13 @@
 import ast
 import os
 import re
+import subprocess
 import sys
 import unittest
 import xml.etree.ElementTree
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+TOP = {"CHANGELOG.rst", "CMakeLists.txt", "LICENSE", "README.md", "config", "launch", "msg", "package.xml", "src", "test"}  # and dot-files
 OURS = {"plotting", "stochastic_platoon", "watching"}
 NAMED_FILE = re.compile(r"(?<![\w/.*-])((?:src|launch|config|msg|test)/[\w/.-]+\.(?:py|cpp|hpp|launch|yaml|md|msg|srv|js|html))\b")
 
@@ -60,6 +62,12 @@ class Package(unittest.TestCase):
                     self.assertTrue(any(os.path.exists(os.path.join(PACKAGE, place)) for place in (path, beside)),
                                     "{} names {}, which does not exist".format(name, path))
         self.assertGreater(found, 50)
+
+    @unittest.skipUnless(os.path.exists(os.path.join(PACKAGE, ".git")), "needs the repository")
+    def test_nothing_else_lies_at_the_top_level(self):
+        tracked = subprocess.run(["git", "-c", "safe.directory=*", "-C", PACKAGE, "ls-files"], stdout=subprocess.PIPE, universal_newlines=True, check=True)
+        top = {name.split("/")[0] for name in tracked.stdout.splitlines()}
+        self.assertEqual({name for name in top if not name.startswith(".")}, TOP)
 
 
 if __name__ == "__main__":
