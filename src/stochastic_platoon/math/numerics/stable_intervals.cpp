@@ -22,7 +22,8 @@ struct Sample {
 
 class MarginCurve {
 public:
-  explicit MarginCurve(const StabilityMargin& margin) : margin_(margin) {}
+  MarginCurve(const StabilityMargin& margin, const StabilityMargin& necessary)
+      : margin_(margin), necessary_(necessary) {}
 
   Sample at(double place) const { return {place, margin_(place)}; }
 
@@ -46,22 +47,37 @@ public:
     return middle;
   }
 
-  /// The border between a stable and an unstable place a < b, on its stable side.
-  double border(Sample a, Sample b) const {
+  /// The border between a stable and an unstable place, on its stable side.
+  double border(Sample stable, Sample unstable) const {
+    if (necessary_) {
+      const Sample from{stable.place, necessary_(stable.place)}, to{unstable.place, necessary_(unstable.place)};
+      if (from.stable() && !to.stable()) {
+        const Sample nearest = at(border_of(necessary_, from, to));
+        if (nearest.stable()) return nearest.place;
+        unstable = nearest;
+      }
+    }
+    return border_of(margin_, stable, unstable);
+  }
+
+private:
+  static double border_of(const StabilityMargin& margin, const Sample& stable, const Sample& unstable) {
     // Zero and NaN count as unstable, so the solver does not stop at an exact root.
     const auto signed_margin = [](double margin) {
       return margin > 0.0 || margin < 0.0 ? margin : -std::numeric_limits<double>::min();
     };
     const auto close = [](double from, double to) { return to - from <= 1e-12 * to; };
     std::uintmax_t evaluations = 200;
+    const bool ascending = stable.place < unstable.place;
+    const Sample &a = ascending ? stable : unstable, &b = ascending ? unstable : stable;
     const std::pair<double, double> bracket =
-        boost::math::tools::toms748_solve([&](double place) { return signed_margin(margin_(place)); }, a.place, b.place,
+        boost::math::tools::toms748_solve([&](double place) { return signed_margin(margin(place)); }, a.place, b.place,
                                           signed_margin(a.margin), signed_margin(b.margin), close, evaluations);
-    return a.stable() ? bracket.first : bracket.second;
+    return ascending ? bracket.first : bracket.second;
   }
 
-private:
   const StabilityMargin& margin_;
+  const StabilityMargin& necessary_;
 };
 
 // The samples at `places`, plus one wherever the margin changes sign between two samples of the same sign.
@@ -87,13 +103,14 @@ std::vector<Sample> samples_of(const MarginCurve& curve, const std::vector<doubl
 
 }  // namespace
 
-std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places) {
-  const MarginCurve curve(margin);
+std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places,
+                                             const StabilityMargin& necessary) {
+  const MarginCurve curve(margin, necessary);
   const std::vector<Sample> samples = samples_of(curve, places);
   std::vector<StableInterval> intervals;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (!samples[i].stable()) continue;
-    const double from = i == 0 ? samples[i].place : curve.border(samples[i - 1], samples[i]);
+    const double from = i == 0 ? samples[i].place : curve.border(samples[i], samples[i - 1]);
     while (i + 1 < samples.size() && samples[i + 1].stable()) ++i;
     const double to = i + 1 < samples.size() ? curve.border(samples[i], samples[i + 1]) : samples[i].place;
     intervals.push_back({from, to});

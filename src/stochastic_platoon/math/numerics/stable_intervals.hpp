@@ -17,6 +17,10 @@ struct StableInterval {
 /// order and with ends to 1e-13 relative. The margin is sampled at `places`; if it turns near zero between samples
 /// without changing sign, the search follows it to its extreme. A stretch is missed only if the margin turns more than
 /// once between two samples.
-std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places);
+///
+/// `necessary`, if given, is a margin that is cheaper to compute and positive wherever `margin` is. Each end is first
+/// looked for where this margin changes sign, as the other one may jump there.
+std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places,
+                                             const StabilityMargin& necessary = {});
 
 }  // namespace platoon

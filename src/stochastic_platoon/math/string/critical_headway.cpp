@@ -75,9 +75,10 @@ StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range)
       range);
 }
 
-StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range) {
+StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range,
+                               const StabilityMargin& necessary) {
   const std::vector<double> samples = samples_of(range);
-  StableHeadways result{stable_intervals(margin, samples), {}, range, {}};
+  StableHeadways result{stable_intervals(margin, samples, necessary), {}, range, {}};
   if (!result.intervals.empty() && result.intervals.back().to == samples.back())
     result.critical = result.intervals.back().from;
   return result;
@@ -96,14 +97,15 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
                             range);
   } else {
     const LinkedPattern pattern = linked_pattern(model);
-    const auto margin = [&](double headway) {
+    const auto at = [&](double headway, double (*margin)(const LinkedPattern&)) {
       try {
-        return linked_string_margin(linked_pattern(with_headway(model, headway), pattern));
+        return margin(linked_pattern(with_headway(model, headway), pattern));
       } catch (const std::invalid_argument&) {
         return -1.0;
       }
     };
-    found = stable_headways(StabilityMargin(margin), range);
+    found = stable_headways([&](double headway) { return at(headway, linked_string_margin); }, range,
+                            [&](double headway) { return at(headway, linked_gain_margin); });
   }
   found.types = types;
   return found;

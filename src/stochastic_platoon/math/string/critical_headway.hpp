@@ -44,8 +44,9 @@ struct StableHeadways {
 /// unless 0 < from < to and samples >= 2.
 StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range = {});
 
-/// The same for any margin as a function of the headway.
-StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range);
+/// The same for any margin as a function of the headway; `necessary` as in stable_intervals().
+StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range,
+                               const StabilityMargin& necessary = {});
 
 /// Stable headways of the default vehicle and of the types that inherit its headway, in the range about the model's
 /// own. None if one of these has a given closed loop, which fits one headway only, or if the string contains none of

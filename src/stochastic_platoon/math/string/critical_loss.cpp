@@ -28,10 +28,12 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   for (int i = 0; i < 99; i += stride) samples.push_back(0.01 * i);
   samples.push_back(0.99);
   const LinkedPattern pattern = linked_pattern(with_loss(model, model.default_vehicle().link.loss->probability));
-  const auto margin = [&](double probability) {
-    return linked_string_margin(linked_pattern(with_loss(model, probability), pattern));
-  };
-  StableLosses losses{stable_intervals(margin, samples), {}, types};
+  const auto at = [&](double probability) { return linked_pattern(with_loss(model, probability), pattern); };
+  StableLosses losses{
+      stable_intervals([&](double probability) { return linked_string_margin(at(probability)); }, samples,
+                       [&](double probability) { return linked_gain_margin(at(probability)); }),
+      {},
+      types};
   if (losses.intervals.empty() || losses.intervals.front().from > 0.0) return losses;
   if (losses.intervals.front().to < samples.back()) losses.critical = losses.intervals.front().to;
   return losses;

@@ -257,16 +257,23 @@ StringStability linked_string_stability(const PlatoonModel& model) {
   return verdict;
 }
 
-double linked_string_margin(const LinkedPattern& pattern) {
+double linked_gain_margin(const LinkedPattern& pattern) {
   const MeanSquare worst = mean_square(pattern);
-  if (!worst.stable()) return std::max(-1.0, 1.0 - std::max(worst.spectral_radius, worst.loss_feedback));
+  const double decay = 1.0 - std::max(worst.spectral_radius, worst.loss_feedback);
+  if (!worst.stable()) return std::max(-1.0, decay);
   const PatternGain gain = pattern.gain();
   const double least = gain.least().value;
   if (!(least > 0.0) || grows_at_zero(pattern, gain)) return std::min(least, 0.0);
-  double loss_gain = any_losses(pattern) ? coarse_loss_gain(PatternSpectra(pattern, gain, true, 0), pattern) : 0.0;
+  return std::min(decay, least);
+}
+
+double linked_string_margin(const LinkedPattern& pattern) {
+  const double of_gain = linked_gain_margin(pattern);
+  if (!(of_gain > 0.0) || !any_losses(pattern)) return of_gain;
+  const PatternGain gain = pattern.gain();
+  double loss_gain = coarse_loss_gain(PatternSpectra(pattern, gain, true, 0), pattern);
   if (std::abs(loss_gain - 1.0) < 1e-9) loss_gain = loss_gain_of(pattern, gain);  // with refined panels
-  return std::min(
-      {1.0 - worst.spectral_radius, 1.0 - worst.loss_feedback, least, 1.0 / std::max(loss_gain, 1e-3) - 1.0});
+  return std::min(of_gain, 1.0 / std::max(loss_gain, 1e-3) - 1.0);
 }
 
 }  // namespace platoon

@@ -35,4 +35,7 @@ StringStability linked_string_stability(const PlatoonModel& model);
 /// Positive exactly if linked_string_stability() finds the platoon string stable.
 double linked_string_margin(const LinkedPattern& pattern);
 
+/// Positive exactly if linked_string_stability() has no objection but the loss gain; needs no spectra.
+double linked_gain_margin(const LinkedPattern& pattern);
+
 }  // namespace platoon

@@ -1,0 +1,44 @@
+#include "stochastic_platoon/math/numerics/stable_intervals.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace platoon {
+namespace {
+
+const std::vector<double> kPlaces{0.5, 1.5, 2.5, 3.5};
+
+// Stable up to 2.2, where the necessary margin passes zero and the full one jumps.
+TEST(StableIntervals, AJumpIsFoundFromTheNecessaryMargin) {
+  int evaluations = 0;
+  const auto margin = [&evaluations](double x) {
+    ++evaluations;
+    return x < 2.2 ? 0.7 : 0.0;
+  };
+  const std::vector<StableInterval> found = stable_intervals(margin, kPlaces, [](double x) { return 2.2 - x; });
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found.front().from, 0.5);
+  EXPECT_NEAR(found.front().to, 2.2, 1e-11);
+  EXPECT_LT(found.front().to, 2.2);
+  EXPECT_EQ(evaluations, static_cast<int>(kPlaces.size()) + 1);
+}
+
+TEST(StableIntervals, TheFullMarginDecidesBeforeTheNecessaryOne) {
+  const auto necessary = [](double x) { return x - 0.7; };
+  const std::vector<StableInterval> found = stable_intervals([](double x) { return x - 1.25; }, kPlaces, necessary);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found.front().from, 1.25, 1e-11);
+  EXPECT_EQ(found.front().to, 3.5);
+}
+
+TEST(StableIntervals, WithoutANecessaryMarginAJumpIsBisected) {
+  const std::vector<StableInterval> found =
+      stable_intervals([](double x) { return x > 1.1 && x < 2.9 ? 1.0 : -1.0; }, kPlaces);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found.front().from, 1.1, 1e-11);
+  EXPECT_NEAR(found.front().to, 2.9, 1e-11);
+}
+
+}  // namespace
+}  // namespace platoon
