@@ -15,8 +15,8 @@ struct Scores {
   double variance;
 };
 
-/// Number of independent values that one of several correlated values is worth for their mean and for their variance,
-/// and the mean of their unbiased variance relative to that of independent values.
+/// Number of independent values that one of n correlated values of variance v is worth: their mean has variance v / (n
+/// mean), their unbiased variance has variance 2 v^2 / ((n - 1) variance) and mean v expected.
 struct IndependentShare {
   double mean = 1.0;
   double variance = 1.0;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "stochastic_platoon/math/statistics/agreement.hpp"
 #include "stochastic_platoon/math/statistics/batch_moments.hpp"
 #include "stochastic_platoon/math/statistics/moment_table.hpp"
 #include "stochastic_platoon/math/statistics/moments.hpp"
@@ -65,6 +66,9 @@ public:
 
   /// Moments per cell (follower and step), or per follower for averages over time.
   virtual std::vector<Moments> moments() const = 0;
+
+  /// Over time: what the errors of each follower are worth, as measured (see BatchMeans); else empty.
+  virtual std::vector<IndependentShare> shares() const { return {}; }
 
   /// Totals from which another run can continue, for averages over realizations. Null over time: there moments()
   /// serves.

@@ -9,7 +9,11 @@ constexpr std::int64_t kBeforeAll = -2;
 }
 
 TimeStatistics::TimeStatistics(std::size_t followers, std::int64_t burn_in, std::vector<Moments> earlier)
-    : burn_in_(burn_in), counts_from_(burn_in), earlier_(std::move(earlier)), followers_(followers) {
+    : burn_in_(burn_in),
+      counts_from_(burn_in),
+      earlier_(std::move(earlier)),
+      followers_(followers),
+      batches_(followers) {
   earlier_.resize(followers);
 }
 
@@ -52,7 +56,9 @@ void TimeStatistics::count_due(std::size_t index) {
   for (auto next = follower.early.begin(); next != follower.early.end() && next->first == follower.next_step;
        next = follower.early.erase(next), ++follower.next_step) {
     if (leader_step_ != kNever && next->first > leader_step_ + hops) return;
-    if (counts(index, next->first)) follower.moments.add(next->second);
+    if (!counts(index, next->first)) continue;
+    follower.moments.add(next->second);
+    batches_[index - 1].add(next->second);
   }
 }
 
@@ -75,6 +81,12 @@ std::int64_t TimeStatistics::counted_from() const {
 std::vector<Moments> TimeStatistics::moments() const {
   std::vector<Moments> all;
   for (std::size_t i = 0; i < followers_.size(); ++i) all.push_back(merge(earlier_[i], followers_[i].moments));
+  return all;
+}
+
+std::vector<IndependentShare> TimeStatistics::shares() const {
+  std::vector<IndependentShare> all;
+  for (const BatchMeans& batches : batches_) all.push_back(batches.share());
   return all;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "stochastic_platoon/math/statistics/batch_means.hpp"
 #include "stochastic_platoon/math/statistics/error_averages.hpp"
 
 namespace platoon {
@@ -19,7 +20,7 @@ namespace platoon {
 /// k - i + 1, the latest on which zeta_i(k) depends.
 ///
 /// The errors of a follower are added in the order of their steps, whatever their order of arrival, so the sums have
-/// the same bits. Successive errors are correlated: the standard errors of independent values do not hold.
+/// the same bits. Successive errors are correlated: shares() measures what they are worth.
 class TimeStatistics : public ErrorAverages {
 public:
   /// `earlier`: moments() of earlier realizations, one per follower; may be empty.
@@ -38,6 +39,7 @@ public:
   std::int64_t counted_from() const override;
   /// One per follower; count is the number of steps in it.
   std::vector<Moments> moments() const override;
+  std::vector<IndependentShare> shares() const override;
   const MomentTable* totals() const override { return nullptr; }
 
 private:
@@ -57,6 +59,7 @@ private:
   std::int64_t counted_from_ = kNever;  ///< first step counted before it
   std::vector<Moments> earlier_;        ///< of earlier realizations, one per follower
   std::vector<Follower> followers_;     ///< of the current realization
+  std::vector<BatchMeans> batches_;     ///< of all realizations of this process, one per follower
 };
 
 }  // namespace platoon

@@ -125,7 +125,7 @@ ErrorCorrelation::ErrorCorrelation(std::vector<double> autocorrelation, double s
   if (keep) kept_ = std::move(autocorrelation);
 }
 
-EffectiveSample ErrorCorrelation::of(std::uint64_t steps, std::uint64_t stretches) const {
+IndependentShare ErrorCorrelation::of(std::uint64_t steps, std::uint64_t stretches) const {
   const std::uint64_t one = steps / std::max<std::uint64_t>(stretches, 1);  // steps per stretch
   if (one < 2 || length_ == 0 || (one < 2 * length_ && kept_.empty())) return {kNaN, kNaN, kNaN};
   const auto n = static_cast<double>(steps), m = static_cast<double>(stretches);

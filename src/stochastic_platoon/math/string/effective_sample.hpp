@@ -5,17 +5,9 @@
 #include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/statistics/agreement.hpp"
 
 namespace platoon {
-
-/// Number of independent errors that one step of a time average is worth, given that successive errors are correlated.
-/// For n steps the mean has variance P / (n mean), and the unbiased variance s^2 has variance 2 P^2 / ((n - 1)
-/// variance) and mean P expected.
-struct EffectiveSample {
-  double mean = 1.0;
-  double variance = 1.0;
-  double expected = 1.0;
-};
 
 /// The autocovariance of one follower's stationary error, and the effective sample size of averages over any number of
 /// its steps.
@@ -43,7 +35,7 @@ public:
   /// Worth of one of `steps` steps in `stretches` independent stretches of successive steps. The stretches have equal
   /// lengths, or any lengths of at least 2 length(). NaN for fewer than two steps per stretch, for an unknown
   /// correlation, and for stretches of fewer than 2 length() steps if the autocorrelation was not kept.
-  EffectiveSample of(std::uint64_t steps, std::uint64_t stretches = 1) const;
+  IndependentShare of(std::uint64_t steps, std::uint64_t stretches = 1) const;
 
 private:
   std::size_t length_ = 0;

@@ -25,31 +25,31 @@ std::string heading(const Configuration& configuration, const RunResult& result)
   std::string text =
       "time averages up to " + at +
       formatted(
-          ", behind a burn-in of %lld steps (%s): variance over time; standard errors by the theory's correlation of successive errors\n",
+          ", behind a burn-in of %lld steps (%s): variance over time; standard errors include the correlation of successive errors\n",
           burn_in, duration(burn_in, configuration.model).c_str());
   if (result.tally.attempts > 1)
     text += formatted("the run was begun %u times, each time with a burn-in and new noise\n", result.tally.attempts);
   return text;
 }
 
-std::string row(const ResultCell& of, bool has_theory) {
-  std::string text = formatted("%8zu %16.6g ", of.follower, of.measured.variance());
-  if (!has_theory) {
-    const double error = standard_error_of_variance(of);  // by what was measured
-    return text + formatted("%16s %14s %9s\n", std::isnan(error) ? "-" : formatted("%.2g", error).c_str(), "-", "-");
-  }
-  if (std::isnan(of.share.variance)) return text + formatted("%16s %14.6g %9s\n", "-", of.theoretical_variance, "-");
-  return text + formatted("%16.2g %14.6g %9.2f\n", standard_error_of_variance(of), of.theoretical_variance,
-                          scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share,
-                                 of.fourth_moment)
-                              .variance);
+// "-" for a number that is not known.
+std::string column(const char* format, int width, double value) {
+  return formatted("%*s", width, std::isnan(value) ? "-" : formatted(format, value).c_str());
+}
+
+std::string row(const ResultCell& of) {
+  const Scores found =
+      scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share, of.fourth_moment);
+  return formatted("%8zu ", of.follower) + column("%.6g", 16, of.measured.variance()) +
+         column("%.2g", 17, standard_error_of_variance(of)) + column("%.6g", 15, of.theoretical_variance) +
+         column("%.2f", 10, found.variance) + "\n";
 }
 
 std::string table(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   std::string text = "follower   variance [m^2]   standard error   theory [m^2]         z\n";
   for (const ResultCell& of : ResultCells(run, prediction, result).at(run.steps - 1)) {
     if (is_shown(of.follower, run.followers)) {
-      text += row(of, of.follower <= prediction.followers_with_theory);
+      text += row(of);
     } else if (is_shown(of.follower - 1, run.followers)) {
       text += "     ...\n";
     }

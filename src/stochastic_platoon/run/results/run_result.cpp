@@ -19,12 +19,16 @@ namespace {
 // independent errors that an average over time must be worth for asymptotic results to hold.
 constexpr std::uint64_t kEnoughForAnyDistribution = 1000;
 
-// The share of a follower's average over time; each attempt is one stretch.
+// The share of a follower's average over time: by the theory, in which each attempt is one stretch, else as measured.
+// Unknown during the decay of the start.
 IndependentShare share_of(const Prediction& prediction, const RunResult& result, std::size_t follower) {
-  if (prediction.error_correlation.empty()) return {std::nan(""), std::nan(""), std::nan("")};
-  const EffectiveSample of = prediction.error_correlation[follower - 1].of(
-      result.moments[follower - 1].count, std::max<std::uint64_t>(result.tally.attempts, 1));
-  return {of.mean, of.variance, of.expected};
+  const std::vector<ErrorCorrelation>& known = prediction.error_correlation;
+  if (follower <= known.size() && known[follower - 1].length() > 0) {
+    return known[follower - 1].of(result.moments[follower - 1].count,
+                                  std::max<std::uint64_t>(result.tally.attempts, 1));
+  }
+  if (!result.shares.empty() && prediction.warning.empty()) return result.shares[follower - 1];
+  return {std::nan(""), std::nan(""), std::nan("")};
 }
 
 nlohmann::json theory_json(const Prediction& prediction) {
@@ -164,7 +168,8 @@ std::optional<std::vector<IndependentShare>> shares_over_time(const Prediction& 
     shares.push_back(share_of(prediction, result, i));
     const double worth =
         static_cast<double>(result.moments[i - 1].count) * std::min(shares.back().mean, shares.back().variance);
-    if (!(worth >= static_cast<double>(kEnoughForAnyDistribution))) return std::nullopt;
+    if (!(worth >= static_cast<double>(kEnoughForAnyDistribution)) || std::isnan(shares.back().expected))
+      return std::nullopt;
   }
   if (shares.empty()) return std::nullopt;
   return shares;

@@ -28,9 +28,10 @@ struct RunResult {
   std::int64_t last_step = 0;      ///< the latest step that the figures of all followers have reached
   Tally tally;
   std::vector<Moments> moments;
-  std::vector<std::int64_t> last_steps;  ///< for averages over time: the latest step of each follower
-  std::int64_t counted_from = 0;         ///< see ErrorAverages
-  bool manoeuvre = false;                ///< the leader departs from the model at present
+  std::vector<std::int64_t> last_steps;       ///< for averages over time: the latest step of each follower
+  std::int64_t counted_from = 0;              ///< see ErrorAverages
+  bool manoeuvre = false;                     ///< the leader departs from the model at present
+  std::vector<IndependentShare> shares = {};  ///< for averages over time: as measured, one per follower
 };
 
 /// A cell of a result: follower i and a step.
@@ -41,7 +42,7 @@ struct ResultCell {
   double theoretical_mean;      ///< [m]
   double theoretical_variance;  ///< [m^2]
   double rounding = 0.0;        ///< [m], largest change of an error by the run's arithmetic
-  IndependentShare share = {};  ///< for an average over time: see ErrorCorrelation; NaN if unknown
+  IndependentShare share = {};  ///< for an average over time: by ErrorCorrelation, else by BatchMeans
   double fourth_moment = std::numeric_limits<double>::quiet_NaN();  ///< [m^4]: see fourth_moments()
 };
 
@@ -75,7 +76,7 @@ private:
 ///     variance  sqrt(2 / (n - 1)) v for normal errors, else sqrt((m_4 - v^2) / n),
 /// with v the theoretical variance if there is a theory, else the measured one, and m_4 the cell's fourth moment;
 /// without it, with the measured variance and fourth moment. Averages over time multiply n and n - 1 by the share; NaN
-/// if the share is unknown.
+/// if the share is unknown. A measured share has no `expected`: it gives standard errors, but no score.
 double standard_error_of_mean(const ResultCell& of);
 double standard_error_of_variance(const ResultCell& of);
 

@@ -111,7 +111,8 @@ RunResult RunStatistics::result(bool complete) const {
                    averages_->moments(),
                    {},
                    averages_->counted_from(),
-                   leader_departs_};
+                   leader_departs_,
+                   averages_->shares()};
   for (std::size_t i = 1; i <= configuration_.run.followers; ++i) result.last_steps.push_back(averages_->last_step(i));
   return result;
 }

@@ -36,7 +36,7 @@ std::vector<std::vector<double>> dense_autocovariances(const PlatoonModel& model
 }
 
 /// By n x n matrices: (n - 1) s^2 = x'M x with M = 1 - ones / n, of mean tr M S and variance 2 tr (M S)^2.
-EffectiveSample dense_sample(const std::vector<double>& covariance, Eigen::Index n) {
+IndependentShare dense_sample(const std::vector<double>& covariance, Eigen::Index n) {
   Eigen::MatrixXd s(n, n);
   for (Eigen::Index t = 0; t < n; ++t) {
     for (Eigen::Index u = 0; u < n; ++u) s(t, u) = covariance[static_cast<std::size_t>(std::abs(t - u))];
@@ -58,8 +58,8 @@ TEST(EffectiveSample, IsThatOfTheAutocovariancesOfLemmaOne) {
     for (const std::size_t i : {0u, 3u, 5u}) {
       EXPECT_LT(found[i].length(), 200u);
       for (const int steps : {2, 3, 17, 60, 150, 400}) {
-        const EffectiveSample expected = dense_sample(covariances[i], steps),
-                              sample = found[i].of(static_cast<std::uint64_t>(steps));
+        const IndependentShare expected = dense_sample(covariances[i], steps),
+                               sample = found[i].of(static_cast<std::uint64_t>(steps));
         EXPECT_NEAR(sample.mean / expected.mean, 1.0, 1e-9) << headway << " " << i << " " << steps;
         EXPECT_NEAR(sample.variance / expected.variance, 1.0, 1e-9) << headway << " " << i << " " << steps;
         EXPECT_NEAR(sample.expected / expected.expected, 1.0, 1e-9) << headway << " " << i << " " << steps;
@@ -97,7 +97,7 @@ TEST(EffectiveSample, OfStretchesThatAreIndependent) {
     }
     const auto steps = static_cast<double>(n);
     const Eigen::MatrixXd ms = s - Eigen::MatrixXd::Constant(n, n, 1.0 / steps) * s;
-    const EffectiveSample sample = found.of(static_cast<std::uint64_t>(n), 3);
+    const IndependentShare sample = found.of(static_cast<std::uint64_t>(n), 3);
     EXPECT_NEAR(sample.mean, steps / s.sum(), 1e-13) << length;
     EXPECT_NEAR(sample.variance, (steps - 1.0) / (ms * ms).trace(), 1e-13) << length;
     EXPECT_NEAR(sample.expected, ms.trace() / (steps - 1.0), 1e-13) << length;
@@ -150,7 +150,7 @@ TEST(EffectiveSample, GivesTheStandardErrorsOfAveragesOverTime) {
       }
     }
     for (const std::size_t i : of.followers) {
-      const EffectiveSample sample = correlations[i - 1].of(kSteps);
+      const IndependentShare sample = correlations[i - 1].of(kSteps);
       const double of_mean = standard_error_of_mean(variance[i - 1], kSteps, sample.mean);
       const double of_variance = standard_error_of_variance(variance[i - 1], kSteps, sample.variance);
       const double tolerance = 5.0 * std::sqrt(2.0 / kRealizations);
@@ -177,7 +177,7 @@ TEST(EffectiveSample, OfNothingRandomIsEveryStep) {
   PlatoonModel model = paper_platoon(3.2);
   model.default_vehicle().noise_variance = 0.0;
   for (const std::uint64_t steps : {2u, 1000u}) {
-    const EffectiveSample sample = error_correlations(model, 2)[1].of(steps);
+    const IndependentShare sample = error_correlations(model, 2)[1].of(steps);
     EXPECT_NEAR(sample.variance, 1.0, 1e-12);
     EXPECT_NEAR(sample.mean, 1.0, 1e-12);
     EXPECT_NEAR(sample.expected, 1.0, 1e-12);
@@ -185,7 +185,7 @@ TEST(EffectiveSample, OfNothingRandomIsEveryStep) {
 }
 
 TEST(EffectiveSample, StaysAFigureWhereVariancesGrowBeyondEverySquare) {
-  const EffectiveSample last = error_correlations(paper_platoon(1.2), 200).back().of(100000);
+  const IndependentShare last = error_correlations(paper_platoon(1.2), 200).back().of(100000);
   EXPECT_GT(last.variance, 0.0);
   EXPECT_LT(last.variance, 1.0);
 }

@@ -58,6 +58,23 @@ TEST(Report, GivesTheMeasuredStandardErrorOfAnExternalVehicle) {
       << report(configuration, prediction, result);
 }
 
+TEST(Report, GivesTheMeasuredStandardErrorOfAnExternalVehicleOverTime) {
+  Configuration configuration = paper_run("");
+  configuration.run.steps = 0;
+  configuration.run.burn_in = 200;
+  configuration.run.external = {2};
+  const Prediction prediction = predict(configuration);
+  RunResult result;
+  result.realizations = 1;
+  result.last_step = 20199;
+  result.moments = {Moments{20000, 0.1, 79.9}, Moments{20000, 0.2, 2.0 * 19999.0}};
+  result.last_steps = {20199, 20199};
+  result.shares = {{0.1, 0.1, kNaN}, {0.1, 0.01, kNaN}};
+  const std::string text = report(configuration, prediction, result);
+  const std::string row = formatted("%8d %16s %16s %14s %9s\n", 2, "2", "0.2", "-", "-");  // 2 sqrt(2 / 199.99)
+  EXPECT_NE(text.find(row), std::string::npos) << text;
+}
+
 TEST(Report, SaysThatSomethingUndefinedDoesNotAgree) {
   const Configuration configuration = paper_run("");
   const Prediction prediction = predict(configuration);
