@@ -208,6 +208,7 @@ int main(int argc, char** argv) {
                            : platoon::configuration_document(recorded(bags), given(settings)));
     if (behind_recorded_leader) {
       configuration.model.recorded_leader = platoon::recorded_leader(bags, configuration.run.steps);
+      configuration = platoon::parse_configuration(platoon::to_json(configuration).dump());
     }
     require_free_namespace(launch, configuration.run);
     require_free_recording(configuration.run);

@@ -21,12 +21,20 @@ namespace {
 namespace options = boost::program_options;
 
 std::string help_of(const std::string& name) {
-  if (name == "model") return "model file (YAML); without it the paper's example";
+  if (name == "model")
+    return "model file (YAML), or the name of a shipped one as acc.yaml; without it the paper's example";
   for (const Setting& setting : settings()) {
     const std::string value = setting.default_value;
     if (name == setting.name) return setting.help + (value.empty() ? "" : " (" + value + ")");
   }
   throw std::logic_error(name + ": is no setting");
+}
+
+// A shipped model by its bare name, unless a file of this name is in the working folder.
+std::string model_file(const std::string& name) {
+  const bool is_bare = !name.empty() && name.find('/') == std::string::npos;
+  const std::string shipped = package_folder() + "/config/" + name;
+  return is_bare && !std::filesystem::exists(name) && std::filesystem::exists(shipped) ? shipped : name;
 }
 
 // Settings have the names of launch arguments; options have hyphens, as usual on a command line.
@@ -78,6 +86,8 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
     std::cerr << argv[0] << ": " << error.what() << "; --help lists the options\n";
     std::exit(2);
   }
+  const auto model = given.find("model");
+  if (model != given.end()) model->second = model_file(model->second);
   return given;
 }
 

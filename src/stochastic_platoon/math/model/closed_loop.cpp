@@ -48,9 +48,14 @@ public:
     return {monic(times_power_of_z(numerator_, 1)), monic(denominator)};
   }
 
-  std::vector<std::complex<long double>> poles() const {
-    std::vector<std::complex<long double>> found =
-        zeros_behind_delay(open_, static_cast<std::size_t>(std::max<std::ptrdiff_t>(delay_, 0)), fed_back_);
+  /// Behind a headway filter only the last one depends on the headway.
+  std::vector<std::complex<long double>> poles(const ClosedLoop* before) const {
+    std::vector<std::complex<long double>> found;
+    if (filtered_ && before != nullptr && !before->poles.empty()) {
+      found.assign(before->poles.begin(), before->poles.end() - 1);
+    } else {
+      found = zeros_behind_delay(open_, static_cast<std::size_t>(std::max<std::ptrdiff_t>(delay_, 0)), fed_back_);
+    }
     if (filtered_) found.emplace_back(Exact(-1 / policy_[1]).convert_to<long double>());
     return found;
   }
@@ -72,11 +77,11 @@ int zeros_at_one(const ExactPolynomial& p) {
   return static_cast<int>(other - p.begin());
 }
 
-ClosedLoop loop_by_parts(const LoopDesign& design, double headway) {
+ClosedLoop loop_by_parts(const LoopDesign& design, double headway, const ClosedLoop* before) {
   const ExactTransfer &plant = design.plant.exact(), &controller = design.controller.exact();
   const auto order = static_cast<Eigen::Index>(plant.denominator.size() + controller.denominator.size() - 1);
   require_order(order + std::max<Eigen::Index>(controller.delay, 0));
-  const LoopParts parts = loop_parts(design, headway);
+  const LoopParts parts = loop_parts<double>(design, headway);
   const DesignedLoop designed(design, headway);
   ExactFraction exact = designed.transfer();
   const int integrators = zeros_at_one(plant.denominator) + zeros_at_one(controller.denominator) -
@@ -88,7 +93,7 @@ ClosedLoop loop_by_parts(const LoopDesign& design, double headway) {
           {},
           integrators,
           std::make_shared<const ExactFraction>(std::move(exact)),
-          designed.poles(),
+          designed.poles(before),
           parts};
 }
 
@@ -144,8 +149,8 @@ double spectral_radius(const ClosedLoop& loop) {
   return static_cast<double>(1.0L + excess);
 }
 
-ClosedLoop close_loop(const LoopDesign& design, double headway) {
-  return is_by_parts(design) ? loop_by_parts(design, headway) : form_loop(design, headway);
+ClosedLoop close_loop(const LoopDesign& design, double headway, const ClosedLoop* before) {
+  return is_by_parts(design) ? loop_by_parts(design, headway, before) : form_loop(design, headway);
 }
 
 ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway) {

@@ -57,12 +57,13 @@ double integral_defect(const ClosedLoop& loop, double headway);
 
 /// T = K G / (1 + K G H) with H = (1 + h) - h / z, in lowest terms, realized in observable canonical form. Poles of
 /// plant and controller that are at z = 1 to the rounding of their coefficients are placed there exactly. A headway
-/// filter divides K by H: T = K G / (H (1 + K G)).
+/// filter divides K by H: T = K G / (H (1 + K G)). `before`: the loop of the same design at another headway, whose
+/// poles are reused where they do not depend on it.
 ///
 /// Throws std::invalid_argument if T is not strictly proper, if G K is zero, if T has more than kHighestOrder poles, or
 /// if a coefficient of T is not finite.
 ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway);
-ClosedLoop close_loop(const LoopDesign& design, double headway);
+ClosedLoop close_loop(const LoopDesign& design, double headway, const ClosedLoop* before = nullptr);
 
 /// The closed loop given by its own realization, which is kept unchanged. Throws std::invalid_argument if it has more
 /// than kHighestOrder states.

@@ -1,6 +1,8 @@
 #include "stochastic_platoon/math/model/link.hpp"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "stochastic_platoon/math/model/coloured_noise.hpp"
@@ -32,6 +34,16 @@ Link::Link(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver
     : noise_(vehicle(model, receiver).noise_variance, seed, receiver) {
   const VehicleModel own = vehicle(model, receiver);
   if (!own.link.is_white_noise_only()) take(stages_of(own.link, own.noise_variance, seed, receiver));
+}
+
+Link Link::radio(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver) {
+  constexpr std::uint32_t kRadio = 1u << 23;
+  const std::optional<FeedForward>& given = vehicle(model, receiver).feed_forward;
+  if (!given) throw std::logic_error("vehicle_" + std::to_string(receiver) + " has no radio");
+  LinkModel link = given->link;
+  if (link.delay < 1) throw std::invalid_argument("delay of a radio: 0: must be >= 1");
+  --link.delay;
+  return Link(stages_of(link, given->noise_variance, seed, receiver + kRadio));
 }
 
 Link::Link(std::vector<std::unique_ptr<LinkStage>> stages) : noise_(0.0, 0, 1) {

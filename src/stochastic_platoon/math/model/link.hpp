@@ -23,6 +23,10 @@ public:
   /// receiver is i >= 1. Throws std::invalid_argument if the constructor of a stage does.
   Link(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver);
 
+  /// The radio into vehicle i, which transmits v(k) = u(k-1) of its predecessor (see FeedForward). Its draws are those
+  /// of a receiver i + 2^23.
+  static Link radio(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver);
+
   /// A link of these stages, in this order.
   explicit Link(std::vector<std::unique_ptr<LinkStage>> stages);
 
@@ -32,7 +36,8 @@ public:
 
   bool keeps_state() const { return keeps_state_; }
 
-  /// sent and received: one position per realization first_realization .. first_realization + count - 1 [m].
+  /// sent and received: one position [m] or input [m/s^2] per realization first_realization .. first_realization +
+  /// count - 1.
   void transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,
                 double* received);
   void transmit(std::int64_t step, std::uint64_t first_realization, const std::vector<double>& sent,

@@ -26,6 +26,7 @@ Eigen::MatrixXd kronecker_square(const Eigen::MatrixXd& a) {
 }  // namespace
 
 double second_moment_radius(const LossModel& loss) {
+  if (loss.predictor.empty()) return 0.0;
   const auto n = static_cast<Eigen::Index>(loss.predictor.size());
   Eigen::MatrixXd arrived = Eigen::MatrixXd::Zero(n, n);  // r(k) does not depend on the registers
   arrived.diagonal(-1).setOnes();
@@ -43,6 +44,7 @@ double second_moment_radius(const LossModel& loss) {
 }
 
 double loss_feedback(const LossModel& loss) {
+  if (loss.predictor.empty()) return 0.0;
   // Gramian X = sum R R' of the impulse response R = [r(k), r(k-1), ..] of F; L F is c R one step later.
   const auto n = static_cast<Eigen::Index>(loss.predictor.size());
   const Eigen::VectorXd c = Eigen::Map<const Eigen::VectorXd>(loss.predictor.data(), n);

@@ -13,7 +13,7 @@ namespace platoon {
 struct LossModel {
   double probability = 0.0;               ///< q, in [0, 1)
   std::optional<double> mean_burst = {};  ///< b >= max(1, q / (1 - q)) [steps]; none: independent losses
-  std::vector<double> predictor = {1.0};  ///< c_1, c_2, ..., of sum 1: holding is [1]
+  std::vector<double> predictor = {1.0};  ///< c_1, c_2, ..., of sum 1: holding is [1]; empty: 0 (radios only)
 
   /// The b of independent losses: 1 / (1 - q).
   double independent_burst() const { return 1.0 / (1.0 - probability); }

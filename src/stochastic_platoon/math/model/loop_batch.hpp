@@ -16,6 +16,13 @@ constexpr std::size_t kTile = 512;
 /// 64-byte aligned, as a load across two cache lines costs two.
 using AlignedValues = std::vector<double, boost::alignment::aligned_allocator<double, 64>>;
 
+/// The control inputs of one step, of vehicles computed part by part.
+struct ControlInputs {
+  const double* heard = nullptr;  ///< the predecessor's, as received [m/s^2]; null: none
+  double gain = 0.0;              ///< F, by which it is fed forward
+  double* own = nullptr;          ///< takes the own one, u(k) [m/s^2]; null: not wanted
+};
+
 /// One vehicle's closed loop for a batch of realizations.
 class LoopBatch {
 public:
@@ -24,8 +31,10 @@ public:
   /// Equilibrium with y = p at these positions p [m].
   virtual void start_at_equilibrium(const std::vector<double>& positions) = 0;
 
-  /// One step with the input [m] minus offset [m]; writes y [m]. Both arrays have the size of the batch.
-  virtual void step(const double* input, double offset, double* positions) = 0;
+  /// One step with the input [m] minus offset [m]; writes y [m]. All arrays have the size of the batch. Control inputs
+  /// are for loops by parts only.
+  virtual void step(const double* input, double offset, double* positions, const ControlInputs& control) = 0;
+  void step(const double* input, double offset, double* positions) { step(input, offset, positions, {}); }
 
   /// y [m], resized to the batch.
   virtual void output(std::vector<double>& positions) const = 0;

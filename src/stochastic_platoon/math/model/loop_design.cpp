@@ -83,7 +83,8 @@ Controller Controller::with_gain(double gain) const {
 }
 
 bool is_by_parts(const LoopDesign& design) {
-  return design.headway_filter || std::holds_alternative<ContinuousPlant>(design.plant.given()) ||
+  return design.headway_filter || design.in_radio_string ||
+         std::holds_alternative<ContinuousPlant>(design.plant.given()) ||
          std::holds_alternative<ControllerGains>(design.controller.given());
 }
 

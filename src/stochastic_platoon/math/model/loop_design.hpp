@@ -77,11 +77,13 @@ struct LoopDesign {
   Plant plant;            ///< G(z)
   Controller controller;  ///< K(z), K(z) (1 + h) or K(z) H(z), see below
   bool divide_by_one_plus_headway = false;
-  bool headway_filter = false;  ///< the controller is divided by H(z) = (1 + h) - h / z
+  bool headway_filter = false;   ///< the controller is divided by H(z) = (1 + h) - h / z
+  bool in_radio_string = false;  ///< its own input or that of others is sent from vehicle to vehicle
 };
 
-/// Whether the design is written in an engineer's terms: a continuous plant, gains or a headway filter. Such a vehicle
-/// is computed part by part (DesignedLoop), any other one by the canonical form of T.
+/// Whether the design is written in an engineer's terms: a continuous plant, gains or a headway filter; or its string
+/// has radios, for which the canonical form of T lacks the control input. Such a vehicle is computed part by part
+/// (DesignedLoop), any other one by the canonical form of T.
 bool is_by_parts(const LoopDesign& design);
 
 }  // namespace platoon

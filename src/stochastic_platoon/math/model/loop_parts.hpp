@@ -13,30 +13,49 @@ struct LoopDesign;
 /// A strictly proper fraction and its direct term by powers of s = z - 1, in observable canonical form:
 ///     x_j(k+1) = x_j(k) + x_{j+1}(k) - a_j x_0(k) + b_j u(k),   y = x_0 + direct u.
 /// The coefficients of slow poles are small here, and those of integrators are 0: rounding does not move them.
-struct DeltaFilter {
-  std::vector<double> a, b;
-  double direct = 0.0;
+template <class Scalar>
+struct BasicDeltaFilter {
+  std::vector<Scalar> a, b;
+  Scalar direct = 0;
 
   std::size_t order() const { return a.size(); }
 };
 
-/// A vehicle as it is built: plant G behind an input delay, controller K, and their spacing policy, in double.
-///     e = u^ - y - h (y - y(k-1)),   c = K e,   u = c or, with a headway filter, (c + h u(k-1)) / (1 + h),
+/// A vehicle as it is built: plant G behind an input delay, controller K, and their spacing policy.
+///     e = u^ - y - h (y - y(k-1)),   c = K e + F v,   u = c or, with a headway filter, (c + h u(k-1)) / (1 + h),
 ///     y = G z^-delay u
+/// with v the predecessor's input as received, if the vehicle feeds it forward by a gain F.
 /// T(1) = 1 and dT/dz(1) = -h hold whatever the rounding of the coefficients.
-struct LoopParts {
-  DeltaFilter plant, controller;
+template <class Scalar>
+struct BasicLoopParts {
+  BasicDeltaFilter<Scalar> plant, controller;
   std::size_t delay = 0;  ///< of the plant's input [steps]: costs a load, no multiplication
-  double headway = 0.0;
+  Scalar headway = 0;
   bool headway_filter = false;
 
   /// States in their order: plant, controller, y(k-1), u(k-1), u(k-2) ... u(k-delay); u(k-1) is there with a headway
   /// filter or a delay.
-  std::size_t order() const;
+  std::size_t order() const {
+    const std::size_t inputs = delay > 0 ? delay : headway_filter ? 1 : 0;
+    return plant.order() + controller.order() + 1 + inputs;
+  }
 };
 
-/// The parts of a design. Throws std::invalid_argument if G is not strictly proper or K not proper.
-LoopParts loop_parts(const LoopDesign& design, double headway);
+using LoopParts = BasicLoopParts<double>;
+
+/// The parts of a design, in double or long double. Throws std::invalid_argument if G is not strictly proper or K not
+/// proper.
+template <class Scalar>
+BasicLoopParts<Scalar> loop_parts(const LoopDesign& design, double headway);
+
+/// One step of one realization with the received position and F times the received input. Returns u(k); y = state[0].
+/// In double, the order of operations is that of the batch.
+template <class Scalar>
+Scalar advance(const BasicLoopParts<Scalar>& parts, std::vector<Scalar>& state, Scalar position, Scalar fed_forward);
+
+/// States of y = 1 at rest.
+template <class Scalar>
+std::vector<Scalar> unit_equilibrium(const BasicLoopParts<Scalar>& parts);
 
 /// A, B and C of the same loop.
 StateSpace realization(const LoopParts& parts);
@@ -48,7 +67,8 @@ public:
   explicit LoopPartsBatch(LoopParts parts);
 
   void start_at_equilibrium(const std::vector<double>& positions) override;
-  void step(const double* input, double offset, double* positions) override;
+  void step(const double* input, double offset, double* positions, const ControlInputs& control) override;
+  using LoopBatch::step;
   void output(std::vector<double>& positions) const override;
 
 private:

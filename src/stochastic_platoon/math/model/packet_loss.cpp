@@ -46,23 +46,25 @@ PacketLoss::PacketLoss(const LossModel& loss, std::uint64_t seed, std::uint32_t 
     throw std::invalid_argument("loss probability: " + std::to_string(loss.probability) +
                                 ": must be from 0 to below 1");
   }
-  if (used_.empty()) throw std::invalid_argument("predictor: (empty): must have one coefficient or more");
 }
 
 void PacketLoss::start(std::uint64_t, std::size_t count, const double* positions) {
   for (AlignedValues& used : used_) used.assign(positions, positions + count);
   chance_.assign(count, loss_.probability);
   newest_ = 0;
+  zero_.assign(loss_.predictor.empty() ? kTile : 0, 0.0);
 }
 
 void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
   std::array<double, kTile> uniforms, predicted;
-  const std::size_t n = used_.size(), oldest = (newest_ + n - 1) % n;
+  const std::size_t n = used_.size(), oldest = n > 0 ? (newest_ + n - 1) % n : 0;
   for (std::size_t r = 0; r < count; r += kTile) {
     const std::size_t size = std::min(kTile, count - r);
     draws_.fill_uniform({receiver_, step, Purpose::loss}, first_realization + r, size, uniforms.data());
     const double* guess = predicted.data();
-    if (n == 1) {
+    if (n == 0) {
+      guess = zero_.data();
+    } else if (n == 1) {
       guess = &used_[0][r];  // a single coefficient is 1: hold
     } else {
       detail::scale(loss_.predictor[0], &used_[newest_][r], size, predicted.data());
@@ -74,7 +76,7 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
     } else {
       detail::lose_independently(uniforms.data(), guess, loss_.probability, size, positions + r);
     }
-    std::copy_n(positions + r, size, &used_[oldest][r]);
+    if (n > 0) std::copy_n(positions + r, size, &used_[oldest][r]);
   }
   newest_ = oldest;
 }

@@ -10,10 +10,10 @@ namespace platoon {
 
 /// Loses positions, independently or in bursts, and replaces each by a prediction from its earlier outputs: r(k) = s(k)
 /// if s(k) arrives and c_1 r(k-1) + c_2 r(k-2) + ... if it is lost, with r(-1), r(-2), ... the position of step -1. See
-/// LossModel.
+/// LossModel. Without coefficients a lost value is replaced by 0.
 class PacketLoss : public LinkStage {
 public:
-  /// receiver is i >= 1. Throws std::invalid_argument unless 0 <= q < 1 and the predictor has coefficients.
+  /// receiver is i >= 1. Throws std::invalid_argument unless 0 <= q < 1.
   PacketLoss(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver);
 
   bool keeps_state() const override { return true; }
@@ -27,6 +27,7 @@ private:
   std::vector<AlignedValues> used_;  ///< ring of r(k-1), r(k-2), ... from newest_ on, per realization
   std::size_t newest_ = 0;
   AlignedValues chance_;  ///< probability of a loss at the next step, per realization
+  AlignedValues zero_;    ///< one tile of zeros, for a loss without a prediction
 };
 
 }  // namespace platoon

@@ -13,13 +13,17 @@ std::size_t type_of(const PlatoonModel& model, std::size_t follower) {
   return follower == 0 || model.string.empty() ? 0 : model.string[(follower - 1) % model.string.size()];
 }
 
-ClosedLoop closed_again(const VehicleType& type, const char* varied) {
-  if (type.vehicle.design) return close_loop(*type.vehicle.design, type.vehicle.headway);
+ClosedLoop closed_again(const VehicleType& type, const char* varied, const ClosedLoop* before = nullptr) {
+  if (type.vehicle.design) return close_loop(*type.vehicle.design, type.vehicle.headway, before);
   throw std::invalid_argument("closed_loop of " + type.name + ": given: must be plant and controller to vary " +
                               varied);
 }
 
 }  // namespace
+
+bool operator==(const FeedForward& one, const FeedForward& other) {
+  return one.gain == other.gain && one.noise_variance == other.noise_variance && one.link == other.link;
+}
 
 std::vector<std::size_t> type_order(const PlatoonModel& model) {
   return is_homogeneous(model) ? std::vector<std::size_t>{0} : model.string;
@@ -39,7 +43,7 @@ PlatoonModel with_headway(PlatoonModel model, double headway) {
   for (VehicleType& type : model.types) {
     if (!type.inherited.headway) continue;
     type.vehicle.headway = headway;
-    type.vehicle.loop = closed_again(type, "it");
+    type.vehicle.loop = closed_again(type, "it", &type.vehicle.loop);
   }
   return model;
 }
@@ -57,14 +61,23 @@ PlatoonModel with_gain(PlatoonModel model, double gain) {
 }
 
 PlatoonModel with_loss(PlatoonModel model, double probability) {
-  if (!model.default_vehicle().link.loss)
+  if (!varied_link(model.default_vehicle()).loss)
     throw std::invalid_argument("channel/loss: absent: must be given to vary its probability");
   for (VehicleType& type : model.types) {
     if (!type.inherited.loss_probability) continue;
-    type.vehicle.link.loss->probability = probability;
-    type.vehicle.link.loss->mean_burst.reset();
+    LossModel& loss = *varied_link(type.vehicle).loss;
+    loss.probability = probability;
+    loss.mean_burst.reset();
   }
   return model;
+}
+
+LinkModel& varied_link(VehicleModel& vehicle) {
+  return vehicle.feed_forward ? vehicle.feed_forward->link : vehicle.link;
+}
+
+const LinkModel& varied_link(const VehicleModel& vehicle) {
+  return vehicle.feed_forward ? vehicle.feed_forward->link : vehicle.link;
 }
 
 const VehicleModel& vehicle(const PlatoonModel& model, std::size_t follower) {
@@ -82,14 +95,26 @@ bool is_homogeneous(const PlatoonModel& model) {
 }
 
 bool is_papers(const PlatoonModel& model) {
-  return is_homogeneous(model) && model.default_vehicle().link.is_white_noise_only();
+  return is_homogeneous(model) && !has_feed_forward(model) && model.default_vehicle().link.is_white_noise_only();
+}
+
+bool has_feed_forward(const PlatoonModel& model) {
+  const std::vector<std::size_t> order = type_order(model);
+  return std::any_of(order.begin(), order.end(),
+                     [&](std::size_t type) { return model.types[type].vehicle.feed_forward.has_value(); });
+}
+
+bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t followers) {
+  return sender < followers && vehicle(model, sender + 1).feed_forward.has_value();
 }
 
 bool has_normal_errors(const PlatoonModel& model) {
   const std::vector<VehicleModel> vehicles = pattern(model);
-  return std::all_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& vehicle) {
-    const bool loses = vehicle.link.loss && vehicle.link.loss->probability > 0.0;
-    return !loses && vehicle.link.quantisation_step == 0.0;
+  const auto is_normal = [](const LinkModel& link) {
+    return (!link.loss || link.loss->probability == 0.0) && link.quantisation_step == 0.0;
+  };
+  return std::all_of(vehicles.begin(), vehicles.end(), [&](const VehicleModel& vehicle) {
+    return is_normal(vehicle.link) && (!vehicle.feed_forward || is_normal(vehicle.feed_forward->link));
   });
 }
 

@@ -18,7 +18,20 @@ struct InitialPosition {
   double variance = 0.0;  ///< [m^2], >= 0
 };
 
-/// Per-follower part of the model: the vehicle, its spacing and the link into it.
+/// The radio into a follower, beside the link that measures positions: it feeds the predecessor's control input u
+/// forward, with H = (1 + h) - h / z behind a headway filter and 1 without one,
+///     H u_i = K (y_{i-1} + n_i - ((1 + h) - h / z) y_i) + F (z^-m u_{i-1} + d_i),   y_i = G u_i.
+/// The input of step k is known one step after the position of step k, so m >= 1: v(k) = u(k-1) is sent with the
+/// position of step k, and the link delays it by m - 1 steps.
+struct FeedForward {
+  double gain = 1.0;            ///< F
+  double noise_variance = 0.0;  ///< of d_i [(m/s^2)^2]
+  LinkModel link = {};          ///< its delay is m
+};
+
+bool operator==(const FeedForward& one, const FeedForward& other);
+
+/// Per-follower part of the model: the vehicle, its spacing and the links into it.
 struct VehicleModel {
   ClosedLoop loop;
   double headway;                    ///< h > 0, in sample periods
@@ -27,6 +40,7 @@ struct VehicleModel {
   InitialPosition initial_position = {};
   std::optional<LoopDesign> design = {};  ///< none if the closed loop itself was given
   LinkModel link = {};
+  std::optional<FeedForward> feed_forward = {};  ///< none: the vehicle has no radio
 };
 
 /// Parameters that a vehicle type takes from the default vehicle, including later changes of them.
@@ -34,7 +48,7 @@ struct Inherited {
   bool headway = false;
   bool plant = false;
   bool controller = false;
-  bool loss_probability = false;
+  bool loss_probability = false;  ///< of its varied_link()
 };
 
 /// A vehicle type and its name in the model file.
@@ -86,6 +100,10 @@ PlatoonModel with_headway(PlatoonModel model, double headway);
 PlatoonModel with_gain(PlatoonModel model, double gain);
 PlatoonModel with_loss(PlatoonModel model, double probability);
 
+/// The link of a vehicle whose losses with_loss() varies: that of its radio, or without one that of its positions.
+LinkModel& varied_link(VehicleModel& vehicle);
+const LinkModel& varied_link(const VehicleModel& vehicle);
+
 /// The vehicles of one repetition of the string.
 std::vector<VehicleModel> pattern(const PlatoonModel& model);
 
@@ -94,6 +112,12 @@ bool is_homogeneous(const PlatoonModel& model);
 
 /// Whether the platoon is the paper's: homogeneous, over channels that only add white noise.
 bool is_papers(const PlatoonModel& model);
+
+/// Whether a follower of the string feeds its predecessor's input forward. Then all vehicles are computed part by part.
+bool has_feed_forward(const PlatoonModel& model);
+
+/// Whether vehicle i = 0 .. followers - 1 has a follower that feeds its input forward.
+bool sends_input(const PlatoonModel& model, std::size_t vehicle, std::size_t followers);
 
 /// Whether all errors are normal, which losses and quantisation prevent.
 bool has_normal_errors(const PlatoonModel& model);

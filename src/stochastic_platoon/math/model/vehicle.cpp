@@ -109,7 +109,7 @@ void ClosedLoopBatch::start_at_equilibrium(const std::vector<double>& positions)
   }
 }
 
-void ClosedLoopBatch::step(const double* input, double offset, double* positions) {
+void ClosedLoopBatch::step(const double* input, double offset, double* positions, const ControlInputs&) {
   for (std::size_t t = 0; t < tiles(); ++t) {
     double* const state = &state_[t * order() * kTile];
     const double* const u = input + t * kTile;
@@ -168,6 +168,7 @@ FollowerVehicle::FollowerVehicle(const VehicleModel& own, double place, std::uin
       initial_place_(own.initial_position.mean + place),
       initial_deviation_(root_of("variance of the initial positions", own.initial_position.variance)),
       standstill_distance_(own.standstill_distance),
+      feed_forward_gain_(own.feed_forward ? own.feed_forward->gain : 0.0),
       index_(index) {}
 
 void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions) {
@@ -194,6 +195,7 @@ LeaderVehicle::LeaderVehicle(const PlatoonModel& model)
 double LeaderVehicle::start() {
   step_ = -1;
   departure_ = 0.0;
+  control_ = 0.0;
   manoeuvre_.end();
   if (!recorded_.empty()) return recorded_.front();
   buffer_.assign(1, profile_.position(step_));
@@ -206,7 +208,7 @@ double LeaderVehicle::step() {
   if (!recorded_.empty()) return recorded_.at(static_cast<std::size_t>(++step_ + 1));
   input_.front() = profile_.position(step_);
   if (departure_ != 0.0) input_.front() += departure_;
-  loop_->step(input_.data(), 0.0, buffer_.data());
+  loop_->step(input_.data(), 0.0, buffer_.data(), {nullptr, 0.0, &control_});
   const double speed = profile_.speed(step_);
   departure_ += sample_period_ * (manoeuvre_.next_speed(speed) - speed);
   ++step_;

@@ -31,8 +31,10 @@ public:
   /// x = (I - A)^-1 B p / T(1): equilibrium with y = p at these positions p [m].
   void start_at_equilibrium(const std::vector<double>& positions) override;
 
-  /// One step with the input [m] minus offset [m]; writes y = C x [m]. Both arrays have the size of the batch.
-  void step(const double* input, double offset, double* positions) override;
+  /// One step with the input [m] minus offset [m]; writes y = C x [m]. Both arrays have the size of the batch. The
+  /// canonical form has no control inputs.
+  void step(const double* input, double offset, double* positions, const ControlInputs& none) override;
+  using LoopBatch::step;
   void step(const std::vector<double>& input, double offset, std::vector<double>& positions) {
     positions.resize(size_);
     step(input.data(), offset, positions.data());
@@ -67,9 +69,12 @@ public:
   /// Step -1 of realizations first .. first + count - 1; writes y_i(-1) [m].
   void start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions);
 
-  /// Computes the own position at step k + 1 from the predecessor's received position at step k. Both arrays have the
-  /// size of the batch.
-  void step(const double* received, double* positions) { loop_->step(received, standstill_distance_, positions); }
+  /// Computes the own position at step k + 1 from the predecessor's received position at step k. All arrays have the
+  /// size of the batch. A vehicle with feed-forward also needs the predecessor's input as received at step k; any
+  /// vehicle by parts gives its own input u(k), which counts as of step k + 1 (see FeedForward).
+  void step(const double* received, double* positions, const double* heard = nullptr, double* own_input = nullptr) {
+    loop_->step(received, standstill_distance_, positions, {heard, feed_forward_gain_, own_input});
+  }
   void step(const std::vector<double>& received, std::vector<double>& positions) {
     positions.resize(received.size());
     step(received.data(), positions.data());
@@ -83,6 +88,7 @@ private:
   double initial_place_;      ///< mean [m]
   double initial_deviation_;  ///< [m]
   double standstill_distance_;
+  double feed_forward_gain_;  ///< F; 0 without a radio
   std::uint32_t index_;
 };
 
@@ -98,6 +104,9 @@ public:
   /// y_0 of the next step [m]. Throws std::out_of_range beyond the end of a recording.
   double step();
 
+  /// The input u_0 of which the latest step() is the result [m/s^2]; 0 at step -1. Vehicles by parts only.
+  double input() const { return control_; }
+
   /// Manoeuvre of the virtual leader that replaces its profile until the next start().
   Manoeuvre& manoeuvre() { return manoeuvre_; }
 
@@ -110,6 +119,7 @@ private:
   std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... [m]; empty: computed by the loop
   std::int64_t step_ = -1;
   std::vector<double> buffer_, input_;
+  double control_ = 0.0;  ///< u_0(k-1) [m/s^2]
 };
 
 /// sqrt(P_d) [m]. Throws std::invalid_argument unless P_d is finite and >= 0.

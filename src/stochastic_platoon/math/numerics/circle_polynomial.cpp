@@ -136,6 +136,12 @@ CirclePolynomial subtract(const CirclePolynomial& p, const CirclePolynomial& q) 
   return result;
 }
 
+int leading_zeros(const CirclePolynomial& p, const CirclePolynomial& sizes, int known) {
+  auto j = static_cast<std::size_t>(known);
+  while (j < p.size() && std::abs(p[j]) <= kCoefficientRounding * sizes[j]) ++j;
+  return static_cast<int>(j);
+}
+
 CirclePolynomial without_zero_at_origin(const CirclePolynomial& p) {
   if (p.size() < 2) return CirclePolynomial(1, 0.0L);
   return CirclePolynomial(p.begin() + 1, p.end());

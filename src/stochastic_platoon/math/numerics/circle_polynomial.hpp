@@ -83,6 +83,10 @@ CirclePolynomial subtract(const CirclePolynomial& p, const CirclePolynomial& q);
 /// p(t) / t; assumes p(0) = 0 without checking. The zero polynomial if p is constant.
 CirclePolynomial without_zero_at_origin(const CirclePolynomial& p);
 
+/// Number of lowest coefficients that are zero to the rounding of the sums they result from, whose terms have these
+/// moduli; at least `known`.
+int leading_zeros(const CirclePolynomial& p, const CirclePolynomial& sizes, int known);
+
 /// The places in the open interval (from, to) where p changes sign, in ascending order and to the last digit. The
 /// search runs recursively between the sign changes of dp/dt, without a grid: it misses none.
 std::vector<long double> sign_changes(const CirclePolynomial& p, long double from, long double to);

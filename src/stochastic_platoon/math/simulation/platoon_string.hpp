@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "stochastic_platoon/math/model/link.hpp"
@@ -29,13 +30,16 @@ private:
   LeaderVehicle leader_;
   std::vector<FollowerVehicle> followers_;
   std::vector<Link> links_;
+  std::vector<std::optional<Link>> radios_;  ///< one per follower
   std::vector<TrackingError> error_;
 
   // Reused in every batch: no allocation in steady state.
-  std::vector<std::vector<double>> latest_;  ///< y_i at the latest step, per vehicle
-  std::vector<AlignedValues> predecessor_;   ///< y_{i-1}(from - 1), y_{i-1}(from), ...
-  std::vector<AlignedValues> own_;           ///< y_i(from - 1), y_i(from), ...
-  AlignedValues received_;
+  std::vector<std::vector<double>> latest_;         ///< y_i at the latest step, per vehicle
+  std::vector<AlignedValues> predecessor_;          ///< y_{i-1}(from - 1), y_{i-1}(from), ...
+  std::vector<AlignedValues> own_;                  ///< y_i(from - 1), y_i(from), ...
+  std::vector<std::vector<double>> latest_inputs_;  ///< v_i(k) = u_i(k-1), likewise; empty for vehicles that send none
+  std::vector<AlignedValues> predecessor_inputs_, own_inputs_;
+  AlignedValues received_, heard_;
   std::vector<double> errors_;
 };
 

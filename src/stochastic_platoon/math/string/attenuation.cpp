@@ -198,7 +198,7 @@ Attenuation::Bounds Attenuation::bounds(const Piece& piece, int order) const {
   return {least.value, piece.centre + least.x, noise};
 }
 
-Attenuation::Minimum Attenuation::least(int order, int most_pieces) const {
+Attenuation::Minimum Attenuation::least(int order, long double accuracy, int most_pieces) const {
   std::vector<Piece> pieces;
   const auto add = [&pieces](long double from, long double to) {
     pieces.push_back({from + (to - from) / 2.0L, (to - from) / 2.0L});
@@ -217,7 +217,9 @@ Attenuation::Minimum Attenuation::least(int order, int most_pieces) const {
     pieces.pop_back();
     const int power = piece.centre > 1.0L ? 0 : order;
     const Bounds found = bounds(piece, power);
-    const auto spent = [&] { return found.lower >= best.value - std::max(1e-12L * std::abs(best.value), found.noise); };
+    const auto spent = [&] {
+      return found.lower >= best.value - std::max(accuracy * std::abs(best.value), found.noise);
+    };
     if (spent()) continue;
     consider(piece.centre, power);
     consider(found.candidate, power);

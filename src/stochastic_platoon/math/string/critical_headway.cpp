@@ -92,7 +92,7 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
   if (!designed || types.empty()) return std::nullopt;
   HeadwayRange range = headways_about(model.default_vehicle().headway);
   StableHeadways found;
-  if (is_papers(model)) {
+  if (is_papers(model) && !model.default_vehicle().loop.parts) {
     found = stable_headways([&model](double headway) { return close_loop(*model.default_vehicle().design, headway); },
                             range);
   } else {

@@ -2,31 +2,57 @@
 
 #include <complex>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "stochastic_platoon/math/model/loop_design.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+#include "stochastic_platoon/math/numerics/exact.hpp"
 
 namespace platoon {
 
-/// T on the unit circle from plant and controller. With W = 1 / (G K) and H = (1 + h) - h / z, 1 / T = H (1 + W) behind
-/// a headway filter and H + W without one (paper, section 3). Coefficients of T by powers of z - 1 lose a digit for
-/// every two or three steps of input delay; here the delay stays a power of z, and the double integrators of G K make W
-/// small where |T| is near 1.
+/// A vehicle on the unit circle from plant G and controller K, with one or two inputs. With W = 1 / (G K) and H =
+/// (1 + h) - h / z, from the received position and, by feed-forward F, from the received input to the own position:
+///     N_position = 1 / (H (1 + W)),   N_input = F G W / (H (1 + W))    behind a headway filter,
+///     N_position = 1 / (H + W),       N_input = F G W / (H + W)        without one (paper, section 3).
+/// Coefficients of T by powers of z - 1 lose a digit for every two or three steps of input delay; here the delay stays
+/// a power of z, and the double integrators of G K make W small where |T| is near 1.
 class DesignedGain {
 public:
-  DesignedGain(const LoopDesign& design, double headway);
+  /// feed_forward: F, 0 without a radio.
+  DesignedGain(const LoopDesign& design, double headway, double feed_forward);
+
+  /// The mean effect of the links: 1 / (p F_l) - 1 of each and their delays (see LinkFilter).
+  struct Links {
+    std::complex<long double> position_excess, input_excess;
+    std::int64_t position_delay = 0, input_delay = 0;
+  };
 
   struct Value {
-    std::complex<long double> transfer;  ///< T
-    long double excess;                  ///< |1/T|^2 - 1, without cancellation near w = 0; infinite where T = 0
+    std::complex<long double> position;  ///< N_position
+    std::complex<long double> input;     ///< N_input
+    /// N_input / G z^(m_position - m_input): from the predecessor's position, by its input, without the links' losses
+    std::complex<long double> through_input;
+    long double sent;  ///< 1 / |G|^2: from the spectrum of y to that of u; infinite where G = 0
+    /// 1 / |T^|^2 - 1, without cancellation near w = 0, with T^ from the predecessor's position to the mean of the own;
+    /// infinite where T^ = 0.
+    long double excess;
   };
-  Value at(const CirclePoint& point) const;
+  Value at(const CirclePoint& point, const Links& links) const;
+
+  /// The zeros s = z - 1 of T^ of a vehicle with feed-forward, apart from those at z = 0; the registers z^n / F_l and
+  /// the p of both links as in LinkFilter.
+  std::vector<std::complex<long double>> zeros(const ExactPolynomial& position_registers,
+                                               const ExactPolynomial& input_registers, long double position_arrival,
+                                               long double input_arrival, const Links& links) const;
 
 private:
-  CirclePolynomial numerator_, denominator_;  ///< G K = numerator / denominator z^-delay, by powers of z - 1
-  std::ptrdiff_t delay_;
+  ExactPolynomial open_numerator_, open_denominator_;  ///< G K = numerator / denominator z^-delay
+  CirclePolynomial numerator_, denominator_;           ///< the same, rounded
+  CirclePolynomial plant_numerator_, plant_denominator_, controller_denominator_;
+  std::ptrdiff_t delay_, controller_delay_;
   bool filtered_;
-  long double headway_;
+  long double headway_, feed_forward_;
 };
 
 }  // namespace platoon

@@ -36,7 +36,8 @@ public:
             vehicle.at(2.0 * kHalfTurn * static_cast<double>(f) / static_cast<double>(length));
         type.gain(f) = value.gain;
         type.complement(f) = value.complement;
-        type.added(f) = value.gain * value.noise;
+        type.added(f) = 0.0;
+        for (const InputValue& input : value.input) type.added(f) += input.passed * input.noise;
         type.of_added(f) = value.headway * type.added(f);
       }
     }

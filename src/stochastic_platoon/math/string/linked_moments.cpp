@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/string/linked_moments.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -8,7 +9,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/numerics/causal_convolution.hpp"
-#include "stochastic_platoon/math/string/mean_vehicle.hpp"
+#include "stochastic_platoon/math/string/linked_responses.hpp"
 
 namespace platoon {
 
@@ -16,12 +17,7 @@ namespace {
 
 using Sequence = MeanVehicle::Sequence;
 using Values = CausalConvolution::Values;
-
-Values squares(const Sequence& values) {
-  Values result;
-  for (const long double value : values) result.push_back(static_cast<double>(value * value));
-  return result;
-}
+using Kernels = std::vector<CausalConvolution::Prepared>;  // by the number of vehicles behind the source
 
 Values products(const Values& a, const Values& b) {
   Values result;
@@ -29,28 +25,33 @@ Values products(const Values& a, const Values& b) {
   return result;
 }
 
-/// Responses of the vehicles downstream to one kind of source at one place of the pattern. Index: number of vehicles
-/// behind the source, from 0 for the source's own vehicle.
-struct Responses {
-  std::vector<Values> error;       ///< squared responses of zeta
-  std::vector<Values> innovation;  ///< squared responses of e; empty for the source's own vehicle
+void add_multiple(double factor, const Values& from, Values& to) {
+  for (std::size_t k = 0; k < from.size(); ++k) to[k] += factor * from[k];
+}
+
+/// Powers of the responses to the losses of one link.
+struct LossResponses {
+  Kernels error;
+  std::array<Kernels, 2> innovation;
+  Values own;  ///< of the link's own innovation
 };
 
 class LinkedString {
 public:
   LinkedString(const PlatoonModel& model, std::size_t followers, std::int64_t steps)
-      : model_(model), followers_(followers), steps_(static_cast<std::size_t>(steps)), vehicles_(pattern(model)) {
-    for (const VehicleModel& vehicle : vehicles_) mean_vehicles_.emplace_back(vehicle);
-  }
+      : responses_(model, followers, static_cast<std::size_t>(steps)),
+        followers_(followers),
+        steps_(static_cast<std::size_t>(steps)) {}
 
   ErrorMoments moments() {
-    ErrorMoments result{static_cast<std::int64_t>(steps_), followers_, {}, {}};
-    innovation_means_.clear();
-    pass_means(result.mean, innovation_means_);
+    LinkedResponses::Means means = responses_.means();
+    innovation_means_ = std::move(means.innovation);
+    ErrorMoments result{static_cast<std::int64_t>(steps_), followers_, std::move(means.error), {}};
     error_.assign(followers_, Values(steps_, 0.0));
     innovation_.clear();
-    for (const Values& mean : innovation_means_) innovation_.push_back(products(mean, mean));
-    for (std::size_t j = 0; j < vehicles_.size() && j < followers_; ++j) add_constant_sources(j);
+    for (const std::array<Values, 2>& mean : innovation_means_)
+      innovation_.push_back({products(mean[0], mean[0]), products(mean[1], mean[1])});
+    for (std::size_t j = 0; j < std::min(responses_.period(), followers_); ++j) add_constant_sources(j);
     add_losses();
     for (const Values& row : error_) result.variance.insert(result.variance.end(), row.begin(), row.end());
     return result;
@@ -58,228 +59,182 @@ public:
 
   // The fourth cumulants of every cell, from E e^2 as computed by moments().
   Values fourth_cumulants() {
-    LossResponses responses = loss_responses([](const Values& squared) { return products(squared, squared); });
+    std::vector<LossResponses> responses =
+        loss_responses([](const Values& squared) { return products(squared, squared); });
     CausalConvolution convolution(steps_);
     Values result;
     sources_.clear();
     for (std::size_t i = 0; i < followers_; ++i) {
-      Values of_error(steps_, 0.0), of_innovation(steps_, 0.0);
-      if (responses.any && i > 0) add_losses_to(convolution, responses.innovation, i, i - 1, of_innovation);
-      sources_.emplace_back(loss_cumulants(i, of_innovation));
-      if (responses.any) add_losses_to(convolution, responses.error, i, i, of_error);
+      for (std::size_t link = 0; link < 2; ++link) {
+        Values of_innovation(steps_, 0.0);
+        if (factor(i, link) > 0.0) {
+          add_losses_to(convolution, responses, i, 2 * i, of_innovation,
+                        [link](LossResponses& of) -> Kernels& { return of.innovation[link]; });
+        }
+        sources_.emplace_back(loss_cumulants(i, link, of_innovation));
+      }
+      Values of_error(steps_, 0.0);
+      add_losses_to(convolution, responses, i, 2 * i + 2, of_error,
+                    [](LossResponses& of) -> Kernels& { return of.error; });
       result.insert(result.end(), of_error.begin(), of_error.end());
     }
     return result;
   }
 
 private:
-  const MeanVehicle& mean_vehicle(std::size_t i) const { return mean_vehicles_[i % mean_vehicles_.size()]; }
-
-  Sequence leader_positions() const {
-    Sequence positions;
-    if (!model_.recorded_leader.empty()) {
-      if (model_.recorded_leader.size() < steps_ + 1) {
-        throw std::invalid_argument("recorded leader: " + std::to_string(model_.recorded_leader.size()) +
-                                    " positions: must be at least steps + 1 = " + std::to_string(steps_ + 1));
-      }
-      positions.assign(model_.recorded_leader.begin(),
-                       model_.recorded_leader.begin() + static_cast<std::ptrdiff_t>(steps_ + 1));
-      return positions;
-    }
-    for (std::size_t a = 0; a <= steps_; ++a)
-      positions.push_back(model_.leader.position(static_cast<std::int64_t>(a) - 1));
-    return LoopResponse(model_.default_vehicle().loop)(positions);
+  // p q of a link; 0 if there is none.
+  double factor(std::size_t i, std::size_t link) const {
+    const MeanVehicle& vehicle = responses_.vehicle(i);
+    return link < vehicle.links() ? vehicle.variance_factor(link) : 0.0;
   }
 
-  void pass_means(Values& error_means, std::vector<Values>& innovation_means) const {
-    Sequence predecessor = leader_positions();
-    for (std::size_t i = 0; i < followers_; ++i) {
-      const MeanVehicle& vehicle = mean_vehicle(i);
-      MeanVehicle::Passed passed = vehicle(predecessor);
-      const double placed = vehicles_[i % vehicles_.size()].initial_position.mean;
-      if (placed != 0.0) {
-        const Sequence free = vehicle.free_motion(steps_);
-        for (std::size_t a = 0; a < free.size(); ++a) passed.position[a] += placed * free[a];
-      }
-      const Sequence errors = vehicle.error(predecessor, passed.position);
-      error_means.insert(error_means.end(), errors.begin(), errors.end());
-      innovation_means.emplace_back(passed.innovation.begin(), passed.innovation.end());
-      predecessor.swap(passed.position);
-    }
-  }
-
-  // The responses down the string, given the response of the position of the source's own vehicle.
-  Responses downstream(std::size_t place, Sequence position) const {
-    Responses responses;
-    responses.error.push_back(squares(mean_vehicle(place).error(Sequence(steps_ + 1, 0.0L), position)));
-    responses.innovation.emplace_back();
-    for (std::size_t i = place + 1; i < followers_; ++i) {
-      MeanVehicle::Passed passed = mean_vehicle(i)(position);
-      responses.error.push_back(squares(mean_vehicle(i).error(position, passed.position)));
-      responses.innovation.push_back(squares(passed.innovation));
-      position.swap(passed.position);
-    }
-    return responses;
-  }
-
-  // Adds the noise and the dither of link `place` and its repetitions, and the initial positions there.
+  // Adds the noise and the dither of the links at `place` and its repetitions, and the initial positions there.
   void add_constant_sources(std::size_t place) {
-    const VehicleModel& vehicle = vehicles_[place];
-    const double quantisation = vehicle.link.quantisation_step * vehicle.link.quantisation_step / 12.0;
-    const bool white = vehicle.link.has_white_noise();
-    if (vehicle.noise_variance > 0.0) {
-      const Sequence of_noise = white ? impulse() : filtered_impulse(vehicle.link.noise_filter);
-      add_white(place, of_noise, vehicle.noise_variance + (white ? quantisation : 0.0));
-    }
-    if (quantisation > 0.0 && !(white && vehicle.noise_variance > 0.0)) add_white(place, impulse(), quantisation);
+    const VehicleModel& vehicle = responses_.model(place);
+    add_noise(place, 0, vehicle.link, vehicle.noise_variance);
+    if (vehicle.feed_forward) add_noise(place, 1, vehicle.feed_forward->link, vehicle.feed_forward->noise_variance);
     if (vehicle.initial_position.variance > 0.0) {
-      add_repeated(place, downstream(place, mean_vehicle(place).free_motion(steps_)), {},
+      add_repeated(place, responses_.downstream(place, responses_.vehicle(place).free_motion(steps_)), 0, {},
                    vehicle.initial_position.variance);
     }
   }
 
-  // Adds a white source of this variance on the sent position from step 0 on, summed over all steps so far.
-  void add_white(std::size_t place, const Sequence& sent, double variance) {
-    const MeanVehicle::Passed own = mean_vehicle(place)(sent);
-    Responses responses = downstream(place, own.position);
-    Values own_innovation = squares(own.innovation);
-    for (auto* rows : {&responses.error, &responses.innovation}) {
+  void add_noise(std::size_t place, std::size_t link, const LinkModel& model, double noise_variance) {
+    const double quantisation = model.quantisation_step * model.quantisation_step / 12.0;
+    const bool white = model.has_white_noise();
+    if (noise_variance > 0.0) {
+      const Sequence of_noise = white ? responses_.impulse() : responses_.filtered_impulse(model.noise_filter);
+      add_white(place, link, of_noise, noise_variance + (white ? quantisation : 0.0));
+    }
+    if (quantisation > 0.0 && !(white && noise_variance > 0.0))
+      add_white(place, link, responses_.impulse(), quantisation);
+  }
+
+  // Adds a white source of this variance on what a link is sent from step 0 on, summed over all steps so far.
+  void add_white(std::size_t place, std::size_t link, const Sequence& sent, double variance) {
+    MeanVehicle::Passed own = responses_.vehicle(place).over_link(link, sent);
+    Values own_innovation = squares(own.innovation[link]);
+    Responses responses = responses_.downstream(place, std::move(own.own));
+    for (auto* rows : {&responses.error, &responses.innovation[0], &responses.innovation[1]}) {
       for (Values& row : *rows) std::partial_sum(row.begin(), row.end(), row.begin());
     }
     std::partial_sum(own_innovation.begin(), own_innovation.end(), own_innovation.begin());
-    add_repeated(place, responses, own_innovation, variance);
+    add_repeated(place, responses, link, own_innovation, variance);
   }
 
-  void add_repeated(std::size_t place, const Responses& responses, const Values& own_innovation, double variance) {
-    const auto add = [&](const Values& from, Values& to) {
-      for (std::size_t k = 0; k < from.size(); ++k) to[k] += variance * from[k];
-    };
-    // Repetitions of the source add the responses at distances i, i - M, ... to follower i; sum them once.
-    const std::size_t period = vehicles_.size(), count = responses.error.size();
-    std::vector<Values> error = responses.error, innovation = responses.innovation;
-    if (!own_innovation.empty()) innovation[0] = own_innovation;
-    if (innovation[0].empty()) innovation[0].assign(steps_, 0.0);
-    for (std::size_t m = period; m < count; ++m) {
-      for (std::size_t k = 0; k < steps_; ++k) {
-        error[m][k] += error[m - period][k];
-        innovation[m][k] += innovation[m - period][k];
+  void add_repeated(std::size_t place, Responses responses, std::size_t link, const Values& own_innovation,
+                    double variance) {
+    responses.innovation[link][0] = own_innovation;
+    add_repeated_rows(place, std::move(responses.error), variance, [this](std::size_t i) { return &error_[i]; });
+    for (std::size_t to = 0; to < 2; ++to) {
+      add_repeated_rows(place, std::move(responses.innovation[to]), variance,
+                        [this, to](std::size_t i) { return &innovation_[i][to]; });
+    }
+  }
+
+  // Repetitions of the source add the rows at distances i, i - M, ... to follower i; they are summed once.
+  template <class Target>
+  void add_repeated_rows(std::size_t place, std::vector<Values> rows, double variance, const Target& target) {
+    for (std::size_t m = 0; m < rows.size(); ++m) {
+      if (m >= responses_.period()) {
+        const Values& before = rows[m - responses_.period()];
+        rows[m].resize(std::max(rows[m].size(), before.size()), 0.0);
+        add_multiple(1.0, before, rows[m]);
       }
-    }
-    for (std::size_t m = 0; m < count; ++m) {
-      add(error[m], error_[place + m]);
-      add(innovation[m], innovation_[place + m]);
+      Values* const to = target(place + m);
+      if (!to->empty()) add_multiple(variance, rows[m], *to);
     }
   }
 
-  Sequence impulse() const {
-    Sequence sequence(steps_ + 1, 0.0L);
-    sequence[1] = 1.0L;
-    return sequence;
-  }
-
-  Sequence filtered_impulse(const TransferFunction& filter) const {
-    const Polynomial &b = filter.numerator(), &a = filter.denominator();
-    const Eigen::Index lead = a.size() - b.size();
-    Sequence w(steps_ + 1, 0.0L);
-    for (std::size_t k = 0; k < steps_; ++k) {
-      const auto at = static_cast<Eigen::Index>(k);
-      long double value = at >= lead && at - lead < b.size() ? b(at - lead) : 0.0;
-      for (Eigen::Index j = 1; j < a.size() && j <= at; ++j) value -= a(j) * w[k + 1 - static_cast<std::size_t>(j)];
-      w[k + 1] = value;
-    }
-    return w;
-  }
-
-  using Kernels = std::vector<CausalConvolution::Prepared>;
-
-  // Adds the contribution of the losses of the links up to `last` to follower i's row, given these responses.
-  void add_losses_to(CausalConvolution& convolution, std::vector<Kernels>& kernels, std::size_t i, std::size_t last,
-                     Values& row) {
+  // Adds the contribution of the losses of the first `links` links of the string to follower i's row; `kernels` names
+  // the responses to one link's losses.
+  template <class Kernel>
+  void add_losses_to(CausalConvolution& convolution, std::vector<LossResponses>& responses, std::size_t i,
+                     std::size_t links, Values& row, const Kernel& kernels) {
     std::vector<CausalConvolution::Product> products;
-    for (std::size_t j = 0; j <= last; ++j) {
-      if (!sources_[j].is_zero()) products.push_back({kernels[j % vehicles_.size()][i - j], sources_[j]});
+    for (std::size_t source = 0; source < links; ++source) {
+      if (sources_[source].is_zero()) continue;
+      LossResponses& of = responses[source % (2 * responses_.period())];
+      products.push_back({kernels(of)[i - source / 2], sources_[source]});
     }
-    convolution.add(products, row);
+    if (!products.empty()) convolution.add(products, row);
   }
 
-  /// Powers of the responses to the losses of each vehicle of the pattern.
-  struct LossResponses {
-    std::vector<Kernels> error, innovation;
-    std::vector<Values> own;  ///< responses of the own link's innovation
-    bool any = false;         ///< whether there are losses
-  };
-
-  // `power` converts squared responses to the required power.
+  // Of the links of one pattern, two per vehicle. `power` converts squared responses to the required power.
   template <class Power>
-  LossResponses loss_responses(const Power& power) const {
-    LossResponses result{std::vector<Kernels>(vehicles_.size()), std::vector<Kernels>(vehicles_.size()),
-                         std::vector<Values>(vehicles_.size())};
-    for (std::size_t j = 0; j < std::min(vehicles_.size(), followers_); ++j) {
-      if (mean_vehicles_[j].variance_factor() == 0.0) continue;
-      result.any = true;
-      const MeanVehicle::Passed passed = mean_vehicles_[j].of_loss(steps_);
-      result.own[j] = power(squares(passed.innovation));
-      const Responses responses = downstream(j, passed.position);
-      for (std::size_t m = 0; m < responses.error.size(); ++m) {
-        result.error[j].emplace_back(power(responses.error[m]));
-        result.innovation[j].emplace_back(power(responses.innovation[m]));
+  std::vector<LossResponses> loss_responses(const Power& power) const {
+    std::vector<LossResponses> result(2 * responses_.period());
+    for (std::size_t source = 0; source < std::min(result.size(), 2 * followers_); ++source) {
+      const std::size_t place = source / 2, link = source % 2;
+      if (factor(place, link) == 0.0) continue;
+      MeanVehicle::Passed passed = responses_.vehicle(place).of_loss(link, steps_);
+      LossResponses& of = result[source];
+      of.own = power(squares(passed.innovation[link]));
+      const Responses responses = responses_.downstream(place, std::move(passed.own));
+      for (const Values& row : responses.error) of.error.emplace_back(power(row));
+      for (std::size_t to = 0; to < 2; ++to) {
+        for (const Values& row : responses.innovation[to]) of.innovation[to].emplace_back(power(row));
       }
     }
     return result;
   }
 
   void add_losses() {
-    LossResponses responses = loss_responses([](const Values& squared) { return squared; });
-    if (!responses.any) return;
+    std::vector<LossResponses> responses = loss_responses([](const Values& squared) { return squared; });
     CausalConvolution convolution(steps_);
+    sources_.clear();
     for (std::size_t i = 0; i < followers_; ++i) {
-      if (i > 0) add_losses_to(convolution, responses.innovation, i, i - 1, innovation_[i]);
-      add_source(i, responses.own[i % vehicles_.size()]);
-      add_losses_to(convolution, responses.error, i, i, error_[i]);
+      for (std::size_t link = 0; link < 2; ++link) {
+        if (factor(i, link) > 0.0) {
+          add_losses_to(convolution, responses, i, 2 * i, innovation_[i][link],
+                        [link](LossResponses& of) -> Kernels& { return of.innovation[link]; });
+        }
+        add_source(i, link, responses[2 * (i % responses_.period()) + link].own);
+      }
+      add_losses_to(convolution, responses, i, 2 * i + 2, error_[i],
+                    [](LossResponses& of) -> Kernels& { return of.error; });
     }
   }
 
-  // Appends the variance of w_i, p q E e^2; w_i also acts on the innovation of its own link.
-  void add_source(std::size_t i, const Values& own) {
+  // Appends the variance of the w of a link, p q E e^2; w also acts on the innovation of its own link.
+  void add_source(std::size_t i, std::size_t link, const Values& own) {
     Values variance;  // of w(k), from step 0 on
-    const double factor = mean_vehicle(i).variance_factor();
-    if (factor > 0.0) {
+    if (factor(i, link) > 0.0) {
       std::size_t reach = own.size();
       const double negligible = 1e-40 * *std::max_element(own.begin(), own.end());
       while (reach > 1 && own[reach - 1] <= negligible) --reach;
-      Values& squared = innovation_[i];
+      Values& squared = innovation_[i][link];
       for (std::size_t k = 0; k < steps_; ++k) {
         double returned = 0.0;
         for (std::size_t t = 1; t < reach && t <= k; ++t) returned += own[t] * variance[k - t];
         squared[k] += returned;
-        variance.push_back(factor * squared[k]);
+        variance.push_back(factor(i, link) * squared[k]);
       }
     }
     sources_.emplace_back(std::move(variance));
   }
 
-  // The fourth cumulants of w_i, pq (1 - 3pq) E e^4 - 3 (pq E e^2)^2, at least 0, with E e^4 of a normal e plus the
+  // The fourth cumulants of w, pq (1 - 3pq) E e^4 - 3 (pq E e^2)^2, at least 0, with E e^4 of a normal e plus the
   // contribution of the links before.
-  Values loss_cumulants(std::size_t i, const Values& of_innovation) const {
+  Values loss_cumulants(std::size_t i, std::size_t link, const Values& of_innovation) const {
     Values result;
-    const double factor = mean_vehicle(i).variance_factor();
-    if (factor == 0.0) return result;
+    const double of_link = factor(i, link);
+    if (of_link == 0.0) return result;
     for (std::size_t k = 0; k < steps_; ++k) {
-      const double square = innovation_[i][k], mean = innovation_means_[i][k];
+      const double square = innovation_[i][link][k], mean = innovation_means_[i][link][k];
       const double fourth = 3.0 * square * square - 2.0 * mean * mean * mean * mean + of_innovation[k];
-      result.push_back(std::max(factor * (1.0 - 3.0 * factor) * fourth - 3.0 * factor * factor * square * square, 0.0));
+      result.push_back(
+          std::max(of_link * (1.0 - 3.0 * of_link) * fourth - 3.0 * of_link * of_link * square * square, 0.0));
     }
     return result;
   }
 
-  PlatoonModel model_;
+  LinkedResponses responses_;
   std::size_t followers_, steps_;
-  std::vector<VehicleModel> vehicles_;
-  std::vector<MeanVehicle> mean_vehicles_;
-  std::vector<Values> innovation_means_;              ///< E e_i(k)
-  std::vector<Values> error_;                         ///< variance of zeta_i(k), accumulated
-  std::vector<Values> innovation_;                    ///< E e_i(k)^2, accumulated
-  std::vector<CausalConvolution::Prepared> sources_;  ///< variance of every w_i
+  std::vector<std::array<Values, 2>> innovation_means_;  ///< E e(k) per follower and link
+  std::vector<Values> error_;                            ///< variance of zeta_i(k), accumulated
+  std::vector<std::array<Values, 2>> innovation_;        ///< E e(k)^2 per follower and link, accumulated
+  Kernels sources_;                                      ///< variance of every w, two links per follower
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -10,16 +11,23 @@
 namespace platoon {
 
 /// Stationary theory of a platoon over links with independent losses, homogeneous or patterned. With < > the mean over
-/// the circle, Phi_i the spectrum of y_i about its mean, Phi_0 = 0, and the notation of LinkedVehicleValue:
-///     sigma_i^2 = kappa ( <|(1-L) F|^2 (Phi_{i-1} + N_d)> + ebar^2 )
-///     Phi_i = |T^|^2 (Phi_{i-1} + N_d) + |T F|^2 sigma_i^2
-///     P_i = < |1 - H T^|^2 Phi_{i-1} + |H|^2 (|T^|^2 N_d + |T F|^2 sigma_i^2) >
-/// each with the T, h and link of follower i; ebar = v (c_1 + 2 c_2 + ...) / p at v metres per step.
+/// the circle, Phi_i the spectrum of y_i about its mean, Phi_0 = 0, and the notation of LinkedVehicleValue, with sums
+/// over the links l of follower i and Psi_l the spectrum of what link l is sent, Phi_{i-1} for the position and
+/// Phi_{i-1} / |G_{i-1}|^2 for the predecessor's input:
+///     sigma_l^2 = kappa ( <|(1-L) F|^2 (Psi_l + N_d)> + ebar^2 )
+///     Phi_i = |T^|^2 Phi_{i-1} + sum ( p^2 |N F|^2 N_d + |N F|^2 sigma_l^2 )
+///     P_i = < |1 - H T^|^2 Phi_{i-1} + |H|^2 sum ( ... ) >
+/// each with the T, h and links of follower i; ebar = v (c_1 + 2 c_2 + ...) / p at v metres per step for the position.
 
 /// Stationary variances P_1, ..., P_N [m^2]; infinity if they leave the range of double. NaN throughout if a vehicle or
 /// a link is not mean square stable. 1e-12 relative. Throws std::invalid_argument unless followers >= 1, and for losses
 /// in bursts.
 std::vector<double> linked_stationary_variances(const PlatoonModel& model, std::size_t followers);
+
+/// The shares of the links that measure positions and of the radios in these variances [m^2], noise and losses of all
+/// vehicles; per follower the share of the position and that of the predecessor's input. Infinite or NaN where the
+/// variance is.
+std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers);
 
 /// Stationary means of the errors at the leader's last speed [m]: v (m + q (c_1 + 2 c_2 + ...) / p). NaN as above.
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers);

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/math/string/loop_spectrum.hpp"
 
 namespace platoon {
@@ -13,16 +13,6 @@ namespace platoon {
 namespace {
 
 using Complex = std::complex<long double>;
-
-// z^n - factor (c_1 z^(n-1) + ... + c_n), by powers of z - 1; exactly 1 - factor at z = 1, as the c have sum 1.
-CirclePolynomial register_polynomial(const std::vector<double>& c, double factor) {
-  Polynomial p(static_cast<Eigen::Index>(c.size()) + 1);
-  p(0) = 1.0;
-  for (std::size_t j = 0; j < c.size(); ++j) p(static_cast<Eigen::Index>(j) + 1) = -factor * c[j];
-  CirclePolynomial shifted = delta_form(p);
-  shifted.front() = 1.0L - static_cast<long double>(factor);
-  return shifted;
-}
 
 CirclePolynomial scaled(CirclePolynomial p, long double factor) {
   for (long double& c : p) c *= factor;
@@ -34,137 +24,198 @@ CirclePolynomial moduli(CirclePolynomial p) {
   return p;
 }
 
-// Number of lowest coefficients that are zero to the rounding of the sums they result from, at least `known`.
-int leading_zeros(const CirclePolynomial& p, const CirclePolynomial& sizes, int known) {
-  auto j = static_cast<std::size_t>(known);
-  while (j < p.size() && std::abs(p[j]) <= kCoefficientRounding * sizes[j]) ++j;
-  return static_cast<int>(j);
+std::vector<LinkFilter> links_of(const VehicleModel& vehicle) {
+  std::vector<LinkFilter> links{LinkFilter(vehicle.link, vehicle.noise_variance)};
+  if (vehicle.feed_forward) links.emplace_back(vehicle.feed_forward->link, vehicle.feed_forward->noise_variance);
+  return links;
+}
+
+/// F N of one input.
+Complex passed(const LinkFilter::Value& link, Complex transfer) {
+  return link.powers * transfer * std::conj(link.registers) / std::norm(link.registers);
+}
+
+InputValue input_value(const LinkFilter& link, const LinkFilter::Value& value, Complex passed) {
+  const long double loss_gain = std::norm(passed), p = link.arrival();
+  return {static_cast<double>(loss_gain), static_cast<double>(p * p * loss_gain), value.innovation, value.noise};
+}
+
+int zeros_at_one(const ExactPolynomial& p) {
+  const auto other = std::find_if(p.begin(), p.end(), [](const Exact& coefficient) { return coefficient != 0; });
+  return static_cast<int>(other - p.begin());
 }
 
 }  // namespace
 
-LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle)
-    : vehicle_(vehicle), loss_(vehicle.link.loss.value_or(LossModel())) {
-  if (!loss_.is_independent()) throw std::invalid_argument("mean_burst: given: must be absent for this theory");
-  spectral_radius_ = platoon::spectral_radius(vehicle.loop);
-  loss_feedback_ = platoon::loss_feedback(loss_);
-  const DeltaFraction t = delta_fraction(vehicle.loop);
-  near_ = {t.numerator, t.denominator, register_polynomial(loss_.predictor, loss_.probability),
-           register_polynomial(loss_.predictor, 1.0)};
-  far_ = {recentred(t.numerator), recentred(t.denominator), recentred(near_.registers), recentred(near_.surprise)};
-  const long double p = 1.0L - static_cast<long double>(loss_.probability);
-  const CirclePolynomial arriving =
-      multiply(squared_modulus(near_.denominator, Centre::kOne), squared_modulus(near_.registers, Centre::kOne));
-  margin_ = without_zero_at_origin(subtract(arriving, scaled(squared_modulus(near_.numerator, Centre::kOne), p * p)));
-  factor_ = rated_factor(vehicle.loop);
-  if (vehicle.loop.parts) designed_.emplace(*vehicle.design, vehicle.headway);
-  if (has_losses()) {
-    for (const std::complex<long double>& s : zeros(near_.registers)) factor_.factor.poles.push_back(s);
-    factor_.rounded.push_back(z_form(near_.registers));
+LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known)
+    : vehicle_(vehicle), links_(links_of(vehicle)), spectral_radius_(platoon::spectral_radius(vehicle.loop)) {
+  if (vehicle.loop.parts)
+    designed_.emplace(*vehicle.design, vehicle.headway, vehicle.feed_forward ? vehicle.feed_forward->gain : 0.0);
+  factor_ = designed_ ? designed_factor(known) : rated_factor(vehicle.loop);
+  for (const LinkFilter& link : links_) {
+    if (!link.has_losses() || link.loss().predictor.empty()) continue;
+    for (const std::complex<long double>& s : zeros(link.registers())) factor_.factor.poles.push_back(s);
+    if (!designed_) factor_.rounded.push_back(z_form(link.registers()));
   }
+  if (designed_) return;
+  const DeltaFraction t = delta_fraction(vehicle.loop);
+  near_ = {t.numerator, t.denominator};
+  far_ = {recentred(t.numerator), recentred(t.denominator)};
+  const long double p = links_.front().arrival();
+  const CirclePolynomial arriving = multiply(squared_modulus(near_.denominator, Centre::kOne),
+                                             squared_modulus(links_.front().registers(), Centre::kOne));
+  margin_ = without_zero_at_origin(subtract(arriving, scaled(squared_modulus(near_.numerator, Centre::kOne), p * p)));
+}
+
+// The poles of T^ are those of T. The zeros do not depend on the headway unless the controller does.
+RatedFactor LinkedVehicle::designed_factor(const LinkedVehicle* known) const {
+  const bool has_radio = vehicle_.feed_forward.has_value();
+  if (known != nullptr && !vehicle_.design->divide_by_one_plus_headway &&
+      known->vehicle_.feed_forward == vehicle_.feed_forward && (!has_radio || known->vehicle_.link == vehicle_.link))
+    return {{poles_of(vehicle_.loop), known->factor_.factor.zeros}, {}};
+  if (!has_radio) return rated_factor(vehicle_.loop);
+  const auto registers = [](const LinkFilter& link) {
+    if (!link.has_losses()) return ExactPolynomial{Exact(1)};
+    ExactPolynomial p;
+    for (const long double c : link.registers()) p.emplace_back(c);
+    return p;
+  };
+  const LinkFilter &position = links_[0], &input = links_[1];
+  return {{poles_of(vehicle_.loop), designed_->zeros(registers(position), registers(input), position.arrival(),
+                                                     input.arrival(), {0.0L, 0.0L, position.delay(), input.delay()})},
+          {}};
 }
 
 LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
   const bool near = point.centre == Centre::kOne;
-  const Half& part = near ? near_ : far_;
   const Complex s = point.offset, z = s + (near ? 1.0L : -1.0L);
   const long double t = std::abs(s.real()), x = near ? t : 2.0L - t, h = vehicle_.headway;
-  const Complex registers = evaluate(part.registers, s), powers = power(z, loss_.predictor.size());
-  const long double of_link = std::norm(registers), p = 1.0L - static_cast<long double>(loss_.probability);
-  const Complex surprise = evaluate(part.surprise, s);
-  Complex passed;  // F T
-  long double margin;
+  std::array<LinkFilter::Value, 2> of_links;
+  for (std::size_t j = 0; j < links_.size(); ++j) of_links[j] = links_[j].at(point);
+  LinkedVehicleValue value{};
+  value.headway = static_cast<double>(1.0L + 2.0L * h * (1.0L + h) * x);
+  Complex response;  // T^ z^m
   if (designed_) {
-    const DesignedGain::Value loop = designed_->at(point);
-    passed = loop.transfer * powers * std::conj(registers) / of_link;
-    const Complex predicted = (1.0L - p) / p * surprise / powers;  // 1 / (p F) = 1 + q / p (1 - L)
-    const long double of_prediction = 2.0L * predicted.real() + std::norm(predicted);
-    const long double excess = loop.excess + of_prediction + loop.excess * of_prediction;
-    margin = std::isinf(excess) ? 1.0L : excess / (1.0L + excess);
+    response = designed_response(point, of_links, value);
   } else {
+    const Half& part = near ? near_ : far_;
+    const LinkFilter::Value& link = of_links[0];
     const Complex numerator = evaluate(part.numerator, s), denominator = evaluate(part.denominator, s);
-    const long double of_loop = std::norm(denominator), over = of_loop * of_link;
-    passed = powers * numerator * std::conj(denominator * registers) / over;
-    const long double gain = p * p * std::norm(passed);
-    margin = 1.0L - gain;
+    const long double of_loop = std::norm(denominator), of_link = std::norm(link.registers), over = of_loop * of_link,
+                      p = links_.front().arrival();
+    const Complex through = link.powers * numerator * std::conj(denominator * link.registers) / over;
+    value.input[0] = input_value(links_[0], link, through);
+    response = p * through;
+    const long double gain = std::norm(response);
+    long double margin = 1.0L - gain;
     if (near && gain > 0.25L) {
       // Uses the polynomial if the difference 1 - |T^|^2 cancels, and the difference if the polynomial cancels.
       const long double size = std::sqrt(2.0L * t);
       const auto share = [size](const CirclePolynomial& b, long double squared) {
         return magnitude(b, size) / std::sqrt(squared);
       };
-      const long double doubt = share(part.denominator, of_loop) + share(part.registers, of_link) +
+      const long double doubt = share(part.denominator, of_loop) + share(links_[0].registers(), of_link) +
                                 gain * share(part.numerator, std::norm(numerator));
       if (magnitude(margin_, t) * t <= 2.0L * doubt * over) margin = evaluate(margin_, t) * t / over;
     }
+    value.margin = static_cast<double>(margin);
   }
-  const Complex policy = Complex(1.0L + h) - h * std::conj(z);
-  const Complex undelayed = p * policy * passed;
+  const Complex policy = Complex(1.0L + h) - h * std::conj(z), undelayed = policy * response;
   const Complex mean = power(std::conj(z), vehicle_.link.delay) * undelayed;
-  const double coloured = vehicle_.link.has_white_noise()
-                              ? 1.0
-                              : std::norm(vehicle_.link.noise_filter(static_cast<std::complex<double>>(z)));
-  const double quantisation = vehicle_.link.quantisation_step;
-  return {static_cast<double>(p * p * std::norm(passed)),
-          static_cast<double>(margin),
-          static_cast<double>(std::norm(passed)),
-          static_cast<double>(std::norm(surprise) / of_link),
-          coloured * vehicle_.noise_variance + quantisation * quantisation / 12.0,
-          static_cast<double>(std::norm(1.0L - mean)),
-          static_cast<double>(1.0L + 2.0L * h * (1.0L + h) * x),
-          static_cast<std::complex<double>>(undelayed)};
+  value.gain = static_cast<double>(std::norm(response));
+  value.complement = static_cast<double>(std::norm(1.0L - mean));
+  value.undelayed = static_cast<std::complex<double>>(undelayed);
+  return value;
+}
+
+// Sets all fields that depend on how the vehicle is built, and returns T^ without the delay of the position.
+Complex LinkedVehicle::designed_response(const CirclePoint& point, const std::array<LinkFilter::Value, 2>& of_links,
+                                         LinkedVehicleValue& value) const {
+  const bool has_radio = links_.size() > 1;
+  DesignedGain::Links effect{of_links[0].excess(links_[0].arrival()), 0.0L, links_[0].delay(), 0};
+  if (has_radio) {
+    effect.input_excess = of_links[1].excess(links_[1].arrival());
+    effect.input_delay = links_[1].delay();
+  }
+  const DesignedGain::Value loop = designed_->at(point, effect);
+  const Complex of_position = passed(of_links[0], loop.position);
+  Complex response = links_[0].arrival() * of_position;
+  value.input[0] = input_value(links_[0], of_links[0], of_position);
+  if (has_radio) {
+    const Complex of_input = passed(of_links[1], loop.input);
+    value.input[1] = input_value(links_[1], of_links[1], of_input);
+    response += links_[1].arrival() * passed(of_links[1], loop.through_input);
+  }
+  value.sent = static_cast<double>(loop.sent);
+  value.margin = std::isinf(loop.excess) ? 1.0 : static_cast<double>(loop.excess / (1.0L + loop.excess));
+  return response;
 }
 
 ZerosAtZero LinkedVehicle::zeros_at_zero() const {
-  ZerosAtZero zeros{1, 1, 0};
-  if (lag() == 0.0 && designed_ && !has_losses()) {
+  ZerosAtZero zeros{1, ZerosAtZero::kNone, ZerosAtZero::kNone};
+  const LinkFilter& position = links_.front();
+  if (lag() == 0.0 && vehicle_.feed_forward) {
+    const int of_feed_forward = *vehicle_.loop.integrators + feed_forward_zeros();
+    zeros.complement = position.has_losses() ? std::min(position.surprise_zeros(), of_feed_forward) : of_feed_forward;
+  } else if (lag() == 0.0 && designed_ && !position.has_losses()) {
     zeros.complement = *vehicle_.loop.integrators;
   } else if (lag() == 0.0) {
     // 1 - H T^ = (z D R - ((1 + h) z - h) p z^n N) / (z D R), with two zeros at s = 0 as nothing lags.
-    const long double h = vehicle_.headway, p = 1.0L - static_cast<long double>(loss_.probability);
-    CirclePolynomial open = multiply({1.0L, 1.0L}, multiply(near_.denominator, near_.registers));
-    CirclePolynomial closed = scaled(multiply({1.0L, 1.0L + h}, near_.numerator), p);
-    for (std::size_t j = 0; j < loss_.predictor.size(); ++j) closed = multiply({1.0L, 1.0L}, closed);
+    const DeltaFraction t = delta_fraction(vehicle_.loop);
+    const long double h = vehicle_.headway;
+    CirclePolynomial open = multiply({1.0L, 1.0L}, multiply(t.denominator, position.registers()));
+    CirclePolynomial closed = scaled(multiply({1.0L, 1.0L + h}, t.numerator), position.arrival());
+    for (std::size_t j = 0; j < position.loss().predictor.size(); ++j) closed = multiply({1.0L, 1.0L}, closed);
     zeros.complement = leading_zeros(subtract(open, closed), subtract(moduli(open), scaled(moduli(closed), -1.0L)), 2);
   }
-  if (has_losses()) {
-    const Polynomial surprise = z_form(near_.surprise);
-    zeros.innovation = leading_zeros(near_.surprise, delta_form(surprise.cwiseAbs()), 1);
+  if (position.has_losses()) zeros.innovation = position.surprise_zeros();
+  zeros.noise = position.noise_zeros();
+  if (!vehicle_.feed_forward) return zeros;
+  // At w = 0 u = y / G vanishes like the double integrator of the plant, and N_input like the integrators of K.
+  const LinkFilter& input = links_.back();
+  const ExactTransfer &plant = vehicle_.design->plant.exact(), &controller = vehicle_.design->controller.exact();
+  if (input.has_losses()) {
+    const int of_plant = zeros_at_one(plant.denominator) - zeros_at_one(plant.numerator);
+    zeros.innovation = std::min(zeros.innovation, input.surprise_zeros() + of_plant);
   }
-  if (vehicle_.link.quantisation_step == 0.0) {
-    const Polynomial& filter = vehicle_.link.noise_filter.numerator();
-    zeros.noise = vehicle_.noise_variance == 0.0 ? ZerosAtZero::kNone
-                                                 : leading_zeros(delta_form(filter), delta_form(filter.cwiseAbs()), 0);
-  }
+  const int of_controller = zeros_at_one(controller.denominator) - zeros_at_one(controller.numerator);
+  zeros.noise = std::min(zeros.noise, input.noise_zeros() + of_controller);
   return zeros;
+}
+
+// Multiplicity of z = 1 as a zero of 1 - F z^-m p F_l, which feed-forward leaves of the predecessor's input.
+int LinkedVehicle::feed_forward_zeros() const {
+  const LinkFilter& input = links_.back();
+  const bool is_held = !input.has_losses() || !input.loss().predictor.empty();
+  return vehicle_.feed_forward->gain == 1.0 && is_held ? 1 : 0;
 }
 
 std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
   std::vector<std::complex<double>> found = frequencies_of(factor_.factor.poles);
-  const CirclePolynomial filter = delta_form(vehicle_.link.noise_filter.denominator());
-  if (filter.size() < 2) return found;
-  for (const std::complex<double>& w : singular_frequencies(filter)) found.push_back(w);
+  for (const LinkFilter& link : links_) {
+    for (const std::complex<double>& w : link.noise_frequencies()) found.push_back(w);
+  }
+  if (!vehicle_.feed_forward) return found;
+  // The difference of the delays turns T^; a panel may cover two radians of it.
+  constexpr double kHalfTurn = 3.14159265358979323846;
+  const auto turns = static_cast<double>(std::max(links_[0].delay(), links_[1].delay()));
+  for (double w = 0.0; w <= kHalfTurn; w += 1.0 / turns) found.emplace_back(w, 1.0 / turns);
   return found;
 }
 
 bool LinkedVehicle::is_of(const VehicleModel& vehicle) const {
-  return vehicle.headway == vehicle_.headway && vehicle.link == vehicle_.link;
+  return vehicle.headway == vehicle_.headway && vehicle.link == vehicle_.link &&
+         vehicle.feed_forward == vehicle_.feed_forward;
 }
 
-double LinkedVehicle::loss_factor() const {
-  const double q = loss_.probability;
-  return q * (1.0 - q) / (1.0 - loss_feedback_);
+double LinkedVehicle::loss_feedback() const {
+  double largest = 0.0;
+  for (const LinkFilter& link : links_) largest = std::max(largest, link.loss_feedback());
+  return largest;
 }
 
-double LinkedVehicle::mean_innovation() const {
-  if (!has_losses()) return 0.0;
-  double sum = 0.0;
-  for (std::size_t j = 0; j < loss_.predictor.size(); ++j) sum += static_cast<double>(j + 1) * loss_.predictor[j];
-  return sum / (1.0 - loss_.probability);
-}
-
-double LinkedVehicle::lag() const {
-  return static_cast<double>(vehicle_.link.delay) + loss_.probability * mean_innovation();
+bool LinkedVehicle::has_losses() const {
+  return std::any_of(links_.begin(), links_.end(), [](const LinkFilter& link) { return link.has_losses(); });
 }
 
 PatternGain LinkedPattern::gain() const {
@@ -183,8 +234,9 @@ LinkedPattern linked_pattern(const PlatoonModel& model, const LinkedPattern& kno
     const auto inserted = place.emplace(type, found.types.size());
     if (inserted.second) {
       const VehicleModel& vehicle = model.types[type].vehicle;
-      const bool is_known = found.types.size() < known.types.size() && known.types[found.types.size()].is_of(vehicle);
-      found.types.push_back(is_known ? known.types[found.types.size()] : LinkedVehicle(vehicle));
+      const LinkedVehicle* const before =
+          found.types.size() < known.types.size() ? &known.types[found.types.size()] : nullptr;
+      found.types.push_back(before != nullptr && before->is_of(vehicle) ? *before : LinkedVehicle(vehicle, before));
     }
     found.order.push_back(inserted.first->second);
   }

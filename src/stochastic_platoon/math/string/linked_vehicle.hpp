@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <complex>
 #include <optional>
 #include <vector>
@@ -7,38 +8,47 @@
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
 #include "stochastic_platoon/math/string/designed_gain.hpp"
+#include "stochastic_platoon/math/string/link_filter.hpp"
 #include "stochastic_platoon/math/string/pattern_gain.hpp"
 
 namespace platoon {
 
-/// Gains of one follower and the link into it at one frequency. With p = 1 - q, the predictor L = c_1 z^-1 + c_2 z^-2 +
-/// ..., F = 1 / (1 - q L) and H = (1 + h) - h / z:
+/// What one input of a follower passes on at one frequency, with F of its link and N from the received value to the own
+/// position (see LinkFilter, DesignedGain; N = T for positions).
+struct InputValue {
+  double loss_gain;   ///< |N F|^2: from the loss noise w
+  double passed;      ///< p^2 |N F|^2: from the noise of the link
+  double innovation;  ///< |(1 - L) F|^2: from what is sent to its prediction error e
+  double noise;       ///< |W|^2 P_d + D^2 / 12 [m^2] or [(m/s^2)^2]
+};
+
+/// Gains of one follower and the links into it at one frequency, with H = (1 + h) - h / z. T^ leads from the
+/// predecessor's position to the mean of the own: p F z^-m T for one input; with feed-forward Gamma = (G K + F z^-m) /
+/// (H (1 + G K)), each input with the mean effect of its link.
 struct LinkedVehicleValue {
-  double gain;                     ///< |T^|^2, T^ = p z^-m F T: from the predecessor's position to the mean of the own
-  double margin;                   ///< 1 - |T^|^2, given that T^(1) = 1 exactly
-  double loss_gain;                ///< |T F|^2: from the loss noise w to the own position
-  double innovation;               ///< |(1 - L) F|^2: from the position at the loss stage to its prediction error e
-  double noise;                    ///< |W|^2 P_d + D^2 / 12 [m^2]
-  double complement;               ///< |1 - H T^|^2
-  double headway;                  ///< |H|^2
-  std::complex<double> undelayed;  ///< H p F T: H T^ without the delay z^-m
+  double gain;                      ///< |T^|^2
+  double margin;                    ///< 1 - |T^|^2, given that T^(1) = 1 exactly
+  double complement;                ///< |1 - H T^|^2
+  double headway;                   ///< |H|^2
+  std::complex<double> undelayed;   ///< H T^ without the delay z^-m of the position
+  double sent;                      ///< |1 / G|^2: from the spectrum of y to that of the own input; 0 if not by parts
+  std::array<InputValue, 2> input;  ///< the position, and the predecessor's input (zero without feed-forward)
 };
 
 /// Multiplicity of the factor w^2 in spectral gains at low frequencies.
 struct ZerosAtZero {
   int complement;  ///< |1 - H T^|^2: 1 if delay or losses leave a mean error at constant speed, 2 or more otherwise
-  int innovation;  ///< |(1 - L) F|^2: 1 for holding, 2 for extrapolating, ...
-  int noise;       ///< |W|^2 P_d + D^2 / 12; kNone without noise
-  static constexpr int kNone = 1000;
+  int innovation;  ///< from the predecessor's position to what a link loses: |(1 - L) F|^2, 1 for holding, ...
+  int noise;       ///< of all links; kNone without noise
+  static constexpr int kNone = LinkFilter::kNoNoise;
 };
 
-/// One follower behind its link with independent losses, on the unit circle, w in rad/sample. The losses act on the
-/// moments as a white noise w = (theta - p) e, with theta 1 if a position arrives and 0 if not. It is uncorrelated with
-/// all sent positions and has variance E w^2 = p q E e^2.
+/// One follower behind its links with independent losses, on the unit circle, w in rad/sample.
 class LinkedVehicle {
 public:
-  /// Throws std::invalid_argument for losses in bursts.
-  explicit LinkedVehicle(const VehicleModel& vehicle);
+  /// `known`: the same vehicle with another headway or other links; saves the search for zeros that do not depend on
+  /// the headway. Throws std::invalid_argument for losses in bursts.
+  explicit LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known = nullptr);
 
   LinkedVehicleValue at(const CirclePoint& point) const;
   LinkedVehicleValue at(double frequency) const { return at(CirclePoint(frequency)); }
@@ -46,40 +56,41 @@ public:
   /// |T^|^2 as a factor of the pattern's.
   const RatedFactor& factor() const { return factor_; }
 
-  /// The complex frequencies at which any of the above is singular.
+  /// The complex frequencies at which any of the above is singular, and for the delays of a radio as many as resolve
+  /// them.
   std::vector<std::complex<double>> pole_frequencies() const;
 
   ZerosAtZero zeros_at_zero() const;
 
   double spectral_radius() const { return spectral_radius_; }  ///< rho(A)
-  double loss_feedback() const { return loss_feedback_; }      ///< p q ||L F||^2; infinite: F is unstable
+  double loss_feedback() const;                                ///< the largest of its links; infinite: an F is unstable
 
-  /// kappa = p q / (1 - p q ||L F||^2): E w^2 over the E e^2 without the feedback of w through the link.
-  double loss_factor() const;
+  /// The links of the position and, with feed-forward, of the predecessor's input.
+  const std::vector<LinkFilter>& links() const { return links_; }
+  bool has_losses() const;
 
-  /// Mean lag of the received position at constant speed [steps]: m + q (c_1 + 2 c_2 + ...) / p.
-  double lag() const;
+  /// Mean lag of the received position at constant speed [steps]. Inputs are 0 there.
+  double lag() const { return links_.front().lag(); }
 
-  /// Mean of e at constant speed, divided by the metres per step: (c_1 + 2 c_2 + ...) / p; 0 without losses.
-  double mean_innovation() const;
-
-  /// Whether this object describes `vehicle`, which differs at most in headway and link.
+  /// Whether this object describes `vehicle`, which differs at most in headway and links.
   bool is_of(const VehicleModel& vehicle) const;
 
-  bool has_losses() const { return loss_.probability > 0.0; }
   const VehicleModel& vehicle() const { return vehicle_; }
 
 private:
-  /// Taylor coefficients about one centre.
+  /// T about one centre.
   struct Half {
-    CirclePolynomial numerator, denominator;  ///< of T
-    CirclePolynomial registers;               ///< z^n / F = z^n - q (c_1 z^(n-1) + ...)
-    CirclePolynomial surprise;                ///< z^n (1 - L) = z^n - (c_1 z^(n-1) + ...)
+    CirclePolynomial numerator, denominator;
   };
+  RatedFactor designed_factor(const LinkedVehicle* known) const;
+  std::complex<long double> designed_response(const CirclePoint& point,
+                                              const std::array<LinkFilter::Value, 2>& of_links,
+                                              LinkedVehicleValue& value) const;
+  int feed_forward_zeros() const;
 
   VehicleModel vehicle_;
-  LossModel loss_;  ///< probability 0 without a loss stage
-  double spectral_radius_, loss_feedback_;
+  std::vector<LinkFilter> links_;
+  double spectral_radius_;
   Half near_, far_;
   std::optional<DesignedGain> designed_;  ///< of a vehicle by parts
   CirclePolynomial margin_;               ///< of any other one: |D^|^2 - |N^|^2 over t, about z = 1

@@ -1,51 +1,63 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <vector>
 
-#include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/string/loop_response.hpp"
+#include "stochastic_platoon/math/string/vehicle_response.hpp"
 
 namespace platoon {
 
-/// A follower and the link into it as operators on means, with losses replaced by their mean effect:
+/// A follower and the links into it as operators on means, with losses replaced by their mean effect:
 ///     r(k) = (L r)(k) + p e(k),   e(k) = s(k) - (L r)(k).
 ///
-/// Position sequences start at step -1; innovation and error sequences start at step 0.
+/// Sequences of what is sent start at step -1; innovation and error sequences start at step 0.
 class MeanVehicle {
 public:
-  using Sequence = LoopResponse::Sequence;
+  using Sequence = VehicleResponse::Sequence;
 
   /// Throws std::invalid_argument for losses in bursts.
   explicit MeanVehicle(const VehicleModel& vehicle);
 
   struct Passed {
-    Sequence innovation;  ///< e(k)
-    Sequence position;    ///< y_i
+    std::array<Sequence, 2> innovation;  ///< e(k) of each link; empty if there is none
+    Motion own;                          ///< y_i and, with radios, its inputs
   };
 
-  /// Response to the predecessor's positions, without the own initial position.
-  Passed operator()(const Sequence& predecessor) const;
+  /// Number of links: the position's and, with feed-forward, that of the predecessor's input.
+  std::size_t links() const { return links_.size(); }
 
-  /// Response to the own link's w: a unit impulse at step 0 on the received position.
-  Passed of_loss(std::size_t steps) const;
+  /// Response to what the predecessor sends, without the own initial position.
+  Passed operator()(const Motion& predecessor) const;
+
+  /// Response to a sequence that is sent over one link alone.
+  Passed over_link(std::size_t link, const Sequence& sent) const;
+
+  /// Response to the w of a link: a unit impulse at step 0 on the received value.
+  Passed of_loss(std::size_t link, std::size_t steps) const;
 
   /// Free motion from the own equilibrium at position 1.
-  Sequence free_motion(std::size_t steps) const { return loop_.free_response(steps + 1); }
+  Motion free_motion(std::size_t steps) const { return vehicle_.free_motion(steps + 1); }
 
   /// zeta_i from the positions of both vehicles.
   Sequence error(const Sequence& predecessor, const Sequence& own) const;
 
-  /// p q: E w(k)^2 = p q E e(k)^2.
-  double variance_factor() const { return loss_.probability * (1.0 - loss_.probability); }
+  /// p q of a link: E w(k)^2 = p q E e(k)^2.
+  double variance_factor(std::size_t link) const;
 
 private:
-  long double probability() const { return loss_.probability; }
-  long double prediction(const Sequence& received) const;
+  struct MeanLink {
+    std::size_t delay;
+    LossModel loss;
 
-  LoopResponse loop_;
+    long double prediction(const Sequence& received) const;
+    Sequence pass(const Sequence& sent, Sequence& innovation) const;
+  };
+  Motion nothing(std::size_t count) const;
+
+  VehicleResponse vehicle_;
   long double headway_;
-  std::size_t delay_;
-  LossModel loss_;
+  std::vector<MeanLink> links_;
 };
 
 }  // namespace platoon

@@ -75,9 +75,9 @@ double PatternGain::doubt(double frequency) const {
   return kCoefficientRounding * sum;
 }
 
-LeastMargin PatternGain::least() const {
+LeastMargin PatternGain::least(double accuracy) const {
   if (attenuation_.is_zero()) return {Sign::kZero, 0.0, 0.0};
-  const Attenuation::Minimum found = attenuation_.least(zeros_);
+  const Attenuation::Minimum found = attenuation_.least(zeros_, accuracy);
   const double w = frequency_of(found.t);
   const auto value = static_cast<double>(found.value);
   const bool is_below = value < -doubt(w);

@@ -39,8 +39,8 @@ public:
   /// Whether |prod T| = 1 at every frequency, as for a pure delay.
   bool is_one() const { return attenuation_.is_zero(); }
 
-  /// Minimum of -ln |prod T|^2 with these zeros divided out.
-  LeastMargin least() const;
+  /// Minimum of -ln |prod T|^2 with these zeros divided out, to this relative accuracy; its sign is exact.
+  LeastMargin least(double accuracy = 1e-12) const;
 
   /// The largest |prod T|^2 and its frequency: 1 at w = 0 unless it is larger elsewhere.
   struct Peak {

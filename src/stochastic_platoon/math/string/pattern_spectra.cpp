@@ -36,8 +36,12 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
   std::vector<CirclePoint> points;
   for (const double w : rule.node) points.emplace_back(w);
   for (const LinkedVehicle& vehicle : pattern.types) {
-    for (auto* values : {&gain, &margin, &loss_gain, &innovation, &noise, &complement, &headway, &delayed})
+    for (auto* values : {&gain, &margin, &complement, &headway, &delayed, &sent})
       values->emplace_back(Eigen::ArrayXd::Zero(count));
+    input.emplace_back(vehicle.links().size());
+    for (Input& of : input.back()) {
+      for (auto* values : {&of.loss_gain, &of.passed, &of.innovation, &of.noise}) values->resize(count);
+    }
     const auto delay = static_cast<double>(vehicle.vehicle().link.delay);
     const OscillatingWeights oscillating(rule, delay);
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -45,9 +49,14 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
       const LinkedVehicleValue value = vehicle.at(points[node]);
       gain.back()(k) = value.gain;
       margin.back()(k) = value.margin;
-      loss_gain.back()(k) = value.loss_gain;
-      innovation.back()(k) = value.innovation;
-      noise.back()(k) = value.noise;
+      for (std::size_t j = 0; j < input.back().size(); ++j) {
+        Input& of = input.back()[j];
+        of.loss_gain(k) = value.input[j].loss_gain;
+        of.passed(k) = value.input[j].passed;
+        of.innovation(k) = value.input[j].innovation;
+        of.noise(k) = value.input[j].noise;
+      }
+      sent.back()(k) = value.sent;
       complement.back()(k) = value.complement;
       headway.back()(k) = value.headway;
       if (!oscillating.applies_to(node)) continue;
@@ -60,6 +69,12 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
 double PatternSpectra::error_variance(std::size_t type, const Eigen::ArrayXd& spectrum,
                                       const Eigen::ArrayXd& added) const {
   return mean((complement[type] + delayed[type]) * spectrum + headway[type] * added);
+}
+
+Eigen::ArrayXd PatternSpectra::added_by_noise(std::size_t type) const {
+  Eigen::ArrayXd added = Eigen::ArrayXd::Zero(weight.size());
+  for (const Input& of : input[type]) added += of.passed * of.noise;
+  return added;
 }
 
 Eigen::ArrayXd PatternSpectra::pattern_margin() const {

@@ -16,8 +16,13 @@ public:
   PatternSpectra(const LinkedPattern& pattern, const PatternGain& gain, bool with_margin, int refinement);
 
   Eigen::ArrayXd weight;
-  /// Per vehicle type, the fields of LinkedVehicleValue, one row per node.
-  std::vector<Eigen::ArrayXd> gain, margin, loss_gain, innovation, noise, headway;
+  /// Fields of InputValue, one row per node.
+  struct Input {
+    Eigen::ArrayXd loss_gain, passed, innovation, noise;
+  };
+  /// Per vehicle type, the fields of LinkedVehicleValue; `input` has one entry per link.
+  std::vector<Eigen::ArrayXd> gain, margin, headway, sent;
+  std::vector<std::vector<Input>> input;
   /// |1 - H T^|^2; on panels with more than a period of a delay's z^m, 1 + |H T^|^2, without the term -2 Re H T^.
   std::vector<Eigen::ArrayXd> complement;
   /// -2 Re H T^ on those panels, with weights that integrate the product of z^-m and a polynomial (Filon); 0 elsewhere.
@@ -28,6 +33,15 @@ public:
 
   /// Mean over the circle of values at the nodes.
   double mean(const Eigen::ArrayXd& values) const { return (weight * values).sum(); }
+
+  /// Spectrum of what link `link` of a vehicle of this type is sent behind a predecessor of type `before` whose
+  /// position has this spectrum.
+  Eigen::ArrayXd at_link(std::size_t link, std::size_t before, const Eigen::ArrayXd& spectrum) const {
+    return link == 0 ? spectrum : Eigen::ArrayXd(sent[before] * spectrum);
+  }
+
+  /// What the noises of the links of a vehicle of this type add to the spectrum of its position.
+  Eigen::ArrayXd added_by_noise(std::size_t type) const;
 
   /// Mean of zeta's spectrum behind a predecessor with this spectrum, for a vehicle of this type that adds `added` to
   /// the spectrum: |1 - H T^|^2 Phi + |H|^2 added.

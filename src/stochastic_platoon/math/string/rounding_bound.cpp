@@ -76,6 +76,7 @@ std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const Erro
     PlatoonModel alike = model;
     alike.string.clear();
     alike.default_vehicle().link = LinkModel();
+    alike.default_vehicle().feed_forward.reset();
     alike.default_vehicle().loop = vehicle.loop;
     alike.default_vehicle().headway = vehicle.headway;
     double predicted = 1.0;

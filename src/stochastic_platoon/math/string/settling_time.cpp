@@ -12,6 +12,7 @@ namespace {
 
 /// The largest modulus of a pole of 1 / (1 - q L).
 double predictor_radius(const LossModel& loss) {
+  if (loss.predictor.empty()) return 0.0;
   Polynomial p(static_cast<Eigen::Index>(loss.predictor.size()) + 1);
   p(0) = 1.0;
   for (std::size_t j = 0; j < loss.predictor.size(); ++j)
@@ -21,9 +22,11 @@ double predictor_radius(const LossModel& loss) {
 
 double slowest_radius(const VehicleModel& vehicle) {
   double radius = spectral_radius(vehicle.loop);
-  if (vehicle.link.loss) radius = std::max(radius, predictor_radius(*vehicle.link.loss));
-  if (!vehicle.link.has_white_noise())
-    radius = std::max(radius, spectral_radius(delta_form(vehicle.link.noise_filter.denominator())));
+  for (const LinkModel* link : {&vehicle.link, &varied_link(vehicle)}) {
+    if (link->loss) radius = std::max(radius, predictor_radius(*link->loss));
+    if (!link->has_white_noise())
+      radius = std::max(radius, spectral_radius(delta_form(link->noise_filter.denominator())));
+  }
   return radius;
 }
 
@@ -36,7 +39,8 @@ std::optional<std::int64_t> settling_steps(const PlatoonModel& model, std::size_
   if (!(radius < 1.0)) return std::nullopt;
   for (std::size_t i = 0; i < followers; ++i) {
     const VehicleModel& vehicle = vehicles[i % vehicles.size()];
-    delays += static_cast<double>(vehicle.loop.realization.order()) + static_cast<double>(vehicle.link.delay);
+    delays += static_cast<double>(vehicle.loop.realization.order()) +
+              static_cast<double>(std::max(vehicle.link.delay, varied_link(vehicle).delay));
   }
   const double n = static_cast<double>(followers), l = std::log(1e6);
   const double decay = radius > 0.0 ? (n + std::sqrt(2.0 * n * l) + l) / -std::log(radius) : 0.0;

@@ -30,9 +30,11 @@ constexpr double kMostLossResponses = 1e10;
 
 bool has_independent_losses(const PlatoonModel& model) {
   const std::vector<VehicleModel> vehicles = pattern(model);
-  return std::any_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& vehicle) {
-    return vehicle.link.loss && vehicle.link.loss->probability > 0.0 && vehicle.link.loss->is_independent();
-  });
+  const auto loses = [](const LinkModel& link) {
+    return link.loss && link.loss->probability > 0.0 && link.loss->is_independent();
+  };
+  return std::any_of(vehicles.begin(), vehicles.end(),
+                     [&](const VehicleModel& vehicle) { return loses(vehicle.link) || loses(varied_link(vehicle)); });
 }
 
 void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, std::vector<std::string>& problems) {
@@ -143,9 +145,28 @@ bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
   return put_at(path.substr(slash + 1), value, node[key]);
 }
 
+// The path of a key that speaks of a link, in a model that lists its inputs: losses are those of the radio, if there is
+// one; everything else belongs to the position, whose values may stand at the vehicle.
+std::string path_of_link(const std::string& key, const YAML::Node& model) {
+  const std::string first = key.substr(0, key.find('/'));
+  if ((first != "noise_variance" && first != "channel") || !model.IsMap()) return key;
+  const YAML::Node inputs = model["inputs"];
+  if (!inputs || !inputs.IsSequence()) return key;
+  const bool of_loss = key.find("/loss") != std::string::npos;
+  std::string path = key;
+  for (std::size_t j = 0; j < inputs.size(); ++j) {
+    const YAML::Node input = inputs[j];
+    if (!input.IsMap() || !input["signal"] || !input["signal"].IsScalar()) continue;
+    const std::string signal = input["signal"].Scalar(), here = "inputs/" + std::to_string(j) + "/" + key;
+    if (signal == "input" && of_loss) return here;
+    if (signal == "position" && input[first]) path = here;
+  }
+  return path;
+}
+
 bool put_model_key(const Setting& setting, const YAML::Node& value, YAML::Node model) {
   if (setting.other_unit != nullptr && model.IsMap()) model.remove(setting.other_unit);
-  return put_at(setting.model_key, value, model);
+  return put_at(path_of_link(setting.model_key, model), value, model);
 }
 
 void put(const Setting& setting, const std::string& value, YAML::Node& document) {

@@ -26,9 +26,12 @@ TransferFunction read_noise_filter(Section& link) {
   return filter;
 }
 
-std::vector<double> read_predictor(Section& section) {
+std::vector<double> read_predictor(Section& section, LinkedSignal signal) {
   if (!section.is_list("on_loss")) {
-    const std::string name = section.choice("on_loss", {"hold", "extrapolate", "a list of coefficients of sum 1"});
+    std::vector<std::string> names{"hold", "extrapolate", "a list of coefficients of sum 1"};
+    if (signal == LinkedSignal::input) names.insert(names.begin() + 2, "zero");
+    const std::string name = section.choice("on_loss", names);
+    if (name == "zero") return {};
     return name == "extrapolate" ? std::vector<double>{2.0, -1.0} : std::vector<double>{1.0};
   }
   const Eigen::VectorXd c = section.numbers("on_loss");
@@ -68,13 +71,13 @@ void check_growth(Section& section, const LossModel& loss) {
           loss.probability));
 }
 
-LossModel read_loss(Section section, const std::optional<LossModel>& base, bool allow_unstable) {
+LossModel read_loss(Section section, const std::optional<LossModel>& base, bool allow_unstable, LinkedSignal signal) {
   const std::size_t before = section.problems();
   LossModel loss = base.value_or(LossModel());
   if (!base || section.has("probability")) loss.probability = section.number("probability", kLossProbability);
   if (section.has("mean_burst")) loss.mean_burst = section.number("mean_burst", kPositive);
   if (loss.mean_burst && section.problems() == before) check_burst(section, loss);
-  if (section.has("on_loss")) loss.predictor = read_predictor(section);
+  if (section.has("on_loss")) loss.predictor = read_predictor(section, signal);
   section.reject_unknown_keys();
   if (section.problems() > before) return LossModel();
   if (!allow_unstable) check_growth(section, loss);
@@ -83,18 +86,19 @@ LossModel read_loss(Section section, const std::optional<LossModel>& base, bool 
 
 nlohmann::json to_json(const LossModel& loss) {
   nlohmann::json document = {{"probability", loss.probability}, {"on_loss", loss.predictor}};
+  if (loss.predictor.empty()) document["on_loss"] = "zero";
   if (loss.mean_burst) document["mean_burst"] = *loss.mean_burst;
   return document;
 }
 
 }  // namespace
 
-LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable) {
+LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable, LinkedSignal signal) {
   LinkModel link = base;
   if (section.has("noise_filter")) link.noise_filter = read_noise_filter(section);
   if (section.has("quantisation_step")) link.quantisation_step = section.number("quantisation_step", kNotNegative);
   if (section.has("delay")) link.delay = section.integer("delay", 0, kLongestDelay);
-  if (section.has("loss")) link.loss = read_loss(section.section("loss"), base.loss, allow_unstable);
+  if (section.has("loss")) link.loss = read_loss(section.section("loss"), base.loss, allow_unstable, signal);
   section.reject_unknown_keys();
   return link;
 }

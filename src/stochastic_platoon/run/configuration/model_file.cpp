@@ -8,6 +8,7 @@
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/design_section.hpp"
 #include "stochastic_platoon/run/configuration/fraction.hpp"
+#include "stochastic_platoon/run/configuration/inputs_section.hpp"
 #include "stochastic_platoon/run/configuration/leader_section.hpp"
 #include "stochastic_platoon/run/configuration/link_section.hpp"
 
@@ -92,19 +93,21 @@ VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sam
   if (base == nullptr || section.has("time_headway") || section.has("time_headway_seconds"))
     vehicle.headway = read_headway(section, sample_period);
   number("standstill_distance", kNotNegative, &VehicleModel::standstill_distance);
-  number("noise_variance", kNotNegative, &VehicleModel::noise_variance);
+  const GivenInputs given = section.has("inputs") ? read_inputs(section, vehicle, allow_unstable) : GivenInputs{};
+  if (!given.noise_variance) number("noise_variance", kNotNegative, &VehicleModel::noise_variance);
   if (base == nullptr || section.has("initial_position"))
     vehicle.initial_position = read_initial_position(section.section("initial_position"));
   read_loop(section, base, sample_period, vehicle, problems);
-  if (section.has("channel")) vehicle.link = read_link(section.section("channel"), vehicle.link, allow_unstable);
+  if (!given.channel && section.has("channel"))
+    vehicle.link = read_link(section.section("channel"), vehicle.link, allow_unstable);
   return vehicle;
 }
 
-Inherited inherited_by(Section& type, const LinkModel& base) {
-  const bool own_loop = type.has("closed_loop");
+Inherited inherited_by(Section& type, const VehicleModel& base) {
+  const bool own_loop = type.has("closed_loop"), loses = varied_link(base).loss.has_value();
   Inherited inherited{!type.has("time_headway") && !type.has("time_headway_seconds"), !own_loop && !type.has("plant"),
-                      !own_loop && !type.has("controller"), base.loss.has_value()};
-  if (!base.loss || !type.has("channel")) return inherited;
+                      !own_loop && !type.has("controller"), loses && !type.has("inputs")};
+  if (!inherited.loss_probability || base.feed_forward || !type.has("channel")) return inherited;
   Section channel = type.section("channel");
   if (channel.has("loss")) inherited.loss_probability = !channel.section("loss").has("probability");
   return inherited;
@@ -124,7 +127,7 @@ void read_types(Section types, PlatoonModel& model, std::vector<std::string>& pr
       if (type.has(key)) type.reject(key, "given", "absent, as all vehicles share it");
     }
     model.types.push_back({name, read_vehicle(type, &base, model.sample_period, model.allow_unstable, problems), {}});
-    model.types.back().inherited = inherited_by(type, base.link);
+    model.types.back().inherited = inherited_by(type, base);
     type.reject_unknown_keys();
   }
 }
@@ -177,6 +180,7 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
   if (document.has("vehicle_types")) read_types(document.section("vehicle_types"), model, problems);
   if (document.has("string")) read_string(document, model);
   document.reject_unknown_keys();
+  if (problems.size() == before) check_radios(model, document, problems);
   if (problems.size() == before) check_assumptions(model, document, problems);
   return problems.size() == before ? std::optional<PlatoonModel>(std::move(model)) : std::nullopt;
 }
@@ -231,6 +235,7 @@ nlohmann::json to_json(const PlatoonModel& model) {
   const LinkModel& base = model.default_vehicle().link;
   const nlohmann::json link = to_json(base);
   if (!link.empty()) document["channel"] = link;
+  if (model.default_vehicle().feed_forward) document["inputs"] = inputs_json(model.default_vehicle());
   for (std::size_t i = 1; i < model.types.size(); ++i) {
     const VehicleType& type = model.types[i];
     nlohmann::json& written = document["vehicle_types"][type.name] = to_json(type.vehicle);
@@ -240,7 +245,10 @@ nlohmann::json to_json(const PlatoonModel& model) {
     if (type.inherited.plant) written.erase("plant");
     if (type.inherited.controller) written.erase("controller");
     if (type.inherited.plant && type.inherited.controller) written.erase("closed_loop");
-    if (type.inherited.loss_probability) written["channel"]["loss"].erase("probability");
+    if (!(type.vehicle.feed_forward == model.default_vehicle().feed_forward))
+      written["inputs"] = inputs_json(type.vehicle);
+    else if (type.inherited.loss_probability && !type.vehicle.feed_forward)
+      written["channel"]["loss"].erase("probability");
   }
   for (const std::size_t type : model.string) document["string"].push_back(model.types.at(type).name);
   return document;

@@ -76,9 +76,11 @@ std::string headway_lines(const PlatoonModel& model, const Analysis& analysis) {
 std::string loss_lines(const PlatoonModel& model, const Analysis& analysis) {
   if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
   const std::optional<double> critical = analysis.losses->critical;
+  const VehicleModel& own = model.default_vehicle();
+  const std::string signal = own.feed_forward ? "input" : "position";
   std::string text =
-      "Critical loss probability" + of_types(model, analysis.losses->types) +
-      (model.default_vehicle().link.loss ? ": " : " (a lost position is replaced by the last one received): ") +
+      "Critical loss probability" + of_types(model, analysis.losses->types) + (own.feed_forward ? " by radio" : "") +
+      (varied_link(own).loss ? ": " : " (a lost " + signal + " is replaced by the last one received): ") +
       (critical ? formatted("%.9g", *critical) : "none");
   text += "; string stable loss probabilities within [0, 0.99]:" + shown(analysis.losses->intervals) + "\n";
   return text;
@@ -97,6 +99,7 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
   analysis.stability = string_stability(model);
   begins("stationary variances");
   analysis.stationary_variance = stationary_variances(model, followers);
+  if (has_feed_forward(model)) analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
   begins("mean and variance of every step");
   analysis.moments = error_moments(model, followers, steps);
   analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
@@ -117,7 +120,9 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   const StringStability& stability = analysis.stability;
   const VehicleModel& own = model.default_vehicle();
   std::string text =
-      formatted("h = %g (%g s), P_d = %g m^2: ", own.headway, own.headway * model.sample_period, own.noise_variance);
+      formatted("h = %g (%g s), P_d = %g m^2", own.headway, own.headway * model.sample_period, own.noise_variance);
+  if (own.feed_forward) text += formatted(", radio %g (m/s^2)^2", own.feed_forward->noise_variance);
+  text += ": ";
   if (analysis.theory == Theory::none)
     return text + "no theory, as losses come in bursts: monte_carlo measures what they do\n";
   text += stability.reason + "\n";
@@ -125,12 +130,18 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
           (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
   text += std::isnan(stability.peak_gain)
               ? "peak of |T|: none, as the errors do not settle\n"
-              : formatted("peak of |T| = %.9g at w = %.6g rad/sample\n", stability.peak_gain, stability.peak_frequency);
+              : formatted("peak of |%s| = %.9g at w = %.6g rad/sample\n", has_feed_forward(model) ? "Gamma" : "T",
+                          stability.peak_gain, stability.peak_frequency);
   text += headway_lines(model, analysis) + loss_lines(model, analysis);
   const std::vector<double>& stationary = analysis.stationary_variance;
   text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
           figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
           shown(stability.limit_variance, "m^2") + "\n";
+  if (!analysis.stationary_variance_by_input.empty()) {
+    const auto& [position, input] = analysis.stationary_variance_by_input.back();
+    text += "of which radar " + figure(position, "m^2") + ", radio " + figure(input, "m^2") +
+            formatted(" (follower %zu)\n", stationary.size());
+  }
   const std::vector<double>& means = analysis.stationary_mean;
   const auto largest = std::max_element(means.begin(), means.end(),
                                         [](double one, double other) { return std::abs(one) < std::abs(other); });
@@ -194,6 +205,13 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
                           {"variance_linf", numbers(analysis.norms.variance)},
                           {"mean_bound", number(analysis.bounds ? analysis.bounds->mean_bound : std::nullopt)},
                           {"variance_bound", number(analysis.bounds ? analysis.bounds->variance_bound : std::nullopt)}};
+  nlohmann::json by_input;
+  for (const std::size_t input : {0u, 1u}) {
+    if (analysis.stationary_variance_by_input.empty()) break;
+    by_input.push_back(nlohmann::json::array());
+    for (const std::array<double, 2>& shares : analysis.stationary_variance_by_input)
+      by_input.back().push_back(number(shares[input]));
+  }
   nlohmann::json bounds;
   if (analysis.bounds) {
     bounds = {{"alpha_1", number(analysis.bounds->alpha_1)},
@@ -203,6 +221,7 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
               {"stated_beta_2", number(analysis.bounds->stated_beta_2)}};
   }
   return {{"headway", own.headway},
+          {"sample_period", model.sample_period},
           {"noise_variance", own.noise_variance},
           {"transfer",
            {{"numerator", coefficients(own.loop.transfer.numerator())},
@@ -226,6 +245,7 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
           {"stable_loss_probabilities", losses},
           {"stationary_mean", numbers(analysis.stationary_mean)},
           {"stationary_variance", numbers(analysis.stationary_variance)},
+          {"stationary_variance_by_input", by_input},
           {"limit_variance", number(stability.limit_variance)},
           {"mean", rows(analysis.moments.mean, steps)},
           {"variance", rows(analysis.moments.variance, steps)},

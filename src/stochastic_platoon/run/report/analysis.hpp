@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -23,6 +24,8 @@ struct Analysis {
   StringStability stability;
   std::optional<StableHeadways> headways;   ///< none if the closed loop was given directly and fits one headway
   std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN if there is none
+  /// In a string with radios: the shares of the positions and of the inputs in it, noise and losses.
+  std::vector<std::array<double, 2>> stationary_variance_by_input = {};
   ErrorMoments moments;
   ErrorNorms norms;                        ///< L_2 of the means, L_infinity of the variances
   std::optional<TheoremTwoBounds> bounds;  ///< none for an unstable loop, or for a platoon other than the paper's

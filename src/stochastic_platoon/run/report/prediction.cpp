@@ -21,7 +21,9 @@ const char* to_string(Theory theory) {
 
 Theory theory_of(const PlatoonModel& model) {
   for (const VehicleModel& vehicle : pattern(model)) {
-    if (vehicle.link.loss && !vehicle.link.loss->is_independent()) return Theory::none;
+    for (const LinkModel* link : {&vehicle.link, &varied_link(vehicle)}) {
+      if (link->loss && !link->loss->is_independent()) return Theory::none;
+    }
   }
   return Theory::exact;
 }
@@ -30,8 +32,9 @@ namespace {
 
 bool loses(const PlatoonModel& model) {
   const std::vector<VehicleModel> vehicles = pattern(model);
-  return std::any_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& vehicle) {
-    return vehicle.link.loss && vehicle.link.loss->probability > 0.0;
+  const auto link_loses = [](const LinkModel& link) { return link.loss && link.loss->probability > 0.0; };
+  return std::any_of(vehicles.begin(), vehicles.end(), [&](const VehicleModel& vehicle) {
+    return link_loses(vehicle.link) || link_loses(varied_link(vehicle));
   });
 }
 

@@ -24,17 +24,17 @@ std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) 
   const VehicleModel& own = model.default_vehicle();
   std::vector<SweepPoint> points;
   for (const double gain : or_own(axes.gains, own.design ? own.design->controller.gain() : nan)) {
-    for (const double loss : or_own(axes.losses, own.link.loss ? own.link.loss->probability : nan)) {
+    for (const double loss : or_own(axes.losses, varied_link(own).loss ? varied_link(own).loss->probability : nan)) {
       for (const double headway : or_own(axes.headways, own.headway)) {
         PlatoonModel varied = model;
         if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
         if (!axes.headways.empty()) varied = with_headway(std::move(varied), headway);
         if (!axes.losses.empty()) {
-          if (!own.link.loss) varied.default_vehicle().link.loss = LossModel();
+          if (!varied_link(own).loss) varied_link(varied.default_vehicle()).loss = LossModel();
           varied = with_loss(std::move(varied), loss);
         }
         points.push_back({headway, gain, string_stability(varied), {}});
-        if (varied.default_vehicle().link.loss) points.back().loss = loss;
+        if (varied_link(varied.default_vehicle()).loss) points.back().loss = loss;
       }
     }
   }

@@ -217,6 +217,39 @@ TEST(Quantiser, LeavesAWhiteErrorOfVarianceOfAStepSquaredOverTwelve) {
   }
 }
 
+// v(k) = u(k-1) is sent with the position of step k: a delay of m leaves m - 1 steps to the link.
+TEST(Radio, DelaysAndDrawsApartFromThePositions) {
+  constexpr double kVariance = 0.04;
+  PlatoonModel model = paper_platoon();
+  model.default_vehicle().feed_forward = FeedForward{1.0, kVariance, {}};
+  model.default_vehicle().feed_forward->link.delay = 3;
+  Link radio = Link::radio(model, kSeed, kReceiver);
+  const std::vector<Values> received = through(radio, 2, 2);
+  EXPECT_EQ(received[0][1], sent(-1, 1));
+  for (std::int64_t k = 2; k < kSteps; ++k) {
+    double noise;  // of the step at which it was sent
+    WhiteNoise(kSeed).fill({kReceiver + (1u << 23), k - 2}, 1, 1, &noise);
+    EXPECT_DOUBLE_EQ(received[static_cast<std::size_t>(k + 1)][1], sent(k - 2, 1) + 0.2 * noise) << k;
+  }
+  model.default_vehicle().feed_forward->link.delay = 0;
+  EXPECT_THROW(Link::radio(model, kSeed, kReceiver), std::invalid_argument);
+}
+
+TEST(PacketLoss, WithoutAPredictorLeavesZero) {
+  PacketLoss loss({0.5, {}, {}}, kSeed, kReceiver);
+  Values start(2, 9.0);
+  loss.start(0, 2, start.data());
+  int lost = 0;
+  for (std::int64_t k = 0; k < 200; ++k) {
+    Values values(2, 7.0);
+    loss.step(k, 0, 2, values.data());
+    const bool is_lost = uniform(Purpose::loss, k, 1) < 0.5;
+    EXPECT_EQ(values[1], is_lost ? 0.0 : 7.0) << k;
+    lost += is_lost ? 1 : 0;
+  }
+  EXPECT_GT(lost, 60);
+}
+
 TEST(LinkStages, RejectWhatTheyCannotBe) {
   const TransferFunction improper(Eigen::Vector2d(1.0, 1.0), Eigen::VectorXd::Ones(1));
   EXPECT_THROW(Quantiser(0.0, 1, 1), std::invalid_argument);
@@ -224,7 +257,6 @@ TEST(LinkStages, RejectWhatTheyCannotBe) {
   EXPECT_THROW(ColouredNoise(1.0, improper, 1, 1), std::invalid_argument);
   EXPECT_THROW(DelayLine(0), std::invalid_argument);
   EXPECT_THROW(PacketLoss({1.0, {}, {1.0}}, 1, 1), std::invalid_argument);
-  EXPECT_THROW(PacketLoss({0.5, {}, {}}, 1, 1), std::invalid_argument);
 }
 
 // Holding: L F = z^-1 / (1 - q z^-1), of norm 1 / (1 - q^2).

@@ -147,6 +147,37 @@ TEST(LoopByParts, ComputesTheStepsOfItsRealization) {
   }
 }
 
+// u(k) and y(k) satisfy the equations of LoopParts, realization by realization.
+TEST(LoopByParts, FeedsForwardAndGivesItsInput) {
+  constexpr double kGain = 0.7;
+  for (const ClosedLoop& loop : loops_by_parts()) {
+    const std::unique_ptr<LoopBatch> batch = loop_batch(loop);
+    batch->start_at_equilibrium({0.0, 0.0});
+    std::vector<double> state(loop.parts->order(), 0.0), y(2), own(2);
+    for (int k = 0; k < 300; ++k) {
+      const double position = 0.3 * std::sin(0.2 * k), heard = std::cos(0.1 * k);
+      const std::vector<double> positions{0.0, position}, inputs{0.0, heard};
+      batch->step(positions.data(), 0.0, y.data(), {inputs.data(), kGain, own.data()});
+      const double u = advance(*loop.parts, state, position, kGain * heard);
+      ASSERT_EQ(own[1], u) << k;
+      ASSERT_EQ(y[1], state.front()) << k;
+      ASSERT_EQ(y[0], 0.0);
+    }
+  }
+}
+
+TEST(LoopByParts, HasTheSameInputAsItsPlantAndController) {
+  // y = G u, without a headway filter u = K (r - H y) + F v: a step of v alone accelerates by F.
+  const ClosedLoop loop = close_loop(car(0.0, 0.0, 0.1, false, 0.0), 30.0);
+  const std::unique_ptr<LoopBatch> batch = loop_batch(loop);
+  batch->start_at_equilibrium({0.0});
+  const double position = 0.0, heard = 2.0;
+  double y = 0.0, own = 0.0;
+  batch->step(&position, 0.0, &y, {&heard, 1.5, &own});
+  EXPECT_EQ(own, 3.0);
+  EXPECT_NEAR(y, 3.0 * 0.1 * 0.1 / 2.0, 1e-15);
+}
+
 // The rounding of the coefficients must not move a vehicle at rest, however slow its loop.
 TEST(LoopByParts, StaysAtRestToTheBit) {
   for (const ClosedLoop& loop : loops_by_parts()) {

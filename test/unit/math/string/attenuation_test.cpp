@@ -110,7 +110,7 @@ TEST(Attenuation, ReportsASearchThatEndsEarly) {
   std::mt19937 random(4);
   const Attenuation attenuation(random_factors(random));
   EXPECT_TRUE(attenuation.least(1).is_global);
-  EXPECT_FALSE(attenuation.least(1, 2).is_global);
+  EXPECT_FALSE(attenuation.least(1, 1e-12L, 2).is_global);
 }
 
 TEST(Attenuation, CountsAFactorAsOftenAsItIsThere) {

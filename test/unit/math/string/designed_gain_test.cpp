@@ -40,17 +40,17 @@ TEST(DesignedGain, KeepsItsDigitsBehindAnyDelay) {
       for (const double ki : {0.0, 0.001}) {
         const LoopDesign design = car(delay, filter, ki);
         const ExactFraction exact = exact_fraction(close_loop(design, 350.0));
-        const DesignedGain gain(design, 350.0);
+        const DesignedGain gain(design, 350.0, 0.0);
         for (const double w : {1e-7, 1e-4, 0.003, 0.01, 0.3, 1.5, 1.6, 3.0, 3.14159}) {
           const Exact half = Exact(w) / 2, sine = sin(half), cosine = cos(half);
           const ExactComplex s{-2 * sine * sine, 2 * sine * cosine};
           const ExactComplex n = value(exact.numerator, s), d = value(exact.denominator, s);
           const Exact over = norm(d), excess = over / norm(n) - 1;
-          const DesignedGain::Value found = gain.at(CirclePoint(w));
+          const DesignedGain::Value found = gain.at(CirclePoint(w), {});
           const std::complex<long double> transfer(
               Exact((n.real * d.real + n.imag * d.imag) / over).convert_to<long double>(),
               Exact((n.imag * d.real - n.real * d.imag) / over).convert_to<long double>());
-          EXPECT_LE(std::abs(found.transfer - transfer), 1e-15L * std::abs(transfer)) << delay << ", " << w;
+          EXPECT_LE(std::abs(found.position - transfer), 1e-15L * std::abs(transfer)) << delay << ", " << w;
           EXPECT_NEAR(Exact(found.excess / excess).convert_to<double>(), 1.0, 1e-12) << delay << ", " << w;
         }
       }
@@ -61,12 +61,12 @@ TEST(DesignedGain, KeepsItsDigitsBehindAnyDelay) {
 TEST(DesignedGain, OfAFollowerWithoutLossesIsTheGainOfItsLink) {
   VehicleModel vehicle{close_loop(car(0.2, true, 0.0), 350.0), 350.0};
   vehicle.design = car(0.2, true, 0.0);
-  const DesignedGain gain(*vehicle.design, vehicle.headway);
+  const DesignedGain gain(*vehicle.design, vehicle.headway, 0.0);
   const LinkedVehicle linked(vehicle);
   for (const double w : {1e-6, 0.01, 1.0, 3.0}) {
-    const DesignedGain::Value found = gain.at(CirclePoint(w));
+    const DesignedGain::Value found = gain.at(CirclePoint(w), {});
     const LinkedVehicleValue value = linked.at(w);
-    EXPECT_NEAR(value.gain, static_cast<double>(std::norm(found.transfer)), 1e-15 * value.gain);
+    EXPECT_NEAR(value.gain, static_cast<double>(std::norm(found.position)), 1e-15 * value.gain);
     EXPECT_NEAR(value.margin, static_cast<double>(found.excess / (1.0L + found.excess)),
                 1e-15 * std::abs(value.margin));
   }
@@ -76,8 +76,8 @@ TEST(DesignedGain, OfAFollowerWithoutLossesIsTheGainOfItsLink) {
 TEST(DesignedGain, IsZeroWhereThePlantPassesNothing) {
   LoopDesign design{{ContinuousPlant{Polynomial::Constant(1, 1.0), Eigen::Vector3d(1.0, 0.0, 0.0), 0.0}, 0.1},
                     {ControllerGains{0.2, 0.7, 0.0}, 0.1}};
-  const DesignedGain gain(design, 30.0);
-  EXPECT_LT(std::abs(gain.at(CirclePoint(3.141592653589793)).transfer), 1e-15L);
+  const DesignedGain gain(design, 30.0, 0.0);
+  EXPECT_LT(std::abs(gain.at(CirclePoint(3.141592653589793), {}).position), 1e-15L);
 }
 
 }  // namespace

@@ -1,0 +1,91 @@
+#include "stochastic_platoon/math/string/linked_responses.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace platoon {
+
+CausalConvolution::Values squares(const MeanVehicle::Sequence& values) {
+  CausalConvolution::Values result;
+  for (const long double value : values) result.push_back(static_cast<double>(value * value));
+  return result;
+}
+
+LinkedResponses::LinkedResponses(const PlatoonModel& model, std::size_t followers, std::size_t steps)
+    : model_(model), followers_(followers), steps_(steps), vehicles_(pattern(model)) {
+  for (const VehicleModel& vehicle : vehicles_) mean_vehicles_.emplace_back(vehicle);
+}
+
+Motion LinkedResponses::leader() const {
+  Motion received;
+  Sequence& positions = received.position;
+  if (!model_.recorded_leader.empty()) {
+    if (model_.recorded_leader.size() < steps_ + 1) {
+      throw std::invalid_argument("recorded leader: " + std::to_string(model_.recorded_leader.size()) +
+                                  " positions: must be at least steps + 1 = " + std::to_string(steps_ + 1));
+    }
+    positions.assign(model_.recorded_leader.begin(),
+                     model_.recorded_leader.begin() + static_cast<std::ptrdiff_t>(steps_ + 1));
+    return received;
+  }
+  for (std::size_t a = 0; a <= steps_; ++a)
+    positions.push_back(model_.leader.position(static_cast<std::int64_t>(a) - 1));
+  return VehicleResponse(model_.default_vehicle())(received);
+}
+
+LinkedResponses::Means LinkedResponses::means() const {
+  Means result;
+  Motion predecessor = leader();
+  for (std::size_t i = 0; i < followers_; ++i) {
+    MeanVehicle::Passed passed = vehicle(i)(predecessor);
+    const long double placed = model(i).initial_position.mean;
+    if (placed != 0.0L) {
+      const Motion free = vehicle(i).free_motion(steps_);
+      for (std::size_t a = 0; a < free.position.size(); ++a) passed.own.position[a] += placed * free.position[a];
+      for (std::size_t a = 0; a < free.input.size(); ++a) passed.own.input[a] += placed * free.input[a];
+    }
+    const Sequence errors = vehicle(i).error(predecessor.position, passed.own.position);
+    result.error.insert(result.error.end(), errors.begin(), errors.end());
+    result.innovation.emplace_back();
+    for (std::size_t link = 0; link < vehicle(i).links(); ++link)
+      result.innovation.back()[link].assign(passed.innovation[link].begin(), passed.innovation[link].end());
+    predecessor = std::move(passed.own);
+  }
+  return result;
+}
+
+Responses LinkedResponses::downstream(std::size_t place, Motion motion) const {
+  Responses responses;
+  responses.error.push_back(squares(vehicle(place).error(Sequence(steps_ + 1, 0.0L), motion.position)));
+  for (auto& of_link : responses.innovation) of_link.emplace_back();
+  for (std::size_t i = place + 1; i < followers_; ++i) {
+    MeanVehicle::Passed passed = vehicle(i)(motion);
+    responses.error.push_back(squares(vehicle(i).error(motion.position, passed.own.position)));
+    for (std::size_t link = 0; link < passed.innovation.size(); ++link)
+      responses.innovation[link].push_back(squares(passed.innovation[link]));
+    motion = std::move(passed.own);
+  }
+  return responses;
+}
+
+LinkedResponses::Sequence LinkedResponses::impulse() const {
+  Sequence sequence(steps_ + 1, 0.0L);
+  sequence[1] = 1.0L;
+  return sequence;
+}
+
+LinkedResponses::Sequence LinkedResponses::filtered_impulse(const TransferFunction& filter) const {
+  const Polynomial &b = filter.numerator(), &a = filter.denominator();
+  const Eigen::Index lead = a.size() - b.size();
+  Sequence w(steps_ + 1, 0.0L);
+  for (std::size_t k = 0; k < steps_; ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    long double value = at >= lead && at - lead < b.size() ? b(at - lead) : 0.0;
+    for (Eigen::Index j = 1; j < a.size() && j <= at; ++j) value -= a(j) * w[k + 1 - static_cast<std::size_t>(j)];
+    w[k + 1] = value;
+  }
+  return w;
+}
+
+}  // namespace platoon

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "stochastic_platoon/math/numerics/causal_convolution.hpp"
+#include "stochastic_platoon/math/string/mean_vehicle.hpp"
+
+namespace platoon {
+
+/// Squared responses of the vehicles downstream to one kind of source at one place of the pattern. Index: number of
+/// vehicles behind the source, from 0 for the source's own vehicle.
+struct Responses {
+  using Values = CausalConvolution::Values;
+
+  std::vector<Values> error;  ///< of zeta
+  std::array<std::vector<Values>, 2>
+      innovation;  ///< of e, per link; empty for the source's own vehicle, and without it
+};
+
+/// The vehicles of a linked platoon as operators, and the responses to its sources over a number of steps.
+class LinkedResponses {
+public:
+  using Sequence = MeanVehicle::Sequence;
+  using Values = CausalConvolution::Values;
+
+  LinkedResponses(const PlatoonModel& model, std::size_t followers, std::size_t steps);
+
+  std::size_t period() const { return vehicles_.size(); }
+  const VehicleModel& model(std::size_t i) const { return vehicles_[i % period()]; }
+  const MeanVehicle& vehicle(std::size_t i) const { return mean_vehicles_[i % period()]; }
+
+  /// Means of all errors, and per follower of the e of each link.
+  struct Means {
+    Values error;
+    std::vector<std::array<Values, 2>> innovation;
+  };
+  Means means() const;
+
+  /// Down the string, given what the source's own vehicle at `place` sends in response.
+  Responses downstream(std::size_t place, Motion motion) const;
+
+  /// A unit impulse at step 0, and the response of a noise filter to it.
+  Sequence impulse() const;
+  Sequence filtered_impulse(const TransferFunction& filter) const;
+
+private:
+  Motion leader() const;
+
+  PlatoonModel model_;
+  std::size_t followers_, steps_;
+  std::vector<VehicleModel> vehicles_;
+  std::vector<MeanVehicle> mean_vehicles_;
+};
+
+/// The squares of a sequence.
+CausalConvolution::Values squares(const MeanVehicle::Sequence& values);
+
+}  // namespace platoon

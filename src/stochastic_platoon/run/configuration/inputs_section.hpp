@@ -1,0 +1,28 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/run/configuration/section.hpp"
+
+namespace platoon {
+
+/// What the key `inputs` of a vehicle gives beside the radio.
+struct GivenInputs {
+  bool noise_variance = false;  ///< of the position
+  bool channel = false;         ///< of the position
+};
+
+/// Reads the key `inputs` of a vehicle, which replaces the inputs of `vehicle`:
+///     - {signal: position, from: predecessor, noise_variance, channel}
+///     - {signal: input, from: predecessor, gain, noise_variance, channel: {delay, ...}}
+/// The first is required; its noise_variance and channel may stand at the vehicle instead. Reports all problems.
+GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unstable);
+
+/// JSON for read_inputs(), with the noise_variance and the channel of the position at the vehicle.
+nlohmann::json inputs_json(const VehicleModel& vehicle);
+
+/// If the string has radios, reports what they do not fit, and makes every vehicle one whose control input is known.
+void check_radios(PlatoonModel& model, const Section& document, std::vector<std::string>& problems);
+
+}  // namespace platoon
