@@ -7,6 +7,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -103,6 +104,14 @@ class Example(ExternalTest):
         self.check_what_reads_the_results(bag)
         self.check_replay(bag)
 
+    def test_the_rospy_follower_with_a_radio_is_the_built_in_vehicle_within_rounding(self):
+        model = live_platoon.shared("config", "cacc.yaml")
+        self.SETTINGS = dict(self.SETTINGS, model=model)
+        self.start(live_platoon.shared("launch", "examples", "rospy_radio_follower.py"), "2")
+        self.assert_keeps_the_contract(2, "--model", model)
+        self.run_to_the_end(external=2, **self.SETTINGS)
+        self.assert_equal_within_rounding()
+
     def check_that_theory_speaks_of_vehicle_1_alone(self, summary, said):
         for (vehicle, _), (_, _, mean, variance) in rows(self.output).items():
             self.assertEqual((mean is None, variance is None), (vehicle > 1, vehicle > 1))
@@ -148,8 +157,12 @@ class Example(ExternalTest):
         self.assert_equal_within_rounding()
 
     def test_the_built_in_vehicle_keeps_it(self):
-        self.start(live_platoon.executable("follower"), "_index:=2", "__ns:=/platoon", "__name:=vehicle_2")
+        follower = self.start(live_platoon.executable("follower"), "_index:=2", "__ns:=/platoon", "__name:=vehicle_2")
         self.assert_keeps_the_contract(2)
+        # Unlike SIGTERM, SIGINT lets it unregister: the master would go on naming its address, which a vehicle_2 of another
+        # master may take.
+        follower.send_signal(signal.SIGINT)
+        follower.wait()
 
 
 class Contract(ExternalTest):

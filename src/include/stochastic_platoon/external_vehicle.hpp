@@ -6,6 +6,7 @@
 #include <stochastic_platoon/Position.h>
 
 #include <cstddef>
+#include <deque>
 #include <functional>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct VehicleSettings {
   double standstill_distance;  ///< delta_i, to its predecessor [m]
   double sample_period;        ///< T_s [s]
   double initial_position;     ///< -(delta_1 + ... + delta_i) [m]
+  bool hears_input;            ///< it has a radio: its predecessor's control input is part of every step
 };
 
 /// The settings of vehicle `index` in the present run of the platoon in this namespace, from its parameter
@@ -27,10 +29,11 @@ VehicleSettings vehicle_settings(const ros::NodeHandle& platoon, std::size_t ind
 /// An external vehicle with any dynamics that keeps the vehicle contract (msg/README.md). Other packages link this
 /// class; it depends only on the messages of this package.
 ///
-/// On its predecessor's step k, as received, it publishes its own step k, and then moves on to k + 1.
+/// On its predecessor's step k, as received, it publishes its own step k, and then moves on to k + 1. With a radio it
+/// waits for the predecessor's input of the same step, too.
 ///
-/// Subscribes: vehicle_<i>/predecessor_position. Publishes: vehicle_<i>/position. Both
-/// stochastic_platoon/Position.
+/// Subscribes: vehicle_<i>/predecessor_position. Publishes: vehicle_<i>/position. With MoveByRadio also
+/// vehicle_<i>/predecessor_input and vehicle_<i>/input. All stochastic_platoon/Position.
 class ExternalVehicle {
 public:
   /// Step -1 of a batch: forgets everything, and writes the initial positions y(-1) [m]; the vector has the batch's
@@ -40,19 +43,43 @@ public:
   /// Computes the own y(k + 1) [m] from the predecessor's positions at step k, as received; both have the batch's size.
   using Move = std::function<void(const std::vector<double>& received, std::vector<double>& position)>;
 
+  /// The same in a string with radios: from the predecessor's positions and control inputs [m/s^2] at step k, as
+  /// received, computes y(k + 1) and the own input u(k), which counts as of step k + 1. `heard` is empty in a run in
+  /// which the vehicle has no radio.
+  using MoveByRadio = std::function<void(const std::vector<double>& received, const std::vector<double>& heard,
+                                         std::vector<double>& position, std::vector<double>& input)>;
+
   /// Vehicle `index` of the platoon in this namespace (usually /platoon). Throws std::invalid_argument if index is 0.
   ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move);
 
-private:
-  bool is_in_turn(const stochastic_platoon::Position& message) const;
-  void receive(const stochastic_platoon::Position::ConstPtr& message);
+  /// The same with control inputs. It reads in the parameter `configuration` whether it has a radio in a run.
+  ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, MoveByRadio move);
 
+private:
+  using Message = stochastic_platoon::Position;
+
+  /// The messages of one topic, each of which follows the one before.
+  struct Stream {
+    Message::ConstPtr latest;
+    std::deque<Message::ConstPtr> waiting = {};  ///< for the other topic's message of the same step
+
+    bool takes(const Message::ConstPtr& message);
+  };
+  void receive(const Message::ConstPtr& message);
+  void hear(const Message::ConstPtr& message);
+  void match();
+  void answer(const Message& received, const std::vector<double>& heard);
+  void publish(const ros::Publisher& publisher, const Message& received, const std::vector<double>& values) const;
+
+  ros::NodeHandle platoon_;
+  std::size_t index_;
   Start start_;
-  Move move_;
-  stochastic_platoon::Position::ConstPtr latest_;  ///< latest message that was answered
-  std::vector<double> own_;                        ///< own y at the step after `latest_` [m]
-  ros::Publisher position_;
-  ros::Subscriber predecessor_position_;
+  MoveByRadio move_;
+  bool hears_ = false;  ///< in the present run
+  Stream positions_, inputs_;
+  std::vector<double> own_, own_input_;  ///< y [m] and u [m/s^2] of the step that is published next
+  ros::Publisher position_, input_;
+  ros::Subscriber predecessor_position_, predecessor_input_;
 };
 
 }  // namespace platoon

@@ -19,6 +19,10 @@ RecordedMessages::Wanted wanted_by(const BagContent& content) {
         return bool(content.error_statistics);
       case PlatoonTopic::Kind::configuration:
         return bool(content.configuration);
+      case PlatoonTopic::Kind::input:
+        return bool(content.input);
+      case PlatoonTopic::Kind::predecessor_input:
+        return bool(content.predecessor_input);
       case PlatoonTopic::Kind::checksum:
         return false;
     }
@@ -38,6 +42,10 @@ void hand_over(const RecordedMessage& message, const BagContent& content) {
       return content.error_statistics(message.topic, std::get<ErrorStatistics::Ptr>(message.content));
     case PlatoonTopic::Kind::configuration:
       return content.configuration(message.topic, std::get<std::string>(message.content));
+    case PlatoonTopic::Kind::input:
+      return content.input(message.topic, std::get<Position::Ptr>(message.content));
+    case PlatoonTopic::Kind::predecessor_input:
+      return content.predecessor_input(message.topic, std::get<Position::Ptr>(message.content));
     case PlatoonTopic::Kind::checksum:
       return;
   }

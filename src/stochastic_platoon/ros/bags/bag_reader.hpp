@@ -17,8 +17,8 @@ namespace platoon {
 /// Callbacks in the order of the recording; topics with an empty callback are skipped.
 struct BagContent {
   std::function<void(const PlatoonTopic&, const std::string& json)> configuration;
-  std::function<void(const PlatoonTopic&, const stochastic_platoon::Position::ConstPtr&)> position;
-  std::function<void(const PlatoonTopic&, const stochastic_platoon::Position::ConstPtr&)> predecessor_position;
+  using OfStream = std::function<void(const PlatoonTopic&, const stochastic_platoon::Position::ConstPtr&)>;
+  OfStream position, predecessor_position, input, predecessor_input;
   std::function<void(const PlatoonTopic&, const stochastic_platoon::ErrorStatistics::ConstPtr&)> error_statistics;
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  ///< in bytes
 };

@@ -32,6 +32,8 @@ bool has_the_type_of(const PlatoonTopic& topic, const BagConnection& connection)
   switch (topic.kind) {
     case Kind::position:
     case Kind::predecessor_position:
+    case Kind::input:
+    case Kind::predecessor_input:
       return is<Position>(connection);
     case Kind::error_statistics:
       return is<ErrorStatistics>(connection);

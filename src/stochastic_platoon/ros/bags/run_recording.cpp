@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "stochastic_platoon/ros/bags/bag_reader.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 
 namespace platoon {
@@ -25,9 +24,14 @@ std::uint64_t whole_before(const BatchSchedule& schedule, const MessageId& id) {
 RunRecording::RunRecording(const Configuration& configuration, const std::string& name_space)
     : configuration_(configuration),
       name_space_(name_space),
+      topics_(recorded_topics(configuration, name_space)),
       recorded_configuration_{name_space + "/configuration", to_json(configuration).dump()},
       part_begin_(configuration.run.first_realization),
-      arrivals_(configuration.run.schedule(), streams(), configuration.run.first_realization, 0) {
+      arrivals_(configuration.run.schedule(), topics_.size(), configuration.run.first_realization, 0) {
+  for (std::size_t s = 0; s < topics_.size(); ++s) {
+    const PlatoonTopic topic = parse_topic(topics_[s]).value();
+    streams_[{topic.kind, topic.vehicle}] = s;
+  }
   try {
     recover();
     if (!finished_ && !recording_) recording_ = record_to(kActiveSuffix);
@@ -37,9 +41,18 @@ RunRecording::RunRecording(const Configuration& configuration, const std::string
   }
 }
 
-std::string topic_of_stream(std::size_t stream, const RunOptions& run, const std::string& name_space) {
-  return name_space + "/" +
-         (stream > run.followers ? predecessor_position_topic(stream - run.followers) : position_topic(stream));
+std::vector<std::string> recorded_topics(const Configuration& configuration, const std::string& name_space) {
+  const std::size_t followers = configuration.run.followers;
+  std::vector<std::string> topics;
+  const auto add = [&](const std::string& topic) { topics.push_back(name_space + "/" + topic); };
+  for (std::size_t i = 0; i <= followers; ++i) add(position_topic(i));
+  for (std::size_t i = 1; i <= followers; ++i) add(predecessor_position_topic(i));
+  for (std::size_t i = 0; i < followers; ++i) {
+    if (!sends_input(configuration.model, i, followers)) continue;
+    add(input_topic(i));
+    add(predecessor_input_topic(i + 1));
+  }
+  return topics;
 }
 
 std::string RunRecording::name_of_part(std::size_t part) const {
@@ -72,13 +85,24 @@ void RunRecording::take(std::size_t stream, const Message& message) {
   if (!recording_ || message->first_realization < arrivals_.committed()) return;  // recorded already
   const std::pair<std::uint64_t, std::int64_t> key{message->first_realization, message->step};
   Step& step = open_[key];
-  step.messages.resize(streams());
+  step.messages.resize(topics_.size());
   step.messages[stream] = message;
   if (++step.arrived < step.messages.size()) return;
-  for (std::size_t s = 0; s < step.messages.size(); ++s) recording_->write(topic(s), *step.messages[s]);
+  for (std::size_t s = 0; s < step.messages.size(); ++s) recording_->write(topics_[s], *step.messages[s]);
   recording_->end_step(configuration_.run.schedule().is_last_step(message->step));
   open_.erase(key);
   partial_ = true;
+}
+
+// Messages of other platoons and vehicles are none of this recording.
+void RunRecording::read_streams(BagContent& content,
+                                const std::function<void(std::size_t, const Message&)>& take) const {
+  const auto read = [this, take](const PlatoonTopic& topic, const Message& message) {
+    const auto stream = streams_.find({topic.kind, topic.vehicle});
+    if (stream != streams_.end()) take(stream->second, message);
+  };
+  for (auto* of_kind : {&content.position, &content.predecessor_position, &content.input, &content.predecessor_input})
+    *of_kind = read;
 }
 
 void RunRecording::restarted() {
@@ -165,10 +189,7 @@ void RunRecording::recover() {
 bool RunRecording::take_over(const std::string& file) {
   if (std::filesystem::file_size(file) == 0) return false;  // killed before its first byte
   const BatchSchedule schedule = configuration_.run.schedule();
-  std::vector<std::optional<MessageId>> latest(streams());
-  const auto saw = [&](std::size_t stream, const Message& message) {
-    if (stream < latest.size()) latest[stream] = id_of(*message);
-  };
+  std::vector<std::optional<MessageId>> latest(topics_.size());
   BagContent content;
   content.configuration = [&](const PlatoonTopic&, const std::string& text) {
     if (parse_configuration(text).run.launch_id == configuration_.run.launch_id) return;
@@ -176,10 +197,7 @@ bool RunRecording::take_over(const std::string& file) {
         {"record: " + file +
          ": is the unfinished recording of another run: must be another name, or that file moved away"});
   };
-  content.position = [&](const PlatoonTopic& topic, const Message& message) { saw(topic.vehicle, message); };
-  content.predecessor_position = [&](const PlatoonTopic& topic, const Message& message) {
-    saw(configuration_.run.followers + topic.vehicle, message);
-  };
+  read_streams(content, [&](std::size_t stream, const Message& message) { latest[stream] = id_of(*message); });
   content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) { receive(*message); };
   const auto all = [&] {
     return std::all_of(latest.begin(), latest.end(), [](const auto& id) { return id.has_value(); });
@@ -194,7 +212,7 @@ bool RunRecording::take_over(const std::string& file) {
   }
   const bool brings = schedule.endless() ? latest.front().has_value() : committed > arrivals_.committed();
   // Incomplete batches are not taken over: the leader must repeat them.
-  arrivals_ = Arrivals(schedule, streams(), std::max(committed, arrivals_.committed()), attempt);
+  arrivals_ = Arrivals(schedule, topics_.size(), std::max(committed, arrivals_.committed()), attempt);
   return brings;
 }
 
@@ -218,20 +236,15 @@ void RunRecording::rewrite() {
   }
 
   recording_ = record_to(kRecoveredSuffix);
-  Arrivals copied(schedule, streams(), part_begin_, 0);
-  const auto copy = [&](std::size_t stream, const Message& message) {
-    if (stream >= streams() || (!schedule.endless() && last_attempt[message->first_realization] != message->attempt))
-      return;
+  Arrivals copied(schedule, topics_.size(), part_begin_, 0);
+  read_streams(content, [&](std::size_t stream, const Message& message) {
+    if (!schedule.endless() && last_attempt[message->first_realization] != message->attempt) return;
     const MessageDescriptor descriptor = descriptor_of(*message);
     if (copied.admit(stream, descriptor).drop != DropReason::none) return;
-    recording_->write(topic(stream), *message);
-    if (stream + 1 == streams()) recording_->end_step(schedule.is_last_step(message->step));
+    recording_->write(topics_[stream], *message);
+    if (stream + 1 == topics_.size()) recording_->end_step(schedule.is_last_step(message->step));
     copied.count(stream, descriptor);
-  };
-  content.position = [&](const PlatoonTopic& topic, const Message& message) { copy(topic.vehicle, message); };
-  content.predecessor_position = [&](const PlatoonTopic& topic, const Message& message) {
-    copy(configuration_.run.followers + topic.vehicle, message);
-  };
+  });
   content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) {
     recording_->write(name_space_ + "/error_statistics", *message);
   };
@@ -242,7 +255,7 @@ void RunRecording::rewrite() {
   for (; !put_aside_.empty(); put_aside_.pop_back()) std::filesystem::remove(put_aside_.back());
   given_up_ = copied.committed() < arrivals_.committed();
   if (!given_up_) return;
-  arrivals_ = Arrivals(schedule, streams(), copied.committed(), arrivals_.attempt());
+  arrivals_ = Arrivals(schedule, topics_.size(), copied.committed(), arrivals_.attempt());
   open_.clear();
 }
 

@@ -1,24 +1,23 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "stochastic_platoon/ros/bags/bag_reader.hpp"
 #include "stochastic_platoon/ros/bags/bag_writer.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/delivery/arrivals.hpp"
 
 namespace platoon {
 
-/// Number of streams of a recording: 0 .. N are the positions of vehicles 0 .. N, N + 1 .. 2 N are the positions that
-/// followers 1 .. N received.
-inline std::size_t streams_of(const RunOptions& run) {
-  return 2 * run.followers + 1;
-}
-std::string topic_of_stream(std::size_t stream, const RunOptions& run, const std::string& name_space);
+/// The topics of a recording's streams: the positions of vehicles 0 .. N, the positions that followers 1 .. N received,
+/// and with radios the control inputs that are sent and received.
+std::vector<std::string> recorded_topics(const Configuration& configuration, const std::string& name_space);
 
 /// Writes a platoon's messages to a bag, in the order of steps and vehicles. A step is written when it has arrived on
 /// all streams, so only messages of incomplete steps are kept in memory. A finished file holds whole batches only: if
@@ -62,9 +61,8 @@ private:
     std::vector<Message> messages;  ///< per stream
     std::size_t arrived = 0;
   };
-  std::size_t streams() const { return streams_of(configuration_.run); }
-  std::string topic(std::size_t stream) const { return topic_of_stream(stream, configuration_.run, name_space_); }
   void take(std::size_t stream, const Message& message);
+  void read_streams(BagContent& content, const std::function<void(std::size_t, const Message&)>& take) const;
   void restarted();
   void batch_complete();
   bool complete_file();
@@ -77,6 +75,8 @@ private:
 
   Configuration configuration_;
   std::string name_space_;
+  std::vector<std::string> topics_;                                            ///< per stream
+  std::map<std::pair<PlatoonTopic::Kind, std::size_t>, std::size_t> streams_;  ///< by kind and vehicle
   RecordedConfiguration recorded_configuration_;
   std::size_t part_ = 0;
   std::map<std::pair<std::uint64_t, std::int64_t>, Step> open_;  ///< by first realization and step

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/external_vehicle.hpp"
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -35,6 +36,17 @@ double number_of(const nlohmann::json& model, std::size_t follower, const char* 
                            : model.at("vehicle_types").at(type).value(key, model.at(key).get<double>());
 }
 
+// Whether follower i has a radio: by the inputs of its type, or the default vehicle's.
+bool hears_input(const nlohmann::json& model, std::size_t follower) {
+  nlohmann::json inputs = model.value("inputs", nlohmann::json::array());
+  if (model.contains("string")) {
+    const nlohmann::json& string = model.at("string");
+    const std::string type = string.at((follower - 1) % string.size());
+    if (type != "default") inputs = model.at("vehicle_types").at(type).value("inputs", inputs);
+  }
+  return std::any_of(inputs.begin(), inputs.end(), [](const auto& input) { return input.at("signal") == "input"; });
+}
+
 VehicleSettings settings_of(const nlohmann::json& model, std::size_t index) {
   const auto distance_up_to = [&model](std::size_t last) {
     double distance = 0.0;
@@ -44,7 +56,8 @@ VehicleSettings settings_of(const nlohmann::json& model, std::size_t index) {
   const std::size_t length = model.contains("string") ? model.at("string").size() : 1;
   return {number_of(model, index, "time_headway"), number_of(model, index, "standstill_distance"),
           model.at("sample_period"),
-          -(static_cast<double>(index / length) * distance_up_to(length) + distance_up_to(index % length))};
+          -(static_cast<double>(index / length) * distance_up_to(length) + distance_up_to(index % length)),
+          hears_input(model, index)};
 }
 
 }  // namespace
@@ -62,39 +75,94 @@ VehicleSettings vehicle_settings(const ros::NodeHandle& platoon, std::size_t ind
 }
 
 ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move)
-    : start_(std::move(start)),
-      move_(std::move(move)),
+    : platoon_(platoon),
+      index_(index),
+      start_(std::move(start)),
+      move_([move = std::move(move)](const auto& received, const auto&, auto& position, auto&) {
+        move(received, position);
+      }),
       position_(platoon.advertise<Position>(topic(index, "position"), kUnbounded)),
       predecessor_position_(platoon.subscribe(topic(index, "predecessor_position"), kUnbounded,
                                               &ExternalVehicle::receive, this,
                                               ros::TransportHints().tcpNoDelay(true))) {}
 
-bool ExternalVehicle::is_in_turn(const Position& message) const {
-  const bool same_run = latest_ && message.run == latest_->run;
-  if (message.step == -1) {
-    return !same_run || std::tie(message.attempt, message.first_realization) >
-                            std::tie(latest_->attempt, latest_->first_realization);
-  }
-  return same_run && message.attempt == latest_->attempt && message.first_realization == latest_->first_realization &&
-         message.step == latest_->step + 1;
+ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, MoveByRadio move)
+    : platoon_(platoon),
+      index_(index),
+      start_(std::move(start)),
+      move_(std::move(move)),
+      position_(platoon.advertise<Position>(topic(index, "position"), kUnbounded)),
+      input_(platoon.advertise<Position>(topic(index, "input"), kUnbounded)),
+      predecessor_position_(platoon.subscribe(topic(index, "predecessor_position"), kUnbounded,
+                                              &ExternalVehicle::receive, this, ros::TransportHints().tcpNoDelay(true))),
+      predecessor_input_(platoon.subscribe(topic(index, "predecessor_input"), kUnbounded, &ExternalVehicle::hear, this,
+                                           ros::TransportHints().tcpNoDelay(true))) {}
+
+// A step -1 of another run, of a newer attempt or of the next batch, or the step after the latest.
+bool ExternalVehicle::Stream::takes(const Message::ConstPtr& message) {
+  const bool same_run = latest && message->run == latest->run;
+  const bool in_turn = message->step == -1 ? !same_run || std::tie(message->attempt, message->first_realization) >
+                                                              std::tie(latest->attempt, latest->first_realization)
+                                           : same_run && message->attempt == latest->attempt &&
+                                                 message->first_realization == latest->first_realization &&
+                                                 message->step == latest->step + 1;
+  if (in_turn) latest = message;
+  return in_turn;
 }
 
-void ExternalVehicle::receive(const Position::ConstPtr& message) {
-  if (!is_in_turn(*message)) return;
-  if (message->step == -1) {
-    own_.assign(message->position.size(), 0.0);
+void ExternalVehicle::receive(const Message::ConstPtr& message) {
+  const bool other_run = !positions_.latest || positions_.latest->run != message->run;
+  if (!positions_.takes(message)) return;
+  if (other_run) hears_ = input_ && vehicle_settings(platoon_, index_).hears_input;
+  if (!hears_) return answer(*message, {});
+  positions_.waiting.push_back(message);
+  match();
+}
+
+void ExternalVehicle::hear(const Message::ConstPtr& message) {
+  if (!inputs_.takes(message)) return;
+  inputs_.waiting.push_back(message);
+  match();
+}
+
+// Both streams have no gaps within an attempt, so that only messages of an older attempt or run find no counterpart.
+void ExternalVehicle::match() {
+  std::deque<Message::ConstPtr>&positions = positions_.waiting, &inputs = inputs_.waiting;
+  while (!positions.empty() && !inputs.empty()) {
+    const Message::ConstPtr position = positions.front(), input = inputs.front();
+    if (position->run == input->run && position->attempt == input->attempt) {
+      positions.pop_front();
+      inputs.pop_front();
+      answer(*position, input->position);
+    } else if (position->run == input->run) {
+      (position->attempt < input->attempt ? positions : inputs).pop_front();
+    } else {
+      (position->run == positions_.latest->run ? inputs : positions).pop_front();
+    }
+  }
+}
+
+void ExternalVehicle::answer(const Message& received, const std::vector<double>& heard) {
+  if (received.step == -1) {
+    own_.assign(received.position.size(), 0.0);
+    own_input_.assign(received.position.size(), 0.0);
     start_(own_);
   }
-  latest_ = message;
-  const auto answer = boost::make_shared<Position>();
-  answer->header = message->header;
-  answer->run = message->run;
-  answer->attempt = message->attempt;
-  answer->first_realization = message->first_realization;
-  answer->step = message->step;
-  answer->position = own_;
-  position_.publish(answer);
-  move_(message->position, own_);
+  publish(position_, received, own_);
+  if (input_) publish(input_, received, own_input_);
+  move_(received.position, heard, own_, own_input_);
+}
+
+void ExternalVehicle::publish(const ros::Publisher& publisher, const Message& received,
+                              const std::vector<double>& values) const {
+  const auto message = boost::make_shared<Position>();
+  message->header = received.header;
+  message->run = received.run;
+  message->attempt = received.attempt;
+  message->first_realization = received.first_realization;
+  message->step = received.step;
+  message->position = values;
+  publisher.publish(message);
 }
 
 }  // namespace platoon

@@ -20,11 +20,12 @@ constexpr double kStartPeriod = 0.5;  // [s] between attempts to begin a run, as
 
 }  // namespace
 
-SimulatedPredecessor::SimulatedPredecessor(ros::NodeHandle platoon, std::size_t vehicle, double patience)
+SimulatedPredecessor::SimulatedPredecessor(ros::NodeHandle platoon, std::size_t vehicle, double patience, bool radio)
     : vehicle_(vehicle),
       platoon_(platoon),
       patience_(patience),
       predecessor_position_(platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
+  if (radio) predecessor_input_ = platoon.advertise<Position>(predecessor_input_topic(vehicle), kUnboundedQueue);
   const boost::function<void(const PositionEvent&)> callback = [this](const PositionEvent& event) {
     received_.push_back({event.getMessage(), event.getPublisherName()});
   };
@@ -35,10 +36,15 @@ SimulatedPredecessor::SimulatedPredecessor(ros::NodeHandle platoon, std::size_t 
 bool SimulatedPredecessor::wait_for_vehicle(double seconds) {
   const double end = now() + seconds;
   while (ros::ok() && now() < end) {
-    if (position_.getNumPublishers() > 0 && predecessor_position_.getNumSubscribers() > 0) return true;
+    if (is_connected()) return true;
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.02));
   }
   return false;
+}
+
+bool SimulatedPredecessor::is_connected() const {
+  return position_.getNumPublishers() > 0 && predecessor_position_.getNumSubscribers() > 0 &&
+         (!predecessor_input_ || predecessor_input_->getNumSubscribers() > 0);
 }
 
 // Repeats the first step until it is answered, as a leader does while links come up.
@@ -91,6 +97,12 @@ void SimulatedPredecessor::send(const MessageId& id, std::uint64_t run, double s
   for (std::uint64_t r = 0; r < schedule_.size(id.first_realization); ++r)
     message->position.push_back(predecessor_at(id.step, id.first_realization + r) + shift);
   predecessor_position_.publish(message);
+  if (!predecessor_input_) return;
+  const Position::Ptr input(new Position(*message));
+  for (std::size_t r = 0; r < input->position.size(); ++r)
+    input->position[r] =
+        id.step < 0 ? 0.0 : 0.1 * wobble_ * std::sin(static_cast<double>(id.step) + static_cast<double>(r));
+  predecessor_input_->publish(input);
 }
 
 double SimulatedPredecessor::predecessor_at(std::int64_t step, std::uint64_t realization) const {

@@ -28,11 +28,12 @@ struct BrokenClause : std::runtime_error {
 /// vehicle contract. Throws BrokenClause.
 ///
 /// Sets the parameter `configuration`, as a launch would. Subscribes: vehicle_<i>/position. Publishes:
-/// vehicle_<i>/predecessor_position. Both stochastic_platoon/Position.
+/// vehicle_<i>/predecessor_position and, to a vehicle with a radio, vehicle_<i>/predecessor_input. All
+/// stochastic_platoon/Position.
 class SimulatedPredecessor {
 public:
-  /// `patience`: time limit for an answer [s].
-  SimulatedPredecessor(ros::NodeHandle platoon, std::size_t vehicle, double patience);
+  /// `patience`: time limit for an answer [s]. `radio`: the vehicle has a radio.
+  SimulatedPredecessor(ros::NodeHandle platoon, std::size_t vehicle, double patience, bool radio);
 
   /// Waits at most `seconds` [s] for the vehicle; returns whether it is connected.
   bool wait_for_vehicle(double seconds);
@@ -43,6 +44,7 @@ protected:
   void go_on_to(std::int64_t step);
   void send(const MessageId& id, std::uint64_t run, double shift = 0.0);
   void send_next(double shift = 0.0);
+  bool is_connected() const;
   double predecessor_at(std::int64_t step, std::uint64_t realization) const;
   void wait_for_answer(std::int64_t step);
   [[noreturn]] void broken(Clause clause, const std::string& what) const;
@@ -79,6 +81,7 @@ private:
   std::set<std::string> publishers_;
   std::deque<Received> received_;
   ros::Publisher predecessor_position_;
+  std::optional<ros::Publisher> predecessor_input_;
 };
 
 }  // namespace platoon

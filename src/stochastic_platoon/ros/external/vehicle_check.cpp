@@ -52,7 +52,10 @@ Configuration spaced_otherwise(Configuration configuration) {
 
 VehicleCheck::VehicleCheck(ros::NodeHandle platoon, const Configuration& present, const Configuration& next,
                            std::size_t vehicle, double patience)
-    : SimulatedPredecessor(platoon, vehicle, patience), present_(present), next_(next) {}
+    : SimulatedPredecessor(platoon, vehicle, patience,
+                           platoon::vehicle(present.model, vehicle).feed_forward.has_value()),
+      present_(present),
+      next_(next) {}
 
 std::optional<VehicleCheck::Breach> VehicleCheck::run(const Holds& holds) {
   const std::vector<std::pair<void (VehicleCheck::*)(), std::vector<Clause>>> parts = {

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/ros/nodes/channel.hpp"
 
+#include <algorithm>
 #include <boost/function.hpp>
 #include <string>
 #include <utility>
@@ -11,6 +12,14 @@ namespace platoon {
 
 using stochastic_platoon::Position;
 
+namespace {
+
+bool has_radio(const Configuration& configuration, std::uint32_t follower) {
+  return vehicle(configuration.model, follower).feed_forward.has_value();
+}
+
+}  // namespace
+
 Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
                  const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded)
     : superseded_(std::move(superseded)),
@@ -19,35 +28,48 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
       messages_(messages),
       told_(std::move(told)) {
   if (const std::string reason = slow_noise(); !reason.empty()) ROS_WARN_STREAM_ONCE(reason);
+  const auto add = [&](std::uint32_t follower, bool radio, const std::string& from, const std::string& to) {
+    wires_.push_back({follower, radio, std::nullopt, std::nullopt,
+                      PositionInput(membership_, platoon.resolveName(from), " (channel)"),
+                      platoon.advertise<Position>(to, kUnboundedQueue), ros::Subscriber()});
+  };
   for (std::uint32_t i = first; i <= last; ++i) {
-    wires_.push_back({i, std::nullopt, std::nullopt,
-                      PositionInput(membership_, platoon.resolveName(position_topic(i - 1)), " (channel)"),
-                      platoon.advertise<Position>(predecessor_position_topic(i), kUnboundedQueue), ros::Subscriber()});
+    add(i, false, position_topic(i - 1), predecessor_position_topic(i));
+    if (has_radio(configuration, i)) add(i, true, input_topic(i - 1), predecessor_input_topic(i));
   }
   membership_.join(configuration);
-  for (std::uint32_t i = first; i <= last; ++i) {
-    Wire& wire = wires_[i - first];
+  for (Wire& wire : wires_) {
     const boost::function<void(const PositionEvent&)> receive = [this, &wire](const PositionEvent& event) {
       transmit(wire, event);
     };
-    wire.sent = platoon.subscribe<Position, const PositionEvent&>(position_topic(i - 1), kUnboundedQueue, receive,
-                                                                  ros::VoidConstPtr(), no_delay());
+    const std::string from = wire.radio ? input_topic(wire.follower - 1) : position_topic(wire.follower - 1);
+    wire.sent = platoon.subscribe<Position, const PositionEvent&>(from, kUnboundedQueue, receive, ros::VoidConstPtr(),
+                                                                  no_delay());
   }
 }
 
 void Channel::begin(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
-  if (run.followers != run_.followers || run.batch != run_.batch || run.record != run_.record) {
+  const bool same_radios = std::all_of(wires_.begin(), wires_.end(), [&](const Wire& wire) {
+    return wire.follower > run.followers || has_radio(configuration, wire.follower) == has_wire_of_radio(wire.follower);
+  });
+  if (run.followers != run_.followers || run.batch != run_.batch || run.record != run_.record || !same_radios) {
     over_ = true;
     return superseded_(configuration);
   }
   run_ = run;
   told_->set_rate(run.rate);
   for (Wire& wire : wires_) {
-    wire.link.emplace(configuration.model, run.seed, wire.follower);
+    wire.link.emplace(wire.radio ? Link::radio(configuration.model, run.seed, wire.follower)
+                                 : Link(configuration.model, run.seed, wire.follower));
     wire.order.reset();
     if (wire.link->keeps_state()) wire.order.emplace(run.schedule());
   }
+}
+
+bool Channel::has_wire_of_radio(std::uint32_t follower) const {
+  return std::any_of(wires_.begin(), wires_.end(),
+                     [follower](const Wire& wire) { return wire.radio && wire.follower == follower; });
 }
 
 VitalSigns::Sources Channel::sources() const {
@@ -69,7 +91,7 @@ void Channel::transmit(Wire& wire, const PositionEvent& event) {
   received->header = message->header;
   set_id(message->run, id, *received);
   wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), message->position, received->position);
-  if (told_->wanted()) told_->take(wire.follower - 1, *received);
+  if (!wire.radio && told_->wanted()) told_->take(wire.follower - 1, *received);
   publish(wire.received, received);
 }
 

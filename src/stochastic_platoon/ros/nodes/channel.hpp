@@ -26,13 +26,13 @@ namespace platoon {
 /// state takes its messages in turn, as a vehicle does: after a restart it requests a repetition from the leader and
 /// waits for a step -1. Like a vehicle, the component may outlive runs.
 ///
-/// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = first .. last. Both
-/// stochastic_platoon/Position.
+/// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = first .. last; likewise
+/// vehicle_<i-1>/input and vehicle_<i>/predecessor_input of a vehicle with a radio. All stochastic_platoon/Position.
 class Channel {
 public:
   /// `told` takes the positions that the followers receive, stream i - 1 for follower i. `superseded` is called with
-  /// the configuration that replaces the present one, if the number of followers, the batch size or the recording
-  /// differs.
+  /// the configuration that replaces the present one, if the number of followers, the batch size, the recording or the
+  /// vehicles with radios differ.
   Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
           const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded);
 
@@ -42,6 +42,7 @@ public:
 private:
   struct Wire {
     std::uint32_t follower;
+    bool radio;  ///< transmits inputs, not positions
     std::optional<Link> link;
     std::optional<MessageOrder> order;  ///< of a link that keeps state
     PositionInput input;
@@ -49,6 +50,7 @@ private:
     ros::Subscriber sent;
   };
   void begin(const Configuration& configuration);
+  bool has_wire_of_radio(std::uint32_t follower) const;
   void transmit(Wire& wire, const PositionEvent& event);
 
   RunMembership::Join superseded_;

@@ -13,11 +13,13 @@ using stochastic_platoon::Position;
 
 Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index,
                    const MessagePool& messages, Joined joined)
-    : index_(index),
+    : platoon_(platoon),
+      index_(index),
       joined_(std::move(joined)),
       membership_(platoon, vehicle_name(index), 0,
                   [this](const Configuration& configuration) { begin(configuration); }),
       input_(membership_, platoon.resolveName(predecessor_position_topic(index))),
+      radio_input_(membership_, platoon.resolveName(predecessor_input_topic(index))),
       messages_(messages),
       position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)) {
   if (present) membership_.join(*present);
@@ -34,30 +36,68 @@ void Follower::begin(const Configuration& configuration) {
   }
   const BatchSchedule schedule = configuration.run.schedule();
   run_state_.emplace(RunState{schedule, publishes_ahead(index_, followers, configuration.run.pipeline_depth()),
+                              vehicle(configuration.model, index_).feed_forward.has_value(),
+                              sends_input(configuration.model, index_, followers),
                               platoon_period(configuration.model.sample_period),
                               FollowerVehicle(configuration.model, configuration.run.seed, index_),
-                              MessageOrder(schedule)});
+                              MessageOrder(schedule), MessageOrder(schedule)});
+  if (run_state_->sends_input && !own_input_)
+    own_input_ = platoon_.advertise<Position>(input_topic(index_), kUnboundedQueue);
+  if (run_state_->has_radio && !predecessor_input_) {
+    predecessor_input_ =
+        platoon_.subscribe(predecessor_input_topic(index_), kUnboundedQueue, &Follower::hear, this, no_delay());
+  }
   if (joined_) joined_(configuration);
 }
 
+// While nodes come up, the predecessor reaches step i - 2 at most.
+bool Follower::takes(PositionInput& input, MessageOrder& order, const PositionEvent& event) {
+  return input.takes(descriptor_of(*event.getConstMessage()), order, index_);
+}
+
 void Follower::receive(const PositionEvent& event) {
-  const Position::ConstPtr message = event.getMessage();
-  if (!input_.admits(event)) return;
-  const MessageDescriptor descriptor = descriptor_of(*message);
-  // While nodes come up, the predecessor reaches step i - 2 at most.
-  if (!input_.takes(descriptor, run_state_->order, index_)) return;
-  const MessageId& id = descriptor.id;
-  const ros::Time stamp = message->header.stamp;
+  if (!input_.admits(event) || !takes(input_, run_state_->order, event)) return;
+  if (!run_state_->has_radio) return move_on(*event.getConstMessage(), nullptr);
+  run_state_->positions.push_back(event.getConstMessage());
+  match();
+}
+
+void Follower::hear(const PositionEvent& event) {
+  if (!radio_input_.admits(event) || !run_state_->has_radio || !takes(radio_input_, run_state_->radio_order, event))
+    return;
+  run_state_->inputs.push_back(event.getConstMessage());
+  match();
+}
+
+// Both sequences have no gaps within an attempt, so that only messages of an older attempt find no counterpart.
+void Follower::match() {
+  std::deque<Message::ConstPtr>&positions = run_state_->positions, &inputs = run_state_->inputs;
+  while (!positions.empty() && !inputs.empty()) {
+    const Message::ConstPtr position = positions.front(), input = inputs.front();
+    const bool older_position = position->attempt < input->attempt, older_input = input->attempt < position->attempt;
+    if (!older_input) positions.pop_front();
+    if (!older_position) inputs.pop_front();
+    if (!older_position && !older_input) move_on(*position, input.get());
+  }
+}
+
+void Follower::move_on(const Message& received, const Message* heard) {
+  const MessageId id = id_of(received);
+  const ros::Time stamp = received.header.stamp;
+  const std::size_t size = received.position.size();
   if (id.step == kInitialStep) {
-    const auto initial = messages_.take();
-    run_state_->vehicle.start(first_noise_realization(run_state_->schedule, id), descriptor.size, initial->position);
+    const Own initial = new_messages(size);
+    run_state_->vehicle.start(first_noise_realization(run_state_->schedule, id), size, initial.position->position);
+    if (initial.input) initial.input->position.assign(size, 0.0);
     publish(initial, id, stamp);
   } else if (!run_state_->is_ahead) {
-    publish(std::exchange(run_state_->upcoming, nullptr), id, stamp);
+    publish(std::exchange(run_state_->upcoming, {}), id, stamp);
   }
   if (run_state_->schedule.is_last_step(id.step)) return;
-  const auto next = messages_.take();
-  run_state_->vehicle.step(message->position, next->position);
+  const Own next = new_messages(size);
+  run_state_->vehicle.step(received.position.data(), next.position->position.data(),
+                           heard != nullptr ? heard->position.data() : nullptr,
+                           next.input ? next.input->position.data() : nullptr);
   if (run_state_->is_ahead) {
     publish(next, {id.attempt, id.first_realization, id.step + 1}, later(stamp, run_state_->period));
   } else {
@@ -65,10 +105,22 @@ void Follower::receive(const PositionEvent& event) {
   }
 }
 
-void Follower::publish(const Position::Ptr& message, const MessageId& id, const ros::Time& stamp) {
-  set_id(membership_.run(), id, *message);
-  message->header.stamp = stamp;
-  platoon::publish(position_, message);
+Follower::Own Follower::new_messages(std::size_t size) {
+  Own own{messages_.take(), run_state_->sends_input ? messages_.take() : nullptr};
+  for (const Message::Ptr& message : {own.position, own.input}) {
+    if (message) message->position.resize(size);
+  }
+  return own;
+}
+
+void Follower::publish(const Own& own, const MessageId& id, const ros::Time& stamp) {
+  for (const Message::Ptr& message : {own.position, own.input}) {
+    if (!message) continue;
+    set_id(membership_.run(), id, *message);
+    message->header.stamp = stamp;
+  }
+  platoon::publish(position_, own.position);
+  if (own.input) platoon::publish(*own_input_, own.input);
 }
 
 }  // namespace platoon

@@ -4,6 +4,7 @@
 #include <stochastic_platoon/Position.h>
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
 
@@ -25,8 +26,10 @@ namespace platoon {
 /// It may outlive runs: its links stay up, and on the first message of another run it starts over with that run's
 /// configuration.
 ///
-/// Subscribes: vehicle_<i>/predecessor_position. Publishes: vehicle_<i>/position. Both
-/// stochastic_platoon/Position.
+/// With a radio it waits for the predecessor's input of the same step, too. Its own input u(k) is part of step k + 1.
+///
+/// Subscribes: vehicle_<i>/predecessor_position; with a radio vehicle_<i>/predecessor_input. Publishes:
+/// vehicle_<i>/position; to a follower with a radio vehicle_<i>/input. All stochastic_platoon/Position.
 class Follower {
 public:
   using Joined = std::function<void(const Configuration&)>;
@@ -37,30 +40,48 @@ public:
            const MessagePool& messages, Joined joined = {});
 
   /// Messages taken and dropped.
-  VitalSigns::Sources sources() const { return {{&input_.activity(), &input_.drops()}}; }
+  VitalSigns::Sources sources() const {
+    return {{&input_.activity(), &input_.drops()}, {&radio_input_.activity(), &radio_input_.drops()}};
+  }
 
 private:
+  using Message = stochastic_platoon::Position;
+
+  /// What it publishes of one step; `input` only to a follower with a radio.
+  struct Own {
+    Message::Ptr position, input;
+  };
+
   /// State within one run.
   struct RunState {
     BatchSchedule schedule;
-    bool is_ahead;
+    bool is_ahead, has_radio, sends_input;
     ros::Duration period;
     FollowerVehicle vehicle;
-    MessageOrder order;
-    stochastic_platoon::Position::Ptr upcoming = {};  ///< its own next step, unless it is ahead
+    MessageOrder order, radio_order;
+    Own upcoming = {};                                          ///< its own next step, unless it is ahead
+    std::deque<Message::ConstPtr> positions = {}, inputs = {};  ///< taken, each waits for the other of its step
   };
   void begin(const Configuration& configuration);
   void receive(const PositionEvent& event);
-  void publish(const stochastic_platoon::Position::Ptr& message, const MessageId& id, const ros::Time& stamp);
+  void hear(const PositionEvent& event);
+  bool takes(PositionInput& input, MessageOrder& order, const PositionEvent& event);
+  void match();
+  void move_on(const Message& received, const Message* heard);
+  Own new_messages(std::size_t size);
+  void publish(const Own& own, const MessageId& id, const ros::Time& stamp);
 
+  ros::NodeHandle platoon_;
   std::uint32_t index_;
   Joined joined_;
   RunMembership membership_;
   std::optional<RunState> run_state_;
-  PositionInput input_;
+  PositionInput input_, radio_input_;
   MessagePool messages_;
   ros::Publisher position_;
+  std::optional<ros::Publisher> own_input_;  ///< from the first run on that has a radio behind it
   ros::Subscriber predecessor_position_;
+  std::optional<ros::Subscriber> predecessor_input_;  ///< from the first run on in which it has a radio
 };
 
 }  // namespace platoon

@@ -42,6 +42,8 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunM
       membership_(platoon, "vehicle_0", 0, [this](const Configuration& joined) { begin(joined); }),
       position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
       orders_(platoon, [this](const LeaderOrders::Order& order) { return obey(order); }) {
+  if (sends_input(configuration.model, 0, run_.followers))
+    input_ = platoon.advertise<Position>(input_topic(0), kUnboundedQueue);
   membership_.join(configuration);
   progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &Leader::receive, this, no_delay());
   stall_timer_ = platoon.createSteadyTimer(ros::WallDuration(kWatchPeriod), [this](const auto&) { watch(); });
@@ -52,7 +54,8 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunM
 
 void Leader::begin(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
-  if (run.batch != run_.batch || run.rate != run_.rate || run.receivers() != run_.receivers()) {
+  if (run.batch != run_.batch || run.rate != run_.rate || run.receivers() != run_.receivers() ||
+      sends_input(configuration.model, 0, run.followers) != input_.has_value()) {
     over_ = true;
     return superseded_(configuration);
   }
@@ -152,12 +155,17 @@ bool Leader::publish_one() {
   if (id->step == kInitialStep && run_state_->vehicle.manoeuvre().is_under_way())
     ROS_WARN("the platoon begins again: the leader's manoeuvre is over");
   const double position = id->step == kInitialStep ? run_state_->vehicle.start() : run_state_->vehicle.step();
+  send(position_, *id, position);
+  if (input_) send(*input_, *id, run_state_->vehicle.input());
+  return true;
+}
+
+void Leader::send(const ros::Publisher& topic, const MessageId& id, double value) {
   const auto message = messages_.take();
   message->header.stamp = run_state_->stamp;
-  set_id(membership_.run(), *id, *message);
-  message->position.assign(schedule_.size(id->first_realization), position);
-  platoon::publish(position_, message);
-  return true;
+  set_id(membership_.run(), id, *message);
+  message->position.assign(schedule_.size(id.first_realization), value);
+  platoon::publish(topic, message);
 }
 
 }  // namespace platoon

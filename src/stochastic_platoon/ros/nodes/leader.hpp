@@ -28,11 +28,11 @@ namespace platoon {
 /// In an endless run it executes orders: see LeaderOrders. A manoeuvre ends with its attempt.
 ///
 /// Subscribes: progress (stochastic_platoon/Progress) and the topic of LeaderOrders. Publishes: vehicle_0/position
-/// (stochastic_platoon/Position).
+/// and, to a vehicle_1 with a radio, vehicle_0/input (stochastic_platoon/Position).
 class Leader {
 public:
   /// `superseded` is called with the configuration that replaces the present one, if batch size, rate or receivers
-  /// differ.
+  /// differ, or if the string has radios now or had some before.
   Leader(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded);
 
   /// Status: messages published, and credit.
@@ -45,6 +45,7 @@ private:
   void watch();
   void publish_allowed();
   bool publish_one();
+  void send(const ros::Publisher& topic, const MessageId& id, double value);
 
   /// State within one run.
   struct RunState {
@@ -70,6 +71,7 @@ private:
   Activity activity_;
   RelaxedAtomic<std::int64_t> window_, unacknowledged_;  ///< steps
   ros::Publisher position_;
+  std::optional<ros::Publisher> input_;  ///< to a vehicle_1 with a radio
   ros::Subscriber progress_;
   ros::SteadyTimer stall_timer_;
   ros::SteadyTimer pace_timer_;

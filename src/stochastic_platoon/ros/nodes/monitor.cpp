@@ -197,9 +197,10 @@ void Monitor::check_for_stall(double present) {
   StallReporter::Change change;
   {
     const Locked lock(lock_);
-    change = stall_.look({statistics_.arrivals(), began_.has_value(), [this] { return missing_vehicles(); },
-                          [this](std::size_t vehicle) { return inputs_[vehicle].latest_breach(); }},
-                         present);
+    change = stall_.look(
+        {statistics_.arrivals(), began_.has_value(), [this] { return missing_vehicles(); },
+         [this](std::size_t vehicle) { return inputs_[vehicle].latest_breach(); }, [this] { return mute_vehicles(); }},
+        present);
   }
   if (!change.stalled.empty()) ROS_WARN_STREAM("the platoon stands still: " << change.stalled);
   if (!change.moving.empty()) ROS_WARN_STREAM("the platoon moves again" << change.moving);
@@ -211,6 +212,15 @@ std::vector<std::size_t> Monitor::missing_vehicles() const {
     if (positions_[i].getNumPublishers() == 0) missing.push_back(i);
   }
   return missing;
+}
+
+std::vector<std::size_t> Monitor::mute_vehicles() const {
+  std::vector<std::size_t> mute;
+  for (const std::size_t i : configuration_.run.external) {
+    const bool heard = sends_input(configuration_.model, i, configuration_.run.followers);
+    if (heard && registered_publishers(ros::names::resolve(input_topic(i))).empty()) mute.push_back(i);
+  }
+  return mute;
 }
 
 Diagnostics::Fill Monitor::status() {

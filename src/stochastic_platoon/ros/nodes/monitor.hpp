@@ -63,6 +63,7 @@ private:
   void tick();
   void check_for_stall(double present);
   std::vector<std::size_t> missing_vehicles() const;
+  std::vector<std::size_t> mute_vehicles() const;
   void show_start(double present);
   void show_manoeuvre(bool departs);
   void finish();

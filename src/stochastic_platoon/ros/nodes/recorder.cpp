@@ -50,21 +50,18 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration, 
     : configuration_(configuration),
       membership_(platoon, "recorder", run_identity(configuration), std::move(superseded)),
       name_space_(parent_of(platoon.resolveName(kConfigurationTopic))),
-      reported_(configuration.run.schedule(), streams_of(configuration.run), configuration.run.first_realization, 0),
+      topics_(recorded_topics(configuration, name_space_)),
+      reported_(configuration.run.schedule(), topics_.size(), configuration.run.first_realization, 0),
       reports_(platoon, "recorder", configuration) {
   ignore_file_size_signal();
   begin();
-  for (std::size_t s = 0; s < streams_of(configuration.run); ++s) {
-    const std::string topic = topic_of_stream(s, configuration.run, name_space_);
-    inputs_.emplace_back(membership_, topic);
-  }
-  for (std::size_t s = 0; s < streams_of(configuration.run); ++s) {
+  for (const std::string& topic : topics_) inputs_.emplace_back(membership_, topic);
+  for (std::size_t s = 0; s < topics_.size(); ++s) {
     const boost::function<void(const PositionEvent&)> callback = [this, s](const PositionEvent& event) {
       receive(s, event);
     };
-    positions_.push_back(
-        platoon.subscribe<Position, const PositionEvent&>(topic_of_stream(s, configuration.run, name_space_),
-                                                          kUnboundedQueue, callback, ros::VoidConstPtr(), no_delay()));
+    positions_.push_back(platoon.subscribe<Position, const PositionEvent&>(topics_[s], kUnboundedQueue, callback,
+                                                                           ros::VoidConstPtr(), no_delay()));
   }
   error_statistics_ =
       platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics, this, no_delay());
@@ -100,9 +97,8 @@ void Recorder::receive(std::size_t stream, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
   if (!inputs_[stream].admits(event)) return;
   if (message->header.stamp.isZero()) {
-    ROS_WARN_STREAM_THROTTLE(1.0, topic_of_stream(stream, configuration_.run, name_space_)
-                                      << ": dropped a message without a stamp, which a bag cannot hold; "
-                                      << named(Clause::stamp));
+    ROS_WARN_STREAM_THROTTLE(1.0, topics_[stream] << ": dropped a message without a stamp, which a bag cannot hold; "
+                                                  << named(Clause::stamp));
     return;
   }
   reports_.saw(message->header.stamp.toNSec());

@@ -96,6 +96,13 @@ std::string StallReporter::reason(const Observation& seen) const {
   }
   const std::vector<std::size_t> missing = seen.missing();
   if (!missing.empty()) return reason_of_missing(missing);
+  const std::vector<std::size_t> mute = seen.mute();
+  if (!mute.empty()) {
+    const std::string name = vehicle_name(mute.front());
+    return name + " is external and publishes no " + name + "/input, which the radio of " +
+           vehicle_name(mute.front() + 1) + " hears: it must publish its control input, or " +
+           vehicle_name(mute.front() + 1) + " have no radio";
+  }
   const StallDiagnosis diagnosis = diagnose_stall(seen.arrivals.latest(), run_.schedule(), run_.pipeline_depth(),
                                                   run_.external, seen.arrivals.latest_of_any_attempt());
   if (!diagnosis.vehicle) return diagnosis.text;

@@ -34,6 +34,9 @@ public:
     std::function<std::vector<std::size_t>()> missing;
     /// The latest contract violation of an external vehicle. Called during a stall only.
     std::function<std::optional<DropReason>(std::size_t vehicle)> breach;
+    /// External vehicles whose follower has a radio, and whose control input nobody publishes, ascending. Called during
+    /// a stall only.
+    std::function<std::vector<std::size_t>()> mute;
   };
 
   /// Empty strings: nothing to log.

@@ -58,8 +58,13 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
       vehicle_(vehicle),
       credit_(limits_of(configuration.run)),
       publisher_(platoon.resolveName(position_topic(vehicle)), external ? its_clause(Clause::one_publisher) : ""),
-      drops_(platoon.resolveName(position_topic(vehicle)), external ? name_ : ""),
-      predecessor_position_(platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
+      drops_(platoon.resolveName(position_topic(vehicle)), external ? name_ : "") {
+  const auto add = [&](PlatoonTopic::Kind kind, const std::string& topic) {
+    sent_.push_back({kind, platoon.advertise<Position>(topic, kUnboundedQueue)});
+  };
+  add(PlatoonTopic::Kind::predecessor_position, predecessor_position_topic(vehicle));
+  if (platoon::vehicle(configuration.model, vehicle).feed_forward)
+    add(PlatoonTopic::Kind::predecessor_input, predecessor_input_topic(vehicle));
   if (!(patience > 0.0)) throw std::invalid_argument("patience: " + std::to_string(patience) + ": must be above 0 [s]");
   open();
   done_ = !expected_;
@@ -70,13 +75,18 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
 
 // Opens the bag at the beginning of the batch that is due.
 void VehicleReplay::open() {
-  inputs_.emplace(bags_, only(PlatoonTopic::Kind::predecessor_position, vehicle_));
+  for (Sent& sent : sent_) sent.stream.emplace(bags_, only(sent.kind, vehicle_));
   outputs_.emplace(bags_, only(PlatoonTopic::Kind::position, vehicle_));
-  input_ = next_of(*inputs_);
-  for (std::int64_t n = 0; n < credit_.upcoming(); ++n) input_ = next_of(*inputs_);
+  read_next();
+  for (std::int64_t n = 0; n < credit_.upcoming(); ++n) read_next();
   expected_ = next_of(*outputs_);
   for (std::int64_t n = 0; n < batch_start_; ++n) expected_ = next_of(*outputs_);
   compared_ = batch_start_;
+}
+
+// A recorder writes the streams step by step, so that their messages correspond.
+void VehicleReplay::read_next() {
+  for (Sent& sent : sent_) sent.next = next_of(*sent.stream);
 }
 
 void VehicleReplay::play() {
@@ -90,7 +100,9 @@ void VehicleReplay::play() {
 
 bool VehicleReplay::is_linked() {
   if (!began_) began_ = now();
-  const bool linked = predecessor_position_.getNumSubscribers() > 0 && position_.getNumPublishers() > 0;
+  const bool linked = std::all_of(sent_.begin(), sent_.end(),
+                                  [](const Sent& sent) { return sent.publisher.getNumSubscribers() > 0; }) &&
+                      position_.getNumPublishers() > 0;
   if (!linked && !waiting_ && now() - *began_ > kSilentWait) {
     ROS_INFO_STREAM("waiting for " << (external_ ? "external " : "") << name_ << (external_ ? ": start its node" : "")
                                    << formatted(" (the replay ends after %g s)", patience_));
@@ -105,21 +117,24 @@ void VehicleReplay::check_patience() {
 }
 
 void VehicleReplay::send_allowed() {
-  while (!done_ && input_ && credit_.may_send()) {
-    const Position::Ptr message = input_;
-    credit_.send(message->step == kInitialStep, now());
-    message->run = run_;
-    message->attempt += attempts_ahead_;
-    last_attempt_ = std::max(last_attempt_, message->attempt);
-    predecessor_position_.publish(message);
-    input_ = next_of(*inputs_);
+  while (!done_ && sent_.front().next && credit_.may_send()) {
+    credit_.send(sent_.front().next->step == kInitialStep, now());
+    for (const Sent& sent : sent_) {
+      if (!sent.next) return end_with("the bag holds fewer inputs than positions of its predecessor");
+      sent.next->run = run_;
+      sent.next->attempt += attempts_ahead_;
+      last_attempt_ = std::max(last_attempt_, sent.next->attempt);
+      sent.publisher.publish(sent.next);
+    }
+    read_next();
   }
 }
 
 void VehicleReplay::begin_again() {
   open();
-  if (!input_ || !expected_) return end_with("the bag has changed while it was replayed");
-  const std::uint32_t recorded = input_->attempt;
+  const Position::Ptr& first = sent_.front().next;
+  if (!first || !expected_) return end_with("the bag has changed while it was replayed");
+  const std::uint32_t recorded = first->attempt;
   if (last_attempt_ >= kLastAttempt || recorded > last_attempt_)
     return end_with(formatted("%s: attempt %u is followed by none", name_.c_str(), last_attempt_));
   attempts_ahead_ = last_attempt_ + 1 - recorded;
@@ -187,8 +202,10 @@ std::string VehicleReplay::silence() const {
       external_ ? "; the vehicle is external: start its node, and allow it more time with patience:=SECONDS" : "";
   if (position_.getNumPublishers() == 0)
     return name_ + " is not there: nobody publishes " + position_.getTopic() + external_hint;
-  if (predecessor_position_.getNumSubscribers() == 0)
-    return name_ + " is not there: nobody subscribes to " + predecessor_position_.getTopic() + external_hint;
+  for (const Sent& sent : sent_) {
+    if (sent.publisher.getNumSubscribers() == 0)
+      return name_ + " is not there: nobody subscribes to " + sent.publisher.getTopic() + external_hint;
+  }
   const MessageId due = expected_id();
   const std::optional<DropReason> breach = drops_.latest_breach();
   const std::string what =

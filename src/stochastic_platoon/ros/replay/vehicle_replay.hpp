@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/transport/drop_counter.hpp"
@@ -16,15 +17,17 @@
 
 namespace platoon {
 
-/// Sends the recorded predecessor positions to one live follower and compares its answers with the recorded ones, bit
-/// by bit; for an external vehicle it measures their largest distance. The messages are those of the present run.
+/// Sends the recorded predecessor positions, and to a vehicle with a radio the recorded inputs, to one live follower
+/// and compares its answers with the recorded ones, bit by bit; for an external vehicle it measures their largest
+/// distance. The messages are those of the present run.
 ///
 /// If an answer is missing, the replay repeats its batch under a newer attempt, as the leader does (see ReplayCredit):
 /// a link may be up at one end only, and a vehicle may be killed. The replay ends with a verdict or, after `patience`
 /// without a new answer, with the reason why there is none.
 ///
 /// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), progress (stochastic_platoon/Progress: messages that
-/// the vehicle has missed). Publishes: vehicle_<i>/predecessor_position (stochastic_platoon/Position).
+/// the vehicle has missed). Publishes: vehicle_<i>/predecessor_position and, with a radio,
+/// vehicle_<i>/predecessor_input (stochastic_platoon/Position).
 class VehicleReplay {
 public:
   /// `patience` [s] > 0.
@@ -43,6 +46,7 @@ private:
   void open();
   void play();
   void send_allowed();
+  void read_next();
   void begin_again();
   bool is_linked();
   void check_patience();
@@ -62,9 +66,15 @@ private:
   BagSource bags_;
   std::size_t vehicle_;
   ReplayCredit credit_;
-  std::optional<BagStream> inputs_;
+  /// What the vehicle receives over one link.
+  struct Sent {
+    PlatoonTopic::Kind kind;
+    ros::Publisher publisher;
+    std::optional<BagStream> stream = {};
+    stochastic_platoon::Position::Ptr next = {};  ///< next one to send; none at the end
+  };
+  std::vector<Sent> sent_;  ///< the positions and, with a radio, the inputs, step by step
   std::optional<BagStream> outputs_;
-  stochastic_platoon::Position::Ptr input_;     ///< next one to send; none at the end
   stochastic_platoon::Position::Ptr expected_;  ///< next answer; none at the end
   std::int64_t compared_ = 0;                   ///< recorded answers before the expected one
   std::int64_t batch_start_ = 0;                ///< recorded answers before the batch of the expected one
@@ -78,7 +88,6 @@ private:
   std::optional<double> began_;  ///< [s] first check of the links
   SolePublisher publisher_;
   DropCounter drops_;
-  ros::Publisher predecessor_position_;
   ros::Subscriber position_;
   ros::Subscriber progress_;
   ros::SteadyTimer timer_;

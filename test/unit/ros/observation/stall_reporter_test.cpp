@@ -50,13 +50,15 @@ protected:
   }
 
   StallReporter::Change look(double present) {
-    return reporter.look({arrivals, true, [this] { return missing; }, [this](std::size_t) { return breach; }}, present);
+    return reporter.look(
+        {arrivals, true, [this] { return missing; }, [this](std::size_t) { return breach; }, [this] { return mute; }},
+        present);
   }
 
   RunOptions run;
   Arrivals arrivals;
   StallReporter reporter;
-  std::vector<std::size_t> missing = {};
+  std::vector<std::size_t> missing = {}, mute = {};
   std::optional<DropReason> breach = {};
 };
 
@@ -109,6 +111,15 @@ TEST_F(StallReporterTest, ReadingTheTextOfAComponentWithoutNoticesAddsNone) {
 struct ExternalStallTest : StallReporterTest {
   ExternalStallTest() : StallReporterTest({2}) {}
 };
+
+TEST_F(ExternalStallTest, NamesAVehicleThatSendsNoInputToARadio) {
+  mute = {2};
+  EXPECT_EQ(look(0.0).stalled, "");
+  EXPECT_EQ(
+      look(9.0).stalled,
+      "vehicle_2 is external and publishes no vehicle_2/input, which the radio of vehicle_3 hears: it must publish "
+      "its control input, or vehicle_3 have no radio");
+}
 
 TEST_F(ExternalStallTest, NamesTheClauseThatAnExternalVehicleViolates) {
   EXPECT_EQ(reporter.start({2}, arrivals), "waiting for external vehicle_2: start its node");

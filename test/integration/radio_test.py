@@ -1,0 +1,99 @@
+#!/usr/bin/python3
+"""Platoons with radar and radio: the live graph equals monte_carlo to the bit in every hosting, agrees with the theory, and is
+recorded and replayed whole."""
+
+import json
+import os
+import subprocess
+import unittest
+
+import rosbag
+import rosgraph
+import yaml
+
+import live_platoon
+from terminal import LaunchTest
+
+FOLLOWERS, STEPS, REALIZATIONS = 4, 60, 3000
+BATCHES = 6
+SETTINGS = dict(followers=FOLLOWERS, steps=STEPS, realizations=REALIZATIONS)
+
+
+def cacc():
+    with open(live_platoon.shared("config", "cacc.yaml")) as file:
+        return yaml.safe_load(file)
+
+
+class Radio(LaunchTest):
+    def write(self, model):
+        file = os.path.join(self.folder, "model.yaml")
+        with open(file, "w") as opened:
+            json.dump(model, opened)
+        return file
+
+    def check(self, model, **arguments):
+        self.output = os.path.join(self.folder, "run-" + "-".join(arguments.values()))
+        bag = self.output + ".bag"
+        terminal = self.launch(model=model, output=self.output, batch=REALIZATIONS // BATCHES, record=bag, **SETTINGS, **arguments)
+        terminal.wait()
+        summary = live_platoon.completed_summary(self.output)
+        self.assertTrue(summary, terminal.text())
+        self.assertLess(summary["agreement"]["max_abs_z_variance"], 6)
+        self.assertGreater(summary["agreement"]["max_abs_z_variance"], 0.5)
+        measured = live_platoon.statistics(self.output)
+        self.assertEqual(measured, live_platoon.reference(self.output, model=model, **SETTINGS))
+        return bag, measured
+
+    def replayed(self, bag, **arguments):
+        terminal = self.launch("replay.launch", bag=bag, **arguments)
+        terminal.wait()
+        return terminal.text()
+
+    def test_from_processes_with_recording_and_replay(self):
+        bag, measured = self.check("cacc.yaml")
+        with rosbag.Bag(bag) as opened:
+            counts = {topic: info.message_count for topic, info in opened.get_type_and_topic_info().topics.items()}
+        for i in range(FOLLOWERS):
+            for topic in ("/platoon/vehicle_{}/input".format(i), "/platoon/vehicle_{}/predecessor_input".format(i + 1)):
+                self.assertEqual(counts[topic], BATCHES * (STEPS + 1), topic)
+        self.assertNotIn("/platoon/vehicle_{}/input".format(FOLLOWERS), counts, "nobody hears the last vehicle")
+        found = subprocess.run([live_platoon.executable("bag_statistics"), bag, "--csv"], stdout=subprocess.PIPE, check=True)
+        self.assertEqual(found.stdout, measured)
+        again = os.path.join(self.folder, "again")
+        text = self.replayed(bag, output=again)
+        self.assertTrue(live_platoon.completed_summary(again), text)
+        self.assertEqual(live_platoon.statistics(again), measured)
+        for vehicle in ("vehicle_1", "vehicle_3"):
+            self.assertIn("{}: {} messages equal the recorded ones to the bit".format(vehicle, BATCHES * (STEPS + 1)),
+                          self.replayed(bag, drive=vehicle, output=""))
+        self.assertIn("leader/positions: given: must be speed", self.replayed(bag, drive="leader", output=os.path.join(self.folder, "behind")))
+
+    def test_a_mixed_string_with_lost_inputs_in_one_process(self):
+        model = cacc()
+        model["inputs"][1]["channel"].update(delay=3, loss={"probability": 0.2, "on_loss": "zero"})
+        model["vehicle_types"] = {"human": {"time_headway_seconds": 1.5, "inputs": [{"signal": "position"}]}}
+        model["string"] = ["default", "human", "default"]
+        self.check(self.write(model), hosting="one_process")
+
+    def test_an_external_vehicle_that_sends_no_input_to_a_radio_is_named(self):
+        master = self.roscore()
+        environment = dict(os.environ, ROS_MASTER_URI=master, ROS_HOSTNAME="localhost", ROS_HOME=self.folder)
+        follower = subprocess.Popen([live_platoon.shared("launch", "examples", "rospy_follower.py"), "2"], env=environment,
+                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(follower.wait)
+        self.addCleanup(follower.terminate)
+        terminal = self.launch(master=master, model="cacc.yaml", external=2, **SETTINGS)
+        terminal.wait_for_text("vehicle_2 is external and publishes no vehicle_2/input, which the radio of vehicle_3 hears")
+        terminal.interrupt()
+
+    def test_without_radios_nobody_publishes_inputs(self):
+        terminal = self.launch(model="acc.yaml", output=self.output, stay="true", **SETTINGS)
+        live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run")
+        topics = [topic for topic, _ in rosgraph.Master("/radio_test", terminal.master).getTopicTypes()]
+        self.assertIn("/platoon/vehicle_1/position", topics)
+        self.assertFalse([topic for topic in topics if "input" in topic])
+        terminal.interrupt()
+
+
+if __name__ == "__main__":
+    unittest.main()
