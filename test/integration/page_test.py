@@ -126,6 +126,19 @@ class Fed(unittest.TestCase):
     def test_500_followers(self):
         self.check_driving(500)
 
+    def test_the_headway_of_a_car_by_lag_and_gains_is_set_in_seconds(self):
+        self.begin(5, time_headway=350.0, sample_period=0.01, controller={"kp": 0.2, "kd": 0.7})
+        self.drive(range(BURN_IN, BURN_IN + 20), stable_headways=[50.0, 35000.0])
+        self.open()
+        self.text_comes("output[for=headway]", "3.5 = 350 samples")
+        self.assertEqual(self.browser.text("#headway-unit"), "[s]")
+        self.text_comes("#stable-headways", "stable from 0.5")
+        self.browser.run("const slider = document.getElementById('headway'); slider.value = 1.2; slider.dispatchEvent(new Event('input'))")
+        self.text_comes("output[for=headway]", "1.2 = 120 samples")
+        self.begin(5)
+        self.text_comes("output[for=headway]", "3.2 = 0.32 s")
+        self.assertEqual(self.browser.text("#headway-unit"), "[Ts]")
+
     def test_500_followers_that_start_are_counted(self):
         self.open()
         self.begin(500)

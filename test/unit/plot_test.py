@@ -260,6 +260,16 @@ class Numbers(PlotTest):
         for i, bar in enumerate(figure.axes[0].containers[0].lines[2][0].get_segments(), 1):
             self.assertAlmostEqual(bar[1][1] - bar[0][1], 4.0 * 0.25 * i)
 
+    def test_the_string_has_its_limits_over_the_headway_beside_it(self):
+        points = [{"headway": 20.0, "limit_variance": None}, {"headway": 30.0, "limit_variance": 5.0}, {"headway": 40.0, "limit_variance": 4.0}]
+        swept = plot.inputs.read_analysis(self.make_analysis("a.json", sweep=points, sample_period=0.01))
+        plain = plot.inputs.read_analysis(self.make_analysis("b.json"))
+        figure = plot.string_variance.draw(plot.string_variance.pair([swept, plain], []), [])
+        self.assertEqual(len(figure.axes), 2)
+        line, = figure.axes[1].lines
+        np.testing.assert_allclose(line.get_xdata(), [0.2, 0.3, 0.4])
+        np.testing.assert_array_equal(line.get_ydata(), [np.nan, 5.0, 4.0])
+
     def test_the_border_of_the_map_keeps_its_ends_and_moves_less_than_a_cell(self):
         stairs = np.array([[k // 2 + k % 2, k // 2] for k in range(41)], dtype=float)
         line = plot.stability_map.smoothed(stairs)

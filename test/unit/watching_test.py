@@ -56,6 +56,16 @@ def snapshot(step, followers=3, realization=0, run=1):
                    tracking_error=[0.25 * i for i in range(followers)], speed=[20.0 + i for i in range(followers + 1)])
 
 
+class Configuration(unittest.TestCase):
+    def test_a_radio_is_described_and_its_loss_is_the_one_to_change(self):
+        inputs = [{"signal": "position"}, {"signal": "input", "channel": {"delay": 2, "loss": {"probability": 0.1, "on_loss": "zero"}}}]
+        found = state.described(configuration(inputs=inputs, controller={"kp": 0.2, "kd": 0.7}).data)
+        self.assertEqual(found["link"], "additive noise, radio with additive noise, delay 2, loss 0.1")
+        self.assertEqual(found["loss"], 0.1)
+        self.assertTrue(found["headway_in_seconds"])
+        self.assertFalse(state.described(configuration().data)["headway_in_seconds"])
+
+
 class State(unittest.TestCase):
     def setUp(self):
         self.state = state.PlatoonState()

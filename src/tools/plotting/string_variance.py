@@ -1,4 +1,5 @@
-"""Stationary variance along the string with its limit (Corollary 1), and measured variances."""
+"""Stationary variance along the string with its limit (Corollary 1), and measured variances; beside it the limit over the headway
+if an analysis swept it."""
 
 from collections import namedtuple
 
@@ -10,7 +11,7 @@ from plotting.inputs import InputError, number, numbers, require_same_platoon
 SETTLED = 0.01  # relative; if the theory of the last step differs more from the stationary variance, both are drawn
 WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logarithmic axis
 
-Case = namedtuple("Case", "name stationary limit run")
+Case = namedtuple("Case", "name stationary limit run swept")
 
 
 def pair(analyses, runs):
@@ -24,12 +25,26 @@ def case(analysis, run):
     stationary = numbers(analysis.path, analysis.document, "stationary_variance")
     if run:
         require_same_platoon(run, analysis, stationary.size)
-    return Case(analysis.name, stationary, number(analysis.path, analysis.document, "limit_variance"), run)
+    return Case(analysis.name, stationary, number(analysis.path, analysis.document, "limit_variance"), run, limits_over_headway(analysis))
+
+
+def limits_over_headway(analysis):
+    """Headways [s] and limits [m^2], NaN where there is none, of an analysis with --sweep-headway; None without a sweep."""
+    points = analysis.document.get("sweep")
+    if points is None:
+        return None
+    period = number(analysis.path, analysis.document, "sample_period")
+    table = [[number(analysis.path, point, key) for key in ("headway", "limit_variance")] for point in points]
+    headways, limits = np.array(table, float).reshape(-1, 2).T
+    return headways * period, limits
 
 
 def draw(cases, titles):
     names = style.names_of(titles, cases)
-    figure, axes = style.new_figure(1, 1, 6.2, 4.2)
+    swept = any(shown.swept for shown in cases)
+    figure, axes = style.new_figure(1, 2 if swept else 1, 9.6 if swept else 6.2, 4.2)
+    if swept:
+        draw_limits(axes[0, 1], cases, names)
     axes = axes[0, 0]
     legend = []
     for at, (shown, name) in enumerate(zip(cases, names)):
@@ -43,6 +58,16 @@ def draw(cases, titles):
     axes.set_ylabel("variance of $\\zeta_i$ [m$^2$]")
     axes.legend(handles=legend)
     return figure
+
+
+def draw_limits(axes, cases, names):
+    for at, (shown, name) in enumerate(zip(cases, names)):
+        if shown.swept:
+            axes.plot(*shown.swept, color=style.PALETTE[at % len(style.PALETTE)], linewidth=1.3, label=name)
+    style.logarithmic(axes)
+    axes.set_xlabel("time headway $h$ [s]")
+    axes.set_ylabel("limit of the variance along the string [m$^2$]")
+    axes.legend()
 
 
 def draw_theory(axes, shown, name, colour):

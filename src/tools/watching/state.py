@@ -38,31 +38,48 @@ def drawn_followers(followers):
     return [1 + round(j * (followers - 1) / (CURVES_OF_MANY - 1)) for j in range(CURVES_OF_MANY)]
 
 
-def link_of(model):
-    """The default vehicle's link in words."""
-    channel = model.get("channel", {})
+def channel_words(channel, unit):
     words = ["additive noise" if not channel.get("noise_filter") else "coloured noise"]
     if channel.get("quantisation_step"):
-        words.append("quantised to {:g} m".format(channel["quantisation_step"]))
+        words.append("quantised to {:g} {}".format(channel["quantisation_step"], unit))
     if channel.get("delay"):
         words.append("delay {}".format(channel["delay"]))
     loss = channel.get("loss")
     if loss:
         burst = ", bursts of {:g}".format(loss["mean_burst"]) if loss.get("mean_burst") else ""
         words.append("loss {:g}{}".format(loss["probability"], burst))
+    return words
+
+
+def radio_of(model):
+    """The default vehicle's input by radio; None without one."""
+    return next((of for of in model.get("inputs", []) if of["signal"] == "input"), None)
+
+
+def link_of(model):
+    """The default vehicle's links in words."""
+    words, radio = channel_words(model.get("channel", {}), "m"), radio_of(model)
+    if radio:
+        words.append("radio with " + ", ".join(channel_words(radio["channel"], "m/s²")))
     if model.get("vehicle_types"):
         words.append("mixed string")
     return ", ".join(words)
+
+
+def in_seconds(model):
+    """Whether the model is written in an engineer's units: lag and delay in s, or gains in 1/s^2 and 1/s."""
+    return "continuous" in model.get("plant", {}) or "kp" in model.get("controller", {})
 
 
 def described(text):
     """The fields of a configuration (JSON text) that the page shows."""
     document = json.loads(text)
     model, run = document["model"], document["run"]
-    loss = model.get("channel", {}).get("loss")
+    loss = (radio_of(model) or model).get("channel", {}).get("loss")
     return {"followers": run["followers"], "steps": run["steps"], "realizations_wanted": run["realizations"],
             "rate_wanted": run["rate"], "seed": run["seed"], "hosting": run["hosting"], "endless": run["steps"] == 0,
-            "burn_in": run["burn_in"], "headway": model["time_headway"], "noise_variance": model["noise_variance"],
+            "burn_in": run["burn_in"], "headway": model["time_headway"], "headway_in_seconds": in_seconds(model),
+            "noise_variance": model["noise_variance"],
             "loss": loss["probability"] if loss else None, "link": link_of(model),
             "standstill_distance": model["standstill_distance"], "sample_period": model["sample_period"],
             "output": run["output"], "external": [int(i) for i in run.get("external", "").split(",") if i]}

@@ -3,6 +3,7 @@
 import { short } from "./scale.js";
 
 const CHANGES = ["headway", "noise_variance", "loss"];
+const HEADWAYS = { samples: { unit: "[T<sub>s</sub>]", min: 0.5, max: 6, step: 0.1 }, seconds: { unit: "[s]", min: 0.1, max: 4, step: 0.05 } };
 const input = name => document.getElementById(name);
 
 export class Controls {
@@ -15,8 +16,9 @@ export class Controls {
   }
 
   showChange(name) {
-    const value = input(name).value, seconds = name === "headway" && this.period ? ` = ${short(value * this.period)} s` : "";
-    document.querySelector(`output[for=${name}]`).textContent = value + seconds;
+    const value = input(name).value, other = name !== "headway" || !this.period ? "" :
+      this.inSeconds ? ` = ${short(value / this.period)} samples` : ` = ${short(value * this.period)} s`;
+    document.querySelector(`output[for=${name}]`).textContent = value + other;
   }
 
   // Sets the sliders to the values of the run.
@@ -24,11 +26,15 @@ export class Controls {
     const endless = Boolean(configuration?.endless);
     document.getElementById("controls-card").hidden = !endless;
     this.period = configuration?.sample_period;
+    this.inSeconds = Boolean(configuration?.headway_in_seconds);
+    const { unit, ...range } = this.inSeconds ? HEADWAYS.seconds : HEADWAYS.samples;
+    input("headway-unit").innerHTML = unit;
+    Object.assign(input("headway"), range);
     this.marked = null;  // redraw the marks: the slider's range may change
     document.getElementById("controls-note").textContent = endless || !configuration ? "" :
       "Orders are taken in an endless run (live.launch): this one averages over realizations, which have to be alike.";
     for (const name of CHANGES) {
-      this.set[name] = configuration?.[name] ?? 0;
+      this.set[name] = (configuration?.[name] ?? 0) * (name === "headway" ? this.headwayUnit() : 1);
       const slider = input(name);
       if (this.set[name] > Number(slider.max)) slider.max = 2 * this.set[name];
       slider.value = this.set[name];
@@ -36,10 +42,16 @@ export class Controls {
     }
   }
 
+  // What one sample period is on the slider.
+  headwayUnit() {
+    return this.inSeconds ? this.period : 1;
+  }
+
   // Marks the string stable headways below the slider, each interval with its lower end as a number.
-  mark(intervals) {
-    if (String(intervals) === this.marked) return;
-    this.marked = String(intervals);
+  mark(given) {
+    if (String(given) === this.marked) return;
+    this.marked = String(given);
+    const intervals = given.map(interval => interval.map(h => h * this.headwayUnit()));
     const slider = input("headway"), low = Number(slider.min), high = Number(slider.max);
     const share = h => 100 * Math.min(Math.max((h - low) / (high - low), 0), 1);
     document.getElementById("stable-headways").replaceChildren(...intervals.filter(([from, to]) => from < high && to > low).flatMap(([from, to]) => {
@@ -57,7 +69,7 @@ export class Controls {
     if (command !== "change") return { command };
     // Only sliders that were moved: an untouched slider shows the nearest of its own values, not the run's.
     const changed = CHANGES.filter(name => Number(input(name).value) !== Number(this.nearest(name)));
-    return { command, ...Object.fromEntries(changed.map(name => [name, Number(input(name).value)])) };
+    return { command, ...Object.fromEntries(changed.map(name => [name, Number(input(name).value) / (name === "headway" ? this.headwayUnit() : 1)])) };
   }
 
   nearest(name) {
