@@ -111,8 +111,11 @@ void require_free_namespace(std::map<std::string, std::string> launch, const pla
       return topic && topic->name_space == name_space && selected(*topic);
     });
   };
-  const auto running =
-      publisher([](const Topic& topic) { return topic.kind != Topic::Kind::position || topic.vehicle == 0; });
+  // Followers may outlive runs.
+  const auto running = publisher([](const Topic& topic) {
+    const bool of_vehicle = topic.kind == Topic::Kind::position || topic.kind == Topic::Kind::input;
+    return !of_vehicle || topic.vehicle == 0;
+  });
   if (running) {
     std::string text;
     ros::param::get(name_space + "/configuration", text);
