@@ -9,6 +9,7 @@ from plotting import style
 from plotting.inputs import InputError, number, numbers, require_same_platoon
 
 SETTLED = 0.01  # relative; if the theory of the last step differs more from the stationary variance, both are drawn
+ROOM_FOR_LEGEND = 1.8  # factor of a logarithmic axis for an entry
 WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logarithmic axis
 
 Case = namedtuple("Case", "name stationary limit run swept")
@@ -42,7 +43,7 @@ def limits_over_headway(analysis):
 def draw(cases, titles):
     names = style.names_of(titles, cases)
     swept = any(shown.swept for shown in cases)
-    figure, axes = style.new_figure(1, 2 if swept else 1, 9.6 if swept else 6.2, 4.2)
+    figure, axes = style.new_figure(1, 2 if swept else 1, 11.4 if swept else 6.2, 4.2)
     if swept:
         draw_limits(axes[0, 1], cases, names)
     axes = axes[0, 0]
@@ -54,6 +55,7 @@ def draw(cases, titles):
             legend += draw_measured(axes, shown, name, colour, style.MARKERS[at % len(style.MARKERS)])
     if style.spread(np.concatenate([shown.stationary for shown in cases])[:, np.newaxis]) > WIDE_RANGE:
         style.logarithmic(axes)
+        axes.set_ylim(top=ROOM_FOR_LEGEND ** len(legend) * axes.get_ylim()[1])
     style.follower_axis(axes, max(shown.stationary.size for shown in cases))
     axes.set_ylabel("variance of $\\zeta_i$ [m$^2$]")
     axes.legend(handles=legend)
