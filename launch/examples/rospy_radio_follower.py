@@ -48,7 +48,8 @@ class Follower:
         with self.lock:
             stream.take(message)
             positions, inputs = (of.waiting for of in self.streams)
-            while positions and inputs:  # of the same step: without a counterpart are only messages of an older attempt or run
+            # Both streams carry every step once; a message without a counterpart is from an older attempt or run.
+            while positions and inputs:
                 if name(positions[0]) == name(inputs[0]):
                     self.answer(positions.popleft(), inputs.popleft())
                 else:

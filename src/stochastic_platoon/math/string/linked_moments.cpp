@@ -110,7 +110,7 @@ private:
       add_white(place, link, responses_.impulse(), quantisation);
   }
 
-  // Adds a white source of this variance on what a link is sent from step 0 on, summed over all steps so far.
+  // Adds a white source of this variance, present from step 0 on, to the values sent over a link.
   void add_white(std::size_t place, std::size_t link, const Sequence& sent, double variance) {
     MeanVehicle::Passed own = responses_.vehicle(place).over_link(link, sent);
     Values own_innovation = squares(own.innovation[link]);
@@ -160,7 +160,7 @@ private:
     if (!products.empty()) convolution.add(products, row);
   }
 
-  // Of the links of one pattern, two per vehicle. `power` converts squared responses to the required power.
+  // The links come from one pattern, two per vehicle. `power` converts squared responses to the required power.
   template <class Power>
   std::vector<LossResponses> loss_responses(const Power& power) const {
     std::vector<LossResponses> result(2 * responses_.period());

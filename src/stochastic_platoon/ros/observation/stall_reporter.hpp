@@ -34,8 +34,8 @@ public:
     std::function<std::vector<std::size_t>()> missing;
     /// The latest contract violation of an external vehicle. Called during a stall only.
     std::function<std::optional<DropReason>(std::size_t vehicle)> breach;
-    /// External vehicles whose follower has a radio, and whose control input nobody publishes, ascending. Called during
-    /// a stall only.
+    /// External vehicles, ascending, that do not publish the control input which their follower expects by radio.
+    /// Called during a stall only.
     std::function<std::vector<std::size_t>()> mute;
   };
 
