@@ -200,16 +200,12 @@ class Dense:
         for k in range(-1, STEPS - 1):
             position = LONG(max(k, 0) * speed * car.period)
             step_mean, step_second = 0 * mean, 0 * second
-            for probability, a, b, r in matrices:
-                if k < 0 and probability != matrices[0][0]:  # nothing is lost at step -1, where all stands still
-                    continue
+            for probability, a, b, r in matrices if k >= 0 else matrices[:1]:  # at step -1 nothing is lost
                 weight = probability if k >= 0 else LONG(1)
                 moved = a @ mean + r * position
                 covariance = a @ (second - np.outer(mean, mean)) @ a.T + (b @ noise @ b.T if k >= 0 else 0)
                 step_mean = step_mean + weight * moved
                 step_second = step_second + weight * (covariance + np.outer(moved, moved))
-                if k < 0:
-                    break
             mean, second = step_mean, step_second
             for i in range(1, DENSE_FOLLOWERS + 1):
                 row = self.error(i)

@@ -72,11 +72,6 @@ bool is_inside_unit_circle(std::complex<double> mode) {
   return std::abs(mode) < 1.0 - 1e-6;
 }
 
-int zeros_at_one(const ExactPolynomial& p) {
-  const auto other = std::find_if(p.begin(), p.end(), [](const Exact& coefficient) { return coefficient != 0; });
-  return static_cast<int>(other - p.begin());
-}
-
 ClosedLoop loop_by_parts(const LoopDesign& design, double headway, const ClosedLoop* before) {
   const ExactTransfer &plant = design.plant.exact(), &controller = design.controller.exact();
   const auto order = static_cast<Eigen::Index>(plant.denominator.size() + controller.denominator.size() - 1);
@@ -84,8 +79,7 @@ ClosedLoop loop_by_parts(const LoopDesign& design, double headway, const ClosedL
   const LoopParts parts = loop_parts<double>(design, headway);
   const DesignedLoop designed(design, headway);
   ExactFraction exact = designed.transfer();
-  const int integrators = zeros_at_one(plant.denominator) + zeros_at_one(controller.denominator) -
-                          zeros_at_one(plant.numerator) - zeros_at_one(controller.numerator);
+  const int integrators = plant.integrators() + controller.integrators();
   const TransferFunction transfer{rounded(shifted_to_origin(exact.numerator)),
                                   rounded(shifted_to_origin(exact.denominator))};
   return {transfer,

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <boost/multiprecision/eigen.hpp>
 #include <cmath>
 #include <limits>
@@ -81,6 +82,14 @@ ExactTransfer transfer_of(const ExactMatrix& m, const std::vector<ExactMatrix>& 
 }
 
 }  // namespace
+
+int ExactTransfer::integrators() const {
+  const auto zeros_at_one = [](const ExactPolynomial& p) {
+    const auto other = std::find_if(p.begin(), p.end(), [](const Exact& coefficient) { return coefficient != 0; });
+    return static_cast<int>(other - p.begin());
+  };
+  return zeros_at_one(denominator) - zeros_at_one(numerator);
+}
 
 ExactTransfer exact_transfer(const TransferFunction& fraction) {
   std::ptrdiff_t zeros = 0, poles = 0;

@@ -18,6 +18,9 @@ struct ExactTransfer {
   std::ptrdiff_t relative_degree() const {
     return delay + static_cast<std::ptrdiff_t>(denominator.size()) - static_cast<std::ptrdiff_t>(numerator.size());
   }
+
+  /// Number of poles at z = 1 minus number of zeros there.
+  int integrators() const;
 };
 
 /// The fraction with the coefficients of the given doubles. Poles that are at z = 1 to the rounding of the coefficients

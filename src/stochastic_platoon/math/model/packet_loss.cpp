@@ -52,7 +52,6 @@ void PacketLoss::start(std::uint64_t, std::size_t count, const double* positions
   for (AlignedValues& used : used_) used.assign(positions, positions + count);
   chance_.assign(count, loss_.probability);
   newest_ = 0;
-  zero_.assign(loss_.predictor.empty() ? kTile : 0, 0.0);
 }
 
 void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
@@ -63,7 +62,7 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
     draws_.fill_uniform({receiver_, step, Purpose::loss}, first_realization + r, size, uniforms.data());
     const double* guess = predicted.data();
     if (n == 0) {
-      guess = zero_.data();
+      predicted.fill(0.0);
     } else if (n == 1) {
       guess = &used_[0][r];  // a single coefficient is 1: hold
     } else {

@@ -27,7 +27,6 @@ private:
   std::vector<AlignedValues> used_;  ///< ring of r(k-1), r(k-2), ... from newest_ on, per realization
   std::size_t newest_ = 0;
   AlignedValues chance_;  ///< probability of a loss at the next step, per realization
-  AlignedValues zero_;    ///< one tile of zeros, for a loss without a prediction
 };
 
 }  // namespace platoon

@@ -35,6 +35,7 @@ DesignedGain::DesignedGain(const LoopDesign& design, double headway, double feed
     : delay_(design.plant.exact().delay + design.controller.exact().delay),
       controller_delay_(design.controller.exact().delay),
       filtered_(design.headway_filter),
+      sends_(design.in_radio_string),
       headway_(headway),
       feed_forward_(feed_forward) {
   const ExactTransfer &plant = design.plant.exact(), &controller = design.controller.exact();
@@ -71,7 +72,7 @@ DesignedGain::Value DesignedGain::at(const CirclePoint& point, const Links& link
     ratio = turn * (1.0L + x) / (1.0L + y);
     one_minus_ratio = (y - turn * x + (1.0L - feed_forward_) + feed_forward_ * difference) / (1.0L + y);
   }
-  value.sent = std::norm(evaluate(plant_denominator_, s)) / std::norm(evaluate(plant_numerator_, s));
+  if (sends_) value.sent = std::norm(evaluate(plant_denominator_, s)) / std::norm(evaluate(plant_numerator_, s));
   if (std::norm(n) == 0.0L) return value;
   const Complex w = d / n;
   const long double of_policy = 2.0L * headway_ * (1.0L + headway_) * from_one;

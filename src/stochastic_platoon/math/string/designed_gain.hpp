@@ -33,7 +33,7 @@ public:
     std::complex<long double> input;     ///< N_input
     /// N_input / G z^(m_position - m_input): from the predecessor's position, by its input, without the links' losses
     std::complex<long double> through_input;
-    long double sent;  ///< 1 / |G|^2: from the spectrum of y to that of u; infinite where G = 0
+    long double sent;  ///< 1 / |G|^2: from the spectrum of y to that of u, infinite where G = 0; 0 without radios
     /// 1 / |T^|^2 - 1, without cancellation near w = 0, with T^ from the predecessor's position to the mean of the own;
     /// infinite where T^ = 0.
     long double excess;
@@ -51,7 +51,7 @@ private:
   CirclePolynomial numerator_, denominator_;           ///< the same, rounded
   CirclePolynomial plant_numerator_, plant_denominator_, controller_denominator_;
   std::ptrdiff_t delay_, controller_delay_;
-  bool filtered_;
+  bool filtered_, sends_;
   long double headway_, feed_forward_;
 };
 

@@ -31,7 +31,6 @@ public:
   Value at(const CirclePoint& point) const;
 
   bool has_losses() const { return loss_.probability > 0.0; }
-  bool has_noise() const { return noise_variance_ > 0.0 || link_.quantisation_step > 0.0; }
   const LossModel& loss() const { return loss_; }
   std::int64_t delay() const { return link_.delay; }
   long double arrival() const { return 1.0L - static_cast<long double>(loss_.probability); }  ///< p

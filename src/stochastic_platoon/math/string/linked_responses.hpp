@@ -16,8 +16,8 @@ struct Responses {
   using Values = CausalConvolution::Values;
 
   std::vector<Values> error;  ///< of zeta
-  std::array<std::vector<Values>, 2>
-      innovation;  ///< of e, per link; empty for the source's own vehicle, and without it
+  /// Of e, per link; empty for the source's own vehicle, and where a vehicle has no such link.
+  std::array<std::vector<Values>, 2> innovation;
 };
 
 /// The vehicles of a linked platoon as operators, and the responses to its sources over a number of steps.

@@ -40,11 +40,6 @@ InputValue input_value(const LinkFilter& link, const LinkFilter::Value& value, C
   return {static_cast<double>(loss_gain), static_cast<double>(p * p * loss_gain), value.innovation, value.noise};
 }
 
-int zeros_at_one(const ExactPolynomial& p) {
-  const auto other = std::find_if(p.begin(), p.end(), [](const Exact& coefficient) { return coefficient != 0; });
-  return static_cast<int>(other - p.begin());
-}
-
 }  // namespace
 
 LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known)
@@ -173,13 +168,10 @@ ZerosAtZero LinkedVehicle::zeros_at_zero() const {
   if (!vehicle_.feed_forward) return zeros;
   // At w = 0 u = y / G vanishes like the double integrator of the plant, and N_input like the integrators of K.
   const LinkFilter& input = links_.back();
-  const ExactTransfer &plant = vehicle_.design->plant.exact(), &controller = vehicle_.design->controller.exact();
-  if (input.has_losses()) {
-    const int of_plant = zeros_at_one(plant.denominator) - zeros_at_one(plant.numerator);
-    zeros.innovation = std::min(zeros.innovation, input.surprise_zeros() + of_plant);
-  }
-  const int of_controller = zeros_at_one(controller.denominator) - zeros_at_one(controller.numerator);
-  zeros.noise = std::min(zeros.noise, input.noise_zeros() + of_controller);
+  const LoopDesign& design = *vehicle_.design;
+  if (input.has_losses())
+    zeros.innovation = std::min(zeros.innovation, input.surprise_zeros() + design.plant.exact().integrators());
+  zeros.noise = std::min(zeros.noise, input.noise_zeros() + design.controller.exact().integrators());
   return zeros;
 }
 

@@ -31,7 +31,7 @@ struct LinkedVehicleValue {
   double complement;                ///< |1 - H T^|^2
   double headway;                   ///< |H|^2
   std::complex<double> undelayed;   ///< H T^ without the delay z^-m of the position
-  double sent;                      ///< |1 / G|^2: from the spectrum of y to that of the own input; 0 if not by parts
+  double sent;                      ///< |1 / G|^2: from the spectrum of y to that of the own input; 0 without radios
   std::array<InputValue, 2> input;  ///< the position, and the predecessor's input (zero without feed-forward)
 };
 

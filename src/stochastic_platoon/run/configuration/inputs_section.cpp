@@ -30,15 +30,6 @@ FeedForward read_radio(Section& input, bool allow_unstable) {
   return radio;
 }
 
-int integrators(const Plant& plant) {
-  const auto zeros_at_one = [](const ExactPolynomial& p) {
-    std::size_t count = 0;
-    while (count < p.size() && p[count] == 0) ++count;
-    return static_cast<int>(count);
-  };
-  return zeros_at_one(plant.exact().denominator) - zeros_at_one(plant.exact().numerator);
-}
-
 }  // namespace
 
 GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unstable) {
@@ -93,7 +84,7 @@ void check_radios(PlatoonModel& model, const Section& document, std::vector<std:
     if (!type.vehicle.design) {
       report(
           "closed_loop: given: must be plant and controller: vehicles with a radio are sent the control inputs of others");
-    } else if (integrators(type.vehicle.design->plant) < 2) {
+    } else if (type.vehicle.design->plant.exact().integrators() < 2) {
       report(
           "plant: no double integrator: must have two poles at z = 1 (s = 0), as vehicles with a radio are sent its input, an acceleration");
     }
