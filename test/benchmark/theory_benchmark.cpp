@@ -2,6 +2,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "../unit/math/radio_cars.hpp"
 #include "stochastic_platoon/math/paper/lemma_one.hpp"
 #include "stochastic_platoon/math/paper/string_matrices.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
@@ -36,6 +37,15 @@ void CriticalHeadway(benchmark::State& state) {
   }
 }
 BENCHMARK(CriticalHeadway)->Unit(benchmark::kMillisecond);
+
+// A car with 20 poles at z = 0 at the headway of config/acc.yaml, and with the radio of config/cacc.yaml.
+void CriticalHeadwayOfCar(benchmark::State& state) {
+  const bool has_radio = state.range(0) > 0;
+  platoon::PlatoonModel model = platoon::radio_platoon(has_radio ? 0.5 : 3.5, 0.01, 0.01);
+  if (!has_radio) model.default_vehicle().feed_forward.reset();
+  for (auto _ : state) benchmark::DoNotOptimize(platoon::stable_headways(model));
+}
+BENCHMARK(CriticalHeadwayOfCar)->ArgName("radio")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 void ErrorMoments(benchmark::State& state) {
   const platoon::PlatoonModel model = paper_model();

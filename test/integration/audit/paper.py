@@ -54,8 +54,7 @@ def check_stability(name, model, loop, found, findings):
                          "string stable: %s, and analyze says %s" % (stable, found["string_stable"]))
     if stable and found["string_stable"]:
         limit = loop.limit() * mpf(model["noise_variance"])
-        # If T(1) = 1 holds to some digits only, the limit along the string is defined to these digits only.
-        undetermined = loop.integral_defect() if "closed_loop" in model else 0
+        undetermined = loop.undetermined_limit() if "closed_loop" in model else 0
         findings.compare("limit variance", limit, found["limit_variance"], (LIMIT + undetermined) * limit, name)
         findings.fail_unless(found["bounds"]["alpha_2"] == found["limit_variance"], name, "alpha_2 is the limit")
 

@@ -23,6 +23,11 @@ long double power_of(long double x, int exponent) {
   return result;
 }
 
+/// Whether two places are one pair to the accuracy of a search for zeros. Both then attenuate alike.
+bool are_conjugate(const Complex& one, const Complex& other) {
+  return one.imag() != 0.0L && std::abs(one - std::conj(other)) <= 64.0L * kRounding * std::abs(one);
+}
+
 /// The minimum of (v + s x + k x^2 / 2) / (c + x)^order over |x| <= r, c + x > 0.
 struct QuotientMinimum {
   long double x, value;
@@ -68,24 +73,34 @@ struct Attenuation::Bounds {
 Attenuation::Attenuation(const std::vector<GainFactor>& factors) {
   long double largest = 0.0L;
   series_.assign(kSeriesTerms + 1, 0.0L);
-  const auto add = [&](const std::vector<Complex>& places, long double weight) {
-    for (const Complex& s : places) {
-      if (s == 0.0L) throw std::invalid_argument("T(z): a pole or zero at z = 1: must have none");
-      const Complex u = -2.0L * (1.0L + s) / (s * s);
-      if (u == 0.0L) continue;
-      terms_.push_back({u.real(), u.imag(), std::abs(u)});
-      largest = std::max(largest, terms_.back().size);
-      Complex power = 1.0L;
-      for (std::size_t m = 1; m <= kSeriesTerms; ++m) {
-        power = {power.real() * u.real() - power.imag() * u.imag(), power.real() * u.imag() + power.imag() * u.real()};
-        series_[m] -= weight * power.real() / static_cast<long double>(m);
+  const auto add = [&](const Complex& s, long double weight) {
+    if (s == 0.0L) throw std::invalid_argument("T(z): a pole or zero at z = 1: must have none");
+    const Complex u = -2.0L * (1.0L + s) / (s * s);
+    if (u == 0.0L) return;
+    terms_.push_back({u.real(), u.imag(), std::abs(u)});
+    largest = std::max(largest, terms_.back().size);
+    Complex power = 1.0L;
+    for (std::size_t m = 1; m <= kSeriesTerms; ++m) {
+      power = {power.real() * u.real() - power.imag() * u.imag(), power.real() * u.imag() + power.imag() * u.real()};
+      series_[m] -= weight * power.real() / static_cast<long double>(m);
+    }
+  };
+  const auto add_all = [&](const std::vector<Complex>& places, long double weight) {
+    std::vector<Complex> alone;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      if (k + 1 < places.size() && are_conjugate(places[k], places[k + 1])) {
+        add(places[k++], 2.0L * weight);
+      } else {
+        alone.push_back(places[k]);
       }
     }
+    groups_.push_back({terms_.size(), 2.0L * weight});
+    for (const Complex& s : alone) add(s, weight);
     groups_.push_back({terms_.size(), weight});
   };
   for (const GainFactor& factor : factors) {
-    add(factor.poles, factor.count);
-    add(factor.zeros, -factor.count);
+    add_all(factor.poles, factor.count);
+    add_all(factor.zeros, -factor.count);
   }
   series_end_ = terms_.empty() ? 1.0L : std::min(0.5L, kSeriesReach / largest);
 }
@@ -171,7 +186,8 @@ Attenuation::Bounds Attenuation::bounds(const Piece& piece, int order) const {
       const Term& u = terms_[k];
       const long double real = 1.0L - u.real * piece.centre, imag = -u.imag * piece.centre;
       const long double size = real * real + imag * imag, length = std::sqrt(size), reach = u.size * piece.radius;
-      rounding += std::abs(group.weight) * (1.0L + u.size * piece.centre / std::max(length, kRounding));
+      const long double inverse = 1.0L / std::max(length, kRounding);
+      rounding += std::abs(group.weight) * (1.0L + u.size * piece.centre * inverse);
       if (reach > kSmooth * length) {  // bounds |1 - u t| by its largest or smallest value
         const long double bound = group.weight < 0.0L ? length + reach : length - reach;
         if (bound <= 0.0L) return {-kInfinite, piece.centre, 0.0L};
@@ -179,8 +195,8 @@ Attenuation::Bounds Attenuation::bounds(const Piece& piece, int order) const {
         continue;
       }
       sizes *= size;
-      const long double q_real = (u.real * real + u.imag * imag) / size,
-                        q_imag = (u.imag * real - u.real * imag) / size;
+      const long double q_real = (u.real * real + u.imag * imag) * inverse * inverse,
+                        q_imag = (u.imag * real - u.real * imag) * inverse * inverse;
       smooth_slope -= q_real;
       smooth_curvature -= q_real * q_real - q_imag * q_imag;
       const long double nearest = u.size / (length - reach);

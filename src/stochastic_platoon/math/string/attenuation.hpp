@@ -52,9 +52,9 @@ private:
   struct Term {
     long double real, imag, size;  ///< of u
   };
-  struct Group {  ///< the terms of one factor's poles, or of its zeros
+  struct Group {  ///< the terms of one factor's poles, or of its zeros: one of each conjugate pair, or those without
     std::size_t end;
-    long double weight;  ///< n of poles, -n of zeros
+    long double weight;  ///< n of poles, -n of zeros; twice that for pairs
   };
   struct Piece;
   struct Bounds;

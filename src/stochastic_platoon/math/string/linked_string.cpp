@@ -53,6 +53,7 @@ double loss_gain_of(const LinkedPattern& pattern, const PatternGain& gain) {
 struct MeanSquare {
   double spectral_radius = 0.0, loss_feedback = 0.0;
   bool stable() const { return spectral_radius < 1.0 && loss_feedback < 1.0; }
+  double margin() const { return 1.0 - std::max(spectral_radius, loss_feedback); }
 };
 
 MeanSquare mean_square(const LinkedPattern& pattern) {
@@ -160,21 +161,21 @@ StringStability linked_string_stability(const PlatoonModel& model) {
 
 double linked_gain_margin(const LinkedPattern& pattern) {
   const MeanSquare worst = mean_square(pattern);
-  const double decay = 1.0 - std::max(worst.spectral_radius, worst.loss_feedback);
-  if (!worst.stable()) return std::max(-1.0, decay);
+  if (!worst.stable()) return std::max(-1.0, worst.margin());
   const PatternGain gain = pattern.gain();
   const double least = gain.least(kMarginAccuracy).value;
-  if (!(least > 0.0) || grows_at_zero(pattern, gain)) return std::min(least, 0.0);
-  return std::min(decay, least);
+  return least > 0.0 && grows_at_zero(pattern, gain) ? 0.0 : least;
 }
 
 double linked_string_margin(const LinkedPattern& pattern) {
   const double of_gain = linked_gain_margin(pattern);
-  if (!(of_gain > 0.0) || !any_losses(pattern)) return of_gain;
+  if (!(of_gain > 0.0)) return of_gain;
+  const double margin = std::min(of_gain, mean_square(pattern).margin());
+  if (!any_losses(pattern)) return margin;
   const PatternGain gain = pattern.gain();
   double loss_gain = coarse_loss_gain(PatternSpectra(pattern, gain, true, 0), pattern);
   if (std::abs(loss_gain - 1.0) < 1e-9) loss_gain = loss_gain_of(pattern, gain);  // with refined panels
-  return std::min(of_gain, 1.0 / std::max(loss_gain, 1e-3) - 1.0);
+  return std::min(margin, 1.0 / std::max(loss_gain, 1e-3) - 1.0);
 }
 
 }  // namespace platoon

@@ -43,7 +43,8 @@ StringStability linked_string_stability(const PlatoonModel& model);
 /// Positive exactly if linked_string_stability() finds the platoon string stable.
 double linked_string_margin(const LinkedPattern& pattern);
 
-/// Positive exactly if linked_string_stability() has no objection but the loss gain; needs no spectra.
+/// Positive exactly if linked_string_stability() has no objection but the loss gain; needs no spectra. Where positive
+/// it is the least attenuation alone, which is smooth in the headway and in the losses.
 double linked_gain_margin(const LinkedPattern& pattern);
 
 }  // namespace platoon

@@ -80,9 +80,10 @@ LeastMargin PatternGain::least(double accuracy) const {
   const Attenuation::Minimum found = attenuation_.least(zeros_, accuracy);
   const double w = frequency_of(found.t);
   const auto value = static_cast<double>(found.value);
-  const bool is_below = value < -doubt(w);
-  if (!is_below && (!found.is_global || value <= doubt(w))) return {Sign::kZero, 0.0, w};
-  return {is_below ? Sign::kBelow : Sign::kAbove, value, w};
+  const double rounding = doubt(w), margin = value - rounding;
+  if (value < -rounding) return {Sign::kBelow, margin, w};
+  if (margin > 0.0 && found.is_global) return {Sign::kAbove, margin, w};
+  return {Sign::kZero, std::min(margin, 0.0), w};
 }
 
 PatternGain::Peak PatternGain::peak() const {

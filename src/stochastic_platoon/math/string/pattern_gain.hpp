@@ -10,10 +10,10 @@ namespace platoon {
 
 enum class Sign { kAbove, kZero, kBelow };
 
-/// Minimum of -ln |prod T|^2 with its zero at w = 0 divided out.
+/// Minimum of -ln |prod T|^2 with its zero at w = 0 divided out: divided by (1 - cos w)^zeros for w up to pi/2.
 struct LeastMargin {
-  Sign sign;         ///< zero if indistinguishable from zero by rounding of the coefficients
-  double value;      ///< divided by (1 - cos w)^zeros for w up to pi/2; 0 if the sign is zero
+  Sign sign;         ///< zero if rounding of the coefficients hides it
+  double value;      ///< the minimum less the effect of this rounding: above 0 just when the sign is
   double frequency;  ///< [rad/sample]
 };
 
