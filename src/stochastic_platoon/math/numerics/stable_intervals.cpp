@@ -13,6 +13,7 @@ namespace platoon {
 namespace {
 
 constexpr double kTurn = 3.0;
+constexpr double kSteep = 1e6;  // larger margins are cut to it
 
 struct Sample {
   double place;
@@ -62,9 +63,10 @@ public:
 
 private:
   static double border_of(const StabilityMargin& margin, const Sample& stable, const Sample& unstable) {
-    // Zero and NaN count as unstable, so the solver does not stop at an exact root.
+    // Zero and NaN count as unstable, so the solver does not stop at an exact root; infinity ends its interpolation.
     const auto signed_margin = [](double margin) {
-      return margin > 0.0 || margin < 0.0 ? margin : -std::numeric_limits<double>::min();
+      if (!(margin > 0.0 || margin < 0.0)) return -std::numeric_limits<double>::min();
+      return std::clamp(margin, -kSteep, kSteep);
     };
     const auto close = [](double from, double to) { return to - from <= 1e-12 * to; };
     std::uintmax_t evaluations = 200;

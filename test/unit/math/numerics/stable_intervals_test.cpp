@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 namespace platoon {
@@ -38,6 +39,17 @@ TEST(StableIntervals, WithoutANecessaryMarginAJumpIsBisected) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found.front().from, 1.1, 1e-11);
   EXPECT_NEAR(found.front().to, 2.9, 1e-11);
+}
+
+// A pole on the unit circle at the border.
+TEST(StableIntervals, AnInfiniteMarginIsNoEndOfTheSearch) {
+  const auto margin = [](double x) {
+    if (x < 2.2) return 130.0;
+    return x < 2.2 + 1e-10 ? -std::numeric_limits<double>::infinity() : 0.004 * (2.2 - x);
+  };
+  const std::vector<StableInterval> found = stable_intervals(margin, kPlaces);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found.front().to, 2.2, 1e-11);
 }
 
 }  // namespace
