@@ -13,8 +13,10 @@
 #include <mutex>
 #include <thread>
 
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/configuration/spaced.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/report/analysis.hpp"
@@ -100,6 +102,27 @@ std::vector<platoon::SweepPoint> run_sweep(const platoon::PlatoonModel& model,
   return platoon::sweep(model, axes);
 }
 
+// Reports all wrong values at once.
+platoon::SignalRequest signal_request(const std::map<std::string, std::string>& own) {
+  platoon::SignalRequest request;
+  std::vector<std::string> problems;
+  if (own.count("signals") > 0) {
+    try {
+      request.names = platoon::signal_names(own.at("signals"));
+    } catch (const std::invalid_argument& error) {
+      problems.emplace_back(error.what());
+    }
+  }
+  if (own.count("collision_probability") > 0) {
+    YAML::Node node;
+    node["collision_probability"] = own.at("collision_probability");
+    const platoon::Allowed allowed{"a number above 0 and below 0.5", 0.0, std::nan(""), platoon::kLargest, 0.5};
+    request.collision_probability = platoon::Section(node, "", problems).number("collision_probability", allowed);
+  }
+  if (!problems.empty()) throw platoon::ConfigurationError(problems);
+  return request;
+}
+
 // "-" for a missing value, as for an unstable vehicle.
 std::string column(double value) {
   return std::isnan(value) ? "           -" : platoon::formatted(" %11.9g", value);
@@ -128,6 +151,8 @@ int main(int argc, char** argv) {
       {"sweep_gain", "FROM:TO:COUNT: with --sweep-headway, over controller gains too"},
       {"sweep_loss", "FROM:TO:COUNT: stability over loss probabilities, and headways where both are given"},
       {"csv", "file for the sweep, for plot map"},
+      {"signals", "gap, speed, acceleration, jerk, separated by commas: their moments beside those of the errors"},
+      {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"},
   };
   std::map<std::string, std::string> settings = platoon::parse_command_line(
       argc, argv, "What the theory says of a platoon",
@@ -144,6 +169,7 @@ int main(int argc, char** argv) {
       throw platoon::ConfigurationError({std::string(option) + ": given: must go with --sweep-headway" +
                                          (option == std::string("csv") ? " or --sweep-loss" : "")});
     }
+    const platoon::SignalRequest signals = signal_request(own);
     settings.emplace("model", platoon::paper_model_file());
     std::cout << settings["model"] << "\n";
     const platoon::Configuration configuration =
@@ -157,8 +183,9 @@ int main(int argc, char** argv) {
       StageDisplay display;
       display.begins("sweep");
       points = run_sweep(model, own);
-      analysis = platoon::analyze(model, configuration.run.followers, configuration.run.steps,
-                                  [&display](const char* stage) { display.begins(stage); });
+      analysis = platoon::analyze(
+          model, configuration.run.followers, configuration.run.steps,
+          [&display](const char* stage) { display.begins(stage); }, signals);
     }
     std::cout << platoon::report(model, analysis);
     nlohmann::json document = platoon::to_json(model, analysis);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <optional>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
@@ -25,6 +26,7 @@ struct Arguments {
   std::string output;
   bool csv = false;
   bool partial = false;
+  std::optional<std::vector<std::string>> signals = {};
 };
 
 Arguments parse(int argc, char** argv) {
@@ -35,8 +37,10 @@ Arguments parse(int argc, char** argv) {
       ("version", "print the version")                                                      //
       ("bag", options::value(&arguments.bags.files), "bag files; may stand without --bag")  //
       ("output", options::value(&arguments.output),
-       "folder for statistics.csv and summary.json; without it none")                              //
-      ("csv", options::bool_switch(&arguments.csv), "print statistics.csv instead of the report")  //
+       "folder for statistics.csv and summary.json; without it none")  //
+      ("signals", options::value<std::string>(),
+       "signals beside the tracking errors, as in gap,speed; without it those of the recorded run")  //
+      ("csv", options::bool_switch(&arguments.csv), "print statistics.csv instead of the report")    //
       ("partial", options::bool_switch(&arguments.partial),
        "use the whole batches of a recording that is not complete: not closed, or cut off; damage is rejected all the same")  //
       ("unverified", options::bool_switch(&arguments.bags.unverified),
@@ -54,6 +58,7 @@ Arguments parse(int argc, char** argv) {
     (values.count("help") > 0 ? std::cout : std::cerr) << description;
     std::exit(values.count("help") > 0 ? 0 : 2);
   }
+  if (values.count("signals") > 0) arguments.signals = platoon::signal_names(values["signals"].as<std::string>());
   if (arguments.partial) arguments.bags.accept = platoon::Accept::cut;
   return arguments;
 }
@@ -65,7 +70,7 @@ platoon::BagStatistics read(const Arguments& arguments) {
     if (!display) display = std::make_unique<platoon::ProgressDisplay>(total, "bytes", 1.0, "bytes");
     display->update(done, std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count());
   };
-  platoon::BagStatistics statistics = platoon::statistics_of_bags(arguments.bags, progress);
+  platoon::BagStatistics statistics = platoon::statistics_of_bags(arguments.bags, progress, arguments.signals);
   if (display) display->finish();
   return statistics;
 }

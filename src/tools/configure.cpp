@@ -217,7 +217,7 @@ int main(int argc, char** argv) {
     require_free_recording(configuration.run);
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
     const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
-    if (start) configuration.run.first_realization = start->table.count();
+    if (start) configuration.run.first_realization = start->totals.count();
     lock->leave_claim(::getppid());  // until the monitor of this launch starts; roslaunch is the parent
     std::cout << platoon::to_json(configuration).dump() << "\n";
     return 0;

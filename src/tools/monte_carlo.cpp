@@ -3,6 +3,7 @@
 // summary.json again. A run that was interrupted or killed continues with the same command.
 
 #include <atomic>
+#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -16,6 +17,7 @@
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
+#include "stochastic_platoon/run/results/trajectories_csv.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "tools/settings.hpp"
 
@@ -42,9 +44,8 @@ void write_results(platoon::Configuration configuration, const platoon::Predicti
   configuration.run.launch_id.clear();
   platoon::RunResult result;
   result.complete = complete;
-  result.realizations = checkpoint.table.count();
   result.tally = checkpoint.tally;
-  result.moments = checkpoint.table.totals();
+  result.take(checkpoint.totals, platoon::cells_of(configuration));
   platoon::write_results(configuration, prediction, result);
   std::cout << platoon::report(configuration, prediction, result) << "Results: " << output
             << "/statistics.csv and summary.json\n";
@@ -73,7 +74,7 @@ bool run(platoon::Configuration configuration, const std::optional<std::string>&
   settings.stop = [] { return stop_requested.load(); };
   const auto [checkpoint, computed] = platoon::compute_shard({configuration, part}, settings);
   display.finish();
-  const std::uint64_t done = checkpoint.table.count();
+  const std::uint64_t done = checkpoint.totals.count();
   const bool complete = done == range.size();
   if (prediction && done > 0) write_results(configuration, *prediction, checkpoint, complete);
   if (shard && complete) {
@@ -112,9 +113,28 @@ platoon::RecordedResults repeated(const std::string& file, const std::map<std::s
 
 /// Throws std::runtime_error if the results differ from the recorded ones.
 void require_equal(const platoon::RecordedResults& recorded, const std::string& output, const std::string& file) {
-  if (platoon::read_summary(output + "/summary.json").statistics_checksum != recorded.statistics_checksum)
-    throw std::runtime_error(output + "/statistics.csv: differs from the one that " + file + " describes");
-  std::cout << "statistics.csv equals the one that " << file << " describes, bit for bit.\n";
+  const nlohmann::json found = platoon::read_summary(output + "/summary.json").checksums;
+  for (const auto& [table, checksum] : recorded.checksums.items()) {
+    if (found.value(table, nlohmann::json()) != checksum)
+      throw std::runtime_error(output + "/" + table + ".csv: differs from the one that " + file + " describes");
+    std::cout << table << ".csv equals the one that " << file << " describes, bit for bit.\n";
+  }
+}
+
+// Writes the trajectories of one realization in place of a run.
+void write_trajectories(const platoon::Configuration& configuration, const std::string& only) {
+  std::uint64_t realization = 0;
+  const auto read = std::from_chars(only.data(), only.data() + only.size(), realization);
+  if (read.ec != std::errc() || read.ptr != only.data() + only.size())
+    throw platoon::ConfigurationError({"only: " + only + ": must be the number of a realization, 0 or more"});
+  const std::string text = platoon::trajectories_csv(configuration, realization),
+                    file = configuration.run.output + "/trajectories.csv";
+  const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
+  if (std::filesystem::exists(file))
+    throw platoon::ConfigurationError(
+        {"output: " + file + ": exists and is never written over: must be another folder"});
+  platoon::write_atomically(file, text);
+  std::cout << "Realization " << realization << ": " << file << "\n";
 }
 
 }  // namespace
@@ -124,15 +144,18 @@ int main(int argc, char** argv) {
       {"threads", "worker threads (one per core); the result does not depend on it"},
       {"shard", "I/N: only part I = 0 .. N - 1 of the realizations, for merge"},
       {"checkpoint_seconds", "seconds between checkpoints (10), from which the same command continues"},
-      {"repeat", "summary.json of a run: repeats it into another output folder and compares the results"}};
+      {"repeat", "summary.json of a run: repeats it into another output folder and compares the results"},
+      {"only", "number of a realization of the run: with --trajectories, instead of the run"},
+      {"trajectories", "writes trajectories.csv: every position, input and signal of that realization"}};
   std::map<std::string, std::string> help = own_help;
   help["steps"] = "steps per realization, 1 or more (100)";
   help["batch"] = "realizations that a thread computes at once (" + std::string(platoon::kMonteCarloBatch) + ")";
   help["output"] = "folder for the results";
-  std::map<std::string, std::string> settings = platoon::parse_command_line(
-      argc, argv, "Monte Carlo of the platoon in one process",
-      {"model", "headway", "headway_seconds", "noise_variance", "loss", "delay", "followers", "realizations", "seed"},
-      help);
+  std::map<std::string, std::string> settings =
+      platoon::parse_command_line(argc, argv, "Monte Carlo of the platoon in one process",
+                                  {"model", "headway", "headway_seconds", "noise_variance", "loss", "delay",
+                                   "followers", "realizations", "seed", "signals"},
+                                  help, nullptr, {"trajectories"});
   std::map<std::string, std::string> own;
   for (const auto& entry : own_help) {
     if (settings.count(entry.first) > 0) own[entry.first] = settings[entry.first];
@@ -158,6 +181,13 @@ int main(int argc, char** argv) {
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
     if (configuration.run.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
     const std::optional<std::string> shard = own.count("shard") > 0 ? std::optional(own["shard"]) : std::nullopt;
+    if (own.count("only") != own.count("trajectories"))
+      throw platoon::ConfigurationError({std::string(own.count("only") > 0 ? "only" : "trajectories") +
+                                         ": given: must be with --only and --trajectories"});
+    if (own.count("only") > 0) {
+      write_trajectories(configuration, own["only"]);
+      return 0;
+    }
     if (recorded && shard) throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
     platoon::log_slow_noise(argv[0]);
     if (!run(configuration, shard, how)) return kInterrupted;

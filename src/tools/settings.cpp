@@ -48,13 +48,16 @@ std::string option_name(std::string setting) {
 std::map<std::string, std::string> parse_command_line(int argc, char** argv, const std::string& purpose,
                                                       const std::set<std::string>& accepted,
                                                       const std::map<std::string, std::string>& extra,
-                                                      std::vector<std::string>* words) {
+                                                      std::vector<std::string>* words,
+                                                      const std::set<std::string>& flags) {
   std::map<std::string, std::string> help = extra;
   for (const std::string& name : accepted) help[name] = help_of(name);
   options::options_description description(purpose);
   description.add_options()("help,h", "print this")("version", "print the version");
   for (const auto& entry : help) {
-    description.add_options()(option_name(entry.first).c_str(), options::value<std::string>(), entry.second.c_str());
+    const auto value = options::value<std::string>();
+    if (flags.count(entry.first) > 0) value->implicit_value("true", "");
+    description.add_options()(option_name(entry.first).c_str(), value, entry.second.c_str());
   }
   std::map<std::string, std::string> given;
   try {

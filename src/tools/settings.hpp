@@ -12,14 +12,16 @@ namespace platoon {
 ///
 /// A `model` without a folder that is not in the working folder becomes the shipped file of this name.
 ///
-/// `words`: receives arguments without a name; null: such arguments are an error.
+/// `words`: receives arguments without a name; null: such arguments are an error. `flags`: those of the `extra` options
+/// that take no value; a given one has the value "true".
 ///
 /// Prints the help or the version and exits for --help and --version; prints the error and exits with status 2 for an
 /// unknown option.
 std::map<std::string, std::string> parse_command_line(int argc, char** argv, const std::string& purpose,
                                                       const std::set<std::string>& accepted,
                                                       const std::map<std::string, std::string>& extra,
-                                                      std::vector<std::string>* words = nullptr);
+                                                      std::vector<std::string>* words = nullptr,
+                                                      const std::set<std::string>& flags = {});
 
 /// The value of the option `threads`; for an empty text one per core. Throws ConfigurationError.
 unsigned threads_of(const std::string& text);

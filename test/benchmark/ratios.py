@@ -214,8 +214,9 @@ def pairs(machine):
                            lambda: peer("peer_numpy.py", "normals")["normals_per_second"])
     yield "normals per second, one core", "NumPy standard_normal", ours, theirs
     speed = "vehicle_steps_per_second"
-    core, lossy, numpy, scipy, octave, one, many = in_turn(
+    core, lossy, signals, numpy, scipy, octave, one, many = in_turn(
         lambda: monte_carlo(machine), lambda: monte_carlo(machine, "--loss", "0.1"),
+        lambda: monte_carlo(machine, "--signals", "gap,speed,acceleration,jerk"),
         lambda: peer("peer_numpy.py", str(REALIZATIONS), "1024")[speed],
         lambda: peer("peer_scipy.py", str(REALIZATIONS // 4), "256")[speed],
         lambda: peer("peer_octave.m", str(REALIZATIONS // 4), "256")[speed],
@@ -223,6 +224,7 @@ def pairs(machine):
         lambda: machine.speed(realizations=4 * REALIZATIONS))
     yield "monte_carlo, vehicle-steps per second", "NumPy program, one core", core, numpy
     yield "monte_carlo, positions lost with probability 0.1", "monte_carlo", lossy, core
+    yield "monte_carlo, gap, speed, acceleration and jerk", "monte_carlo", signals, core
     yield "monte_carlo", "SciPy lfilter program, one core", core, scipy
     yield "monte_carlo", "Octave program", core, octave
     yield "one_process", "monte_carlo", one, core

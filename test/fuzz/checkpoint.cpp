@@ -18,12 +18,13 @@ void read(const std::string& bytes) {
     const std::optional<platoon::Checkpoint> found = platoon::read_checkpoint(folder);
     if (!found) std::abort();
     std::uint64_t end = 0, count = 0;
-    for (const auto& entry : found->table.blocks()) {
+    for (const auto& entry : found->totals.moments.blocks()) {
       if (entry.second.range.first < end || entry.second.range.end() <= entry.second.range.first) std::abort();
       end = entry.second.range.end();
       count += entry.second.range.size();
     }
-    if (found->table.count() != count || found->table.totals().size() != found->table.cells()) std::abort();
+    if (found->totals.count() != count || found->totals.moments.totals().size() != found->totals.moments.cells())
+      std::abort();
   } catch (const std::runtime_error&) {
   }
 }

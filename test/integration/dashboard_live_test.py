@@ -47,7 +47,8 @@ function frame() {
     const [v, t] = [values(), values()];
     tell("statistics", {step, realizations: 1, time_average: true, complete: false, theory: "exact", reason: "string stable: because", string_stable: true,
       stable_headways: [[2.8, 1000]], limit_variance: 3, mean: v, variance: v, theoretical_mean: t, theoretical_variance: t, standard_error: t,
-      score: v, attempt: 1, restarts: 0, manoeuvre: false, paused_until: null, latest_step: step, max_abs_z: 1, plausible_z: 4, vehicle_steps_per_second: 1, seconds_left: null, wall_seconds: 1});
+      score: v, attempt: 1, restarts: 0, manoeuvre: false, paused_until: null, latest_step: step, max_abs_z: 1, plausible_z: 4, vehicle_steps_per_second: 1, seconds_left: null, wall_seconds: 1,
+      smallest_gap: [], smallest_gap_realization: [], smallest_gap_step: [], collisions: [], collision_bound: []});
   }
   step < first + snapshots ? requestAnimationFrame(frame) : done(true);
 }

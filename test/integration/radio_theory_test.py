@@ -267,4 +267,5 @@ def main():
     assert 0 < stable < arguments.models, "both verdicts must occur"
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -41,7 +41,8 @@ def overview(followers=3, step=(0, 1, 2, 3), **changes):
               reason="string stable: because", limit_variance=2.5, stationary_variance=[2.0] * followers, step=list(step),
               mean=[0.1 * c for c in cells], variance=cells, stable_headways=[0.5, 1.0, 2.8, 320.0], theoretical_mean=[0.0] * len(cells), theoretical_variance=[c + 1 for c in cells],
               standard_error=[0.5] * followers, variance_score=[-1.0] * followers, max_abs_z_mean=1.5, max_abs_z_variance=2.5,
-              plausible_z=4.0, realizations_needed=NAN)
+              plausible_z=4.0, realizations_needed=NAN, smallest_gap=[], smallest_gap_realization=[], smallest_gap_step=[], collisions=[],
+              collision_bound=[])
     return message(**dict(of, **changes))
 
 

@@ -6,11 +6,14 @@
 #include <stochastic_platoon/Position.h>
 
 #include <cstddef>
-#include <deque>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace platoon {
+
+template <class Pointer>
+class MessagePairs;
 
 /// The settings of one vehicle in a run.
 struct VehicleSettings {
@@ -61,7 +64,6 @@ private:
   /// The messages of one topic, each of which follows the one before.
   struct Stream {
     Message::ConstPtr latest;
-    std::deque<Message::ConstPtr> waiting = {};  ///< for the other topic's message of the same step
 
     bool takes(const Message::ConstPtr& message);
   };
@@ -73,6 +75,7 @@ private:
 
   ros::NodeHandle platoon_;
   std::size_t index_;
+  std::shared_ptr<MessagePairs<Message::ConstPtr>> pairs_;  ///< of positions and inputs, with a radio
   Start start_;
   MoveByRadio move_;
   bool hears_ = false;  ///< in the present run

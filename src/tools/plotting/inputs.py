@@ -14,8 +14,12 @@ import numpy as np
 # A run folder. count, mean [m], variance [m^2], theoretical_mean, theoretical_variance have a row per follower and
 # a column per step (one column for time averages); steps holds the columns' step numbers. standard_error_of_variance
 # [m^2] has an element per follower, at the last step; unknown ones are NaN.
-Run = namedtuple("Run", "path name steps count mean variance theoretical_mean theoretical_variance "
-                        "standard_error_of_variance realizations seed complete time_average spectral_radius string_stable")
+class Run(namedtuple("Run", "path name steps count mean variance theoretical_mean theoretical_variance "
+                            "standard_error_of_variance realizations seed complete time_average spectral_radius string_stable")):
+    @property
+    def followers(self):
+        return self.mean.shape[0]
+
 
 # An output file of `analyze --json`: its path, a name for labels, and its content.
 Analysis = namedtuple("Analysis", "path name document")
@@ -115,8 +119,8 @@ def require_some(path, what, array):
         raise InputError("{}: {} is NaN everywhere: nothing to draw".format(path, what))
 
 
-def read_columns(path, names):
-    """The named columns of a CSV file with a heading, each as an array of floats."""
+def read_columns(path, names, prefix=None):
+    """The named columns of a CSV file with a heading, and those whose names begin with the prefix, each as an array of floats."""
     lines = read_text(path).splitlines()
     heading = [name.strip() for name in lines[0].split(",")] if lines else []
     for name in names:
@@ -137,7 +141,8 @@ def read_columns(path, names):
             table[at] = [float(value) if value.strip() else np.nan for value in values]
         except ValueError as error:
             raise InputError("{}: line {}: {}".format(path, at + 2, error))
-    return {name: table[:, heading.index(name)] for name in names}
+    more = [name for name in heading if prefix and name.startswith(prefix)]
+    return {name: table[:, heading.index(name)] for name in list(names) + more}
 
 
 def read_statistics(path):
@@ -160,16 +165,9 @@ def read_statistics(path):
 
 def read_run(path):
     """The run in a folder that a monitor, monte_carlo or bag_statistics wrote."""
-    if not os.path.isdir(path):
-        reason = "must be a run's folder" if os.path.exists(path) else "no such folder"
-        raise InputError("{}: {}".format(path, reason))
-    statistics_path, summary_path = (os.path.join(path, name) for name in ("statistics.csv", "summary.json"))
-    steps, table = read_statistics(statistics_path)
-    summary = read_json(summary_path)
-    require_undamaged(statistics_path, summary_path, summary)
-    if number(summary_path, summary, "followers") != table["mean"].shape[0]:
-        raise InputError("{}: followers is {}, but statistics.csv beside it has {}".format(
-            summary_path, summary["followers"], table["mean"].shape[0]))
+    require_folder(path)
+    steps, table = read_statistics(os.path.join(path, "statistics.csv"))
+    summary_path, summary = read_summary(path, "statistics", table["mean"].shape[0])
     time_average = truth(summary_path, summary, "time_average")
     return Run(path=path, name=os.path.basename(os.path.abspath(path)), steps=steps,
                realizations=int(np.nan_to_num(number(summary_path, summary, "realizations"))),
@@ -181,14 +179,32 @@ def read_run(path):
                string_stable=truth_if_any(summary_path, summary, "theory.string_stable"), **table)
 
 
-def require_undamaged(statistics_path, summary_path, summary):
-    """Raises InputError unless the CRC-32 of both files match the summary. The summary's own is taken with zeros in its place."""
+def require_folder(path):
+    if not os.path.isdir(path):
+        reason = "must be a run's folder" if os.path.exists(path) else "no such folder"
+        raise InputError("{}: {}".format(path, reason))
+
+
+def read_summary(folder, table, followers):
+    """Path and content of a run's summary.json. Raises InputError unless it describes TABLE.csv beside it, with so many followers."""
+    path = os.path.join(folder, "summary.json")
+    summary = read_json(path)
+    require_undamaged(path, summary, table)
+    if number(path, summary, "followers") != followers:
+        raise InputError("{}: followers is {}, but {}.csv beside it has {}".format(path, summary["followers"], table, followers))
+    return path, summary
+
+
+def require_undamaged(summary_path, summary, table):
+    """Raises InputError unless the CRC-32 of the summary and of TABLE.csv beside it match the summary. The summary's own is taken
+    with zeros in its place."""
+    table_path = os.path.join(os.path.dirname(summary_path), table + ".csv")
     with open(summary_path, "rb") as file:
         blank = re.sub(b'("summary": ")[0-9a-f]{8}"', b'\\g<1>00000000"', file.read())
-    with open(statistics_path, "rb") as file:
-        statistics = file.read()
-    for path, content, key in ((summary_path, blank, "crc32.summary"), (statistics_path, statistics, "crc32.statistics")):
-        if "{:08x}".format(zlib.crc32(content)) != lookup(summary_path, summary, key):
+    with open(table_path, "rb") as file:
+        content = file.read()
+    for path, written, key in ((summary_path, blank, "crc32.summary"), (table_path, content, "crc32." + table)):
+        if "{:08x}".format(zlib.crc32(written)) != lookup(summary_path, summary, key):
             raise InputError("{}: is not as it was written: damaged, or changed by hand".format(path))
 
 
@@ -200,9 +216,8 @@ def read_analysis(path):
 
 def require_same_platoon(run, analysis, followers):
     """Raises InputError unless run and analysis have the same string length and the same spectral radius."""
-    if run.mean.shape[0] != followers:
-        raise InputError("{}: has {} followers, but {} has {}".format(run.path, run.mean.shape[0], analysis.path,
-                                                                     followers))
+    if run.followers != followers:
+        raise InputError("{}: has {} followers, but {} has {}".format(run.path, run.followers, analysis.path, followers))
     if "spectral_radius" in analysis.document:
         radius = number(analysis.path, analysis.document, "spectral_radius")
         if abs(radius - run.spectral_radius) > 1e-6 * abs(radius):

@@ -31,6 +31,7 @@ MARKERS = "os^Dv<>"
 LINE = 50  # characters per line of a column's title
 MANY = 60  # a curve with more points than this gets no marker on each
 SHOWN_ERRORS = 2  # half length of error bars in standard errors
+FAR = 3.0  # gaps farther above 0 than so many times their range are drawn without the line gap = 0
 WIDE_RANGE = 1000.0  # curves that differ by more than this factor need a logarithmic axis
 
 
@@ -115,6 +116,27 @@ def standard_error_of_variance(variance, count):
 
 def legend_entry(**line):
     return Line2D([], [], **line)
+
+
+def legend_below(axes, **options):
+    """A legend below the axes, where it hides no data."""
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncol=2, frameon=False, columnspacing=1.6, **options)
+
+
+def mark_collisions(axes):
+    """Draws the line gap = 0 and shades the collisions below it, unless all gaps are far above it."""
+    low, high = axes.get_ylim()
+    if low > FAR * (high - low):
+        return
+    low, high = min(low, -0.04 * high), max(high, -0.04 * low)
+    axes.axhline(0.0, color=BOUND, linewidth=1.2, label="gap 0: below it a collision")
+    axes.axhspan(low, 0.0, color=BOUND, alpha=0.08, linewidth=0, zorder=0)
+    axes.set_ylim(low, high)
+
+
+def signed(value):
+    """The value to three digits, with a minus sign as on the axes."""
+    return "{:.3g}".format(value).replace("-", "\u2212")
 
 
 def spaced(integer):

@@ -8,6 +8,7 @@ import json
 import math
 import threading
 
+from . import gaps
 from .events import EventLog, is_paused
 from .history import Rate, ThinnedHistory
 
@@ -269,7 +270,7 @@ class PlatoonState:
                 "max_abs_z": finite(max(scores)) if scores else None, "plausible_z": finite(of.plausible_z),
                 "realizations_needed": finite(of.realizations_needed),
                 "vehicle_steps_per_second": None if per_second is None or of.complete else per_second * work,
-                "seconds_left": left, "wall_seconds": of.wall_seconds}
+                "seconds_left": left, "wall_seconds": of.wall_seconds, **gaps.of_overview(of)}
 
     def give_curves(self):
         """Mean and variance over k of the drawn followers, measured and theoretical: lists (drawn followers) of lists (steps)."""
@@ -293,6 +294,6 @@ class PlatoonState:
         """The content of /state.json."""
         with self.lock:
             nothing = {"followers": None, "step": None, "realizations": None, "mean": [], "variance": [],
-                       "theoretical_variance": [], "string_stable": None, "limit_variance": None, "max_abs_z": None}
+                       "theoretical_variance": [], "string_stable": None, "limit_variance": None, "max_abs_z": None, **gaps.nowhere()}
             return {**nothing, **(self.give_configuration() or {}), **(self.give_statistics() or {}), **self.give_health(),
                     "events": self.give_log()}

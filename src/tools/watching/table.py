@@ -1,5 +1,7 @@
 """A running platoon as a table on a terminal: follower, mean, variance, standard error, theory, z."""
 
+from . import gaps
+
 HEADING = "follower       mean [m]   variance [m^2]   standard error   theory [m^2]         z"
 AROUND = 8  # lines other than the followers' rows
 
@@ -51,6 +53,9 @@ def table(state, lines):
     text = heading(state)
     if state["culprit"]:
         text.append("THE PLATOON STANDS STILL: {} ({} retries)".format(state["culprit"], state["retries"]))
+    smallest = gaps.in_words(state)
+    if smallest:
+        text.append(smallest)
     if not state["variance"]:
         return text
     text += ["", HEADING]

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/model/link.hpp"
-#include "stochastic_platoon/math/model/tracking_error.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
 #include "stochastic_platoon/run/configuration/model_file.hpp"
@@ -31,9 +31,11 @@ PlatoonModel shipped(const std::string& name) {
 // A vehicle that is no plant and controller: A, B, C in a model file.
 TEST(HowToAdd, AVehicleByItsClosedLoop) {
   const std::vector<Moments> given =
-      monte_carlo(shipped("closed_loop.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {}).totals();
+      monte_carlo(shipped("closed_loop.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {
+      }).moments.totals();
   const std::vector<Moments> designed =
-      monte_carlo(shipped("paper.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {}).totals();
+      monte_carlo(shipped("paper.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {
+      }).moments.totals();
   ASSERT_EQ(given.size(), designed.size());
   // The same loop: coefficients equal to rounding, positions of up to 120 m.
   for (std::size_t c = 0; c < given.size(); ++c) EXPECT_NEAR(given[c].mean, designed[c].mean, 1e-11);
@@ -70,7 +72,7 @@ TEST(HowToAdd, AChannelAsAStageOfTheLink) {
   EXPECT_TRUE(link.keeps_state());
   LeaderVehicle leader(model);
   FollowerVehicle follower(model, kSeed, 1);
-  const TrackingError error{model.default_vehicle().headway, model.default_vehicle().standstill_distance};
+  const Signal error = tracking_error(model, 1);
   std::vector<double> own(1), received;
   double sent = leader.start(), largest = 0.0;
   follower.start(0, 1, own);
@@ -80,7 +82,7 @@ TEST(HowToAdd, AChannelAsAStageOfTheLink) {
     const double before = own.front();
     follower.step(received, own);
     sent = leader.step();
-    if (k > 40) largest = std::max(largest, std::abs(error(sent, own.front(), before)));
+    if (k > 40) largest = std::max(largest, std::abs(error(sent, {own.front(), before})));
   }
   EXPECT_LT(largest, 0.5 * 2.69) << "the threshold times the sum of |HT|'s impulse response";
 }
@@ -101,8 +103,8 @@ Exceedances exceedances_in_batches_of(std::size_t batch) {
   PlatoonString string(shipped("paper.yaml"), kSeed, kFollowers);
   Exceedances exceedances;
   for (std::uint64_t first = 0; first < 210; first += batch) {
-    string.run(first, batch, kSteps, [&exceedances](std::size_t follower, std::int64_t, const auto& errors) {
-      exceedances.add(follower, errors);
+    string.run(first, batch, kSteps, [&exceedances](const std::vector<PlatoonString::SignalValues>& group) {
+      for (const PlatoonString::SignalValues& of : group) exceedances.add(of.follower, *of.values);
     });
   }
   return exceedances;

@@ -48,6 +48,8 @@ struct LinkModel {
   std::int64_t delay = 0;                                                   ///< m >= 0, in steps
   std::optional<LossModel> loss = {};
 
+  bool loses() const { return loss && loss->probability > 0.0; }
+
   /// Whether W = 1.
   bool has_white_noise() const;
 

@@ -80,6 +80,20 @@ const LinkModel& varied_link(const VehicleModel& vehicle) {
   return vehicle.feed_forward ? vehicle.feed_forward->link : vehicle.link;
 }
 
+std::vector<const LinkModel*> links_of(const VehicleModel& vehicle) {
+  std::vector<const LinkModel*> links{&vehicle.link};
+  if (vehicle.feed_forward) links.push_back(&vehicle.feed_forward->link);
+  return links;
+}
+
+bool any_link(const PlatoonModel& model, const std::function<bool(const LinkModel&)>& condition) {
+  const std::vector<std::size_t> order = type_order(model);
+  return std::any_of(order.begin(), order.end(), [&](std::size_t type) {
+    const std::vector<const LinkModel*> links = links_of(model.types.at(type).vehicle);
+    return std::any_of(links.begin(), links.end(), [&](const LinkModel* link) { return condition(*link); });
+  });
+}
+
 const VehicleModel& vehicle(const PlatoonModel& model, std::size_t follower) {
   return model.types.at(type_of(model, follower)).vehicle;
 }
@@ -109,13 +123,7 @@ bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t foll
 }
 
 bool has_normal_errors(const PlatoonModel& model) {
-  const std::vector<VehicleModel> vehicles = pattern(model);
-  const auto is_normal = [](const LinkModel& link) {
-    return (!link.loss || link.loss->probability == 0.0) && link.quantisation_step == 0.0;
-  };
-  return std::all_of(vehicles.begin(), vehicles.end(), [&](const VehicleModel& vehicle) {
-    return is_normal(vehicle.link) && (!vehicle.feed_forward || is_normal(vehicle.feed_forward->link));
-  });
+  return !any_link(model, [](const LinkModel& link) { return link.loses() || link.quantisation_step > 0.0; });
 }
 
 std::string duration(std::int64_t steps, const PlatoonModel& model) {

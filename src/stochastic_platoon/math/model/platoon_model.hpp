@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -41,6 +42,7 @@ struct VehicleModel {
   std::optional<LoopDesign> design = {};  ///< none if the closed loop itself was given
   LinkModel link = {};
   std::optional<FeedForward> feed_forward = {};  ///< none: the vehicle has no radio
+  double length = 0.0;                           ///< >= 0 [m], behind the place that y gives
 };
 
 /// Parameters that a vehicle type takes from the default vehicle, including later changes of them.
@@ -77,7 +79,8 @@ struct PlatoonModel {
   LeaderProfile leader;
   /// y_0(-1), y_0(0), ... [m]: recorded positions of vehicle 0, used instead of the loop behind `leader`. Empty: none.
   std::vector<double> recorded_leader;
-  bool allow_unstable = false;  ///< whether rho(A) >= 1 is accepted
+  bool allow_unstable = false;          ///< whether rho(A) >= 1 is accepted
+  std::optional<double> safe_gap = {};  ///< >= 0 [m]: realizations with a smaller gap are counted
 
   const VehicleModel& default_vehicle() const { return types.front().vehicle; }
   VehicleModel& default_vehicle() { return types.front().vehicle; }
@@ -103,6 +106,12 @@ PlatoonModel with_loss(PlatoonModel model, double probability);
 /// The link of a vehicle whose losses with_loss() varies: that of its radio, or without one that of its positions.
 LinkModel& varied_link(VehicleModel& vehicle);
 const LinkModel& varied_link(const VehicleModel& vehicle);
+
+/// The links into a vehicle: that of positions, and that of its radio if it has one.
+std::vector<const LinkModel*> links_of(const VehicleModel& vehicle);
+
+/// Whether a link of the string satisfies a condition.
+bool any_link(const PlatoonModel& model, const std::function<bool(const LinkModel&)>& condition);
 
 /// The vehicles of one repetition of the string.
 std::vector<VehicleModel> pattern(const PlatoonModel& model);

@@ -17,8 +17,8 @@ namespace {
 // are joined with these.
 constexpr std::size_t kMostOwnCells = 1u << 21;  // 32 MB
 
-std::size_t cells_of(const Ensemble& ensemble) {
-  return ensemble.followers * static_cast<std::size_t>(ensemble.steps);
+SignalCells cells_of(const PlatoonModel& model, const Ensemble& ensemble) {
+  return signal_cells(model, ensemble.followers, ensemble.steps, ensemble.signals);
 }
 
 double now() {
@@ -28,12 +28,13 @@ double now() {
 }  // namespace
 
 EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range,
-                         MomentTable earlier, double hand_over_seconds)
+                         EnsembleTotals earlier, double hand_over_seconds)
     : model_(model),
       ensemble_(ensemble),
+      cells_(cells_of(model, ensemble)),
       hand_over_seconds_(hand_over_seconds),
-      waiting_(earlier.missing(range)),
-      table_(std::move(earlier)) {
+      waiting_(earlier.moments.missing(range)),
+      totals_(std::move(earlier)) {
   for (const RealizationRange& gap : waiting_) outstanding_ += gap.size();
   std::reverse(waiting_.begin(), waiting_.end());
   done_ = range.size() - outstanding_;
@@ -41,7 +42,7 @@ EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, co
 }
 
 EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range)
-    : EnsembleRun(model, ensemble, range, MomentTable(cells_of(ensemble))) {}
+    : EnsembleRun(model, ensemble, range, EnsembleTotals(cells_of(model, ensemble))) {}
 
 // Batches start at multiples of their size, regardless of the start of the range, so each has few blocks.
 bool EnsembleRun::take(RealizationRange* batch) {
@@ -56,11 +57,11 @@ bool EnsembleRun::take(RealizationRange* batch) {
   return true;
 }
 
-bool EnsembleRun::hand_over(MomentTable& own) {
+bool EnsembleRun::hand_over(EnsembleTotals& own) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::uint64_t count = own.count();
-  table_.merge(own);
-  own = MomentTable(own.cells());
+  totals_.merge(own);
+  own = EnsembleTotals(cells_);
   outstanding_ -= count;
   return outstanding_ == 0 && count > 0;
 }
@@ -68,19 +69,26 @@ bool EnsembleRun::hand_over(MomentTable& own) {
 bool EnsembleRun::work() {
   RealizationRange batch;
   if (!take(&batch)) return false;
-  PlatoonString string(model_, ensemble_.seed, ensemble_.followers);
+  PlatoonString string(model_, ensemble_.seed, ensemble_.followers, ensemble_.signals);
   const KeptMoments kept = has_normal_errors(model_) ? KeptMoments::two : KeptMoments::four;
-  MomentTable own(cells_of(ensemble_));
+  const auto gap = static_cast<std::size_t>(std::find(cells_.signals.begin(), cells_.signals.end(), kGap) -
+                                            cells_.signals.begin() + 1);
+  std::vector<CellValues> values;
+  EnsembleTotals own(cells_);
   double handed_over = now();
   do {
-    BatchMoments moments(batch.first, batch.size(), own.cells(), kept);
-    string.run(batch.first, batch.size(), ensemble_.steps,
-               [&](std::size_t follower, std::int64_t step, const auto& errors) {
-                 moments.set(cell(follower, step, ensemble_.steps), errors.data());
-               });
-    own.add(std::move(moments));
+    BatchTotals totals(batch.first, batch.size(), cells_, kept);
+    string.run(batch.first, batch.size(), ensemble_.steps, [&](const std::vector<PlatoonString::SignalValues>& group) {
+      values.clear();
+      for (const PlatoonString::SignalValues& of : group) {
+        values.push_back({cells_.at(of.kind, of.follower, of.step), of.values->data()});
+        if (of.kind == gap) totals.gaps.add(of.follower, of.step, of.values->data());
+      }
+      totals.moments.set(values);
+    });
+    own.add(std::move(totals));
     done_ += batch.size();
-    const bool is_full = own.blocks().size() * own.cells() >= kMostOwnCells;
+    const bool is_full = own.moments.blocks().size() * own.moments.cells() >= kMostOwnCells;
     if (is_full || now() - handed_over >= hand_over_seconds_) {
       if (hand_over(own)) return true;
       handed_over = now();
@@ -100,14 +108,14 @@ bool EnsembleRun::is_complete() const {
   return outstanding_ == 0;
 }
 
-void EnsembleRun::read(const std::function<void(const MomentTable&)>& reader) const {
+void EnsembleRun::read(const std::function<void(const EnsembleTotals&)>& reader) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  reader(table_);
+  reader(totals_);
 }
 
-MomentTable EnsembleRun::release() {
+EnsembleTotals EnsembleRun::release() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return std::move(table_);
+  return std::move(totals_);
 }
 
 void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& tick) {
@@ -121,8 +129,8 @@ void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& t
   tick();
 }
 
-MomentTable monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
-                        const std::function<void(std::uint64_t)>& progress) {
+EnsembleTotals monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
+                           const std::function<void(std::uint64_t)>& progress) {
   EnsembleRun run(model, ensemble, {0, ensemble.realizations});
   complete(run, threads, [&] { progress(run.done()); });
   return run.release();

@@ -5,20 +5,22 @@
 #include <functional>
 #include <limits>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/statistics/moment_table.hpp"
+#include "stochastic_platoon/math/statistics/ensemble_totals.hpp"
 
 namespace platoon {
 
 /// Parameters of a Monte Carlo run, in addition to the model.
 struct Ensemble {
   std::uint64_t seed;
-  std::size_t followers;       ///< N >= 1
-  std::int64_t steps;          ///< K >= 1: errors at k = 0 .. K - 1
-  std::uint64_t realizations;  ///< R >= 1
-  std::uint64_t batch;         ///< realizations computed side by side, >= 1
+  std::size_t followers;                  ///< N >= 1
+  std::int64_t steps;                     ///< K >= 1: errors at k = 0 .. K - 1
+  std::uint64_t realizations;             ///< R >= 1
+  std::uint64_t batch;                    ///< realizations computed side by side, >= 1
+  std::vector<std::string> signals = {};  ///< beside the tracking errors: see signal_kinds()
 };
 
 /// Computes a range of an ensemble's realizations in any number of threads, each of which processes batch after batch.
@@ -27,8 +29,8 @@ class EnsembleRun {
 public:
   /// Continues from `earlier`, which contains some of the realizations. A thread hands over its results after
   /// hand_over_seconds [s], or when they reach a size limit; see read().
-  EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range, MomentTable earlier,
-              double hand_over_seconds = std::numeric_limits<double>::infinity());
+  EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range,
+              EnsembleTotals earlier, double hand_over_seconds = std::numeric_limits<double>::infinity());
   /// Starts without earlier results.
   EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range);
 
@@ -47,23 +49,24 @@ public:
   bool is_complete() const;
 
   /// Calls `reader` with all results handed over so far.
-  void read(const std::function<void(const MomentTable&)>& reader) const;
+  void read(const std::function<void(const EnsembleTotals&)>& reader) const;
 
-  /// Moves the table out.
-  MomentTable release();
+  /// Moves the results out.
+  EnsembleTotals release();
 
 private:
   bool take(RealizationRange* batch);
-  bool hand_over(MomentTable& own);
+  bool hand_over(EnsembleTotals& own);
 
   const PlatoonModel model_;
   const Ensemble ensemble_;
+  const SignalCells cells_;
   const double hand_over_seconds_;
 
   mutable std::mutex mutex_;
   std::vector<RealizationRange> waiting_;  ///< ranges not started; the next is at the back
   std::uint64_t outstanding_ = 0;          ///< realizations not handed over
-  MomentTable table_;
+  EnsembleTotals totals_;
 
   std::atomic<std::uint64_t> done_{0};
   std::atomic<bool> all_begun_{false};
@@ -73,9 +76,9 @@ private:
 /// second and at the end.
 void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& tick);
 
-/// Moments of every zeta_i(k) over the realizations, computed by this many threads. Calls `progress` with the number of
-/// realizations done, from the calling thread.
-MomentTable monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
-                        const std::function<void(std::uint64_t)>& progress);
+/// Moments of every zeta_i(k), and of the signals, over the realizations, computed by this many threads. Calls
+/// `progress` with the number of realizations done, from the calling thread.
+EnsembleTotals monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
+                           const std::function<void(std::uint64_t)>& progress);
 
 }  // namespace platoon

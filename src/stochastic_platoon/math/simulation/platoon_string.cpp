@@ -4,24 +4,23 @@
 
 namespace platoon {
 
-PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers)
-    : leader_(model),
-      predecessor_(kStepsAtOnce + 1),
-      own_(kStepsAtOnce + 1),
-      predecessor_inputs_(kStepsAtOnce + 1),
-      own_inputs_(kStepsAtOnce + 1) {
+PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers,
+                             const std::vector<std::string>& signals)
+    : leader_(model), predecessor_inputs_(kStepsAtOnce + 1), own_inputs_(kStepsAtOnce + 1) {
   for (std::uint32_t i = 1; i <= followers; ++i) {
     followers_.emplace_back(model, seed, i);
     links_.emplace_back(model, seed, i);
     radios_.emplace_back();
     if (sends_input(model, i - 1, followers)) radios_.back().emplace(Link::radio(model, seed, i));
-    error_.push_back(tracking_error(model, i));
+    signals_.push_back(signals_of(model, signals, i));
+    for (const Signal& signal : signals_.back()) before_ = std::max(before_, static_cast<std::size_t>(signal.order));
   }
+  for (auto* positions : {&predecessor_, &own_}) positions->resize(kStepsAtOnce + before_);
 }
 
-void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t steps, const ErrorSink& sink) {
+void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t steps, const SignalSink& sink) {
   received_.resize(count);
-  errors_.resize(count);
+  for (std::vector<double>& values : values_) values.resize(count);
   for (AlignedValues& positions : predecessor_) positions.resize(count);
   for (AlignedValues& positions : own_) positions.resize(count);
   const auto sends = [this](std::size_t i) { return i < radios_.size() && radios_[i].has_value(); };
@@ -35,21 +34,24 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
       for (AlignedValues& of_step : *inputs) of_step.resize(count);
     }
   }
-  latest_[0].assign(count, leader_.start());
-  for (std::size_t i = 1; i < latest_.size(); ++i) followers_[i - 1].start(first, count, latest_[i]);
+  for (std::size_t i = 0; i < latest_.size(); ++i) {
+    std::vector<double> start(count, leader_.start());
+    if (i > 0) followers_[i - 1].start(first, count, start);
+    latest_[i].assign(before_, start);
+  }
   for (std::int64_t from = 0; from < steps; from += kStepsAtOnce) {
     const auto here = static_cast<std::size_t>(std::min(kStepsAtOnce, steps - from));
     const auto begin = [&](std::size_t i) {
-      own_[0].assign(latest_[i].begin(), latest_[i].end());
+      for (std::size_t b = 0; b < before_; ++b) own_[b].assign(latest_[i][b].begin(), latest_[i][b].end());
       if (sends(i)) own_inputs_[0].assign(latest_inputs_[i].begin(), latest_inputs_[i].end());
     };
     const auto end = [&](std::size_t i) {
-      latest_[i].assign(own_[here].begin(), own_[here].end());
+      for (std::size_t b = 0; b < before_; ++b) latest_[i][b].assign(own_[here + b].begin(), own_[here + b].end());
       if (sends(i)) latest_inputs_[i].assign(own_inputs_[here].begin(), own_inputs_[here].end());
     };
     begin(0);
     for (std::size_t j = 1; j <= here; ++j) {
-      own_[j].assign(count, leader_.step());
+      own_[before_ - 1 + j].assign(count, leader_.step());
       if (sends(0)) own_inputs_[j].assign(count, leader_.input());
     }
     end(0);
@@ -60,16 +62,29 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
       std::optional<Link>& radio = radios_[i - 1];
       for (std::size_t j = 1; j <= here; ++j) {
         const std::int64_t k = from + static_cast<std::int64_t>(j) - 1;
-        links_[i - 1].transmit(k - 1, first, predecessor_[j - 1].data(), count, received_.data());
+        const std::size_t at = before_ - 1 + j;  // of step k
+        links_[i - 1].transmit(k - 1, first, predecessor_[at - 1].data(), count, received_.data());
         if (radio) radio->transmit(k - 1, first, predecessor_inputs_[j - 1].data(), count, heard_.data());
-        followers_[i - 1].step(received_.data(), own_[j].data(), radio ? heard_.data() : nullptr,
+        followers_[i - 1].step(received_.data(), own_[at].data(), radio ? heard_.data() : nullptr,
                                sends(i) ? own_inputs_[j].data() : nullptr);
-        error_[i - 1](predecessor_[j].data(), own_[j].data(), own_[j - 1].data(), count, errors_.data());
-        sink(i, k, errors_);
+        Signal::Own<const double*> positions{};
+        for (std::size_t b = 0; b <= before_; ++b) positions[b] = own_[at - b].data();
+        for (std::size_t kind = 0; kind < signals_[i - 1].size(); ++kind) {
+          std::vector<double>& values = values_[group_.size()];
+          signals_[i - 1][kind](predecessor_[at].data(), positions, count, values.data());
+          group_.push_back({kind, i, k, &values});
+          if (group_.size() == kCellsAtOnce) pass_on(sink);
+        }
       }
       end(i);
     }
   }
+  pass_on(sink);
+}
+
+void PlatoonString::pass_on(const SignalSink& sink) {
+  if (!group_.empty()) sink(group_);
+  group_.clear();
 }
 
 }  // namespace platoon

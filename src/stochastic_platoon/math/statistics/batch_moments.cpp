@@ -97,6 +97,36 @@ MomentNode reduce_tile_to_four(const double* values, unsigned level) {
   return {last.mean[0], last.squared[0], last.cubed[0], last.fourth[0]};
 }
 
+// Four cells in the lanes of one vector: joining two nodes of the tree then needs no shuffles.
+using Lanes = double __attribute__((vector_size(32)));
+
+// Tiles of 2^level values, level >= 2, of four cells: merge_equal() in every lane.
+PLATOON_VECTOR_CLONES
+void reduce_four_tiles(const std::array<const double*, kCellsAtOnce>& cells, unsigned level,
+                       std::array<MomentNode, kCellsAtOnce>& nodes) {
+  std::array<Lanes, kMomentTile / 4> mean, deviations;
+  const double *const a = cells[0], *const b = cells[1], *const c = cells[2], *const d = cells[3];
+  std::size_t count = (std::size_t{1} << level) / 4;
+  for (std::size_t j = 0; j < count; ++j) {
+    const std::size_t r = 4 * j;
+    const Lanes first{a[r], b[r], c[r], d[r]}, second{a[r + 1], b[r + 1], c[r + 1], d[r + 1]},
+        third{a[r + 2], b[r + 2], c[r + 2], d[r + 2]}, fourth{a[r + 3], b[r + 3], c[r + 3], d[r + 3]};
+    const Lanes left = 0.5 * (first + second), right = 0.5 * (third + fourth), shift = right - left;
+    const Lanes of_left = second - first, of_right = fourth - third;
+    mean[j] = 0.5 * (left + right);
+    deviations[j] = ((of_left * of_left) * 0.5 + (of_right * of_right) * 0.5) + shift * shift;
+  }
+  double half_count = 2.0;
+  for (count /= 2; count > 0; count /= 2, half_count *= 2.0) {
+    for (std::size_t j = 0; j < count; ++j) {
+      const Lanes left = mean[2 * j], right = mean[2 * j + 1], shift = right - left;
+      mean[j] = 0.5 * (left + right);
+      deviations[j] = (deviations[2 * j] + deviations[2 * j + 1]) + (shift * shift) * half_count;
+    }
+  }
+  for (std::size_t cell = 0; cell < kCellsAtOnce; ++cell) nodes[cell] = {mean[0][cell], deviations[0][cell]};
+}
+
 }  // namespace detail
 
 namespace {
@@ -119,6 +149,24 @@ MomentNode reduce(const ValuesInTurn& values, std::size_t offset, unsigned level
                        0.5 * static_cast<double>(half), &joined.cubed_deviations, &joined.fourth_deviations);
   }
   return joined;
+}
+
+using FourNodes = std::array<MomentNode, kCellsAtOnce>;
+
+FourNodes reduce_four(const std::array<const double*, kCellsAtOnce>& cells, unsigned level) {
+  FourNodes nodes;
+  if (level <= kMomentTileLevel) {
+    detail::reduce_four_tiles(cells, level, nodes);
+    return nodes;
+  }
+  const std::size_t half = std::size_t{1} << (level - 1);
+  const FourNodes left = reduce_four(cells, level - 1);
+  const FourNodes right = reduce_four({cells[0] + half, cells[1] + half, cells[2] + half, cells[3] + half}, level - 1);
+  for (std::size_t cell = 0; cell < kCellsAtOnce; ++cell) {
+    merge_equal(left[cell].mean, left[cell].squared_deviations, right[cell].mean, right[cell].squared_deviations,
+                0.5 * static_cast<double>(half), &nodes[cell].mean, &nodes[cell].squared_deviations);
+  }
+  return nodes;
 }
 
 }  // namespace
@@ -163,6 +211,29 @@ void BatchMoments::set(std::size_t cell, const double* values) {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     put(b, cell, reduce(in_place, 0, blocks_[b].range.level, kept_));
     values += blocks_[b].range.size();
+  }
+}
+
+void BatchMoments::set(const std::vector<CellValues>& cells) {
+  if (cells.size() != kCellsAtOnce || kept_ == KeptMoments::four) {
+    for (const CellValues& of : cells) set(of.cell, of.values);
+    return;
+  }
+  constexpr unsigned kLowestLevel = 2;
+  std::array<const double*, kCellsAtOnce> values;
+  for (std::size_t j = 0; j < kCellsAtOnce; ++j) {
+    require_cell(cells[j].cell);
+    values[j] = cells[j].values;
+  }
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const DyadicRange& range = blocks_[b].range;
+    if (range.level >= kLowestLevel) {
+      const FourNodes nodes = reduce_four(values, range.level);
+      for (std::size_t j = 0; j < kCellsAtOnce; ++j) put(b, cells[j].cell, nodes[j]);
+    } else {
+      for (std::size_t j = 0; j < kCellsAtOnce; ++j) put(b, cells[j].cell, detail::reduce_tile(values[j], range.level));
+    }
+    for (const double*& of : values) of += range.size();
   }
 }
 

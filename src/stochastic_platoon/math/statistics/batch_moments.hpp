@@ -45,6 +45,15 @@ using ValuesInTurn =
 std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_t count, const ValuesInTurn& values,
                                      KeptMoments kept = KeptMoments::two);
 
+/// The values of a cell, one per realization of a batch [m].
+struct CellValues {
+  std::size_t cell;
+  const double* values;
+};
+
+/// Number of cells that BatchMoments reduces side by side.
+constexpr std::size_t kCellsAtOnce = 4;
+
 /// Moments of one batch of realizations, cell by cell, as blocks of MomentTable's tree.
 class BatchMoments {
 public:
@@ -56,6 +65,9 @@ public:
 
   /// Sets the cell's values, one per realization of the batch [m]. Throws std::out_of_range if `cell` is out of range.
   void set(std::size_t cell, const double* values);
+
+  /// Sets several cells as above. Four at once take half the time of one after the other, with the same bits.
+  void set(const std::vector<CellValues>& cells);
 
   /// Sets the cell's nodes from reduce_batch(). Throws as above, and std::invalid_argument unless there is one per
   /// block.

@@ -6,12 +6,15 @@
 
 namespace platoon {
 
-BatchMoments& EnsembleStatistics::open(std::uint64_t first_realization, std::size_t size) {
-  return open_.try_emplace(first_realization, first_realization, size, table_.cells(), kept_).first->second;
+BatchTotals& EnsembleStatistics::open(std::uint64_t first_realization, std::size_t size) {
+  return open_.try_emplace(first_realization, first_realization, size, cells_, kept_).first->second;
 }
 
-void EnsembleStatistics::add(const ReducedErrors& errors) {
-  open(errors.first_realization, errors.count).set(cell(errors.follower, errors.step, steps_), errors.nodes);
+void EnsembleStatistics::add(const ReducedSignals& signals) {
+  BatchTotals& batch = open(signals.first_realization, signals.count);
+  for (std::size_t kind = 0; kind < signals.nodes.size(); ++kind)
+    batch.moments.set(cells_.at(kind, signals.follower, signals.step), signals.nodes[kind]);
+  if (!signals.gaps.empty()) batch.gaps.add(signals.follower, signals.step, signals.gaps.data());
 }
 
 void EnsembleStatistics::commit(std::uint64_t first_realization) {
@@ -19,7 +22,7 @@ void EnsembleStatistics::commit(std::uint64_t first_realization) {
   if (batch == open_.end()) {
     throw std::invalid_argument("batch at realization " + std::to_string(first_realization) + ": must be open");
   }
-  table_.add(std::move(batch->second));
+  totals_.add(std::move(batch->second));
   open_.erase(batch);
 }
 

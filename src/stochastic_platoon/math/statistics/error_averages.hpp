@@ -7,7 +7,7 @@
 
 #include "stochastic_platoon/math/statistics/agreement.hpp"
 #include "stochastic_platoon/math/statistics/batch_moments.hpp"
-#include "stochastic_platoon/math/statistics/moment_table.hpp"
+#include "stochastic_platoon/math/statistics/ensemble_totals.hpp"
 #include "stochastic_platoon/math/statistics/moments.hpp"
 
 namespace platoon {
@@ -20,26 +20,28 @@ inline std::size_t cell(std::size_t follower, std::int64_t step, std::int64_t st
   return (follower - 1) * static_cast<std::size_t>(steps) + static_cast<std::size_t>(step);
 }
 
-/// zeta_i(k) of one batch of realizations, reduced to its moments.
-struct ReducedErrors {
+/// The signals of follower i at step k of one batch of realizations, reduced to their moments.
+struct ReducedSignals {
   std::size_t follower;  ///< i >= 1
   std::int64_t step;     ///< k >= 0
   std::uint64_t first_realization;
-  std::size_t count;              ///< realizations in the batch
-  std::vector<MomentNode> nodes;  ///< reduce_batch() of the errors
+  std::size_t count;                           ///< realizations in the batch
+  std::vector<std::vector<MomentNode>> nodes;  ///< reduce_batch() of the tracking errors, then of each signal
+  std::vector<double> gaps = {};               ///< [m], one per realization; empty if the gap is not among the signals
 };
 
-/// Mean and variance of every tracking error of a run, over realizations or over time. Not thread-safe.
+/// Mean and variance of every tracking error of a run, over realizations or over time, and over realizations of the
+/// other signals too. Not thread-safe.
 class ErrorAverages {
 public:
   virtual ~ErrorAverages() = default;
 
   virtual Averaging averaging() const = 0;
 
-  /// Adds the errors of a follower at a step of a batch, in any order.
-  virtual void add(const ReducedErrors& errors) = 0;
+  /// Adds the signals of a follower at a step of a batch, in any order.
+  virtual void add(const ReducedSignals& signals) = 0;
 
-  /// Ends a batch: all its errors have been added.
+  /// Ends a batch: all its signals have been added.
   virtual void commit(std::uint64_t first_realization) = 0;
 
   /// The current batch was interrupted and restarts. Over realizations it is discarded and repeated; over time its
@@ -64,7 +66,7 @@ public:
   /// the model again.
   virtual std::int64_t counted_from() const { return 0; }
 
-  /// Moments per cell (follower and step), or per follower for averages over time.
+  /// Moments per cell (see SignalCells), or of the errors of each follower for averages over time.
   virtual std::vector<Moments> moments() const = 0;
 
   /// Over time: what the errors of each follower are worth, as measured (see BatchMeans); else empty.
@@ -72,17 +74,17 @@ public:
 
   /// Totals from which another run can continue, for averages over realizations. Null over time: there moments()
   /// serves.
-  virtual const MomentTable* totals() const = 0;
+  virtual const EnsembleTotals* totals() const = 0;
 };
 
 /// Averages of an earlier launch, over realizations or over time; both may be empty.
 struct EarlierAverages {
-  const MomentTable* over_realizations = nullptr;
+  const EnsembleTotals* over_realizations = nullptr;
   std::vector<Moments> over_time = {};  ///< one per follower
 };
 
-/// Averages for a run of `steps` steps; 0: an endless run, averaged over time from step `burn_in` on.
-std::unique_ptr<ErrorAverages> error_averages(std::size_t followers, std::int64_t steps, std::int64_t burn_in,
+/// Averages over these cells; with 0 steps of an endless run, over time from step `burn_in` on and of the errors alone.
+std::unique_ptr<ErrorAverages> error_averages(const SignalCells& cells, std::int64_t burn_in,
                                               const EarlierAverages& earlier, KeptMoments kept = KeptMoments::two);
 
 }  // namespace platoon

@@ -44,10 +44,10 @@ bool TimeStatistics::counts(std::size_t follower, std::int64_t step) const {
   return step >= counted_from_ + (counted_from_ > burn_in_ ? hops : 0);
 }
 
-void TimeStatistics::add(const ReducedErrors& errors) {
+void TimeStatistics::add(const ReducedSignals& signals) {
   // With one realization the mean is the error itself.
-  followers_.at(errors.follower - 1).early.emplace(errors.step, errors.nodes.front().mean);
-  count_due(errors.follower);
+  followers_.at(signals.follower - 1).early.emplace(signals.step, signals.nodes.front().front().mean);
+  count_due(signals.follower);
 }
 
 void TimeStatistics::count_due(std::size_t index) {

@@ -27,7 +27,7 @@ public:
   TimeStatistics(std::size_t followers, std::int64_t burn_in, std::vector<Moments> earlier = {});
 
   Averaging averaging() const override { return Averaging::over_time; }
-  void add(const ReducedErrors& errors) override;
+  void add(const ReducedSignals& signals) override;
   /// No effect: an endless batch is never complete.
   void commit(std::uint64_t) override {}
   void restart() override;
@@ -40,7 +40,7 @@ public:
   /// One per follower; count is the number of steps in it.
   std::vector<Moments> moments() const override;
   std::vector<IndependentShare> shares() const override;
-  const MomentTable* totals() const override { return nullptr; }
+  const EnsembleTotals* totals() const override { return nullptr; }
 
 private:
   struct Follower {

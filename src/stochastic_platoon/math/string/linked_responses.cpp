@@ -34,8 +34,7 @@ Motion LinkedResponses::leader() const {
   return VehicleResponse(model_.default_vehicle())(received);
 }
 
-LinkedResponses::Means LinkedResponses::means() const {
-  Means result;
+void LinkedResponses::visit_means(const Visitor& visit) const {
   Motion predecessor = leader();
   for (std::size_t i = 0; i < followers_; ++i) {
     MeanVehicle::Passed passed = vehicle(i)(predecessor);
@@ -45,27 +44,41 @@ LinkedResponses::Means LinkedResponses::means() const {
       for (std::size_t a = 0; a < free.position.size(); ++a) passed.own.position[a] += placed * free.position[a];
       for (std::size_t a = 0; a < free.input.size(); ++a) passed.own.input[a] += placed * free.input[a];
     }
-    const Sequence errors = vehicle(i).error(predecessor.position, passed.own.position);
+    visit(i, predecessor.position, passed);
+    predecessor = std::move(passed.own);
+  }
+}
+
+void LinkedResponses::visit_downstream(std::size_t place, Motion motion, const Visitor& visit) const {
+  MeanVehicle::Passed passed{{}, std::move(motion)};
+  visit(place, Sequence(steps_ + 1, 0.0L), passed);
+  for (std::size_t i = place + 1; i < followers_; ++i) {
+    const Motion predecessor = std::move(passed.own);
+    passed = vehicle(i)(predecessor);
+    visit(i, predecessor.position, passed);
+  }
+}
+
+LinkedResponses::Means LinkedResponses::means() const {
+  Means result;
+  visit_means([&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
+    const Sequence errors = vehicle(i).error(predecessor, passed.own.position);
     result.error.insert(result.error.end(), errors.begin(), errors.end());
     result.innovation.emplace_back();
     for (std::size_t link = 0; link < vehicle(i).links(); ++link)
       result.innovation.back()[link].assign(passed.innovation[link].begin(), passed.innovation[link].end());
-    predecessor = std::move(passed.own);
-  }
+  });
   return result;
 }
 
 Responses LinkedResponses::downstream(std::size_t place, Motion motion) const {
   Responses responses;
-  responses.error.push_back(squares(vehicle(place).error(Sequence(steps_ + 1, 0.0L), motion.position)));
-  for (auto& of_link : responses.innovation) of_link.emplace_back();
-  for (std::size_t i = place + 1; i < followers_; ++i) {
-    MeanVehicle::Passed passed = vehicle(i)(motion);
-    responses.error.push_back(squares(vehicle(i).error(motion.position, passed.own.position)));
+  const auto append = [&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
+    responses.error.push_back(squares(vehicle(i).error(predecessor, passed.own.position)));
     for (std::size_t link = 0; link < passed.innovation.size(); ++link)
-      responses.innovation[link].push_back(squares(passed.innovation[link]));
-    motion = std::move(passed.own);
-  }
+      responses.innovation[link].push_back(squares(passed.innovation[link]));  // empty for the source's own vehicle
+  };
+  visit_downstream(place, std::move(motion), append);
   return responses;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "stochastic_platoon/math/numerics/causal_convolution.hpp"
@@ -39,7 +40,17 @@ public:
   };
   Means means() const;
 
-  /// Down the string, given what the source's own vehicle at `place` sends in response.
+  /// Called for one follower after the other, i from 0, with the positions of its predecessor and its own response.
+  /// Both sequences start at step -1 and leave out the place in formation.
+  using Visitor = std::function<void(std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed)>;
+
+  /// Visits all followers with their mean motions.
+  void visit_means(const Visitor& visit) const;
+
+  /// Visits the follower at `place`, a source that sends `motion` in response, and all behind it.
+  void visit_downstream(std::size_t place, Motion motion, const Visitor& visit) const;
+
+  /// Squared responses down the string, given what the source's own vehicle at `place` sends in response.
   Responses downstream(std::size_t place, Motion motion) const;
 
   /// A unit impulse at step 0, and the response of a noise filter to it.

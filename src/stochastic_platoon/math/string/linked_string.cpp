@@ -19,15 +19,6 @@ namespace {
 constexpr double kLossGainDoubt = 1e-12;  // accuracy of the quadrature
 constexpr double kMarginAccuracy = 1e-4;  // of a margin whose sign decides
 
-// The leader's last speed, in metres per step.
-double metres_per_step(const PlatoonModel& model) {
-  if (!model.recorded_leader.empty()) {
-    const std::size_t n = model.recorded_leader.size();
-    return n < 2 ? 0.0 : model.recorded_leader[n - 1] - model.recorded_leader[n - 2];
-  }
-  return model.leader.changes().empty() ? 0.0 : model.sample_period * model.leader.changes().back().value;
-}
-
 /// Whether 1 - |prod T^|^2 vanishes faster at w = 0 than the numerators it divides in a variance: the noises, times |1
 /// - H T^|^2 for the errors and |1 - L|^2 for the losses.
 bool grows_at_zero(const LinkedPattern& pattern, const PatternGain& gain) {
@@ -108,6 +99,14 @@ void judge(const LinkedPattern& pattern, double speed, StringStability& verdict)
 }
 
 }  // namespace
+
+double metres_per_step(const PlatoonModel& model) {
+  if (!model.recorded_leader.empty()) {
+    const std::size_t n = model.recorded_leader.size();
+    return n < 2 ? 0.0 : model.recorded_leader[n - 1] - model.recorded_leader[n - 2];
+  }
+  return model.leader.changes().empty() ? 0.0 : model.sample_period * model.leader.changes().back().value;
+}
 
 std::vector<double> linked_stationary_variances(const PlatoonModel& model, std::size_t followers) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");

@@ -29,6 +29,9 @@ std::vector<double> linked_stationary_variances(const PlatoonModel& model, std::
 /// variance is.
 std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers);
 
+/// The leader's last speed, in metres per step.
+double metres_per_step(const PlatoonModel& model);
+
 /// Stationary means of the errors at the leader's last speed [m]: v (m + q (c_1 + 2 c_2 + ...) / p). NaN as above.
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers);
 

@@ -24,7 +24,7 @@ CirclePolynomial moduli(CirclePolynomial p) {
   return p;
 }
 
-std::vector<LinkFilter> links_of(const VehicleModel& vehicle) {
+std::vector<LinkFilter> filters_of(const VehicleModel& vehicle) {
   std::vector<LinkFilter> links{LinkFilter(vehicle.link, vehicle.noise_variance)};
   if (vehicle.feed_forward) links.emplace_back(vehicle.feed_forward->link, vehicle.feed_forward->noise_variance);
   return links;
@@ -43,7 +43,7 @@ InputValue input_value(const LinkFilter& link, const LinkFilter::Value& value, C
 }  // namespace
 
 LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known)
-    : vehicle_(vehicle), links_(links_of(vehicle)), spectral_radius_(platoon::spectral_radius(vehicle.loop)) {
+    : vehicle_(vehicle), links_(filters_of(vehicle)), spectral_radius_(platoon::spectral_radius(vehicle.loop)) {
   if (vehicle.loop.parts)
     designed_.emplace(*vehicle.design, vehicle.headway, vehicle.feed_forward ? vehicle.feed_forward->gain : 0.0);
   factor_ = designed_ ? designed_factor(known) : rated_factor(vehicle.loop);
@@ -116,10 +116,12 @@ LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
     value.margin = static_cast<double>(margin);
   }
   const Complex policy = Complex(1.0L + h) - h * std::conj(z), undelayed = policy * response;
-  const Complex mean = power(std::conj(z), vehicle_.link.delay) * undelayed;
+  const Complex delay = power(std::conj(z), vehicle_.link.delay), mean = delay * undelayed;
   value.gain = static_cast<double>(std::norm(response));
   value.complement = static_cast<double>(std::norm(1.0L - mean));
+  value.of_gap = static_cast<double>(std::norm(1.0L - delay * response));
   value.undelayed = static_cast<std::complex<double>>(undelayed);
+  value.response = static_cast<std::complex<double>>(response);
   return value;
 }
 

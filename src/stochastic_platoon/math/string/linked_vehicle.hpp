@@ -30,7 +30,9 @@ struct LinkedVehicleValue {
   double margin;                    ///< 1 - |T^|^2, given that T^(1) = 1 exactly
   double complement;                ///< |1 - H T^|^2
   double headway;                   ///< |H|^2
+  double of_gap;                    ///< |1 - T^|^2
   std::complex<double> undelayed;   ///< H T^ without the delay z^-m of the position
+  std::complex<double> response;    ///< T^ without it
   double sent;                      ///< |1 / G|^2: from the spectrum of y to that of the own input; 0 without radios
   std::array<InputValue, 2> input;  ///< the position, and the predecessor's input (zero without feed-forward)
 };

@@ -35,8 +35,11 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
   weight = Eigen::Map<const Eigen::ArrayXd>(rule.weight.data(), count);
   std::vector<CirclePoint> points;
   for (const double w : rule.node) points.emplace_back(w);
+  from_one.resize(count);
+  for (Eigen::Index k = 0; k < count; ++k)
+    from_one(k) = static_cast<double>(circle_coordinate(rule.node[static_cast<std::size_t>(k)], Centre::kOne));
   for (const LinkedVehicle& vehicle : pattern.types) {
-    for (auto* values : {&gain, &margin, &complement, &headway, &delayed, &sent})
+    for (auto* values : {&gain, &margin, &complement, &headway, &delayed, &of_gap, &sent})
       values->emplace_back(Eigen::ArrayXd::Zero(count));
     input.emplace_back(vehicle.links().size());
     for (Input& of : input.back()) {
@@ -59,9 +62,12 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
       sent.back()(k) = value.sent;
       complement.back()(k) = value.complement;
       headway.back()(k) = value.headway;
+      of_gap.back()(k) = value.of_gap;
       if (!oscillating.applies_to(node)) continue;
       complement.back()(k) = 1.0 + std::norm(value.undelayed);
       delayed.back()(k) = -2.0 * (oscillating[node] * value.undelayed).real() / rule.weight[node];
+      of_gap.back()(k) =
+          1.0 + std::norm(value.response) - 2.0 * (oscillating[node] * value.response).real() / rule.weight[node];
     }
   }
 }

@@ -20,6 +20,7 @@ public:
   struct Input {
     Eigen::ArrayXd loss_gain, passed, innovation, noise;
   };
+  Eigen::ArrayXd from_one;  ///< 1 - cos w
   /// Per vehicle type, the fields of LinkedVehicleValue; `input` has one entry per link.
   std::vector<Eigen::ArrayXd> gain, margin, headway, sent;
   std::vector<std::vector<Input>> input;
@@ -27,6 +28,8 @@ public:
   std::vector<Eigen::ArrayXd> complement;
   /// -2 Re H T^ on those panels, with weights that integrate the product of z^-m and a polynomial (Filon); 0 elsewhere.
   std::vector<Eigen::ArrayXd> delayed;
+  /// |1 - T^|^2, with -2 Re T^ on those panels computed in the same way.
+  std::vector<Eigen::ArrayXd> of_gap;
 
   std::size_t size() const { return order_.size(); }                           ///< number of vehicles in the pattern
   std::size_t type(std::size_t j) const { return order_[j % order_.size()]; }  ///< of vehicle j

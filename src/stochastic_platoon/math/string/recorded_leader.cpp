@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "stochastic_platoon/math/model/tracking_error.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 
 namespace platoon {
@@ -18,7 +18,7 @@ std::vector<double> mean_errors_behind_recorded_leader(const PlatoonModel& model
   }
   PlatoonModel without_noise = model;
   without_noise.default_vehicle().initial_position.variance = 0.0;
-  const TrackingError error{model.default_vehicle().headway, model.default_vehicle().standstill_distance};
+  const Signal error = tracking_error(model, 1);
   std::vector<double> predecessor(model.recorded_leader.begin(),
                                   model.recorded_leader.begin() + static_cast<std::ptrdiff_t>(count));
   std::vector<double> errors;
@@ -30,7 +30,7 @@ std::vector<double> mean_errors_behind_recorded_leader(const PlatoonModel& model
     positions.push_back(own.front());
     for (std::size_t k = 0; k + 1 < count; ++k) {
       follower.step({predecessor[k]}, own);
-      errors.push_back(error(predecessor[k + 1], own.front(), positions.back()));
+      errors.push_back(error(predecessor[k + 1], {own.front(), positions.back()}));
       positions.push_back(own.front());
     }
     predecessor.swap(positions);

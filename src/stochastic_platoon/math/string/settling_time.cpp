@@ -22,7 +22,7 @@ double predictor_radius(const LossModel& loss) {
 
 double slowest_radius(const VehicleModel& vehicle) {
   double radius = spectral_radius(vehicle.loop);
-  for (const LinkModel* link : {&vehicle.link, &varied_link(vehicle)}) {
+  for (const LinkModel* link : links_of(vehicle)) {
     if (link->loss) radius = std::max(radius, predictor_radius(*link->loss));
     if (!link->has_white_noise())
       radius = std::max(radius, spectral_radius(delta_form(link->noise_filter.denominator())));

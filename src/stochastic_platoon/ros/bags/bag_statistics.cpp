@@ -91,9 +91,10 @@ RecordedPlatoon recorded_platoon(const BagSource& source) {
 }
 
 BagStatistics statistics_of_bags(const BagSource& source,
-                                 const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+                                 const std::function<void(std::uint64_t, std::uint64_t)>& progress,
+                                 const std::optional<std::vector<std::string>>& signals) {
   RunFinder finder(source.files.front());
-  RunReading reading(recorded_platoon(source));
+  RunReading reading(recorded_platoon(source), signals);
   BagContent content;
   content.configuration = [&finder](const PlatoonTopic& topic, const std::string& text) { finder.take(topic, text); };
   content.position = [&reading](const PlatoonTopic& topic, const Position::ConstPtr& message) {

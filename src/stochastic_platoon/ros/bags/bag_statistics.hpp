@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,10 +12,11 @@
 namespace platoon {
 
 /// The statistics of a recorded platoon's positions, computed as in the monitor. `progress` is called with the bytes
-/// read and the total number of bytes. Throws BagError as recorded_platoon() does, if the bags hold more than one run,
-/// and if `source` does not accept the state of a file.
+/// read and the total number of bytes. `signals`: see RunReading. Throws BagError as recorded_platoon() does, if the
+/// bags hold more than one run, and if `source` does not accept the state of a file.
 BagStatistics statistics_of_bags(const BagSource& source,
-                                 const std::function<void(std::uint64_t, std::uint64_t)>& progress);
+                                 const std::function<void(std::uint64_t, std::uint64_t)>& progress,
+                                 const std::optional<std::vector<std::string>>& signals = std::nullopt);
 
 /// The first configuration in the bags, with its namespace. Throws BagError if there is none, or if it is of another
 /// version of this package.

@@ -34,7 +34,15 @@ bool is_same(double a, double b) {
 
 }  // namespace
 
-RunReading::RunReading(const RecordedPlatoon& platoon) : platoon_(platoon), run_(run_identity(platoon.configuration)) {}
+RunReading::RunReading(const RecordedPlatoon& platoon, const std::optional<std::vector<std::string>>& signals)
+    : platoon_(platoon), run_(run_identity(platoon.configuration)) {
+  if (!signals) return;
+  RunOptions& run = platoon_.configuration.run;
+  if (!signals->empty() && run.averaging() == Averaging::over_time)
+    throw ConfigurationError(
+        {"signals: " + signals->front() + ": must be empty for a recording of averages over time"});
+  run.signals = *signals;
+}
 
 void RunReading::take(const PlatoonTopic& topic, const Position::ConstPtr& message) {
   if (topic.name_space != platoon_.name_space) return;

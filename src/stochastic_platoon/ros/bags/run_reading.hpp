@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -35,7 +36,9 @@ struct BagStatistics {
 /// a bit of the positions has changed.
 class RunReading {
 public:
-  explicit RunReading(const RecordedPlatoon& platoon);
+  /// `signals`: computed instead of those of the recorded run (see signal_kinds()).
+  explicit RunReading(const RecordedPlatoon& platoon,
+                      const std::optional<std::vector<std::string>>& signals = std::nullopt);
 
   /// Takes messages in the order of the recorded times.
   void take(const PlatoonTopic& topic, const stochastic_platoon::Position::ConstPtr& message);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
 
+#include "stochastic_platoon/run/delivery/message_pairs.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
 
 namespace platoon {
@@ -27,35 +29,29 @@ std::string topic(std::size_t index, const std::string& name) {
   return vehicle_name(index) + "/" + name;
 }
 
-// A key of follower i: that of its type, or the default vehicle's.
-double number_of(const nlohmann::json& model, std::size_t follower, const char* key) {
-  if (!model.contains("string")) return model.at(key);
+// A key of follower i: that of its type, or the default vehicle's; null if neither has it.
+nlohmann::json value_of(const nlohmann::json& model, std::size_t follower, const char* key) {
+  const nlohmann::json common = model.value(key, nlohmann::json());
+  if (!model.contains("string")) return common;
   const nlohmann::json& string = model.at("string");
   const std::string type = string.at((follower - 1) % string.size());
-  return type == "default" ? model.at(key).get<double>()
-                           : model.at("vehicle_types").at(type).value(key, model.at(key).get<double>());
+  return type == "default" ? common : model.at("vehicle_types").at(type).value(key, common);
 }
 
-// Whether follower i has a radio: by the inputs of its type, or the default vehicle's.
 bool hears_input(const nlohmann::json& model, std::size_t follower) {
-  nlohmann::json inputs = model.value("inputs", nlohmann::json::array());
-  if (model.contains("string")) {
-    const nlohmann::json& string = model.at("string");
-    const std::string type = string.at((follower - 1) % string.size());
-    if (type != "default") inputs = model.at("vehicle_types").at(type).value("inputs", inputs);
-  }
+  const nlohmann::json inputs = value_of(model, follower, "inputs");
   return std::any_of(inputs.begin(), inputs.end(), [](const auto& input) { return input.at("signal") == "input"; });
 }
 
 VehicleSettings settings_of(const nlohmann::json& model, std::size_t index) {
   const auto distance_up_to = [&model](std::size_t last) {
     double distance = 0.0;
-    for (std::size_t i = 1; i <= last; ++i) distance += number_of(model, i, "standstill_distance");
+    for (std::size_t i = 1; i <= last; ++i) distance += value_of(model, i, "standstill_distance").get<double>();
     return distance;
   };
   const std::size_t length = model.contains("string") ? model.at("string").size() : 1;
-  return {number_of(model, index, "time_headway"), number_of(model, index, "standstill_distance"),
-          model.at("sample_period"),
+  return {value_of(model, index, "time_headway").get<double>(),
+          value_of(model, index, "standstill_distance").get<double>(), model.at("sample_period"),
           -(static_cast<double>(index / length) * distance_up_to(length) + distance_up_to(index % length)),
           hears_input(model, index)};
 }
@@ -77,6 +73,7 @@ VehicleSettings vehicle_settings(const ros::NodeHandle& platoon, std::size_t ind
 ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move)
     : platoon_(platoon),
       index_(index),
+      pairs_(std::make_shared<MessagePairs<Message::ConstPtr>>()),
       start_(std::move(start)),
       move_([move = std::move(move)](const auto& received, const auto&, auto& position, auto&) {
         move(received, position);
@@ -89,6 +86,7 @@ ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Sta
 ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, MoveByRadio move)
     : platoon_(platoon),
       index_(index),
+      pairs_(std::make_shared<MessagePairs<Message::ConstPtr>>()),
       start_(std::move(start)),
       move_(std::move(move)),
       position_(platoon.advertise<Position>(topic(index, "position"), kUnbounded)),
@@ -115,31 +113,20 @@ void ExternalVehicle::receive(const Message::ConstPtr& message) {
   if (!positions_.takes(message)) return;
   if (other_run) hears_ = input_ && vehicle_settings(platoon_, index_).hears_input;
   if (!hears_) return answer(*message, {});
-  positions_.waiting.push_back(message);
+  pairs_->add_position(message);
   match();
 }
 
 void ExternalVehicle::hear(const Message::ConstPtr& message) {
   if (!inputs_.takes(message)) return;
-  inputs_.waiting.push_back(message);
+  pairs_->add_input(message);
   match();
 }
 
-// Both streams have no gaps within an attempt, so that only messages of an older attempt or run find no counterpart.
 void ExternalVehicle::match() {
-  std::deque<Message::ConstPtr>&positions = positions_.waiting, &inputs = inputs_.waiting;
-  while (!positions.empty() && !inputs.empty()) {
-    const Message::ConstPtr position = positions.front(), input = inputs.front();
-    if (position->run == input->run && position->attempt == input->attempt) {
-      positions.pop_front();
-      inputs.pop_front();
-      answer(*position, input->position);
-    } else if (position->run == input->run) {
-      (position->attempt < input->attempt ? positions : inputs).pop_front();
-    } else {
-      (position->run == positions_.latest->run ? inputs : positions).pop_front();
-    }
-  }
+  if (!positions_.latest) return;
+  pairs_->visit(positions_.latest->run,
+                [this](const Message& position, const Message& input) { answer(position, input.position); });
 }
 
 void ExternalVehicle::answer(const Message& received, const std::vector<double>& heard) {

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "stochastic_platoon/run/delivery/batch_schedule.hpp"
-#include "stochastic_platoon/run/delivery/error_assembly.hpp"
+#include "stochastic_platoon/run/delivery/signal_assembly.hpp"
 
 namespace platoon {
 

@@ -1,6 +1,5 @@
 #include "stochastic_platoon/ros/nodes/channel.hpp"
 
-#include <algorithm>
 #include <boost/function.hpp>
 #include <string>
 #include <utility>
@@ -14,8 +13,12 @@ using stochastic_platoon::Position;
 
 namespace {
 
-bool has_radio(const Configuration& configuration, std::uint32_t follower) {
-  return vehicle(configuration.model, follower).feed_forward.has_value();
+// For each follower from first to last whether it has a radio.
+std::vector<bool> radios_of(const Configuration& configuration, std::uint32_t first, std::uint32_t last) {
+  std::vector<bool> radios;
+  for (std::uint32_t i = first; i <= last; ++i)
+    radios.push_back(vehicle(configuration.model, i).feed_forward.has_value());
+  return radios;
 }
 
 }  // namespace
@@ -24,6 +27,8 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
                  const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded)
     : superseded_(std::move(superseded)),
       run_(configuration.run),
+      first_(first),
+      radios_(radios_of(configuration, first, last)),
       membership_(platoon, "channel", 0, [this](const Configuration& joined) { begin(joined); }),
       messages_(messages),
       told_(std::move(told)) {
@@ -35,7 +40,7 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
   };
   for (std::uint32_t i = first; i <= last; ++i) {
     add(i, false, position_topic(i - 1), predecessor_position_topic(i));
-    if (has_radio(configuration, i)) add(i, true, input_topic(i - 1), predecessor_input_topic(i));
+    if (radios_[i - first]) add(i, true, input_topic(i - 1), predecessor_input_topic(i));
   }
   membership_.join(configuration);
   for (Wire& wire : wires_) {
@@ -50,10 +55,9 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
 
 void Channel::begin(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
-  const bool same_radios = std::all_of(wires_.begin(), wires_.end(), [&](const Wire& wire) {
-    return wire.follower > run.followers || has_radio(configuration, wire.follower) == has_wire_of_radio(wire.follower);
-  });
-  if (run.followers != run_.followers || run.batch != run_.batch || run.record != run_.record || !same_radios) {
+  const auto last = first_ + static_cast<std::uint32_t>(radios_.size()) - 1;
+  if (run.followers != run_.followers || run.batch != run_.batch || run.record != run_.record ||
+      radios_of(configuration, first_, last) != radios_) {
     over_ = true;
     return superseded_(configuration);
   }
@@ -65,11 +69,6 @@ void Channel::begin(const Configuration& configuration) {
     wire.order.reset();
     if (wire.link->keeps_state()) wire.order.emplace(run.schedule());
   }
-}
-
-bool Channel::has_wire_of_radio(std::uint32_t follower) const {
-  return std::any_of(wires_.begin(), wires_.end(),
-                     [follower](const Wire& wire) { return wire.radio && wire.follower == follower; });
 }
 
 VitalSigns::Sources Channel::sources() const {

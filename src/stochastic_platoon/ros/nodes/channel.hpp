@@ -50,11 +50,12 @@ private:
     ros::Subscriber sent;
   };
   void begin(const Configuration& configuration);
-  bool has_wire_of_radio(std::uint32_t follower) const;
   void transmit(Wire& wire, const PositionEvent& event);
 
   RunMembership::Join superseded_;
   RunOptions run_;
+  std::uint32_t first_;
+  std::vector<bool> radios_;  ///< whether follower first_, first_ + 1, ... has a radio
   std::atomic<bool> over_{false};
   RunMembership membership_;
   MessagePool messages_;

@@ -58,27 +58,20 @@ bool Follower::takes(PositionInput& input, MessageOrder& order, const PositionEv
 void Follower::receive(const PositionEvent& event) {
   if (!input_.admits(event) || !takes(input_, run_state_->order, event)) return;
   if (!run_state_->has_radio) return move_on(*event.getConstMessage(), nullptr);
-  run_state_->positions.push_back(event.getConstMessage());
+  run_state_->pairs.add_position(event.getConstMessage());
   match();
 }
 
 void Follower::hear(const PositionEvent& event) {
   if (!radio_input_.admits(event) || !run_state_->has_radio || !takes(radio_input_, run_state_->radio_order, event))
     return;
-  run_state_->inputs.push_back(event.getConstMessage());
+  run_state_->pairs.add_input(event.getConstMessage());
   match();
 }
 
-// Both sequences have no gaps within an attempt, so that only messages of an older attempt find no counterpart.
 void Follower::match() {
-  std::deque<Message::ConstPtr>&positions = run_state_->positions, &inputs = run_state_->inputs;
-  while (!positions.empty() && !inputs.empty()) {
-    const Message::ConstPtr position = positions.front(), input = inputs.front();
-    const bool older_position = position->attempt < input->attempt, older_input = input->attempt < position->attempt;
-    if (!older_input) positions.pop_front();
-    if (!older_position) inputs.pop_front();
-    if (!older_position && !older_input) move_on(*position, input.get());
-  }
+  run_state_->pairs.visit(membership_.run(),
+                          [this](const Message& position, const Message& input) { move_on(position, &input); });
 }
 
 void Follower::move_on(const Message& received, const Message* heard) {

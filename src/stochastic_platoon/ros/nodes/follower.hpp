@@ -4,7 +4,6 @@
 #include <stochastic_platoon/Position.h>
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <optional>
 
@@ -16,6 +15,7 @@
 #include "stochastic_platoon/ros/transport/transport.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/delivery/message_order.hpp"
+#include "stochastic_platoon/run/delivery/message_pairs.hpp"
 
 namespace platoon {
 
@@ -59,8 +59,8 @@ private:
     ros::Duration period;
     FollowerVehicle vehicle;
     MessageOrder order, radio_order;
-    Own upcoming = {};                                          ///< its own next step, unless it is ahead
-    std::deque<Message::ConstPtr> positions = {}, inputs = {};  ///< taken, each waits for the other of its step
+    Own upcoming = {};                           ///< its own next step, unless it is ahead
+    MessagePairs<Message::ConstPtr> pairs = {};  ///< with a radio
   };
   void begin(const Configuration& configuration);
   void receive(const PositionEvent& event);

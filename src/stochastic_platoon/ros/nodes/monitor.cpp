@@ -29,8 +29,8 @@ std::vector<std::string> topics_of(const ros::NodeHandle& platoon, const RunOpti
   return topics;
 }
 
-std::vector<TrackingError> errors_of(const Configuration& configuration) {
-  std::vector<TrackingError> errors;
+std::vector<Signal> errors_of(const Configuration& configuration) {
+  std::vector<Signal> errors;
   for (std::size_t i = 1; i <= configuration.run.followers; ++i)
     errors.push_back(tracking_error(configuration.model, i));
   return errors;

@@ -84,6 +84,17 @@ void add_cells(const Columns& columns, Overview& message) {
   }
 }
 
+void add_gaps(const Prediction& prediction, const RunResult& result, Overview& message) {
+  if (result.gaps.empty() || result.realizations == 0) return;
+  for (const FollowerGaps& of : result.gaps.followers()) {
+    message.smallest_gap.push_back(of.smallest.gap);
+    message.smallest_gap_realization.push_back(of.smallest.realization);
+    message.smallest_gap_step.push_back(of.smallest.step);
+    message.collisions.push_back(of.collisions);
+  }
+  message.collision_bound = prediction.collision_bound;
+}
+
 }  // namespace
 
 std::vector<std::int64_t> spread_steps(std::int64_t steps, std::int64_t most) {
@@ -108,6 +119,7 @@ Overview overview_of(const RunOptions& run, const Prediction& prediction, const 
   add_verdict(prediction, message);
   const Columns columns = columns_of(run, prediction, result);
   add_cells(columns, message);
+  add_gaps(prediction, result, message);
   // Evaluating all cells of a run of millions would take longer than the second until the next message.
   const bool all = result.complete || result.moments.size() <= kMostCells;
   const std::optional<Agreement> found = all ? measured_agreement(run, prediction, result)

@@ -15,8 +15,8 @@ namespace {
 constexpr double kSnapshotPeriod = 0.05;  // [s]
 }
 
-Snapshots::Snapshots(ros::NodeHandle platoon, const std::string& topic, std::size_t streams,
-                     std::vector<TrackingError> errors, double sample_period)
+Snapshots::Snapshots(ros::NodeHandle platoon, const std::string& topic, std::size_t streams, std::vector<Signal> errors,
+                     double sample_period)
     : errors_(std::move(errors)),
       sample_period_(sample_period),
       assembly_(streams, kSnapshotPeriod),
@@ -60,7 +60,7 @@ void Snapshots::publish() {
   message.step = complete->id.step;
   const std::vector<double>& own = complete->position;
   for (std::size_t i = 1; i <= errors_.size(); ++i)
-    message.tracking_error.push_back(errors_[i - 1](own[i - 1], own[i], complete->position_before[i]));
+    message.tracking_error.push_back(errors_[i - 1](own[i - 1], {own[i], complete->position_before[i]}));
   for (std::size_t i = 0; i < own.size() && !errors_.empty(); ++i)
     message.speed.push_back((own[i] - complete->position_before[i]) / sample_period_);
   message.position = std::move(complete->position);

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/model/tracking_error.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/ros/transport/spin_lock.hpp"
 #include "stochastic_platoon/run/delivery/snapshot_assembly.hpp"
 
@@ -24,8 +24,8 @@ namespace platoon {
 class Snapshots {
 public:
   /// `errors`: of all followers if the streams are vehicles 0 .. N; else empty. `sample_period` [s]: for their speeds.
-  Snapshots(ros::NodeHandle platoon, const std::string& topic, std::size_t streams,
-            std::vector<TrackingError> errors = {}, double sample_period = 1.0);
+  Snapshots(ros::NodeHandle platoon, const std::string& topic, std::size_t streams, std::vector<Signal> errors = {},
+            double sample_period = 1.0);
 
   /// Whether take() needs positions at present.
   bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
@@ -40,7 +40,7 @@ public:
 private:
   void publish();
 
-  std::vector<TrackingError> errors_;
+  std::vector<Signal> errors_;
   double sample_period_;
   std::atomic<bool> wanted_{false};
   std::atomic<bool> paced_{false};

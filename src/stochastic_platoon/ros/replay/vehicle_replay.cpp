@@ -46,6 +46,11 @@ std::string its_clause(Clause clause) {
 
 constexpr double kSilentWait = 1.0;  // [s] until the wait for the vehicle is logged
 
+bool is_of(const MessageId& id, const Position& message) {
+  return std::tie(id.attempt, id.first_realization, id.step) ==
+         std::tie(message.attempt, message.first_realization, message.step);
+}
+
 }  // namespace
 
 VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags,
@@ -118,9 +123,13 @@ void VehicleReplay::check_patience() {
 
 void VehicleReplay::send_allowed() {
   while (!done_ && sent_.front().next && credit_.may_send()) {
-    credit_.send(sent_.front().next->step == kInitialStep, now());
+    const MessageId id = id_of(*sent_.front().next);
     for (const Sent& sent : sent_) {
       if (!sent.next) return end_with("the bag holds fewer inputs than positions of its predecessor");
+      if (!is_of(id, *sent.next)) return end_with("the bag holds positions and inputs of different steps");
+    }
+    credit_.send(id.step == kInitialStep, now());
+    for (const Sent& sent : sent_) {
       sent.next->run = run_;
       sent.next->attempt += attempts_ahead_;
       last_attempt_ = std::max(last_attempt_, sent.next->attempt);

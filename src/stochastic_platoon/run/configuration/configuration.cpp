@@ -29,12 +29,7 @@ void require_version(Section& document, std::vector<std::string>& problems) {
 constexpr double kMostLossResponses = 1e10;
 
 bool has_independent_losses(const PlatoonModel& model) {
-  const std::vector<VehicleModel> vehicles = pattern(model);
-  const auto loses = [](const LinkModel& link) {
-    return link.loss && link.loss->probability > 0.0 && link.loss->is_independent();
-  };
-  return std::any_of(vehicles.begin(), vehicles.end(),
-                     [&](const VehicleModel& vehicle) { return loses(vehicle.link) || loses(varied_link(vehicle)); });
+  return any_link(model, [](const LinkModel& link) { return link.loses() && link.loss->is_independent(); });
 }
 
 void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, std::vector<std::string>& problems) {
@@ -217,6 +212,11 @@ void override_value(YAML::Node& document, const std::string& name, const YAML::N
   throw ConfigurationError({name + ": must be a setting, or lead to a key of the model file"});
 }
 
+SignalCells cells_of(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
+  return signal_cells(configuration.model, run.followers, run.steps, run.signals);
+}
+
 std::uint64_t run_identity(const Configuration& configuration) {
   const std::uint64_t identity = digest(to_json(configuration).dump());
   return identity == 0 ? 1 : identity;
@@ -232,6 +232,7 @@ nlohmann::json statistics_identity(const Configuration& configuration) {
   identity["steps"] = configuration.run.steps;
   if (configuration.run.averaging() == Averaging::over_time) identity["burn_in"] = configuration.run.burn_in;
   if (!configuration.run.external.empty()) identity["external"] = configuration.run.external;
+  if (!configuration.run.signals.empty()) identity["signals"] = configuration.run.signals;
   return identity;
 }
 

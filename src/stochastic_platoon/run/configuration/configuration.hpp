@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "stochastic_platoon/math/statistics/ensemble_totals.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/model_file.hpp"
 #include "stochastic_platoon/run/configuration/run_options.hpp"
@@ -25,6 +26,9 @@ struct Configuration {
 Configuration parse_configuration(const YAML::Node& document);
 /// The same from text. Throws ConfigurationError if the text is not YAML (JSON is).
 Configuration parse_configuration(const std::string& text);
+
+/// The cells of the run's statistics.
+SignalCells cells_of(const Configuration& configuration);
 
 /// JSON for parse_configuration().
 nlohmann::json to_json(const Configuration& configuration);

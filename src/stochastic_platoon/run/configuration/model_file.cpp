@@ -93,6 +93,7 @@ VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sam
   if (base == nullptr || section.has("time_headway") || section.has("time_headway_seconds"))
     vehicle.headway = read_headway(section, sample_period);
   number("standstill_distance", kNotNegative, &VehicleModel::standstill_distance);
+  if (section.has("vehicle_length")) vehicle.length = section.number("vehicle_length", kNotNegative);
   const GivenInputs given = section.has("inputs") ? read_inputs(section, vehicle, allow_unstable) : GivenInputs{};
   if (!given.noise_variance) number("noise_variance", kNotNegative, &VehicleModel::noise_variance);
   if (base == nullptr || section.has("initial_position"))
@@ -123,7 +124,7 @@ void read_types(Section types, PlatoonModel& model, std::vector<std::string>& pr
       continue;
     }
     Section type = types.section(name);
-    for (const char* key : {"sample_period", "leader", "allow_unstable"}) {
+    for (const char* key : {"sample_period", "leader", "allow_unstable", "safe_gap"}) {
       if (type.has(key)) type.reject(key, "given", "absent, as all vehicles share it");
     }
     model.types.push_back({name, read_vehicle(type, &base, model.sample_period, model.allow_unstable, problems), {}});
@@ -177,6 +178,7 @@ std::optional<PlatoonModel> read_model(Section document, std::vector<std::string
                      sample_period);
   model.recorded_leader = std::move(leader.recorded);
   model.allow_unstable = allow_unstable;
+  if (document.has("safe_gap")) model.safe_gap = document.number("safe_gap", kNotNegative);
   if (document.has("vehicle_types")) read_types(document.section("vehicle_types"), model, problems);
   if (document.has("string")) read_string(document, model);
   document.reject_unknown_keys();
@@ -206,6 +208,7 @@ nlohmann::json to_json(const VehicleModel& vehicle) {
   } else {
     document["closed_loop"] = to_json(vehicle.loop.realization);
   }
+  if (vehicle.length > 0.0) document["vehicle_length"] = vehicle.length;
   return document;
 }
 
@@ -232,6 +235,7 @@ nlohmann::json to_json(const PlatoonModel& model) {
   document["leader"] = model.recorded_leader.empty() ? nlohmann::json{{"speed", speed}}
                                                      : nlohmann::json{{"positions", model.recorded_leader}};
   document["allow_unstable"] = model.allow_unstable;
+  if (model.safe_gap) document["safe_gap"] = *model.safe_gap;
   const LinkModel& base = model.default_vehicle().link;
   const nlohmann::json link = to_json(base);
   if (!link.empty()) document["channel"] = link;
@@ -240,6 +244,7 @@ nlohmann::json to_json(const PlatoonModel& model) {
     const VehicleType& type = model.types[i];
     nlohmann::json& written = document["vehicle_types"][type.name] = to_json(type.vehicle);
     written["channel"] = full_link(type.vehicle.link, base);
+    if (type.vehicle.length != model.default_vehicle().length) written["vehicle_length"] = type.vehicle.length;
     // Inherited values stay inherited in every copy of the model.
     if (type.inherited.headway) written.erase("time_headway");
     if (type.inherited.plant) written.erase("plant");

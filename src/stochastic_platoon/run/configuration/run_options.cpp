@@ -6,7 +6,9 @@
 #include <limits>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
@@ -53,6 +55,23 @@ std::vector<std::size_t> read_external(Section& section, std::size_t followers) 
     return {};
   }
   return {external.begin(), external.end()};
+}
+
+std::vector<std::string> read_signals(Section& section) {
+  const std::string text = section.text("signals");
+  try {
+    return signal_names(text);
+  } catch (const std::invalid_argument&) {
+    section.reject("signals", printable(shortened(text)),
+                   "some of " + all_signal_names() + ", each once, separated by commas");
+    return {};
+  }
+}
+
+std::string signals_text(const RunOptions& options) {
+  std::string text;
+  for (const std::string& signal : options.signals) text += (text.empty() ? "" : ",") + signal;
+  return text;
 }
 
 Hosting parsed_hosting(const std::string& text) {
@@ -133,10 +152,16 @@ RunOptions read_run_options(Section section) {
     options.burn_in = section.integer("burn_in", 0, kMaxCount);
   }
   if (section.has("external")) options.external = read_external(section, options.followers);
+  if (section.has("signals")) options.signals = read_signals(section);
   section.reject_unknown_keys();
+  if (options.steps == 0 && !options.signals.empty())
+    section.reject("signals", signals_text(options), "empty for averages over time (steps: 0)");
   const auto followers = static_cast<std::int64_t>(options.followers);
-  if (options.steps > kMaxCells / followers) {
-    section.reject("steps x followers", std::to_string(options.steps) + " x " + std::to_string(followers),
+  const auto kinds = static_cast<std::int64_t>(1 + options.signals.size());
+  if (options.steps > kMaxCells / followers / kinds) {
+    section.reject(kinds > 1 ? "steps x followers x (1 + signals)" : "steps x followers",
+                   std::to_string(options.steps) + " x " + std::to_string(followers) +
+                       (kinds > 1 ? " x " + std::to_string(kinds) : ""),
                    "at most " + std::to_string(kMaxCells) +
                        ", as statistics are kept for each (steps: 0 averages over time instead)");
   } else if (options.realizations > kMaxPositions / static_cast<std::uint64_t>((options.steps + 1) * (followers + 1))) {
@@ -194,6 +219,7 @@ nlohmann::json to_json(const RunOptions& options) {
   for (const std::size_t vehicle : options.external)
     external += (external.empty() ? "" : ",") + std::to_string(vehicle);
   if (!external.empty()) document["external"] = external;
+  if (!options.signals.empty()) document["signals"] = signals_text(options);
   return document;
 }
 

@@ -40,6 +40,7 @@ struct RunOptions {
   bool steps_chosen = false;               ///< steps is chosen_steps() instead of a given number
   bool burn_in_chosen = false;             ///< burn_in is settling_steps() instead of a given number
   std::vector<std::size_t> external = {};  ///< external vehicles, ascending
+  std::vector<std::string> signals = {};   ///< beside the tracking errors, in the order of signal_kinds()
 
   /// Whether follower i is an external vehicle.
   bool is_external(std::size_t follower) const;

@@ -29,6 +29,8 @@ const std::vector<Setting>& settings() {
       {"window", "0", "steps that may be unacknowledged; 0: choose", nullptr},
       {"stall_timeout", "2.0", "seconds without progress before a batch is begun again; 0: never", nullptr},
       {"external", "", "external vehicles, which platoon.launch does not start, as in 3,7; empty: none", nullptr},
+      {"signals", "",
+       "signals beside the tracking errors, as in gap,speed: gap, speed, acceleration, jerk; empty: none", nullptr},
       {"burn_in", "",
        "steps left out of the time averages of an endless run; empty: until the start has decayed to 1e-6", nullptr},
       {"launch_id", "", "names one launch; empty: a new one", nullptr},

@@ -9,38 +9,15 @@
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
 
 namespace platoon {
 
 namespace {
 
-nlohmann::json numbers(const std::vector<double>& values) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const double value : values) list.push_back(number(value));
-  return list;
-}
-
-nlohmann::json rows(const std::vector<double>& values, std::size_t length) {
-  nlohmann::json list = nlohmann::json::array();
-  for (auto row = values.begin(); row != values.end(); row += static_cast<std::ptrdiff_t>(length)) {
-    list.push_back(numbers({row, row + static_cast<std::ptrdiff_t>(length)}));
-  }
-  return list;
-}
-
 nlohmann::json coefficients(const Polynomial& polynomial) {
   return numbers({polynomial.data(), polynomial.data() + polynomial.size()});
-}
-
-std::string shown(std::optional<double> value, const char* unit) {
-  return value ? formatted("%.6g %s", *value, unit) : "none";
-}
-
-/// Six digits; "none" for NaN.
-std::string figure(double value, const char* unit) {
-  if (std::isnan(value)) return "none";
-  return std::isinf(value) ? std::string("beyond the range of double") : formatted("%.6g %s", value, unit);
 }
 
 std::string shown(const std::vector<HeadwayInterval>& intervals) {
@@ -88,8 +65,10 @@ std::string loss_lines(const PlatoonModel& model, const Analysis& analysis) {
 
 }  // namespace
 
-Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps, const StageObserver& begins) {
+Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps, const StageObserver& begins,
+                 const SignalRequest& signals) {
   Analysis analysis{};
+  analysis.signals.request = signals;
   analysis.theory = theory_of(model);
   const VehicleModel& own = model.default_vehicle();
   analysis.integral_defect = integral_defect(own.loop, own.headway);
@@ -113,6 +92,7 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
   analysis.headways = stable_headways(model);
   begins("stable loss probabilities");
   analysis.losses = stable_losses(model);
+  analysis.signals = analyze_signals(model, signals, followers, steps, analysis.stability.string_stable, begins);
   return analysis;
 }
 
@@ -124,7 +104,8 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   if (own.feed_forward) text += formatted(", radio %g (m/s^2)^2", own.feed_forward->noise_variance);
   text += ": ";
   if (analysis.theory == Theory::none)
-    return text + "no theory, as losses come in bursts: monte_carlo measures what they do\n";
+    return text + "no theory, as losses come in bursts: monte_carlo measures what they do\n" +
+           report(model, analysis.signals);
   text += stability.reason + "\n";
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
           (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
@@ -136,7 +117,7 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   const std::vector<double>& stationary = analysis.stationary_variance;
   text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
           figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
-          shown(stability.limit_variance, "m^2") + "\n";
+          figure(stability.limit_variance, "m^2") + "\n";
   if (!analysis.stationary_variance_by_input.empty()) {
     const auto& [position, input] = analysis.stationary_variance_by_input.back();
     text += "of which radar " + figure(position, "m^2") + ", radio " + figure(input, "m^2") +
@@ -149,6 +130,7 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
     text += formatted("Stationary mean: up to %.6g m, of follower %zu: what delay and loss leave at constant speed\n",
                       *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
   }
+  text += report(model, analysis.signals);
   text += formatted(
       "Largest norms over %zu followers and %lld steps k (%s): ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
       analysis.moments.followers, static_cast<long long>(analysis.moments.steps),
@@ -158,10 +140,10 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
           .c_str());
   if (analysis.bounds) {
     const TheoremTwoBounds& bounds = *analysis.bounds;
-    text += "Bounds of Theorem 2: mean " + shown(bounds.mean_bound, "m") + " (alpha_1 " + shown(bounds.alpha_1, "m") +
-            ", beta_1 " + shown(bounds.beta_1, "m") + "), variance " + shown(bounds.variance_bound, "m^2") +
-            " (alpha_2 " + shown(bounds.alpha_2, "m^2") + ", beta_2 " + shown(bounds.beta_2, "m^2") +
-            "; the paper's beta_2 " + shown(bounds.stated_beta_2, "m^2") + ")\n";
+    text += "Bounds of Theorem 2: mean " + figure(bounds.mean_bound, "m") + " (alpha_1 " + figure(bounds.alpha_1, "m") +
+            ", beta_1 " + figure(bounds.beta_1, "m") + "), variance " + figure(bounds.variance_bound, "m^2") +
+            " (alpha_2 " + figure(bounds.alpha_2, "m^2") + ", beta_2 " + figure(bounds.beta_2, "m^2") +
+            "; the paper's beta_2 " + figure(bounds.stated_beta_2, "m^2") + ")\n";
   } else if (!is_papers(model)) {
     text += "Bounds of Theorem 2: none, as they are of the paper's platoon\n";
   } else {
@@ -185,10 +167,12 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
   const VehicleModel& own = model.default_vehicle();
   const auto steps = static_cast<std::size_t>(analysis.moments.steps);
   if (analysis.theory == Theory::none) {
-    return {{"headway", own.headway},
-            {"noise_variance", own.noise_variance},
-            {"theory", to_string(analysis.theory)},
-            {"rounding", number(analysis.rounding)}};
+    nlohmann::json document = {{"headway", own.headway},
+                               {"noise_variance", own.noise_variance},
+                               {"theory", to_string(analysis.theory)},
+                               {"rounding", number(analysis.rounding)}};
+    add_to_json(analysis.signals, document);
+    return document;
   }
   nlohmann::json losses;
   if (analysis.losses) {
@@ -220,37 +204,40 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
               {"beta_2", number(analysis.bounds->beta_2)},
               {"stated_beta_2", number(analysis.bounds->stated_beta_2)}};
   }
-  return {{"headway", own.headway},
-          {"sample_period", model.sample_period},
-          {"noise_variance", own.noise_variance},
-          {"transfer",
-           {{"numerator", coefficients(own.loop.transfer.numerator())},
-            {"denominator", coefficients(own.loop.transfer.denominator())}}},
-          {"spectral_radius", stability.spectral_radius},
-          {"rounding", number(analysis.rounding)},
-          {"integral_defect", number(analysis.integral_defect)},
-          {"peak_gain", number(stability.peak_gain)},
-          {"peak_frequency", number(stability.peak_frequency)},
-          {"mean_square_stable", stability.mean_square_stable},
-          {"string_stable", truth(stability.decision())},
-          {"reason", stability.reason},
-          {"critical_headway", number(critical)},
-          {"critical_headway_seconds", critical ? nlohmann::json(*critical * model.sample_period) : nlohmann::json()},
-          {"stable_headways", analysis.headways ? headways : nlohmann::json()},
-          {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
-          {"theory", to_string(analysis.theory)},
-          {"loss_gain", number(stability.loss_gain)},
-          {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
-          {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
-          {"stable_loss_probabilities", losses},
-          {"stationary_mean", numbers(analysis.stationary_mean)},
-          {"stationary_variance", numbers(analysis.stationary_variance)},
-          {"stationary_variance_by_input", by_input},
-          {"limit_variance", number(stability.limit_variance)},
-          {"mean", rows(analysis.moments.mean, steps)},
-          {"variance", rows(analysis.moments.variance, steps)},
-          {"norms", norms},
-          {"bounds", bounds}};
+  nlohmann::json document = {
+      {"headway", own.headway},
+      {"sample_period", model.sample_period},
+      {"noise_variance", own.noise_variance},
+      {"transfer",
+       {{"numerator", coefficients(own.loop.transfer.numerator())},
+        {"denominator", coefficients(own.loop.transfer.denominator())}}},
+      {"spectral_radius", stability.spectral_radius},
+      {"rounding", number(analysis.rounding)},
+      {"integral_defect", number(analysis.integral_defect)},
+      {"peak_gain", number(stability.peak_gain)},
+      {"peak_frequency", number(stability.peak_frequency)},
+      {"mean_square_stable", stability.mean_square_stable},
+      {"string_stable", truth(stability.decision())},
+      {"reason", stability.reason},
+      {"critical_headway", number(critical)},
+      {"critical_headway_seconds", critical ? nlohmann::json(*critical * model.sample_period) : nlohmann::json()},
+      {"stable_headways", analysis.headways ? headways : nlohmann::json()},
+      {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
+      {"theory", to_string(analysis.theory)},
+      {"loss_gain", number(stability.loss_gain)},
+      {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
+      {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
+      {"stable_loss_probabilities", losses},
+      {"stationary_mean", numbers(analysis.stationary_mean)},
+      {"stationary_variance", numbers(analysis.stationary_variance)},
+      {"stationary_variance_by_input", by_input},
+      {"limit_variance", number(stability.limit_variance)},
+      {"mean", rows(analysis.moments.mean, steps)},
+      {"variance", rows(analysis.moments.variance, steps)},
+      {"norms", norms},
+      {"bounds", bounds}};
+  add_to_json(analysis.signals, document);
+  return document;
 }
 
 }  // namespace platoon

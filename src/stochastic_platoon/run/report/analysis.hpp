@@ -15,6 +15,7 @@
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
+#include "stochastic_platoon/run/report/signal_analysis.hpp"
 
 namespace platoon {
 
@@ -34,6 +35,7 @@ struct Analysis {
   std::optional<StableLosses> losses = {};   ///< none without a loss stage
   std::vector<double> stationary_mean = {};  ///< [m], one per follower, caused by delays and losses
   Theory theory = Theory::exact;
+  SignalAnalysis signals = {};  ///< of the signals requested
 };
 
 /// Called with the name of each stage before it is computed.
@@ -41,7 +43,7 @@ using StageObserver = std::function<void(const char* stage)>;
 
 Analysis analyze(
     const PlatoonModel& model, std::size_t followers, std::int64_t steps,
-    const StageObserver& begins = [](const char*) {});
+    const StageObserver& begins = [](const char*) {}, const SignalRequest& signals = {});
 
 /// Text report: the verdict first, then the reasons.
 std::string report(const PlatoonModel& model, const Analysis& analysis);

@@ -5,7 +5,9 @@
 #include <limits>
 #include <string>
 
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/collision_risk.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/linked_moments.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
@@ -20,22 +22,15 @@ const char* to_string(Theory theory) {
 }
 
 Theory theory_of(const PlatoonModel& model) {
-  for (const VehicleModel& vehicle : pattern(model)) {
-    for (const LinkModel* link : {&vehicle.link, &varied_link(vehicle)}) {
-      if (link->loss && !link->loss->is_independent()) return Theory::none;
-    }
-  }
-  return Theory::exact;
+  const bool in_bursts =
+      any_link(model, [](const LinkModel& link) { return link.loss && !link.loss->is_independent(); });
+  return in_bursts ? Theory::none : Theory::exact;
 }
 
 namespace {
 
 bool loses(const PlatoonModel& model) {
-  const std::vector<VehicleModel> vehicles = pattern(model);
-  const auto link_loses = [](const LinkModel& link) { return link.loss && link.loss->probability > 0.0; };
-  return std::any_of(vehicles.begin(), vehicles.end(), [&](const VehicleModel& vehicle) {
-    return link_loses(vehicle.link) || link_loses(varied_link(vehicle));
-  });
+  return any_link(model, [](const LinkModel& link) { return link.loses(); });
 }
 
 Prediction no_prediction(const Configuration& configuration, const std::string& reason) {
@@ -87,6 +82,16 @@ void void_behind(const RunOptions& run, Prediction& prediction) {
                                  ", before vehicle_" + std::to_string(last + 1) + ", which is external";
 }
 
+void add_signals(const Configuration& configuration, Prediction& prediction) {
+  const RunOptions& run = configuration.run;
+  if (run.signals.empty() || !has_normal_errors(configuration.model)) return;
+  prediction.signals = signal_moments(configuration.model, run.signals, run.followers, run.steps);
+  const auto gap = std::find(run.signals.begin(), run.signals.end(), kGap) - run.signals.begin();
+  if (static_cast<std::size_t>(gap) == run.signals.size()) return;
+  prediction.collision_bound =
+      collision_bounds(prediction.signals[static_cast<std::size_t>(gap)], static_cast<std::size_t>(run.steps));
+}
+
 }  // namespace
 
 Prediction predict(const Configuration& configuration) {
@@ -110,6 +115,7 @@ Prediction predict(const Configuration& configuration) {
     prediction.rounding = rounding_bounds(configuration.model, moments);
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);
+    add_signals(configuration, prediction);
   }
   prediction.followers_with_theory = run.followers_before_external();
   if (!run.external.empty()) void_behind(run, prediction);

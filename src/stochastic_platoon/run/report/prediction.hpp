@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/string/effective_sample.hpp"
+#include "stochastic_platoon/math/string/signal_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 
@@ -37,6 +38,9 @@ struct Prediction {
   Theory theory = Theory::exact;  ///< none if it covers no follower
   std::size_t followers_with_theory = 0;
   std::vector<ErrorCorrelation> error_correlation = {};  ///< over time: one per follower
+  /// Of each requested signal, one cell per follower and step; empty over time, and where errors are not normal.
+  std::vector<SignalMoments> signals = {};
+  std::vector<double> collision_bound = {};  ///< see collision_bounds(), one per follower; empty without the gap
   std::string warning = {};  ///< the reason why a run with a theory is not compared with it; empty: none
 };
 

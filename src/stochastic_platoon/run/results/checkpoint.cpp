@@ -36,6 +36,46 @@ nlohmann::json to_json(const MomentTable& table) {
   return blocks;
 }
 
+nlohmann::json to_json(const GapTable& table) {
+  nlohmann::json followers = nlohmann::json::array();
+  for (const FollowerGaps& of : table.followers()) {
+    nlohmann::json bins = nlohmann::json::array(), counts = nlohmann::json::array();
+    for (const auto& [bin, count] : of.histogram) {
+      bins.push_back(bin);
+      counts.push_back(count);
+    }
+    followers.push_back({{"smallest", of.smallest.gap},
+                         {"realization", of.smallest.realization},
+                         {"step", of.smallest.step},
+                         {"collisions", of.collisions},
+                         {"unsafe", of.unsafe},
+                         {"bins", bins},
+                         {"counts", counts}});
+  }
+  nlohmann::json document = {{"bin_width", table.counting().bin_width}, {"followers", followers}};
+  if (table.counting().safe_gap) document["safe_gap"] = *table.counting().safe_gap;
+  return document;
+}
+
+GapTable gaps_from_json(const nlohmann::json& document) {
+  const nlohmann::json& followers = document.at("followers");
+  GapCounting counting{followers.size(), document.at("bin_width").get<double>()};
+  if (document.contains("safe_gap")) counting.safe_gap = document.at("safe_gap").get<double>();
+  GapTable table(counting);
+  for (std::size_t i = 0; i < followers.size(); ++i) {
+    const nlohmann::json& row = followers[i];
+    FollowerGaps of{{row.at("smallest").get<double>(), row.at("realization").get<std::uint64_t>(),
+                     row.at("step").get<std::int64_t>()},
+                    row.at("collisions").get<std::uint64_t>(),
+                    row.at("unsafe").get<std::uint64_t>()};
+    const nlohmann::json &bins = row.at("bins"), &counts = row.at("counts");
+    for (std::size_t j = 0; j < bins.size(); ++j)
+      of.histogram[bins.at(j).get<std::int64_t>()] = counts.at(j).get<std::uint64_t>();
+    table.merge(i + 1, of);
+  }
+  return table;
+}
+
 nlohmann::json to_json(const std::vector<Moments>& averages) {
   nlohmann::json rows = nlohmann::json::array();
   for (const Moments& of : averages) rows.push_back({of.count, of.mean, of.squared_deviations});
@@ -45,14 +85,15 @@ nlohmann::json to_json(const std::vector<Moments>& averages) {
 Checkpoint from_json(const nlohmann::json& document) {
   const auto cells = document.at("cells").get<std::size_t>();
   if (cells > kMostCells) throw std::runtime_error(std::to_string(cells) + " cells: must be fewer");
-  MomentTable table(cells);
+  EnsembleTotals totals{MomentTable(cells)};
   for (const nlohmann::json& block : document.at("blocks")) {
-    table.add({{block.at("first").get<std::uint64_t>(), block.at("level").get<unsigned>()},
-               block.at("mean").get<std::vector<double>>(),
-               block.at("squared_deviations").get<std::vector<double>>(),
-               block.value("cubed_deviations", std::vector<double>()),
-               block.value("fourth_deviations", std::vector<double>())});
+    totals.moments.add({{block.at("first").get<std::uint64_t>(), block.at("level").get<unsigned>()},
+                        block.at("mean").get<std::vector<double>>(),
+                        block.at("squared_deviations").get<std::vector<double>>(),
+                        block.value("cubed_deviations", std::vector<double>()),
+                        block.value("fourth_deviations", std::vector<double>())});
   }
+  if (document.contains("gaps")) totals.gaps = gaps_from_json(document.at("gaps"));
   std::vector<Moments> averages;
   for (const nlohmann::json& row : document.at("time_averages")) {
     averages.push_back({row.at(0).get<std::uint64_t>(), row.at(1).get<double>(), row.at(2).get<double>()});
@@ -62,7 +103,7 @@ Checkpoint from_json(const nlohmann::json& document) {
           document.at("launch_id").get<std::string>(),
           {tally.at("positions_received").get<std::uint64_t>(), tally.at("attempts").get<std::uint32_t>(),
            tally.at("wall_seconds").get<double>(), tally.at("platoon_time").get<std::uint64_t>()},
-          std::move(table),
+          std::move(totals),
           std::move(averages),
           {},
           document.value("shard", nlohmann::json())};
@@ -115,7 +156,7 @@ void require_no_results(const std::string& output) {
 }
 
 std::string extent_of(const Checkpoint& checkpoint) {
-  if (checkpoint.time_averages.empty()) return std::to_string(checkpoint.table.count()) + " realizations";
+  if (checkpoint.time_averages.empty()) return std::to_string(checkpoint.totals.count()) + " realizations";
   return "averages over " + std::to_string(checkpoint.time_averages.front().count) + " steps";
 }
 
@@ -135,9 +176,10 @@ void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
                                {"attempts", checkpoint.tally.attempts},
                                {"wall_seconds", checkpoint.tally.wall_seconds},
                                {"platoon_time", checkpoint.tally.platoon_time}}},
-                             {"cells", checkpoint.table.cells()},
-                             {"blocks", to_json(checkpoint.table)},
+                             {"cells", checkpoint.totals.moments.cells()},
+                             {"blocks", to_json(checkpoint.totals.moments)},
                              {"time_averages", to_json(checkpoint.time_averages)}};
+  if (!checkpoint.totals.gaps.empty()) document["gaps"] = to_json(checkpoint.totals.gaps);
   if (!checkpoint.shard.is_null()) document["shard"] = checkpoint.shard;
   const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(document);
   const std::string content(bytes.begin(), bytes.end());
@@ -219,13 +261,13 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
   if (!differing.empty()) {
     throw ConfigurationError({"output: " + run.output + ": holds a run of another configuration: " + differing});
   }
-  if (!has_no_gap(found->table)) {
+  if (!has_no_gap(found->totals.moments)) {
     throw ConfigurationError({"output: " + checkpoint_file(run.output) +
                               ": must hold realizations 0, 1, ... without a gap: must be another folder"});
   }
-  if (found->table.count() > run.realizations) {
+  if (found->totals.count() > run.realizations) {
     throw ConfigurationError({"realizations: " + std::to_string(run.realizations) + ": must be at least the " +
-                              std::to_string(found->table.count()) + " that " + run.output + " holds already"});
+                              std::to_string(found->totals.count()) + " that " + run.output + " holds already"});
   }
   return found;
 }

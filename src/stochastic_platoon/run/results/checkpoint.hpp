@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/statistics/moment_table.hpp"
+#include "stochastic_platoon/math/statistics/ensemble_totals.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/io/folder_lock.hpp"
 #include "stochastic_platoon/run/results/run_result.hpp"
@@ -20,7 +20,7 @@ struct Checkpoint {
   nlohmann::json identity;  ///< statistics_identity() of the run
   std::string launch_id;    ///< the launch that wrote it
   Tally tally;
-  MomentTable table;                        ///< without cells for averages over time
+  EnsembleTotals totals;                    ///< without cells for averages over time
   std::vector<Moments> time_averages = {};  ///< averages over time, one per follower; else empty
   std::string damage = {};                  ///< after reading: why this is not the latest checkpoint; empty: it is
   nlohmann::json shard = {};                ///< identifies the shard (see ShardRun); null for a whole run

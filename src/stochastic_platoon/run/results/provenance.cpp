@@ -94,8 +94,9 @@ RecordedResults read_summary(const std::string& file) {
   // Those without ROS are no choice of a launch file.
   if (hosting == to_string(Hosting::monte_carlo) || hosting == to_string(Hosting::bag))
     hosting = to_string(Hosting::one_process);
-  return {parse_configuration(document.dump()), summary.at("complete").get<bool>(),
-          summary.at("crc32").at("statistics").get<std::string>()};
+  nlohmann::json checksums = summary.at("crc32");
+  checksums.erase("summary");
+  return {parse_configuration(document.dump()), summary.at("complete").get<bool>(), checksums};
 }
 
 }  // namespace platoon

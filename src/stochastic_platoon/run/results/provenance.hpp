@@ -22,7 +22,7 @@ nlohmann::json provenance(const Configuration& configuration);
 struct RecordedResults {
   Configuration configuration;  ///< hosting is one_process if the run had no ROS nodes
   bool complete;
-  std::string statistics_checksum;  ///< checksum() of statistics.csv
+  nlohmann::json checksums;  ///< checksum() of statistics.csv and of every other table, by name
 };
 
 /// Reads a summary.json. Throws ConfigurationError if it is missing or damaged, comes from another version, or states

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <type_traits>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -10,6 +11,7 @@
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/checksum.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
+#include "stochastic_platoon/run/results/signal_results.hpp"
 
 namespace platoon {
 
@@ -96,6 +98,19 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
 }
 
 }  // namespace
+
+void RunResult::take(const EnsembleTotals& totals, const SignalCells& cells) {
+  realizations = totals.count();
+  gaps = totals.gaps;
+  const std::vector<Moments> all = totals.moments.totals();
+  const auto of_kind = [&](std::size_t kind) {
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(kind * cells.of_one_kind());
+    return std::vector<Moments>(first, first + static_cast<std::ptrdiff_t>(cells.of_one_kind()));
+  };
+  moments = of_kind(0);
+  signals.clear();
+  for (std::size_t kind = 1; kind < cells.kinds(); ++kind) signals.push_back(of_kind(kind));
+}
 
 std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   if (prediction.fourth_cumulant.empty() || result.moments.empty()) return {};
@@ -262,8 +277,19 @@ std::size_t place_of_checksum(const std::string& text) {
   return found == std::string::npos ? found : found + own.size();
 }
 
-std::string summary_text(nlohmann::json summary, const std::string& statistics) {
-  summary["crc32"] = {{"statistics", checksum(statistics)}, {"summary", kNoChecksum}};
+// The files beside the summary, by name without ending.
+using Tables = std::map<std::string, std::string>;
+
+Tables tables_of(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
+  Tables tables{{"statistics", statistics_csv(configuration, prediction, result)}};
+  if (!result.signals.empty()) tables["signals"] = signals_csv(configuration, prediction, result);
+  if (!result.gaps.empty()) tables["gaps"] = gaps_csv(configuration, prediction, result);
+  return tables;
+}
+
+std::string summary_text(nlohmann::json summary, const Tables& tables) {
+  summary["crc32"] = {{"summary", kNoChecksum}};
+  for (const auto& [name, content] : tables) summary["crc32"][name] = checksum(content);
   std::string text = summary.dump(2) + "\n";
   return text.replace(place_of_checksum(text), kNoChecksum.size(), checksum(text));
 }
@@ -284,11 +310,12 @@ bool is_whole_summary(const std::string& text) {
 
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const std::string& output = configuration.run.output;
-  const std::string statistics = statistics_csv(configuration, prediction, result);
+  const Tables tables = tables_of(configuration, prediction, result);
   nlohmann::json summary = summary_json(configuration, prediction, result);
   summary.update(provenance(configuration));
-  write_atomically(unfinished_summary_file(output), summary_text(std::move(summary), statistics));
-  write_atomically(output + "/statistics.csv", statistics);
+  if (!result.gaps.empty()) summary["smallest_gap"] = smallest_gap_json(result);
+  write_atomically(unfinished_summary_file(output), summary_text(std::move(summary), tables));
+  for (const auto& [name, content] : tables) write_atomically(output + "/" + name + ".csv", content);
   sync_and_rename(unfinished_summary_file(output), output + "/summary.json");
 }
 

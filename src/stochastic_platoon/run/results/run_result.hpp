@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/statistics/agreement.hpp"
-#include "stochastic_platoon/math/statistics/moments.hpp"
+#include "stochastic_platoon/math/statistics/ensemble_totals.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
 
@@ -27,11 +27,16 @@ struct RunResult {
   std::uint64_t realizations = 0;  ///< committed
   std::int64_t last_step = 0;      ///< the latest step that the figures of all followers have reached
   Tally tally;
-  std::vector<Moments> moments;
-  std::vector<std::int64_t> last_steps;       ///< for averages over time: the latest step of each follower
-  std::int64_t counted_from = 0;              ///< see ErrorAverages
-  bool manoeuvre = false;                     ///< the leader departs from the model at present
-  std::vector<IndependentShare> shares = {};  ///< for averages over time: as measured, one per follower
+  std::vector<Moments> moments;                    ///< of the tracking errors
+  std::vector<std::int64_t> last_steps;            ///< for averages over time: the latest step of each follower
+  std::int64_t counted_from = 0;                   ///< see ErrorAverages
+  bool manoeuvre = false;                          ///< the leader departs from the model at present
+  std::vector<IndependentShare> shares = {};       ///< for averages over time: as measured, one per follower
+  std::vector<std::vector<Moments>> signals = {};  ///< of each requested signal, one cell per follower and step
+  GapTable gaps = GapTable();                      ///< empty if the gap is not among them
+
+  /// Takes the moments and gaps of a set of realizations, and their number.
+  void take(const EnsembleTotals& totals, const SignalCells& cells);
 };
 
 /// A cell of a result: follower i and a step.
@@ -97,9 +102,9 @@ std::size_t cells_with_theory(const RunOptions& run, const Prediction& predictio
 /// Number of positions that the committed realizations must have brought: (N + 1)(K + 1) each.
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations);
 
-/// Writes output/statistics.csv and output/summary.json, which contains the provenance() of both, each atomically. The
-/// summary's "crc32" holds the checksum() of both, its own computed with "00000000" in its place, so that readers
-/// detect damage. Throws std::runtime_error.
+/// Writes output/statistics.csv, signals.csv and gaps.csv where there are signals, and summary.json, which contains the
+/// provenance() of all, each atomically. The summary's "crc32" holds the checksum() of each, its own computed with
+/// "00000000" in its place, so that readers detect damage. Throws std::runtime_error.
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
 /// Name of summary.json until statistics.csv is there: with it, a statistics.csv without summary.json is what a killed

@@ -17,13 +17,27 @@ Tally tally_of(const std::optional<Checkpoint>& start, const RunOptions& run) {
 
 EarlierAverages averages_of(const std::optional<Checkpoint>& start) {
   if (!start) return {};
-  return {&start->table, start->time_averages};
+  return {&start->totals, start->time_averages};
+}
+
+std::vector<std::vector<Signal>> signals_of_all(const Configuration& configuration) {
+  std::vector<std::vector<Signal>> signals;
+  for (std::size_t i = 1; i <= configuration.run.followers; ++i)
+    signals.push_back(signals_of(configuration.model, configuration.run.signals, i));
+  return signals;
+}
+
+// The earlier positions of a vehicle that its signals need.
+std::int64_t steps_before(const std::vector<std::vector<Signal>>& signals) {
+  int before = 1;
+  for (const Signal& signal : signals.front()) before = std::max(before, signal.order);
+  return before;
 }
 
 }  // namespace
 
 RunStatistics::RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start)
-    : RunStatistics(configuration, start ? start->table.count() : 0, tally_of(start, configuration.run),
+    : RunStatistics(configuration, start ? start->totals.count() : 0, tally_of(start, configuration.run),
                     averages_of(start)) {}
 
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization)
@@ -32,13 +46,13 @@ RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t f
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization, const Tally& start,
                              const EarlierAverages& earlier)
     : configuration_(configuration),
+      cells_(cells_of(configuration)),
+      signals_(signals_of_all(configuration)),
       kept_(has_normal_errors(configuration.model) ? KeptMoments::two : KeptMoments::four),
       tally_(start),
-      averages_(error_averages(configuration.run.followers, configuration.run.steps, configuration.run.burn_in, earlier,
-                               kept_)),
-      assembly_(configuration.run.schedule(), configuration.run.followers, first_realization, start.attempts) {
-  for (std::size_t i = 1; i <= configuration.run.followers; ++i)
-    error_.push_back(tracking_error(configuration.model, i));
+      averages_(error_averages(cells_, configuration.run.burn_in, earlier, kept_)),
+      assembly_(configuration.run.schedule(), configuration.run.followers, first_realization, start.attempts,
+                steps_before(signals_)) {
   if (configuration.run.averaging() == Averaging::over_realizations) return;
   leader_.emplace(ModelLeader{LeaderVehicle(configuration.model), 0.0});
   averages_->saw_leader(kNothingYet, true);
@@ -46,7 +60,7 @@ RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t f
 
 RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const MessageDescriptor& descriptor,
                                               const Positions& positions) {
-  ErrorAssembly::Receipt receipt = assembly_.receive(vehicle, descriptor, positions);
+  SignalAssembly::Receipt receipt = assembly_.receive(vehicle, descriptor, positions);
   if (receipt.restarted) averages_->restart();
   if (leader_ && vehicle == 0 && receipt.drop == DropReason::none)
     compare_leader(descriptor.id.step, positions->front());
@@ -63,28 +77,36 @@ void RunStatistics::compare_leader(std::int64_t step, double position) {
   averages_->saw_leader(step, !leader_departs_);
 }
 
-// The errors are formed tile by tile, so that each tile is reduced while it is in the first level cache.
-ReducedErrors RunStatistics::reduced(const DueErrors& due) const {
-  const std::size_t count = due.own->size();
-  const auto errors = [this, &due](std::size_t offset, std::size_t size, double* buffer) {
-    error_[due.follower - 1](due.predecessor->data() + offset, due.own->data() + offset,
-                             due.own_before->data() + offset, size, buffer);
-    return static_cast<const double*>(buffer);
-  };
-  return {due.follower, due.id.step, due.id.first_realization, count,
-          reduce_batch(due.id.first_realization, count, errors, kept_)};
+// The values are formed tile by tile, so that each tile is reduced while it is in the first level cache.
+ReducedSignals RunStatistics::reduced(const DueSignals& due) const {
+  const std::size_t count = due.own.front()->size();
+  ReducedSignals reduced{due.follower, due.id.step, due.id.first_realization, count, {}};
+  const std::vector<Signal>& signals = signals_[due.follower - 1];
+  for (std::size_t kind = 0; kind < signals.size(); ++kind) {
+    const bool is_gap = kind > 0 && cells_.signals[kind - 1] == kGap;
+    if (is_gap) reduced.gaps.resize(count);
+    const auto values = [&](std::size_t offset, std::size_t size, double* buffer) {
+      Signal::Own<const double*> own{};
+      for (std::size_t j = 0; j < own.size() && due.own[j] != nullptr; ++j) own[j] = due.own[j]->data() + offset;
+      double* const to = is_gap ? reduced.gaps.data() + offset : buffer;
+      signals[kind](due.predecessor->data() + offset, own, size, to);
+      return static_cast<const double*>(to);
+    };
+    reduced.nodes.push_back(reduce_batch(due.id.first_realization, count, values, kept_));
+  }
+  return reduced;
 }
 
 RunStatistics::Computed RunStatistics::compute(const Work& work) const {
   Computed computed{work.vehicle, work.descriptor, {}};
-  computed.errors.reserve(work.due.size());
-  for (const DueErrors& due : work.due) computed.errors.push_back(reduced(due));
+  computed.signals.reserve(work.due.size());
+  for (const DueSignals& due : work.due) computed.signals.push_back(reduced(due));
   return computed;
 }
 
 bool RunStatistics::settle(const Computed& computed) {
   if (computed.descriptor.id.attempt < arrivals().attempt()) return false;  // a newer attempt has begun
-  for (const ReducedErrors& errors : computed.errors) averages_->add(errors);
+  for (const ReducedSignals& signals : computed.signals) averages_->add(signals);
   const std::optional<CompleteBatch> batch = assembly_.settle(computed.vehicle, computed.descriptor);
   if (averages_->averaging() == Averaging::over_time) tally_.positions_received += computed.descriptor.size;
   if (!batch) return false;
@@ -108,19 +130,24 @@ RunResult RunStatistics::result(bool complete) const {
                    averages_->realizations(),
                    std::max<std::int64_t>(averages_->last_step(), 0),
                    tally_,
-                   averages_->moments(),
+                   {},
                    {},
                    averages_->counted_from(),
                    leader_departs_,
                    averages_->shares()};
+  if (const EnsembleTotals* totals = averages_->totals()) {
+    result.take(*totals, cells_);
+  } else {
+    result.moments = averages_->moments();
+  }
   for (std::size_t i = 1; i <= configuration_.run.followers; ++i) result.last_steps.push_back(averages_->last_step(i));
   return result;
 }
 
 Checkpoint RunStatistics::checkpoint() const {
-  Checkpoint checkpoint{statistics_identity(configuration_), configuration_.run.launch_id, tally_, MomentTable(0)};
-  if (const MomentTable* totals = averages_->totals()) {
-    checkpoint.table = *totals;
+  Checkpoint checkpoint{statistics_identity(configuration_), configuration_.run.launch_id, tally_, {}};
+  if (const EnsembleTotals* totals = averages_->totals()) {
+    checkpoint.totals = *totals;
   } else {
     checkpoint.time_averages = averages_->moments();
   }

@@ -5,17 +5,17 @@
 #include <optional>
 #include <vector>
 
-#include "stochastic_platoon/math/model/tracking_error.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/math/statistics/error_averages.hpp"
-#include "stochastic_platoon/run/delivery/error_assembly.hpp"
+#include "stochastic_platoon/run/delivery/signal_assembly.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/run_result.hpp"
 
 namespace platoon {
 
-/// Statistics of a run from the positions of its vehicles, from topics or from a bag: an ErrorAssembly connected to the
-/// run's ErrorAverages.
+/// Statistics of a run from the positions of its vehicles, from topics or from a bag: an SignalAssembly connected to
+/// the run's ErrorAverages.
 ///
 /// A message passes three steps:
 ///     receive()  judges it and returns the work that is due,
@@ -29,7 +29,7 @@ public:
   struct Work {
     std::size_t vehicle;
     MessageDescriptor descriptor;
-    std::vector<DueErrors> due;
+    std::vector<DueSignals> due;
   };
   struct Receipt {
     DropReason drop;
@@ -38,7 +38,7 @@ public:
   struct Computed {
     std::size_t vehicle;
     MessageDescriptor descriptor;
-    std::vector<ReducedErrors> errors;
+    std::vector<ReducedSignals> signals;
   };
 
   /// Starts from the checkpoint if there is one, else with nothing committed.
@@ -79,15 +79,16 @@ public:
 private:
   RunStatistics(const Configuration& configuration, std::uint64_t first_realization, const Tally& start,
                 const EarlierAverages& earlier);
-  ReducedErrors reduced(const DueErrors& due) const;
+  ReducedSignals reduced(const DueSignals& due) const;
   void compare_leader(std::int64_t step, double position);
 
   Configuration configuration_;
-  std::vector<TrackingError> error_;  ///< one per follower
+  SignalCells cells_;
+  std::vector<std::vector<Signal>> signals_;  ///< per follower
   KeptMoments kept_;
   Tally tally_;
   std::unique_ptr<ErrorAverages> averages_;
-  ErrorAssembly assembly_;
+  SignalAssembly assembly_;
 
   /// Vehicle 0 of the model, to be compared with the actual leader, which may manoeuvre in an endless run.
   struct ModelLeader {

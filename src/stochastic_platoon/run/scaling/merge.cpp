@@ -65,8 +65,8 @@ private:
     if (!differing.empty()) return refuse(folder, "is of another run than " + first_folder_ + ": " + differing);
     const RealizationRange range = run.range();
     std::uint64_t gaps = 0;
-    for (const RealizationRange& gap : found.table.missing(range)) gaps += gap.size();
-    if (gaps > 0 || found.table.count() != range.size()) {
+    for (const RealizationRange& gap : found.totals.moments.missing(range)) gaps += gap.size();
+    if (gaps > 0 || found.totals.count() != range.size()) {
       return refuse(folder, name_of(run.shard) + " is not complete: " + std::to_string(range.size() - gaps) + " of " +
                                 std::to_string(range.size()) + " realizations" +
                                 (found.damage.empty() ? "" : " (" + found.damage + ")"));
@@ -130,22 +130,23 @@ MergedRun merge(const std::vector<std::string>& folders) {
   inventory.require_all();
   MergedRun merged{inventory.first().configuration, {}};
   const RunOptions& run = merged.configuration.run;
-  MomentTable table(run.followers * static_cast<std::size_t>(run.steps));
+  const SignalCells cells = cells_of(merged.configuration);
+  EnsembleTotals totals(cells);
   // In ascending order, so that the shards merged so far occupy few blocks.
   for (const auto& place : inventory.places()) {
     const std::optional<Checkpoint> shard = read_checkpoint(place.second);
     if (!shard) throw std::runtime_error(place.second + ": is gone");
-    table.merge(shard->table);
+    totals.merge(shard->totals);
     merged.result.tally.wall_seconds += shard->tally.wall_seconds;
   }
-  if (table.count() != run.realizations || !table.missing({0, run.realizations}).empty())
+  if (totals.count() != run.realizations || !totals.moments.missing({0, run.realizations}).empty())
     throw std::runtime_error("a shard has changed while it was read");
   merged.result.complete = true;
   merged.result.realizations = run.realizations;
   merged.result.last_step = run.steps - 1;
   merged.result.tally.attempts = 1;
   merged.result.tally.positions_received = positions_expected(run, run.realizations);
-  merged.result.moments = table.totals();
+  merged.result.take(totals, cells);
   return merged;
 }
 

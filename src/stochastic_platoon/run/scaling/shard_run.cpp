@@ -105,23 +105,23 @@ ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings) {
   const double began = now();
   const std::optional<Checkpoint> found = held(run, settings);
   const double earlier_seconds = found ? found->tally.wall_seconds : 0.0;
-  EnsembleRun work(run.configuration.model,
-                   {options.seed, options.followers, options.steps, options.realizations, options.batch}, run.range(),
-                   found ? found->table : MomentTable(options.followers * static_cast<std::size_t>(options.steps)),
-                   settings.checkpoint_seconds);
+  EnsembleRun work(
+      run.configuration.model,
+      {options.seed, options.followers, options.steps, options.realizations, options.batch, options.signals},
+      run.range(), found ? found->totals : EnsembleTotals(cells_of(run.configuration)), settings.checkpoint_seconds);
   const std::uint64_t held_before = work.done();
   if (work.is_complete()) return {*found, 0};
-  std::uint64_t saved = found ? found->table.count() : 0;
-  const auto checkpoint_of = [&](MomentTable table) {
-    const Tally tally{positions_expected(options, table.count()), 1, earlier_seconds + now() - began, 0};
+  std::uint64_t saved = found ? found->totals.count() : 0;
+  const auto checkpoint_of = [&](EnsembleTotals totals) {
+    const Tally tally{positions_expected(options, totals.count()), 1, earlier_seconds + now() - began, 0};
     return Checkpoint{
-        statistics_identity(run.configuration), options.launch_id, tally, std::move(table), {}, {}, to_json(run)};
+        statistics_identity(run.configuration), options.launch_id, tally, std::move(totals), {}, {}, to_json(run)};
   };
-  const auto write = [&](const MomentTable& table) {
+  const auto write = [&](const EnsembleTotals& totals) {
     // Skip a checkpoint without new realizations: it would count as progress.
-    if (table.count() == saved) return;
-    write_checkpoint(options.output, checkpoint_of(table));
-    saved = table.count();
+    if (totals.count() == saved) return;
+    write_checkpoint(options.output, checkpoint_of(totals));
+    saved = totals.count();
   };
   double written = began;
   RetriedWrite retried([&](const std::string& error) { settings.warn(error + ": it goes on without a checkpoint"); });

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"
+#include "stochastic_platoon/run/results/signal_results.hpp"
 
 namespace platoon {
 
@@ -43,13 +45,42 @@ std::string measured_columns(const ResultCell& of) {
                    standard_error_of_variance(of));
 }
 
+// The signals of all points: no axis varies them.
+std::vector<std::string> signals_of(const Sweep& sweep) {
+  const YAML::Node signals = sweep.shared["run"]["signals"];
+  return signals && signals.IsScalar() ? signal_names(signals.Scalar()) : std::vector<std::string>();
+}
+
+std::string signal_columns(const Configuration& configuration, const Prediction& prediction, const RunResult& result,
+                           std::size_t follower, std::int64_t step) {
+  const std::size_t c = cell(follower, step, configuration.run.steps);
+  const bool known = has_signal_theory(prediction, follower);
+  std::string text;
+  for (std::size_t s = 0; s < result.signals.size(); ++s) {
+    const Moments& of = result.signals[s][c];
+    text += formatted(",%.17g,%.17g", of.mean, of.variance());
+    text += known ? formatted(",%.17g,%.17g", prediction.signals[s].mean[c], prediction.signals[s].variance[c]) : ",,";
+  }
+  if (result.gaps.empty()) return text;
+  const FollowerGaps& gaps = result.gaps.followers()[follower - 1];
+  text += formatted(",%.17g,%llu,", gaps.smallest.gap, static_cast<unsigned long long>(gaps.collisions));
+  return text + (known ? formatted("%.17g", prediction.collision_bound[follower - 1]) : "");
+}
+
 }  // namespace
 
 std::string sweep_heading(const Sweep& sweep) {
   std::string text = "point";
   for (const SweepAxis& axis : sweep.axes) text += "," + axis.name;
-  return text +
-         ",vehicle,step,count,mean,mean_standard_error,variance,variance_standard_error,theoretical_mean,theoretical_variance,string_stable,agrees\n";
+  text +=
+      ",vehicle,step,count,mean,mean_standard_error,variance,variance_standard_error,theoretical_mean,theoretical_variance,string_stable,agrees";
+  const std::vector<std::string> signals = signals_of(sweep);
+  for (const std::string& name : signals) {
+    for (const char* prefix : {"", "theoretical_"})
+      text += "," + (prefix + name) + "_mean," + prefix + name + "_variance";
+  }
+  const bool has_gap = std::find(signals.begin(), signals.end(), kGap) != signals.end();
+  return text + (has_gap ? ",smallest_gap,collisions,theoretical_collision_bound\n" : "\n");
 }
 
 std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configuration& configuration,
@@ -70,7 +101,7 @@ std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configurat
       const ResultCell& of = at_step[i - 1];
       text += begin + formatted(",%zu,%lld,", i, static_cast<long long>(of.step)) + measured_columns(of) +
               (known ? formatted("%.17g,%.17g,", of.theoretical_mean, of.theoretical_variance) : ",,") + truth(stable) +
-              "," + truth(agrees) + "\n";
+              "," + truth(agrees) + signal_columns(configuration, prediction, result, i, of.step) + "\n";
     }
   }
   return text;

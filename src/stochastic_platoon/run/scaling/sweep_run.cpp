@@ -20,7 +20,7 @@ namespace platoon {
 namespace {
 
 Ensemble ensemble_of(const RunOptions& run) {
-  return {run.seed, run.followers, run.steps, run.realizations, run.batch};
+  return {run.seed, run.followers, run.steps, run.realizations, run.batch, run.signals};
 }
 
 struct ActivePoint {
@@ -93,7 +93,7 @@ private:
     RunResult result;
     result.complete = true;
     result.realizations = active.configuration.run.realizations;
-    result.moments = active.run.release().totals();
+    result.take(active.run.release(), cells_of(active.configuration));
     const Prediction prediction = predict(active.configuration);
     const std::lock_guard<std::mutex> lock(mutex_);
     const std::string rows = sweep_rows(sweep_, active.point, active.configuration, prediction, result);

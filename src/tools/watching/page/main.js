@@ -2,7 +2,8 @@
 import { setTheme, theme } from "./colours.js";
 import { Controls } from "./controls.js";
 import { drawCurves } from "./curves.js";
-import { facts, readout, showHeadline, showLog, showTable } from "./words.js";
+import { GapChart } from "./gap_chart.js";
+import { facts, readout, showGaps, showHeadline, showLog, showTable } from "./words.js";
 import { Road } from "./road.js";
 import { offerSaving } from "./save.js";
 import { short } from "./scale.js";
@@ -19,11 +20,12 @@ let chosen = null, live = "connecting", source = null;
 const choose = follower => {
   if (follower === chosen) return;
   chosen = follower;
-  for (const figure of ["string", "curves", "facts"]) stale.add(figure);
+  for (const figure of ["string", "gaps", "curves", "facts"]) stale.add(figure);
 };
 const series = new Series(card => stale.add(card));
 const road = new Road(at("road")), strip = new Strip(at("strip")), controls = new Controls(), chart = new StringChart(at("string"), choose);
-const everything = () => ["string", "curves", "strip", "words", "facts", "road"].forEach(figure => stale.add(figure));
+const gapChart = new GapChart(at("gaps"), choose);
+const everything = () => ["string", "gaps", "curves", "strip", "words", "facts", "road"].forEach(figure => stale.add(figure));
 
 const take = {
   configuration(news) {
@@ -35,7 +37,7 @@ const take = {
     controls.take(news);
     everything();
   },
-  statistics(news) { known.statistics = news; controls.mark(news?.stable_headways ?? []); stale.add("string").add("words").add("facts"); },
+  statistics(news) { known.statistics = news; controls.mark(news?.stable_headways ?? []); stale.add("string").add("gaps").add("words").add("facts"); },
   curves(news) { known.curves = news; stale.add("curves"); },
   health(news) { known.health = news; stale.add("words"); },
   log(news) { known.log = news; stale.add("log"); },
@@ -83,6 +85,14 @@ const about = () => {
 
 const draw = {
   string() { if (known.statistics) chart.draw(series.shown("string", known.statistics), chosen); },
+  gaps() {
+    const of = known.statistics;
+    at("gaps-card").hidden = !of?.smallest_gap.length;
+    if (at("gaps-card").hidden) return;
+    showGaps(of, chosen);
+    gapChart.draw(series.shown("gaps", of), chosen);
+    at("counts-key").hidden = !gapChart.roomy;
+  },
   curves() {
     if (!known.curves) return;
     const n = known.configuration.followers, of = series.shown("curves", known.curves, chosen);

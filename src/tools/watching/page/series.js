@@ -2,6 +2,7 @@
 
 const FIELDS = {
   measured: ["mean", "variance", "standard_error"], errors: ["standard_error"], theory: ["theoretical_mean", "theoretical_variance"], limit: ["limit_variance"],
+  smallest: ["smallest_gap"], collisions: ["collisions"],
 };
 const PER_FOLLOWER = ["mean", "variance", "theoretical_mean", "theoretical_variance"];
 

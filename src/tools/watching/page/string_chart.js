@@ -1,62 +1,23 @@
 // Variance along the string: a bar with standard errors per follower, theory on top, the limit as a line.
 import { followerColour } from "./colours.js";
-import { followerTicks, short, spread, verticalScale } from "./scale.js";
+import { element, FollowerChart, LEFT } from "./follower_chart.js";
+import { short, spread, verticalScale } from "./scale.js";
 
 export const MOST_WHISKERS = 200;
-const WIDE_RANGE = 30, LEFT = 52, RIGHT = 10, TOP = 22, BOTTOM = 38;
+const WIDE_RANGE = 30;
 
-function element(tag, attributes = {}, text) {
-  const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  if (text !== undefined) made.textContent = text;
-  return made;
-}
-
-export class StringChart {
-  constructor(svg, choose) {
-    this.svg = svg;
-    this.layers = ["axes", "bars", "over"].map(name => svg.appendChild(element("g", { class: name })));
-    svg.addEventListener("pointermove", event => choose(this.followerAt(event)));
-    svg.addEventListener("pointerdown", event => choose(this.followerAt(event)));
-  }
-
-  followerAt(event) {
-    const x = event.clientX - this.svg.getBoundingClientRect().left - LEFT;
-    return this.slot ? Math.min(Math.max(Math.floor(x / this.slot) + 1, 1), this.followers) : null;
-  }
-
+export class StringChart extends FollowerChart {
   draw(of, chosen) {
-    const [axes, bars, over] = this.layers, n = of.variance.length;
-    const width = this.svg.clientWidth, height = this.svg.clientHeight, right = width - RIGHT, foot = height - BOTTOM;
-    this.followers = n;
-    this.slot = (right - LEFT) / n;
-    const x = i => LEFT + (i - 0.5) * this.slot;
+    const n = of.variance.length;
     const ends = of.variance.map((v, at) => v === null ? null : v + (n > MOST_WHISKERS ? 0 : 2 * (of.standard_error[at] ?? 0)));
     const limit = of.limit_variance === null ? [] : [of.limit_variance];
     const known = [...of.variance, ...of.theoretical_variance];
     const scale = verticalScale([...ends, ...of.theoretical_variance, ...limit], spread(known) > WIDE_RANGE);
-    const y = v => foot - Math.min(Math.max(scale.place(v), 0), 1) * (foot - TOP);
-    this.svg.dataset.logarithmic = scale.logarithmic;
-    this.svg.dataset.high = scale.high;
-    this.svg.dataset.low = scale.low;
-    this.svg.dataset.foot = foot;
-    this.svg.dataset.top = TOP;
-
-    axes.replaceChildren(
-      ...scale.ticks.flatMap(t => [element("path", { class: "grid", d: `M${LEFT} ${y(t)}H${right}` }),
-        element("text", { x: LEFT - 7, y: y(t) + 4, "text-anchor": "end" }, short(t))]),
-      element("path", { class: "axis", d: `M${LEFT} ${TOP}V${foot}H${right}` }),
-      ...followerTicks(n).map(i => element("text", { x: x(i), y: foot + 17, "text-anchor": "middle" }, i)),
-      element("text", { x: (LEFT + right) / 2, y: foot + 34, "text-anchor": "middle" }, "follower i"),
-      element("text", { x: 0, y: 9 }, `m²${scale.logarithmic ? ", logarithmic" : ""}`));
-
-    while (bars.childElementCount > n) bars.lastChild.remove();
-    while (bars.childElementCount < n) bars.append(element("rect", { "data-follower": bars.childElementCount + 1 }));
-    const bar = Math.max(this.slot * (n > 60 ? 1 : 0.72), 0.5);
+    const { bars, width, over, x, y, foot, right } = this.layOut(n, scale, "m²");
     of.variance.forEach((v, at) => {
-      const rect = bars.children[at], top = v === null ? foot : y(v);
-      rect.setAttribute("x", x(at + 1) - bar / 2);
-      rect.setAttribute("width", bar);
+      const rect = bars[at], top = v === null ? foot : y(v);
+      rect.setAttribute("x", x(at + 1) - width / 2);
+      rect.setAttribute("width", width);
       // On a logarithmic axis the length of a bar has no meaning: draw a mark at the value.
       rect.setAttribute("y", scale.logarithmic ? top - 2.5 : top);
       rect.setAttribute("height", v === null ? 0 : scale.logarithmic ? 5 : Math.max(foot - top, 0));

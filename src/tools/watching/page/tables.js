@@ -5,6 +5,10 @@ export const TABLES = {
     return of && ["vehicle,step,mean,variance,standard_error,theoretical_mean,theoretical_variance,z", of.variance.map((variance, row) =>
       [row + 1, of.step, of.mean[row], variance, of.standard_error[row], of.theoretical_mean[row], of.theoretical_variance[row], of.score[row]])];
   },
+  gaps({ statistics: of }) {
+    return of?.smallest_gap.length ? ["vehicle,smallest_gap,realization,step,collisions,theoretical_collision_bound", of.smallest_gap.map((gap, row) =>
+      [row + 1, gap, of.smallest_gap_realization[row], of.smallest_gap_step[row], of.collisions[row], of.collision_bound[row]])] : null;
+  },
   curves({ curves: of }) {
     return of && ["vehicle,step,mean,variance,theoretical_mean,theoretical_variance", of.followers.flatMap((i, row) => of.step.map((k, at) =>
       [i, k, of.mean[row][at], of.variance[row][at], of.theoretical_mean[row][at], of.theoretical_variance[row][at]]))];

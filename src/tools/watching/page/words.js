@@ -1,4 +1,5 @@
 // The headline, the facts below it, and the numbers as text and as a table.
+import { gapWords, place, worstOf } from "./gap_chart.js";
 import { short, spaced } from "./scale.js";
 import { MOST_WHISKERS } from "./string_chart.js";
 
@@ -74,6 +75,13 @@ export function readout({ statistics: of }, i, snapshot) {
     (error == null ? "" : `, now: error ${error > 0 ? "+" : ""}${error.toFixed(2)} m, ${snapshot.speed[i].toFixed(1)} m/s`);
 }
 
+// The worst gap in the title of its chart, and the chosen follower below it.
+export function showGaps(of, i) {
+  const worst = worstOf(of), row = Math.max(worst, 0);
+  write(at("gaps-note"), worst < 0 ? "" : `${place(of, row)}, follower ${row + 1}`);
+  write(at("gaps-readout"), worst < 0 ? "nothing is measured yet" : gapWords(of, i || row + 1));
+}
+
 // The latest event first.
 export function showLog(list, events) {
   list.replaceChildren(...[...events].reverse().map(({ time, kind, step, text }) => {
@@ -87,17 +95,21 @@ export function showLog(list, events) {
 
 export function showTable(body, of) {
   if (!of) return body.replaceChildren();
+  const gaps = of.smallest_gap.length > 0, heading = [...body.parentElement.tHead.rows[0].cells];
+  for (const cell of heading) if (cell.className === "gap") cell.hidden = !gaps;
   while (body.rows.length > of.variance.length) body.deleteRow(-1);
   while (body.rows.length < of.variance.length) {
     const row = body.insertRow();
-    for (let c = 0; c < 6; ++c) row.insertCell();
+    for (let c = 0; c < heading.length; ++c) row.insertCell();
   }
   of.variance.forEach((variance, row) => {
-    const cells = [row + 1, of.mean[row], variance, of.standard_error[row], of.theoretical_variance[row], of.score[row]];
+    const cells = [row + 1, of.mean[row], variance, of.standard_error[row], of.theoretical_variance[row], of.score[row],
+      ...gaps ? [of.smallest_gap[row], of.smallest_gap_realization[row], of.smallest_gap_step[row], of.collisions[row]] : [null, null, null, null]];
     cells.forEach((value, c) => {
       const cell = body.rows[row].cells[c];
       cell.dataset.value = value;
-      write(cell, c === 0 ? String(value) : c === 5 ? value?.toFixed(2) ?? "–" : short(value, 6));
+      cell.hidden = heading[c].hidden;
+      write(cell, c === 0 || c > 6 ? String(value ?? "–") : c === 5 ? value?.toFixed(2) ?? "–" : short(value, 6));
     });
   });
 }

@@ -9,6 +9,7 @@
 #include "stochastic_platoon/math/statistics/agreement.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "unit/paper_platoon.hpp"
+#include "unit/same_gaps.hpp"
 
 namespace platoon {
 namespace {
@@ -18,9 +19,9 @@ const auto kNoProgress = [](std::uint64_t) {};
 TEST(MonteCarlo, GivesTheSameBitsForEveryNumberOfThreadsAndBatchSize) {
   const PlatoonModel model = eventful_platoon(3.2);
   const auto totals = [&](unsigned threads, std::uint64_t batch) {
-    const MomentTable table = monte_carlo(model, {3, 3, 20, 1501, batch}, threads, kNoProgress);
+    const EnsembleTotals table = monte_carlo(model, {3, 3, 20, 1501, batch}, threads, kNoProgress);
     EXPECT_EQ(table.count(), 1501u);
-    return table.totals();
+    return table.moments.totals();
   };
   const std::vector<Moments> expected = totals(1, 8192);
   ASSERT_EQ(expected.size(), 60u);
@@ -37,8 +38,8 @@ TEST(MonteCarlo, GivesTheSameBitsForEveryNumberOfThreadsAndBatchSize) {
 
 TEST(MonteCarlo, OfOtherSeedsIsAnotherSample) {
   const PlatoonModel model = paper_platoon();
-  EXPECT_NE(monte_carlo(model, {1, 1, 4, 10, 10}, 1, kNoProgress).totals().back().mean,
-            monte_carlo(model, {2, 1, 4, 10, 10}, 1, kNoProgress).totals().back().mean);
+  EXPECT_NE(monte_carlo(model, {1, 1, 4, 10, 10}, 1, kNoProgress).moments.totals().back().mean,
+            monte_carlo(model, {2, 1, 4, 10, 10}, 1, kNoProgress).moments.totals().back().mean);
 }
 
 // Means and variances of all (i, k) against theory, in units of the estimators' standard errors; the largest
@@ -46,9 +47,9 @@ TEST(MonteCarlo, OfOtherSeedsIsAnotherSample) {
 TEST(MonteCarlo, AgreesWithTheory) {
   for (const double headway : {3.2, 2.4}) {
     const PlatoonModel model = eventful_platoon(headway);
-    const MomentTable table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
+    const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
     const ErrorMoments theory = error_moments(model, 5, 40);
-    const Agreement found = agreement(table.totals(), theory.mean, theory.variance);
+    const Agreement found = agreement(table.moments.totals(), theory.mean, theory.variance);
     const double bound = largest_plausible_score(2 * theory.mean.size());
     EXPECT_LT(found.max_abs_z_mean, bound) << headway;
     EXPECT_LT(found.max_abs_z_variance, bound) << headway;
@@ -58,10 +59,10 @@ TEST(MonteCarlo, AgreesWithTheory) {
 
 TEST(MonteCarlo, NoticesATheoryThatIsAFewPercentOff) {
   PlatoonModel model = eventful_platoon(3.2);
-  const MomentTable table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
+  const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
   model.default_vehicle().noise_variance *= 1.08;
   const ErrorMoments theory = error_moments(model, 5, 40);
-  EXPECT_GT(agreement(table.totals(), theory.mean, theory.variance).max_abs_z_variance,
+  EXPECT_GT(agreement(table.moments.totals(), theory.mean, theory.variance).max_abs_z_variance,
             largest_plausible_score(2 * theory.mean.size()));
 }
 
@@ -77,22 +78,24 @@ TEST(MonteCarlo, TakesNoThreadsForOne) {
   EXPECT_EQ(monte_carlo(paper_platoon(), {1, 1, 2, 10, 3}, 0, kNoProgress).count(), 10u);
 }
 
-constexpr Ensemble kEnsemble{3, 2, 10, 1000, 32};
+const Ensemble kEnsemble{3, 2, 10, 1000, 32, {"gap", "jerk"}};
+const SignalCells kCells = signal_cells(eventful_platoon(3.2), 2, 10, kEnsemble.signals);
 
-void expect_same_totals(const MomentTable& found, const MomentTable& expected) {
+void expect_same_totals(const EnsembleTotals& found, const EnsembleTotals& expected) {
   ASSERT_EQ(found.count(), expected.count());
-  const std::vector<Moments> totals = found.totals(), others = expected.totals();
+  const std::vector<Moments> totals = found.moments.totals(), others = expected.moments.totals();
   for (std::size_t c = 0; c < totals.size(); ++c) {
     ASSERT_EQ(totals[c].mean, others[c].mean) << c;
     ASSERT_EQ(totals[c].squared_deviations, others[c].squared_deviations) << c;
   }
+  expect_same_gaps(found.gaps, expected.gaps);
 }
 
 TEST(EnsembleRun, OfTheShardsOfAnyNumberGivesTheBitsOfOneRunInAnyOrder) {
   const PlatoonModel model = eventful_platoon(3.2);
-  const MomentTable expected = monte_carlo(model, kEnsemble, 1, kNoProgress);
+  const EnsembleTotals expected = monte_carlo(model, kEnsemble, 1, kNoProgress);
   for (const std::uint64_t of : {1, 2, 3, 5, 7, 16, 31, 64}) {
-    MomentTable joined(expected.cells());
+    EnsembleTotals joined(kCells);
     for (std::uint64_t at = 0; at < of; ++at) {
       EnsembleRun shard(model, kEnsemble, range_of({(at * 37 + 5) % of, of}, kEnsemble.realizations));
       EXPECT_TRUE(shard.work());
@@ -115,8 +118,8 @@ TEST(EnsembleRun, ComputesWhatIsMissingAndNothingElse) {
   const RealizationRange range{100, 900};
   EnsembleRun whole(model, kEnsemble, range);
   complete(whole, 2, [] {});
-  const MomentTable expected = whole.release();
-  MomentTable earlier(expected.cells());
+  const EnsembleTotals expected = whole.release();
+  EnsembleTotals earlier(kCells);
   for (const RealizationRange& there : {RealizationRange{100, 131}, RealizationRange{400, 401}}) {
     EnsembleRun part(model, kEnsemble, there);
     part.work();
@@ -143,13 +146,13 @@ TEST(EnsembleRun, HasNothingToDoWhereAllIsThere) {
 
 TEST(EnsembleRun, ShowsWhatWasHandedOverWhichIsNeverWrong) {
   const PlatoonModel model = eventful_platoon(3.2);
-  const MomentTable expected = monte_carlo(model, kEnsemble, 1, kNoProgress);
-  EnsembleRun run(model, kEnsemble, {0, kEnsemble.realizations}, MomentTable(expected.cells()), 0.0);
-  std::vector<MomentTable> shown;
+  const EnsembleTotals expected = monte_carlo(model, kEnsemble, 1, kNoProgress);
+  EnsembleRun run(model, kEnsemble, {0, kEnsemble.realizations}, EnsembleTotals(kCells), 0.0);
+  std::vector<EnsembleTotals> shown;
   std::thread worker([&run] { run.work(); });
-  while (!run.is_complete()) run.read([&shown](const MomentTable& table) { shown.push_back(table); });
+  while (!run.is_complete()) run.read([&shown](const EnsembleTotals& table) { shown.push_back(table); });
   worker.join();
-  run.read([&shown](const MomentTable& table) { shown.push_back(table); });
+  run.read([&shown](const EnsembleTotals& table) { shown.push_back(table); });
   expect_same_totals(shown.back(), expected);
   for (std::size_t at = 0; at < shown.size(); at += std::max<std::size_t>(shown.size() / 5, 1)) {
     EnsembleRun rest(model, kEnsemble, {0, kEnsemble.realizations}, shown[at]);
@@ -161,7 +164,7 @@ TEST(EnsembleRun, ShowsWhatWasHandedOverWhichIsNeverWrong) {
 TEST(EnsembleRun, IsMadeCompleteByOneOfItsThreads) {
   const PlatoonModel model = paper_platoon();
   for (const double hand_over_seconds : {0.0, 1e9}) {
-    EnsembleRun run(model, kEnsemble, {0, 1000}, MomentTable(20), hand_over_seconds);
+    EnsembleRun run(model, kEnsemble, {0, 1000}, EnsembleTotals(kCells), hand_over_seconds);
     std::atomic<int> completed{0};
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t) threads.emplace_back([&] { completed += run.work() ? 1 : 0; });

@@ -16,8 +16,11 @@ using Errors = std::map<std::pair<std::size_t, std::int64_t>, std::vector<double
 
 Errors errors_of(PlatoonString& string, std::uint64_t first, std::size_t count, std::int64_t steps) {
   Errors all;
-  string.run(first, count, steps, [&all](std::size_t i, std::int64_t k, const std::vector<double>& errors) {
-    EXPECT_TRUE(all.emplace(std::make_pair(i, k), errors).second) << "told twice: " << i << ", " << k;
+  string.run(first, count, steps, [&all](const std::vector<PlatoonString::SignalValues>& group) {
+    for (const PlatoonString::SignalValues& of : group) {
+      EXPECT_TRUE(all.emplace(std::make_pair(of.follower, of.step), *of.values).second)
+          << "told twice: " << of.follower << ", " << of.step;
+    }
   });
   return all;
 }

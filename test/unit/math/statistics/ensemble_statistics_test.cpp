@@ -10,9 +10,10 @@ namespace {
 constexpr std::size_t kFollowers = 2;
 constexpr std::int64_t kSteps = 3;
 
-ReducedErrors reduced(std::size_t follower, std::int64_t step, std::uint64_t first, const std::vector<double>& errors) {
+ReducedSignals reduced(std::size_t follower, std::int64_t step, std::uint64_t first,
+                       const std::vector<double>& errors) {
   const auto in_place = [&errors](std::size_t offset, std::size_t, double*) { return errors.data() + offset; };
-  return {follower, step, first, errors.size(), reduce_batch(first, errors.size(), in_place)};
+  return {follower, step, first, errors.size(), {reduce_batch(first, errors.size(), in_place)}};
 }
 
 void add_all(EnsembleStatistics& statistics, std::uint64_t first, std::size_t count) {
@@ -29,7 +30,7 @@ void add_all(EnsembleStatistics& statistics, std::uint64_t first, std::size_t co
 
 void expect_first(const EnsembleStatistics& statistics, std::uint64_t count) {
   EXPECT_EQ(statistics.committed().count(), count);
-  const std::vector<Moments> totals = statistics.committed().totals();
+  const std::vector<Moments> totals = statistics.committed().moments.totals();
   ASSERT_EQ(totals.size(), 6u);
   for (std::size_t c = 0; c < totals.size() && count > 0; ++c) {
     EXPECT_DOUBLE_EQ(totals[c].mean, 100.0 * static_cast<double>(c) + 0.5 * static_cast<double>(count - 1));
@@ -44,7 +45,7 @@ TEST(EnsembleStatistics, CellsGoByFollowerAndThenByStep) {
 }
 
 TEST(EnsembleStatistics, CountABatchOnlyWhenItIsCommitted) {
-  EnsembleStatistics statistics(kFollowers, kSteps);
+  EnsembleStatistics statistics(SignalCells{kFollowers, kSteps});
   add_all(statistics, 0, 5);
   expect_first(statistics, 0);
   statistics.commit(0);
@@ -52,7 +53,7 @@ TEST(EnsembleStatistics, CountABatchOnlyWhenItIsCommitted) {
 }
 
 TEST(EnsembleStatistics, KeepBatchesOpenSideBySide) {
-  EnsembleStatistics statistics(kFollowers, kSteps);
+  EnsembleStatistics statistics(SignalCells{kFollowers, kSteps});
   statistics.add(reduced(1, 0, 0, {0.0, 1.0}));
   add_all(statistics, 2, 2);
   add_all(statistics, 0, 2);
@@ -63,7 +64,7 @@ TEST(EnsembleStatistics, KeepBatchesOpenSideBySide) {
 }
 
 TEST(EnsembleStatistics, ForgetWhatIsOpen) {
-  EnsembleStatistics statistics(kFollowers, kSteps);
+  EnsembleStatistics statistics(SignalCells{kFollowers, kSteps});
   add_all(statistics, 0, 2);
   statistics.commit(0);
   statistics.add(reduced(1, 0, 2, {77.0, 78.0, 79.0}));
@@ -75,7 +76,7 @@ TEST(EnsembleStatistics, ForgetWhatIsOpen) {
 }
 
 TEST(EnsembleStatistics, RefuseToCommitWhatIsNotOpenOrCountedAlready) {
-  EnsembleStatistics statistics(kFollowers, kSteps);
+  EnsembleStatistics statistics(SignalCells{kFollowers, kSteps});
   EXPECT_THROW(statistics.commit(0), std::invalid_argument);
   add_all(statistics, 0, 2);
   statistics.commit(0);
@@ -90,7 +91,7 @@ TEST(EnsembleStatistics, RefuseToCommitWhatIsNotOpenOrCountedAlready) {
 }
 
 TEST(EnsembleStatistics, GoOnFromAnEarlierRun) {
-  EnsembleStatistics earlier(kFollowers, kSteps), statistics(kFollowers, kSteps);
+  EnsembleStatistics earlier(SignalCells{kFollowers, kSteps}), statistics(SignalCells{kFollowers, kSteps});
   add_all(earlier, 0, 3);
   earlier.commit(0);
   statistics.merge(earlier.committed());
@@ -101,7 +102,7 @@ TEST(EnsembleStatistics, GoOnFromAnEarlierRun) {
 }
 
 TEST(EnsembleStatistics, AreEmptyUntilABatchIsCommitted) {
-  EnsembleStatistics statistics(kFollowers, kSteps);
+  EnsembleStatistics statistics(SignalCells{kFollowers, kSteps});
   EXPECT_EQ(statistics.averaging(), Averaging::over_realizations);
   EXPECT_TRUE(statistics.empty());
   add_all(statistics, 0, 3);
@@ -115,7 +116,7 @@ TEST(EnsembleStatistics, AreEmptyUntilABatchIsCommitted) {
 }
 
 TEST(EnsembleStatistics, RefuseAFollowerThereIsNot) {
-  EnsembleStatistics statistics(kFollowers, kSteps);
+  EnsembleStatistics statistics(SignalCells{kFollowers, kSteps});
   EXPECT_THROW(statistics.add(reduced(kFollowers + 1, 0, 0, {1.0})), std::out_of_range);
 }
 

@@ -207,6 +207,26 @@ TEST(BatchMoments, KeepsTheBlocksOfItsRealizations) {
   EXPECT_EQ(moments.blocks()[3].mean[2], x[9]);
 }
 
+TEST(BatchMoments, FourCellsAtOnceHaveTheBitsOfEachAlone) {
+  for (const std::size_t count : {1, 2, 3, 5, 8, 100, 511, 512, 1500}) {
+    for (const std::uint64_t first : {0, 5, 512}) {
+      BatchMoments together(first, count, kCellsAtOnce), alone(first, count, kCellsAtOnce);
+      std::vector<std::vector<double>> of_cell;
+      std::vector<CellValues> cells;
+      for (std::size_t c = 0; c < kCellsAtOnce; ++c) of_cell.push_back(values(c, first, count));
+      for (std::size_t c = 0; c < kCellsAtOnce; ++c) cells.push_back({(c + 1) % kCellsAtOnce, of_cell[c].data()});
+      together.set(cells);
+      for (const CellValues& of : cells) alone.set(of.cell, of.values);
+      for (std::size_t b = 0; b < alone.blocks().size(); ++b) {
+        for (std::size_t c = 0; c < kCellsAtOnce; ++c) {
+          EXPECT_TRUE(same_bits(together.blocks()[b].mean[c], alone.blocks()[b].mean[c])) << count;
+          EXPECT_TRUE(same_bits(together.blocks()[b].squared_deviations[c], alone.blocks()[b].squared_deviations[c]));
+        }
+      }
+    }
+  }
+}
+
 TEST(BatchMoments, RefusesACellThereIsNot) {
   BatchMoments moments(0, 2, kCells);
   const std::vector<double> x = {1.0, 2.0};

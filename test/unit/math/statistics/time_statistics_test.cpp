@@ -11,7 +11,7 @@ namespace platoon {
 namespace {
 
 void add(TimeStatistics& statistics, std::size_t follower, std::int64_t step, double error) {
-  statistics.add({follower, step, 0, 1, {{error, 0.0}}});
+  statistics.add({follower, step, 0, 1, {std::vector<MomentNode>{{error, 0.0}}}});
 }
 
 TEST(TimeStatistics, LeaveTheBurnInOut) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/model/tracking_error.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/math/numerics/exact.hpp"
 #include "unit/math/string/example_loops.hpp"
@@ -33,8 +33,8 @@ std::vector<double> run_string(const PlatoonModel& model, std::size_t followers,
       const double d = k == 0 ? 0.0 : noise[i * steps + k - 1];
       loop.step({ahead[k] + d}, model.default_vehicle().standstill_distance, y);
     }
-    const TrackingError zeta{model.default_vehicle().headway, model.default_vehicle().standstill_distance};
-    for (std::size_t k = 1; k <= steps; ++k) errors.push_back(zeta(ahead[k], own[k], own[k - 1]));
+    const Signal zeta = tracking_error(model, 1);
+    for (std::size_t k = 1; k <= steps; ++k) errors.push_back(zeta(ahead[k], {own[k], own[k - 1]}));
     ahead = own;
   }
   return errors;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stochastic_platoon/math/model/tracking_error.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "unit/math/string/example_loops.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 /// The tracking errors of a platoon without noise, computed as a run computes them.
 std::vector<double> run(const PlatoonModel& model, std::size_t followers, std::size_t steps) {
-  const TrackingError zeta{model.default_vehicle().headway, model.default_vehicle().standstill_distance};
+  const Signal zeta = tracking_error(model, 1);
   LeaderVehicle leader(model);
   std::vector<double> ahead{leader.start()};
   for (std::size_t k = 0; k < steps; ++k) ahead.push_back(leader.step());
@@ -26,7 +26,7 @@ std::vector<double> run(const PlatoonModel& model, std::size_t followers, std::s
     positions.push_back(own.front());
     for (std::size_t k = 0; k < steps; ++k) {
       follower.step({ahead[k]}, own);
-      errors.push_back(zeta(ahead[k + 1], own.front(), positions.back()));
+      errors.push_back(zeta(ahead[k + 1], {own.front(), positions.back()}));
       positions.push_back(own.front());
     }
     ahead.swap(positions);

@@ -150,7 +150,7 @@ TEST(RunOptions, WaitForEverWithoutAStallTimeout) {
 TEST(RunOptions, NameEverySettingThatIsMissing) {
   Problems problems;
   read(YAML::Load("{}"), &problems);
-  EXPECT_EQ(problems.size(), settings().size() - 1);  // own, which recordings of a whole string do not have
+  EXPECT_EQ(problems.size(), settings().size() - 2);  // external and signals, which other runs do not state
   for (const std::string& problem : problems) EXPECT_NE(problem.find(": missing: must be "), std::string::npos);
 }
 
@@ -229,6 +229,21 @@ TEST(ChosenWindow, KeepsEveryProcessBusyWithinTheMemory) {
     }
   }
   EXPECT_GT(read({}).window, 0);
+}
+
+TEST(RunOptions, SignalsComeInOneOrder) {
+  const RunOptions options = read({{"signals", "jerk,gap"}});
+  EXPECT_EQ(options.signals, (std::vector<std::string>{"gap", "jerk"}));
+  EXPECT_EQ(to_json(options).at("signals"), "gap,jerk");
+  EXPECT_FALSE(to_json(read({})).contains("signals")) << "the identity of other runs stays what it was";
+}
+
+TEST(RunOptions, NameWhatIsNoSignal) {
+  for (const char* given : {"distance", "gap,", "gap,gap", ",gap", "gap speed", "Gap"}) {
+    EXPECT_EQ(problems_with("signals", given),
+              Problems{std::string("run/signals: ") + given +
+                       ": must be some of gap, speed, acceleration, jerk, each once, separated by commas"});
+  }
 }
 
 }  // namespace

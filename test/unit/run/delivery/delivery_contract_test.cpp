@@ -21,14 +21,14 @@ PlatoonModel example() {
   return model;
 }
 
-const MomentTable& undisturbed() {
-  static const MomentTable table = monte_carlo(
+const EnsembleTotals& undisturbed() {
+  static const EnsembleTotals table = monte_carlo(
       example(), {kNoiseSeed, kFollowers, kSchedule.steps, kSchedule.realizations, 99}, 1, [](std::uint64_t) {});
   return table;
 }
 
-bool same_bits(const MomentTable& left, const MomentTable& right) {
-  const std::vector<Moments> one = left.totals(), other = right.totals();
+bool same_bits(const EnsembleTotals& left, const EnsembleTotals& right) {
+  const std::vector<Moments> one = left.moments.totals(), other = right.moments.totals();
   bool same = left.count() == right.count() && one.size() == other.size();
   for (std::size_t c = 0; same && c < one.size(); ++c) {
     same = one[c].mean == other[c].mean && one[c].squared_deviations == other[c].squared_deviations;

@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/model/tracking_error.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/math/statistics/ensemble_statistics.hpp"
 #include "stochastic_platoon/run/delivery/credit.hpp"
-#include "stochastic_platoon/run/delivery/error_assembly.hpp"
 #include "stochastic_platoon/run/delivery/pipeline.hpp"
 #include "stochastic_platoon/run/delivery/report_pace.hpp"
+#include "stochastic_platoon/run/delivery/signal_assembly.hpp"
 
 namespace platoon {
 
@@ -42,7 +42,7 @@ public:
         troubles_(troubles),
         chance_(chance),
         leader_(model),
-        checkpoint_{MomentTable(followers * static_cast<std::size_t>(schedule.steps)), 0, 0},
+        checkpoint_{EnsembleTotals(SignalCells{followers, schedule.steps}), 0, 0},
         to_channel_(followers),
         to_monitor_(followers + 1),
         to_recorder_(troubles.recorder ? followers + 1 : 0) {
@@ -57,7 +57,7 @@ public:
 
   /// Runs until the leader knows that everything is there. Throws std::runtime_error when that takes for
   /// ever.
-  const MomentTable& run() {
+  const EnsembleTotals& run() {
     for (std::int64_t event = 0; !credit_->complete(); ++event) {
       if (event > 3000000) throw std::runtime_error("the run does not end");
       now_ += 0.001;
@@ -99,7 +99,7 @@ private:
     std::vector<double> upcoming = {};  ///< its own next step, of one that does not lead
   };
   struct Checkpoint {
-    MomentTable table;
+    EnsembleTotals totals;
     std::uint32_t attempts;
     std::uint64_t positions_received;
   };
@@ -122,10 +122,10 @@ private:
     monitor_pace_ = ReportPace(schedule_, kWindow);
     attempts_seen_ = checkpoint_.attempts;
     positions_received_ = checkpoint_.positions_received;
-    statistics_ = std::make_unique<EnsembleStatistics>(followers_.size(), schedule_.steps);
-    statistics_->merge(checkpoint_.table);
-    assembly_ =
-        std::make_unique<ErrorAssembly>(schedule_, followers_.size(), checkpoint_.table.count(), checkpoint_.attempts);
+    statistics_ = std::make_unique<EnsembleStatistics>(SignalCells{followers_.size(), schedule_.steps});
+    statistics_->merge(checkpoint_.totals);
+    assembly_ = std::make_unique<SignalAssembly>(schedule_, followers_.size(), checkpoint_.totals.count(),
+                                                 checkpoint_.attempts);
   }
 
   void commit(const CompleteBatch& batch) {
@@ -282,25 +282,28 @@ private:
   MessageDescriptor descriptor(const Message& message) const { return {message.id, message.positions->size(), true}; }
 
   void observe(std::size_t vehicle, const Message& message) {
-    const ErrorAssembly::Receipt receipt = assembly_->receive(vehicle, descriptor(message), message.positions);
+    const SignalAssembly::Receipt receipt = assembly_->receive(vehicle, descriptor(message), message.positions);
     if (receipt.restarted) statistics_->restart();
     if (receipt.drop != DropReason::none) return;
-    for (const DueErrors& due : receipt.due) add_errors(due);
+    for (const DueSignals& due : receipt.due) add_errors(due);
     attempts_seen_ = std::max(attempts_seen_, message.id.attempt);
     const std::optional<CompleteBatch> batch = assembly_->settle(vehicle, descriptor(message));
     if (batch) commit(*batch);
     report_if_due("monitor", assembly_->arrivals(), monitor_pace_);
   }
 
-  void add_errors(const DueErrors& due) {
-    const TrackingError error{model_.default_vehicle().headway, model_.default_vehicle().standstill_distance};
-    std::vector<double> errors(due.own->size());
-    error(due.predecessor->data(), due.own->data(), due.own_before->data(), errors.size(), errors.data());
+  void add_errors(const DueSignals& due) {
+    const Signal error = tracking_error(model_, 1);
+    std::vector<double> errors(due.own[0]->size());
+    error(due.predecessor->data(), {due.own[0]->data(), due.own[1]->data()}, errors.size(), errors.data());
     const auto in_place = [&errors](std::size_t offset, std::size_t, double*) {
       return static_cast<const double*>(errors.data() + offset);
     };
-    statistics_->add({due.follower, due.id.step, due.id.first_realization, errors.size(),
-                      reduce_batch(due.id.first_realization, errors.size(), in_place)});
+    statistics_->add({due.follower,
+                      due.id.step,
+                      due.id.first_realization,
+                      errors.size(),
+                      {reduce_batch(due.id.first_realization, errors.size(), in_place)}});
   }
 
   void record(std::size_t vehicle, const Message& message) {
@@ -322,7 +325,7 @@ private:
   std::vector<Follower> followers_;
   std::vector<AwgnChannel> channels_;
   std::unique_ptr<EnsembleStatistics> statistics_;
-  std::unique_ptr<ErrorAssembly> assembly_;
+  std::unique_ptr<SignalAssembly> assembly_;
   std::uint32_t attempts_seen_ = 0;
   std::uint64_t positions_received_ = 0;
   Checkpoint checkpoint_;

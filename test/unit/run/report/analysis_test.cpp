@@ -83,6 +83,51 @@ TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
   EXPECT_THROW(sweep(model, {{3.0}, {}, {}}), std::invalid_argument);
 }
 
+TEST(Analysis, HasTheSignalsThatAreRequested) {
+  const PlatoonModel model = model_at(3.2);
+  const Analysis analysis = analyze(model, 3, 10, [](const char*) {}, {{"jerk"}, 1e-6});
+  const nlohmann::json document = to_json(model, analysis);
+  ASSERT_EQ(document.at("signals").size(), 2u) << "collisions imply the gap";
+  for (const char* name : {"gap", "jerk"}) {
+    const nlohmann::json& signal = document.at("signals").at(name);
+    for (const char* key : {"mean", "variance"}) {
+      EXPECT_EQ(signal.at(key).size(), 3u) << key;
+      EXPECT_EQ(signal.at(key).at(2).size(), 10u) << key;
+    }
+    EXPECT_EQ(signal.at("stationary_mean").size(), 3u);
+    EXPECT_EQ(signal.at("stationary_variance").size(), 3u);
+    EXPECT_TRUE(signal.at("limit_variance").is_number());
+  }
+  const nlohmann::json& collision = document.at("collision");
+  for (const char* key : {"probability", "rate", "bound", "required_standstill_distances"})
+    EXPECT_EQ(collision.at(key).size(), 3u) << key;
+  for (const char* key : {"limit_probability", "limit_rate", "required_standstill_distance"})
+    EXPECT_TRUE(collision.at(key).is_number()) << key;
+  const std::string text = report(model, analysis);
+  EXPECT_NE(text.find("Jerk: stationary variance "), std::string::npos);
+  EXPECT_NE(text.find("Required standstill distance for 1e-06 per step: "), std::string::npos);
+}
+
+TEST(Analysis, HasNoSignalsUnlessRequested) {
+  const PlatoonModel model = model_at(3.2);
+  const nlohmann::json document = to_json(model, analyze(model, 3, 10));
+  EXPECT_FALSE(document.contains("signals"));
+  EXPECT_FALSE(document.contains("collision"));
+}
+
+TEST(Analysis, HasNoSignalsWhereErrorsAreNotNormal) {
+  for (const bool in_bursts : {false, true}) {
+    PlatoonModel model = model_at(3.2);
+    model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
+    if (in_bursts) model.default_vehicle().link.loss->mean_burst = 3.0;
+    const Analysis analysis = analyze(model, 2, 5, [](const char*) {}, {{"gap"}, 1e-6});
+    const nlohmann::json document = to_json(model, analysis);
+    EXPECT_TRUE(document.at("signals").is_null());
+    EXPECT_TRUE(document.at("collision").is_null());
+    EXPECT_NE(report(model, analysis).find("measured only, as errors are not normal"), std::string::npos);
+  }
+}
+
 TEST(Sweep, CoversHeadwaysAndGainsAndMeetsTheSinglePoints) {
   const std::vector<SweepPoint> points = sweep(model_at(3.2), {{2.4, 3.2}, {1.35, 9.0}, {}});
   ASSERT_EQ(points.size(), 4u);

@@ -10,6 +10,7 @@
 
 #include "stochastic_platoon/math/model/white_noise.hpp"
 #include "unit/paper_run.hpp"
+#include "unit/same_gaps.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
@@ -33,7 +34,7 @@ Checkpoint checkpoint_of(const Configuration& configuration, std::uint64_t reali
   return {statistics_identity(configuration),
           configuration.run.launch_id,
           {1234, 5, 6.75, 8901234567890123456u},
-          table(realizations)};
+          EnsembleTotals(table(realizations))};
 }
 
 bool same_bits(const std::vector<double>& left, const std::vector<double>& right) {
@@ -78,7 +79,7 @@ TEST(Checkpoint, ComesBackToTheBit) {
   EXPECT_EQ(read->tally.attempts, 5u);
   EXPECT_EQ(read->tally.wall_seconds, 6.75);
   EXPECT_EQ(read->tally.platoon_time, 8901234567890123456u);
-  expect_same_blocks(read->table, written.table);
+  expect_same_blocks(read->totals.moments, written.totals.moments);
 }
 
 TEST(Checkpoint, OfAveragesOverTimeComesBackToTheBit) {
@@ -89,7 +90,7 @@ TEST(Checkpoint, OfAveragesOverTimeComesBackToTheBit) {
   write_checkpoint(folder.path(), {statistics_identity(configuration),
                                    "this launch",
                                    {},
-                                   MomentTable(0),
+                                   {},
                                    {Moments{3, 0.1, 1.0 / 3.0}, Moments{4, -0.0, 1e-300}}});
   const std::optional<Checkpoint> read = starting_point(configuration);
   ASSERT_TRUE(read);
@@ -103,6 +104,17 @@ TEST(Checkpoint, OfAveragesOverTimeComesBackToTheBit) {
   EXPECT_NE(refusal(configuration).find("holds a run of averages over 3 steps"), std::string::npos);
 }
 
+TEST(Checkpoint, KeepsTheSmallestGaps) {
+  const TemporaryFolder folder;
+  GapTable gaps({2, 0.1, 1.5});
+  gaps.merge(1, {{-1.0 / 3.0, 99, 7}, 3, 4, {{-4, 1}, {12, 5}}});
+  gaps.merge(2, {{0.1, 5, 0}, 0, 2, {{1, 6}}});
+  Checkpoint written = checkpoint_of(paper_run(folder.path()), 6);
+  written.totals.gaps = gaps;
+  write_checkpoint(folder.path(), written);
+  expect_same_gaps(read_checkpoint(folder.path())->totals.gaps, gaps);
+}
+
 TEST(Checkpoint, KeepsTheBitsOfEveryDouble) {
   using Limits = std::numeric_limits<double>;
   const TemporaryFolder folder;
@@ -112,8 +124,8 @@ TEST(Checkpoint, KeepsTheBitsOfEveryDouble) {
   MomentTable unusual(values.size());
   unusual.add(MomentBlock{{3, 0}, values, values});
   unusual.add(MomentBlock{{std::uint64_t{1} << 45, 45}, values, values});
-  write_checkpoint(folder.path(), {{}, "", {}, unusual, {}});
-  expect_same_blocks(read_checkpoint(folder.path())->table, unusual);
+  write_checkpoint(folder.path(), {{}, "", {}, EnsembleTotals(unusual), {}});
+  expect_same_blocks(read_checkpoint(folder.path())->totals.moments, unusual);
 }
 
 // Whatever is done to the latest one, either the one before it is read, to the bit, or nothing is.
@@ -121,7 +133,7 @@ void expect_never_wrong(const TemporaryFolder& folder, const std::string& bent, 
   folder.file("checkpoint.cbor", bent);
   const std::optional<Checkpoint> read = read_checkpoint(folder.path());
   ASSERT_TRUE(read) << how;
-  EXPECT_EQ(read->table.count(), 8u) << how;
+  EXPECT_EQ(read->totals.count(), 8u) << how;
   EXPECT_NE(read->damage, "") << how;
   EXPECT_EQ(read->launch_id, "this launch") << how;
 }
@@ -130,7 +142,7 @@ TEST(Checkpoint, ThatIsDamagedAnywhereIsRecognizedAndTheOneBeforeItUsed) {
   const TemporaryFolder folder;
   write_checkpoint(folder.path(), checkpoint_of(paper_run(folder.path()), 8));
   write_checkpoint(folder.path(), checkpoint_of(paper_run(folder.path()), 13));
-  EXPECT_EQ(read_checkpoint(folder.path())->table.count(), 13u);
+  EXPECT_EQ(read_checkpoint(folder.path())->totals.count(), 13u);
   EXPECT_EQ(read_checkpoint(folder.path())->damage, "");
   const std::string sound = content_of(checkpoint_file(folder.path()));
   for (std::size_t place = 0; place < sound.size() && !HasFailure(); ++place) {
@@ -162,7 +174,7 @@ TEST(Checkpoint, OfBeforeIsReadWhereWritingTheLatestWasInterrupted) {
   write_checkpoint(folder.path(), checkpoint_of(paper_run(folder.path()), 8));
   std::filesystem::rename(checkpoint_file(folder.path()), previous_checkpoint_file(folder.path()));
   ASSERT_TRUE(read_checkpoint(folder.path()));
-  EXPECT_EQ(read_checkpoint(folder.path())->table.count(), 8u);
+  EXPECT_EQ(read_checkpoint(folder.path())->totals.count(), 8u);
 }
 
 TEST(Checkpoint, WithAGapIsRefused) {
@@ -170,7 +182,7 @@ TEST(Checkpoint, WithAGapIsRefused) {
   Configuration configuration = paper_run(folder.path());
   Checkpoint gap = checkpoint_of(configuration, 8);
   BatchMoments later(16, 4, kCells);
-  gap.table.add(later);
+  gap.totals.moments.add(later);
   write_checkpoint(folder.path(), gap);
   EXPECT_NE(refusal(configuration).find("must hold realizations 0, 1, ... without a gap"), std::string::npos);
 }
@@ -183,7 +195,7 @@ TEST(Checkpoint, GoesOnAsIfThereHadBeenNoStop) {
   MomentTable undisturbed = table(13);
   undisturbed.add(rest);
   write_checkpoint(folder.path(), checkpoint_of(paper_run(folder.path()), 13));
-  MomentTable resumed = read_checkpoint(folder.path())->table;
+  MomentTable resumed = read_checkpoint(folder.path())->totals.moments;
   resumed.add(rest);
   expect_same_blocks(resumed, undisturbed);
 }
@@ -245,7 +257,7 @@ TEST(StartingPoint, IsTheCheckpointOfTheSameLaunch) {
   write_checkpoint(folder.path(), checkpoint_of(configuration, 13));
   const std::optional<Checkpoint> start = starting_point(configuration);
   ASSERT_TRUE(start);
-  EXPECT_EQ(start->table.count(), 13u);
+  EXPECT_EQ(start->totals.count(), 13u);
 }
 
 TEST(StartingPoint, IsTheCheckpointOfAnotherLaunchOnlyWhenItIsResumed) {
@@ -259,7 +271,7 @@ TEST(StartingPoint, IsTheCheckpointOfAnotherLaunchOnlyWhenItIsResumed) {
                                         "resume:=true to go on with that run)");
   EXPECT_EQ(content_of(checkpoint_file(folder.path())), before);
   configuration.run.resume = true;
-  EXPECT_EQ(starting_point(configuration)->table.count(), 13u);
+  EXPECT_EQ(starting_point(configuration)->totals.count(), 13u);
 }
 
 TEST(StartingPoint, TakesNoTwoLaunchesWithoutANameForTheSame) {
@@ -299,11 +311,11 @@ TEST(StartingPoint, AllowsMoreRealizationsAndOtherBatchesThanBefore) {
   const TemporaryFolder folder;
   Configuration configuration = paper_run(folder.path());
   write_checkpoint(folder.path(), checkpoint_of(configuration, 20));
-  EXPECT_EQ(starting_point(configuration)->table.count(), 20u);
+  EXPECT_EQ(starting_point(configuration)->totals.count(), 20u);
   configuration.run.realizations = 1000;
   configuration.run.batch = 7;
   configuration.run.hosting = Hosting::one_process;
-  EXPECT_EQ(starting_point(configuration)->table.count(), 20u);
+  EXPECT_EQ(starting_point(configuration)->totals.count(), 20u);
 }
 
 TEST(StartingPoint, RefusesFewerRealizationsThanThereAre) {

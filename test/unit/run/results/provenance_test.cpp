@@ -53,7 +53,7 @@ TEST_F(ProvenanceTest, TheConfigurationIsReadBackWhole) {
   const RecordedResults found = read_summary(summary_file());
   EXPECT_EQ(to_json(found.configuration), to_json(configuration_));
   EXPECT_TRUE(found.complete);
-  EXPECT_EQ(found.statistics_checksum, checksum(content_of(folder_ / "statistics.csv")));
+  EXPECT_EQ(found.checksums.at("statistics"), checksum(content_of(folder_ / "statistics.csv")));
 }
 
 TEST_F(ProvenanceTest, TheConfigurationOfARunWithoutNodesIsReadToo) {

@@ -93,7 +93,7 @@ std::string report_of(const Configuration& configuration, const Prediction& pred
   result.realizations = realizations;
   PlatoonModel model = configuration.model;
   model.default_vehicle().noise_variance *= noise_factor;
-  result.moments = monte_carlo(model, {seed, 2, 20, realizations, 1024}, 1, [](std::uint64_t) {}).totals();
+  result.moments = monte_carlo(model, {seed, 2, 20, realizations, 1024}, 1, [](std::uint64_t) {}).moments.totals();
   return report(configuration, prediction, result);
 }
 
@@ -216,8 +216,9 @@ RunResult averages_over_time(const Configuration& configuration, std::int64_t st
   const RunOptions& run = configuration.run;
   TimeStatistics averages(run.followers, run.burn_in);
   PlatoonString(configuration.model, run.seed, run.followers)
-      .run(0, 1, steps, [&](std::size_t follower, std::int64_t step, const std::vector<double>& errors) {
-        averages.add({follower, step, 0, 1, {{errors[0], 0.0}}});
+      .run(0, 1, steps, [&](const std::vector<PlatoonString::SignalValues>& group) {
+        for (const PlatoonString::SignalValues& of : group)
+          averages.add({of.follower, of.step, 0, 1, {std::vector<MomentNode>{{of.values->front(), 0.0}}}});
       });
   RunResult result;
   result.realizations = 1;

@@ -9,6 +9,7 @@
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "unit/paper_run.hpp"
+#include "unit/same_gaps.hpp"
 
 namespace platoon {
 namespace {
@@ -65,9 +66,9 @@ void receive_batch(RunStatistics& statistics, const Configuration& configuration
 void expect_monte_carlo(const std::vector<Moments>& found, const Configuration& configuration,
                         std::uint64_t realizations) {
   const RunOptions& run = configuration.run;
+  const Ensemble ensemble{run.seed, run.followers, run.steps, realizations, 8192, run.signals};
   const std::vector<Moments> expected =
-      monte_carlo(configuration.model, {run.seed, run.followers, run.steps, realizations, 8192}, 1, [](std::uint64_t) {
-      }).totals();
+      monte_carlo(configuration.model, ensemble, 1, [](std::uint64_t) {}).moments.totals();
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t c = 0; c < found.size(); ++c) {
     EXPECT_EQ(found[c].count, expected[c].count);
@@ -98,6 +99,7 @@ TEST(RunStatistics, FromSeveralThreadsAreTheMonteCarlosToTheBit) {
   configuration.run.followers = 5;
   configuration.run.steps = 40;
   configuration.run.realizations = 400;
+  configuration.run.signals = {"gap", "speed", "jerk"};
   std::mutex mutex;
   RunStatistics statistics(configuration, std::nullopt);
   const BatchSchedule schedule = configuration.run.schedule();
@@ -124,6 +126,11 @@ TEST(RunStatistics, FromSeveralThreadsAreTheMonteCarlosToTheBit) {
   other.wait();
   EXPECT_TRUE(statistics.arrivals().complete());
   expect_monte_carlo(statistics.averages().moments(), configuration, 400);
+  const RunOptions& run = configuration.run;
+  const EnsembleTotals expected = monte_carlo(
+      configuration.model, {run.seed, run.followers, run.steps, 400, 64, run.signals}, 1, [](std::uint64_t) {});
+  expect_same_gaps(statistics.result(true).gaps, expected.gaps);
+  EXPECT_EQ(statistics.result(true).signals.size(), 3u);
   EXPECT_EQ(statistics.tally().positions_received, positions_expected(configuration.run, 400));
 }
 
@@ -229,12 +236,11 @@ TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
   EXPECT_EQ(statistics.averages().realizations(), 1u);
   ASSERT_EQ(statistics.averages().moments().size(), 2u);
   const auto all = positions_of(configuration, 0, 1, 50);
-  const TrackingError error{configuration.model.default_vehicle().headway,
-                            configuration.model.default_vehicle().standstill_distance};
+  const Signal error = tracking_error(configuration.model, 1);
   for (std::size_t i = 1; i <= 2; ++i) {
     Moments expected;
     for (std::size_t k = 31; k <= 50; ++k) {
-      expected.add(error(all[i - 1][k]->front(), all[i][k]->front(), all[i][k - 1]->front()));
+      expected.add(error(all[i - 1][k]->front(), {all[i][k]->front(), all[i][k - 1]->front()}));
     }
     EXPECT_EQ(statistics.averages().moments()[i - 1].count, 20u);
     EXPECT_EQ(statistics.averages().moments()[i - 1].mean, expected.mean);

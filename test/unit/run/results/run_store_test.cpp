@@ -26,7 +26,7 @@ protected:
     return {statistics_identity(configuration_),
             configuration_.run.launch_id,
             {positions, 1, 0.5, 0},
-            MomentTable(configuration_.run.followers * static_cast<std::size_t>(configuration_.run.steps))};
+            EnsembleTotals(cells_of(configuration_))};
   }
   /// A folder in the place of a file keeps it from being written, whoever writes.
   void block(const std::string& file) { std::filesystem::create_directories(file + "/in the way"); }

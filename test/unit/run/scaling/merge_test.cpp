@@ -36,7 +36,7 @@ std::vector<Moments> whole(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   return monte_carlo(configuration.model, {run.seed, run.followers, run.steps, run.realizations, 512}, 1,
                      [](std::uint64_t) {})
-      .totals();
+      .moments.totals();
 }
 
 void expect_same_bits(const std::vector<Moments>& found, const std::vector<Moments>& expected) {
@@ -103,7 +103,7 @@ TEST(Merge, NamesAShardThatIsNotComplete) {
   const RealizationRange range = paper_shard("", 1, 3).range();
   EnsembleRun some(paper_platoon(), {1, 2, 3, 1000, 8}, {range.first, range.first + 10});
   some.work();
-  shard.table = some.release();
+  shard.totals = some.release();
   write_checkpoint(folders[1], shard);
   EXPECT_EQ(refusal(folders), "2 errors:\n  shards 1 of 3: missing: must be computed (sbatch --array=1)\n  " +
                                   folders[1] + ": shard 1/3 is not complete: 10 of " + std::to_string(range.size()) +
@@ -114,7 +114,7 @@ TEST(Merge, RefusesAShardThatHoldsMoreThanItsRange) {
   const TemporaryFolder folder;
   const std::vector<std::string> folders = shards(folder, 3);
   Checkpoint shard = *read_checkpoint(folders[1]);
-  shard.table.merge(read_checkpoint(folders[2])->table);
+  shard.totals.merge(read_checkpoint(folders[2])->totals);
   write_checkpoint(folders[1], shard);
   EXPECT_NE(refusal(folders).find("shard 1/3 is not complete"), std::string::npos);
 }

@@ -67,8 +67,8 @@ TEST(ComputeShard, LeavesItsRealizationsAndIsRecognizedWhenItIsComplete) {
   const ShardRun run = paper_shard(folder.path(), 2, 7);
   EXPECT_EQ(compute_shard(run, {}).computed, run.range().size());
   const std::optional<Checkpoint> left = read_checkpoint(folder.path());
-  EXPECT_EQ(left->table.count(), run.range().size());
-  EXPECT_TRUE(left->table.missing(run.range()).empty());
+  EXPECT_EQ(left->totals.count(), run.range().size());
+  EXPECT_TRUE(left->totals.moments.missing(run.range()).empty());
   const std::string before = content_of(checkpoint_file(folder.path()));
   EXPECT_EQ(compute_shard(run, {}).computed, 0u);
   EXPECT_EQ(content_of(checkpoint_file(folder.path())), before);
@@ -76,7 +76,10 @@ TEST(ComputeShard, LeavesItsRealizationsAndIsRecognizedWhenItIsComplete) {
 
 // Its checkpoint as a kill leaves it: some batches, not all of them in a row.
 Checkpoint broken_off(const ShardRun& run) {
-  Checkpoint checkpoint{statistics_identity(run.configuration), run.configuration.run.launch_id, {}, MomentTable(6)};
+  Checkpoint checkpoint{statistics_identity(run.configuration),
+                        run.configuration.run.launch_id,
+                        {},
+                        EnsembleTotals(cells_of(run.configuration))};
   checkpoint.shard = to_json(run);
   const RunOptions& options = run.configuration.run;
   const RealizationRange range = run.range();
@@ -85,7 +88,7 @@ Checkpoint broken_off(const ShardRun& run) {
     EnsembleRun some(run.configuration.model,
                      {options.seed, options.followers, options.steps, options.realizations, options.batch}, part);
     some.work();
-    checkpoint.table.merge(some.release());
+    checkpoint.totals.merge(some.release());
   }
   return checkpoint;
 }
@@ -96,8 +99,8 @@ TEST(ComputeShard, GoesOnFromItsCheckpointToTheSameBits) {
   const ShardRun run = paper_shard(killed.path(), 2, 7);
   write_checkpoint(killed.path(), broken_off(run));
   EXPECT_EQ(compute_shard(run, {}).computed, run.range().size() - 32);
-  const std::vector<Moments> found = read_checkpoint(killed.path())->table.totals(),
-                             expected = read_checkpoint(whole.path())->table.totals();
+  const std::vector<Moments> found = read_checkpoint(killed.path())->totals.moments.totals(),
+                             expected = read_checkpoint(whole.path())->totals.moments.totals();
   for (std::size_t c = 0; c < expected.size(); ++c) {
     EXPECT_EQ(found[c].mean, expected[c].mean);
     EXPECT_EQ(found[c].squared_deviations, expected[c].squared_deviations);
@@ -117,7 +120,7 @@ TEST(ComputeShard, BeginsAnewWhereItsCheckpointIsDamagedAndSaysSo) {
   settings.warn = [&said](const std::string& text) { said += text; };
   EXPECT_EQ(compute_shard(run, settings).computed, run.range().size());
   EXPECT_NE(said.find("its digest is not that of its content: the shard begins anew"), std::string::npos) << said;
-  EXPECT_EQ(read_checkpoint(folder.path())->table.count(), run.range().size());
+  EXPECT_EQ(read_checkpoint(folder.path())->totals.count(), run.range().size());
 }
 
 TEST(ComputeShard, RefusesTheFolderOfAnotherShardAndOfAnotherRun) {

@@ -73,7 +73,7 @@ TEST(Sweep, HasARowPerPointAndFollowerOfMeasurementAndTheory) {
   for (std::uint64_t point = 0; point < 4; ++point) {
     const Configuration configuration = sweep.configuration(point);
     const std::vector<Moments> expected =
-        monte_carlo(configuration.model, {1, 2, 5, 2000, 512}, 1, [](std::uint64_t) {}).totals();
+        monte_carlo(configuration.model, {1, 2, 5, 2000, 512}, 1, [](std::uint64_t) {}).moments.totals();
     const ErrorMoments theory = error_moments(configuration.model, 2, 5);
     for (std::size_t vehicle = 1; vehicle <= 2; ++vehicle) {
       const std::vector<std::string>& row = table[1 + 2 * point + vehicle - 1];

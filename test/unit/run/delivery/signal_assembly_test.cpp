@@ -1,4 +1,4 @@
-#include "stochastic_platoon/run/delivery/error_assembly.hpp"
+#include "stochastic_platoon/run/delivery/signal_assembly.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,13 +8,13 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "stochastic_platoon/math/model/tracking_error.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 
 namespace platoon {
 namespace {
 
 const BatchSchedule kSchedule{20, 8, 3};  // batches at 0, 8 and, of size 4, at 16; steps -1 .. 2
-const TrackingError kError{3.2, 0.5};
+const Signal kError = tracking_error(3.2, 0.5);
 constexpr std::size_t kFollowers = 2;
 
 // A position that tells vehicle, realization and step apart.
@@ -24,8 +24,8 @@ double position(std::size_t vehicle, std::uint64_t realization, std::int64_t ste
 }
 
 double error(std::size_t follower, std::uint64_t realization, std::int64_t step) {
-  return kError(position(follower - 1, realization, step), position(follower, realization, step),
-                position(follower, realization, step - 1));
+  return kError(position(follower - 1, realization, step),
+                {position(follower, realization, step), position(follower, realization, step - 1)});
 }
 
 Positions positions(std::size_t vehicle, const MessageId& id, std::size_t count) {
@@ -38,15 +38,15 @@ Positions positions(std::size_t vehicle, const MessageId& id, std::size_t count)
 class Assembled {
 public:
   explicit Assembled(const BatchSchedule& schedule = kSchedule, std::uint64_t first = 0, std::uint32_t attempt = 0)
-      : schedule_(schedule), assembly_(schedule, kFollowers, first, attempt) {}
+      : schedule_(schedule), assembly_(schedule, kFollowers, first, attempt, Signal::kHighestOrder) {}
 
   DropReason receive(std::size_t vehicle, const MessageId& id) {
     const Positions message = positions(vehicle, id, schedule_.size(id.first_realization));
     sent_.push_back(message);
     const MessageDescriptor descriptor{id, message->size(), true};
-    ErrorAssembly::Receipt receipt = assembly_.receive(vehicle, descriptor, message);
+    SignalAssembly::Receipt receipt = assembly_.receive(vehicle, descriptor, message);
     if (receipt.restarted) restart();
-    for (const DueErrors& due : receipt.due) take_errors(due);
+    for (const DueSignals& due : receipt.due) take_errors(due);
     receipt.due.clear();
     if (receipt.drop != DropReason::none) return receipt.drop;
     const std::optional<CompleteBatch> batch = assembly_.settle(vehicle, descriptor);
@@ -74,13 +74,13 @@ public:
         std::count_if(sent_.begin(), sent_.end(), [](const auto& message) { return !message.expired(); }));
   }
 
-  ErrorAssembly& assembly() { return assembly_; }
+  SignalAssembly& assembly() { return assembly_; }
   std::size_t errors_told() const { return errors_told_; }
   int restarts() const { return restarts_; }
   const std::vector<CompleteBatch>& batches() const { return batches_; }
 
 private:
-  void take_errors(const DueErrors& due) {
+  void take_errors(const DueSignals& due) {
     const std::size_t follower = due.follower;
     const MessageId& id = due.id;
     ++errors_told_;
@@ -95,11 +95,15 @@ private:
       EXPECT_EQ(id.step, 0);
     }
     last_told_[follower] = id;
-    ASSERT_EQ(due.own->size(), schedule_.size(id.first_realization));
-    for (std::size_t r = 0; r < due.own->size(); ++r) {
-      EXPECT_DOUBLE_EQ(kError((*due.predecessor)[r], (*due.own)[r], (*due.own_before)[r]),
+    ASSERT_EQ(due.own[0]->size(), schedule_.size(id.first_realization));
+    for (std::size_t r = 0; r < due.own[0]->size(); ++r) {
+      EXPECT_DOUBLE_EQ(kError((*due.predecessor)[r], {(*due.own[0])[r], (*due.own[1])[r]}),
                        error(follower, id.first_realization + r, id.step))
           << "follower " << follower << ", realization " << id.first_realization + r << ", step " << id.step;
+      for (std::int64_t j = 0; j <= Signal::kHighestOrder; ++j) {
+        ASSERT_EQ((*due.own[static_cast<std::size_t>(j)])[r],
+                  position(follower, id.first_realization + r, std::max(id.step - j, kInitialStep)));
+      }
     }
     ++told_[id.first_realization];
   }
@@ -123,7 +127,7 @@ private:
   int restarts_ = 0;
   std::vector<CompleteBatch> batches_;
   std::vector<std::weak_ptr<const std::vector<double>>> sent_;
-  ErrorAssembly assembly_;
+  SignalAssembly assembly_;
 };
 
 std::vector<MessageId> all_ids(const BatchSchedule& schedule, std::uint32_t attempt, std::uint64_t first) {
@@ -134,7 +138,7 @@ std::vector<MessageId> all_ids(const BatchSchedule& schedule, std::uint32_t atte
   return ids;
 }
 
-void expect_whole_run(const Assembled& assembled, ErrorAssembly& assembly) {
+void expect_whole_run(const Assembled& assembled, SignalAssembly& assembly) {
   EXPECT_TRUE(assembly.arrivals().complete());
   ASSERT_EQ(assembled.batches().size(), 3u);
   const std::uint64_t firsts[] = {0, 8, 16}, sizes[] = {8, 8, 4};
@@ -144,7 +148,7 @@ void expect_whole_run(const Assembled& assembled, ErrorAssembly& assembly) {
   }
 }
 
-TEST(ErrorAssembly, FormsEveryErrorOfEveryBatch) {
+TEST(SignalAssembly, FormsEveryErrorOfEveryBatch) {
   Assembled assembled;
   for (const std::uint64_t first : {0, 8, 16}) assembled.receive_steps(1, first, -1, 2);
   expect_whole_run(assembled, assembled.assembly());
@@ -152,7 +156,7 @@ TEST(ErrorAssembly, FormsEveryErrorOfEveryBatch) {
 }
 
 // Batches overlap as they may: a vehicle is ahead of another by as much as chance will have it.
-TEST(ErrorAssembly, FormsEveryErrorInOrderHoweverTheVehiclesInterleave) {
+TEST(SignalAssembly, FormsEveryErrorInOrderHoweverTheVehiclesInterleave) {
   const std::vector<MessageId> ids = all_ids(kSchedule, 1, 0);
   for (unsigned seed = 0; seed < 300; ++seed) {
     std::mt19937 generator(seed);
@@ -178,7 +182,7 @@ TEST(ErrorAssembly, FormsEveryErrorInOrderHoweverTheVehiclesInterleave) {
   }
 }
 
-TEST(ErrorAssembly, AcknowledgesWhatHasArrivedFromEveryVehicle) {
+TEST(SignalAssembly, AcknowledgesWhatHasArrivedFromEveryVehicle) {
   Assembled assembled;
   assembled.expect_acknowledged({0, 0, kNothingYet});
   assembled.receive(0, {1, 0, -1});
@@ -193,17 +197,18 @@ TEST(ErrorAssembly, AcknowledgesWhatHasArrivedFromEveryVehicle) {
   assembled.expect_acknowledged({2, 8, kNothingYet});
 }
 
-TEST(ErrorAssembly, LetsGoOfPositionsOnceTheirErrorsAreFormed) {
+TEST(SignalAssembly, LetsGoOfPositionsOnceTheirErrorsAreFormed) {
   Assembled assembled;
   for (const std::uint64_t first : {0, 8, 16}) {
     for (std::int64_t step = -1; step < 3; ++step) {
       assembled.receive_steps(1, first, step, step);
-      EXPECT_LE(assembled.positions_kept(), kFollowers) << "the last position of each follower, for its next error";
+      EXPECT_LE(assembled.positions_kept(), kFollowers * Signal::kHighestOrder)
+          << "of each follower, for its next signals";
     }
   }
 }
 
-TEST(ErrorAssembly, KeepsNoMoreThanTheVehiclesAreApart) {
+TEST(SignalAssembly, KeepsNoMoreThanTheVehiclesAreApart) {
   const BatchSchedule schedule{1, 1, 0};
   Assembled assembled(schedule);
   constexpr std::int64_t kApart = 10;
@@ -217,7 +222,7 @@ TEST(ErrorAssembly, KeepsNoMoreThanTheVehiclesAreApart) {
   }
 }
 
-TEST(ErrorAssembly, KeepsNothingOfWhatItRefuses) {
+TEST(SignalAssembly, KeepsNothingOfWhatItRefuses) {
   Assembled assembled;
   assembled.receive_steps(1, 0, -1, 0);
   const std::size_t kept = assembled.positions_kept();
@@ -236,7 +241,7 @@ TEST(ErrorAssembly, KeepsNothingOfWhatItRefuses) {
   EXPECT_EQ(assembled.batches().size(), 1u);
 }
 
-TEST(ErrorAssembly, ForgetsTheUnfinishedBatchesWhenANewerAttemptBegins) {
+TEST(SignalAssembly, ForgetsTheUnfinishedBatchesWhenANewerAttemptBegins) {
   Assembled assembled;
   assembled.receive_steps(1, 0, -1, 2);
   assembled.receive_steps(1, 8, -1, 1);
@@ -254,8 +259,8 @@ TEST(ErrorAssembly, ForgetsTheUnfinishedBatchesWhenANewerAttemptBegins) {
   expect_whole_run(assembled, assembled.assembly());
 }
 
-TEST(ErrorAssembly, CompletesABatchOnlyWhenAllOfItsErrorsAreDealtWith) {
-  ErrorAssembly assembly({2, 2, 1}, 1, 0, 0);
+TEST(SignalAssembly, CompletesABatchOnlyWhenAllOfItsErrorsAreDealtWith) {
+  SignalAssembly assembly({2, 2, 1}, 1, 0, 0);
   const MessageDescriptor start{{1, 0, -1}, 2, true}, end{{1, 0, 0}, 2, true};
   for (std::size_t i = 0; i <= 1; ++i) {
     EXPECT_TRUE(assembly.receive(i, start, positions(i, start.id, 2)).due.empty());
@@ -269,7 +274,7 @@ TEST(ErrorAssembly, CompletesABatchOnlyWhenAllOfItsErrorsAreDealtWith) {
   EXPECT_TRUE(assembly.arrivals().complete());
 }
 
-TEST(ErrorAssembly, RefusesAnAttemptThatBeginsWhereItCannotGoOn) {
+TEST(SignalAssembly, RefusesAnAttemptThatBeginsWhereItCannotGoOn) {
   Assembled assembled;
   assembled.receive_steps(1, 0, -1, 2);
   EXPECT_EQ(assembled.receive(0, {2, 16, -1}), DropReason::out_of_turn);
@@ -281,20 +286,20 @@ TEST(ErrorAssembly, RefusesAnAttemptThatBeginsWhereItCannotGoOn) {
   EXPECT_EQ(assembled.batches().size(), 2u);
 }
 
-TEST(ErrorAssembly, TellsNoErrorTwiceWhenAnAttemptBeginsBeforeWhatIsCommitted) {
+TEST(SignalAssembly, TellsNoErrorTwiceWhenAnAttemptBeginsBeforeWhatIsCommitted) {
   Assembled assembled;
   for (const std::uint64_t first : {0, 8}) assembled.receive_steps(1, first, -1, 2);
   const std::size_t told = assembled.errors_told();
   for (const std::uint64_t first : {0, 8}) assembled.receive_steps(2, first, -1, 2);
   EXPECT_EQ(assembled.errors_told(), told);
   EXPECT_EQ(assembled.batches().size(), 2u);
-  EXPECT_LE(assembled.positions_kept(), kFollowers);
+  EXPECT_LE(assembled.positions_kept(), kFollowers * Signal::kHighestOrder);
   assembled.receive_steps(2, 16, -1, 2);
   expect_whole_run(assembled, assembled.assembly());
   EXPECT_EQ(assembled.errors_told(), 3 * 3 * kFollowers);
 }
 
-TEST(ErrorAssembly, GoesOnFromWhatWasCommittedBefore) {
+TEST(SignalAssembly, GoesOnFromWhatWasCommittedBefore) {
   Assembled assembled(kSchedule, 5, 3);
   EXPECT_EQ(assembled.assembly().arrivals().committed(), 5u);
   assembled.expect_acknowledged({3, 5, kNothingYet});
@@ -309,7 +314,7 @@ TEST(ErrorAssembly, GoesOnFromWhatWasCommittedBefore) {
   EXPECT_EQ(assembled.batches()[1].positions_received, 3u * 4u * 7u);
 }
 
-TEST(ErrorAssembly, IsCompleteWhenEverythingWasCommittedBefore) {
+TEST(SignalAssembly, IsCompleteWhenEverythingWasCommittedBefore) {
   Assembled assembled(kSchedule, 20, 3);
   EXPECT_TRUE(assembled.assembly().arrivals().complete());
   assembled.expect_acknowledged({3, 20, kNothingYet});
@@ -319,7 +324,7 @@ TEST(ErrorAssembly, IsCompleteWhenEverythingWasCommittedBefore) {
 // A monitor that was restarted knows attempt 3 from its checkpoint, up to realization 8. The leader has not
 // noticed yet and is at the batch of realization 16 in the same attempt: that is not the batch which is
 // missing.
-TEST(ErrorAssembly, DoesNotTakeALaterBatchOfTheAttemptItWasRestartedIn) {
+TEST(SignalAssembly, DoesNotTakeALaterBatchOfTheAttemptItWasRestartedIn) {
   Assembled assembled(BatchSchedule{40, 8, 3}, 8, 3);
   for (std::int64_t step = kInitialStep; step < 3; ++step) {
     for (std::size_t i = 0; i <= kFollowers; ++i) ASSERT_NE(assembled.receive(i, {3, 16, step}), DropReason::none);
@@ -330,7 +335,7 @@ TEST(ErrorAssembly, DoesNotTakeALaterBatchOfTheAttemptItWasRestartedIn) {
 
 // The same with links that come up one after the other: vehicle 0 is heard from the missing batch on, the
 // others only from the one after it.
-TEST(ErrorAssembly, DoesNotMixBatchesOfVehiclesThatAreHeardFromDifferentOnesOn) {
+TEST(SignalAssembly, DoesNotMixBatchesOfVehiclesThatAreHeardFromDifferentOnesOn) {
   Assembled assembled(BatchSchedule{40, 8, 3}, 8, 2);
   for (const std::uint64_t first : {8, 16}) {
     for (std::int64_t step = kInitialStep; step < 3; ++step) {
@@ -344,7 +349,7 @@ TEST(ErrorAssembly, DoesNotMixBatchesOfVehiclesThatAreHeardFromDifferentOnesOn) 
   EXPECT_TRUE(assembled.batches().empty());
 }
 
-TEST(ErrorAssembly, KnowsTheLatestMessageOfEachVehicleInThePresentAttempt) {
+TEST(SignalAssembly, KnowsTheLatestMessageOfEachVehicleInThePresentAttempt) {
   Assembled assembled;
   assembled.receive_steps(1, 0, -1, 0);
   assembled.receive(0, {1, 0, 1});
@@ -360,7 +365,7 @@ TEST(ErrorAssembly, KnowsTheLatestMessageOfEachVehicleInThePresentAttempt) {
   EXPECT_FALSE(latest[2]);
 }
 
-TEST(ErrorAssembly, OfAnEndlessRunFormsErrorsAndAcknowledgesForEver) {
+TEST(SignalAssembly, OfAnEndlessRunFormsErrorsAndAcknowledgesForEver) {
   Assembled assembled(BatchSchedule{1, 1, 0});
   assembled.receive_steps(1, 0, -1, 300);
   EXPECT_EQ(assembled.errors_told(), 301 * kFollowers);
@@ -369,7 +374,7 @@ TEST(ErrorAssembly, OfAnEndlessRunFormsErrorsAndAcknowledgesForEver) {
   EXPECT_FALSE(assembled.assembly().arrivals().complete());
 }
 
-TEST(ErrorAssembly, KnowsNoVehicleBeyondTheLast) {
+TEST(SignalAssembly, KnowsNoVehicleBeyondTheLast) {
   Assembled assembled;
   EXPECT_THROW(assembled.receive(kFollowers + 1, {1, 0, -1}), std::out_of_range);
 }

@@ -1,0 +1,133 @@
+#include "stochastic_platoon/math/model/signal.hpp"
+
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+namespace platoon {
+
+namespace detail {
+
+template <int kOrder>
+PLATOON_INLINE double difference(double y0, double y1, double y2, double y3) {
+  if (kOrder == 1) return y0 - y1;
+  if (kOrder == 2) return (y0 - y1) - (y1 - y2);
+  return ((y0 - y1) - (y1 - y2)) - ((y1 - y2) - (y2 - y3));
+}
+
+template <bool kRelative, int kOrder>
+PLATOON_INLINE void signal_values(const Signal& signal, const double* predecessor,
+                                  const Signal::Own<const double*>& own, std::size_t count, double* values) {
+  const double offset = signal.offset, factor = signal.factor;  // local copies cannot alias `values`
+  const double *const y0 = own[0], *const y1 = own[kOrder > 0 ? 1 : 0], *const y2 = own[kOrder > 1 ? 2 : 0],
+                      *const y3 = own[kOrder > 2 ? 3 : 0];
+  for (std::size_t r = 0; r < count; ++r) {
+    const double apart = kRelative ? predecessor[r] - y0[r] - offset : 0.0;
+    const double moved = kOrder > 0 ? factor * difference<kOrder>(y0[r], y1[r], y2[r], y3[r]) : 0.0;
+    values[r] = !kRelative ? moved : kOrder > 0 ? apart + moved : apart;
+  }
+}
+
+template <bool kRelative>
+PLATOON_INLINE void values_of_order(const Signal& signal, const double* predecessor,
+                                    const Signal::Own<const double*>& own, std::size_t count, double* values) {
+  switch (signal.order) {
+    case 0:
+      return signal_values<kRelative, 0>(signal, predecessor, own, count, values);
+    case 1:
+      return signal_values<kRelative, 1>(signal, predecessor, own, count, values);
+    case 2:
+      return signal_values<kRelative, 2>(signal, predecessor, own, count, values);
+    default:
+      return signal_values<kRelative, 3>(signal, predecessor, own, count, values);
+  }
+}
+
+PLATOON_VECTOR_CLONES
+void signal_values(const Signal& signal, const double* predecessor, const Signal::Own<const double*>& own,
+                   std::size_t count, double* values) {
+  if (signal.relative) return values_of_order<true>(signal, predecessor, own, count, values);
+  values_of_order<false>(signal, predecessor, own, count, values);
+}
+
+}  // namespace detail
+
+double Signal::operator()(double predecessor, const Own<double>& own) const {
+  double value;
+  (*this)(&predecessor, {&own[0], &own[1], &own[2], &own[3]}, 1, &value);
+  return value;
+}
+
+void Signal::operator()(const double* predecessor, const Own<const double*>& own, std::size_t count,
+                        double* values) const {
+  detail::signal_values(*this, predecessor, own, count, values);
+}
+
+Signal tracking_error(double headway, double standstill_distance) {
+  return {true, standstill_distance, 1, -headway};
+}
+
+Signal tracking_error(const PlatoonModel& model, std::size_t follower) {
+  const VehicleModel& own = vehicle(model, follower);
+  return tracking_error(own.headway, own.standstill_distance);
+}
+
+namespace {
+
+Signal gap(const PlatoonModel& model, std::size_t follower) {
+  return {true, vehicle(model, follower - 1).length, 0, 0.0};
+}
+
+// D^order y / T_s^order.
+template <int kOrder>
+Signal derivative(const PlatoonModel& model, std::size_t) {
+  double factor = 1.0;
+  for (int i = 0; i < kOrder; ++i) factor /= model.sample_period;
+  return {false, 0.0, kOrder, factor};
+}
+
+}  // namespace
+
+const std::vector<SignalKind>& signal_kinds() {
+  static const std::vector<SignalKind> kinds{{kGap, "m", gap},
+                                             {"speed", "m/s", derivative<1>},
+                                             {"acceleration", "m/s^2", derivative<2>},
+                                             {"jerk", "m/s^3", derivative<3>}};
+  return kinds;
+}
+
+std::string all_signal_names() {
+  std::string names;
+  for (const SignalKind& kind : signal_kinds()) names += (names.empty() ? "" : ", ") + std::string(kind.name);
+  return names;
+}
+
+std::vector<std::string> signal_names(const std::string& text) {
+  std::set<std::string> given;
+  std::istringstream words(text);
+  bool is_list = text.empty() || text.back() != ',';
+  for (std::string word; std::getline(words, word, ',');) is_list = is_list && given.insert(word).second;
+  std::vector<std::string> names;
+  for (const SignalKind& kind : signal_kinds()) {
+    if (given.count(kind.name) > 0) names.emplace_back(kind.name);
+  }
+  if (!is_list || names.size() != given.size()) {
+    throw std::invalid_argument("signals: " + text + ": must be some of " + all_signal_names() +
+                                ", each once, separated by commas");
+  }
+  return names;
+}
+
+std::vector<Signal> signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower) {
+  std::vector<Signal> signals{tracking_error(model, follower)};
+  for (const std::string& name : names) {
+    const std::size_t before = signals.size();
+    for (const SignalKind& kind : signal_kinds()) {
+      if (name == kind.name) signals.push_back(kind.of(model, follower));
+    }
+    if (signals.size() == before) throw std::invalid_argument(name + ": is no signal");
+  }
+  return signals;
+}
+
+}  // namespace platoon

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/model/vector_clones.hpp"
+
+namespace platoon {
+
+/// A quantity of follower i that is linear in its position y_i and in that of its predecessor, with the backward
+/// difference D y(k) = y(k) - y(k-1) and y_i(k) = y_i(-1) for k < -1:
+///     s_i(k) = [y_{i-1}(k) - y_i(k) - offset] + factor D^order y_i(k),   the bracket only if the signal is relative.
+struct Signal {
+  bool relative;
+  double offset;  ///< [m]
+  int order;      ///< 0 (no such term) to kHighestOrder
+  double factor;
+
+  static constexpr int kHighestOrder = 3;
+
+  /// y_i(k), y_i(k-1), ..., y_i(k - order); later entries are not read.
+  template <class T>
+  using Own = std::array<T, kHighestOrder + 1>;
+
+  double operator()(double predecessor, const Own<double>& own) const;
+
+  /// The same for `count` realizations. Every pointer refers to `count` values [m]; the ranges do not overlap.
+  void operator()(const double* predecessor, const Own<const double*>& own, std::size_t count, double* values) const;
+};
+
+/// zeta_i(k) = y_{i-1}(k) - y_i(k) - delta - h [y_i(k) - y_i(k-1)] [m], paper eq. (error1), including the distance
+/// delta.
+Signal tracking_error(double headway, double standstill_distance);
+
+/// The same for follower i >= 1, with its own headway and distance.
+Signal tracking_error(const PlatoonModel& model, std::size_t follower);
+
+/// A signal that a run computes on request.
+struct SignalKind {
+  const char* name;
+  const char* unit;
+  Signal (*of)(const PlatoonModel& model, std::size_t follower);  ///< of follower i >= 1
+};
+
+/// Name of the signal g_i(k) = y_{i-1}(k) - y_i(k) - (length of vehicle i-1), whose smallest values are collected too.
+constexpr char kGap[] = "gap";
+
+/// All of them: gap [m], speed D y_i / T_s [m/s], acceleration D^2 y_i / T_s^2, jerk D^3 y_i / T_s^3.
+const std::vector<SignalKind>& signal_kinds();
+
+/// The names in a list separated by commas, in the order of signal_kinds(); an empty text names none. Throws
+/// std::invalid_argument unless each is a signal and given once.
+std::vector<std::string> signal_names(const std::string& text);
+
+/// The allowed names, for messages: "gap, speed, acceleration, jerk".
+std::string all_signal_names();
+
+/// The tracking errors of follower i >= 1, and after them the signals of these names. Throws std::invalid_argument for
+/// an unknown name.
+std::vector<Signal> signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower);
+
+}  // namespace platoon

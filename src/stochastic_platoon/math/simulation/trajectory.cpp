@@ -1,0 +1,71 @@
+#include "stochastic_platoon/math/simulation/trajectory.hpp"
+
+#include <algorithm>
+
+#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/model/vehicle.hpp"
+
+namespace platoon {
+
+namespace {
+
+Trajectory of_leader(const PlatoonModel& model, std::size_t steps, bool is_heard) {
+  LeaderVehicle leader(model);
+  Trajectory of;
+  of.position.push_back(leader.start());
+  if (is_heard) of.input.push_back(0.0);
+  for (std::size_t k = 0; k < steps; ++k) {
+    of.position.push_back(leader.step());
+    if (is_heard) of.input.push_back(leader.input());
+  }
+  return of;
+}
+
+void add_signals(const std::vector<Signal>& signals, const Trajectory& predecessor, Trajectory& of) {
+  for (const Signal& signal : signals) {
+    of.signals.emplace_back();
+    for (std::size_t k = 1; k < of.position.size(); ++k) {
+      Signal::Own<double> own{};
+      for (std::size_t j = 0; j < own.size(); ++j) own[j] = of.position[k - std::min(j, k)];
+      of.signals.back().push_back(signal(predecessor.position[k], own));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t seed, std::size_t followers,
+                                     std::int64_t steps, std::uint64_t realization,
+                                     const std::vector<std::string>& signals) {
+  const auto count = static_cast<std::size_t>(steps);
+  std::vector<Trajectory> all{of_leader(model, count, sends_input(model, 0, followers))};
+  for (std::uint32_t i = 1; i <= followers; ++i) {
+    const Trajectory& predecessor = all.back();
+    const bool hears = !predecessor.input.empty(), is_heard = sends_input(model, i, followers);
+    FollowerVehicle follower(model, seed, i);
+    Link link(model, seed, i);
+    std::vector<Link> radio;
+    if (hears) radio.push_back(Link::radio(model, seed, i));
+    Trajectory of;
+    of.position.resize(1);
+    follower.start(realization, 1, of.position);
+    if (is_heard) of.input.push_back(0.0);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::int64_t sent_at = static_cast<std::int64_t>(k) - 1;
+      double received, heard = 0.0, position, input = 0.0;
+      link.transmit(sent_at, realization, &predecessor.position[k], 1, &received);
+      if (hears) radio.front().transmit(sent_at, realization, &predecessor.input[k], 1, &heard);
+      follower.step(&received, &position, hears ? &heard : nullptr, is_heard ? &input : nullptr);
+      of.position.push_back(position);
+      of.received.push_back(received);
+      if (hears) of.received_input.push_back(heard);
+      if (is_heard) of.input.push_back(input);
+    }
+    add_signals(signals_of(model, signals, i), predecessor, of);
+    all.push_back(std::move(of));
+  }
+  return all;
+}
+
+}  // namespace platoon

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/statistics/batch_moments.hpp"
+#include "stochastic_platoon/math/statistics/moment_table.hpp"
+#include "stochastic_platoon/math/statistics/smallest_gaps.hpp"
+
+namespace platoon {
+
+/// The cells of a run: the tracking errors of every follower at every step, and after them those of each requested
+/// signal in the same order (see cell()).
+struct SignalCells {
+  std::size_t followers;
+  std::int64_t steps;
+  std::vector<std::string> signals = {};  ///< names: see signal_kinds()
+  GapCounting gaps = {};                  ///< without followers if the gap is not among the signals
+
+  std::size_t kinds() const { return 1 + signals.size(); }                                 ///< with the errors
+  std::size_t of_one_kind() const { return followers * static_cast<std::size_t>(steps); }  ///< cells
+  std::size_t count() const { return kinds() * of_one_kind(); }                            ///< cells of all kinds
+  std::size_t at(std::size_t kind, std::size_t follower, std::int64_t step) const;         ///< index of a cell
+};
+
+/// The cells of this model's run.
+SignalCells signal_cells(const PlatoonModel& model, std::size_t followers, std::int64_t steps,
+                         const std::vector<std::string>& signals);
+
+/// The signals of one batch of realizations.
+class BatchTotals {
+public:
+  BatchTotals(std::uint64_t first_realization, std::size_t count, const SignalCells& cells, KeptMoments kept);
+
+  BatchMoments moments;
+  BatchGaps gaps;
+};
+
+/// All statistics over a set of realizations, as a pure function of that set.
+class EnsembleTotals {
+public:
+  explicit EnsembleTotals(const SignalCells& cells) : moments(cells.count()), gaps(cells.gaps) {}
+  /// Of moments alone.
+  explicit EnsembleTotals(MomentTable of) : moments(std::move(of)) {}
+  EnsembleTotals() : moments(0) {}
+
+  MomentTable moments;
+  GapTable gaps;
+
+  std::uint64_t count() const { return moments.count(); }
+
+  /// Throws std::invalid_argument if a realization would count twice or the cells differ.
+  void add(BatchTotals batch);
+  void merge(const EnsembleTotals& other);
+};
+
+}  // namespace platoon

@@ -1,0 +1,100 @@
+#include "stochastic_platoon/math/statistics/smallest_gaps.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+
+#include "stochastic_platoon/math/model/vector_clones.hpp"
+
+namespace platoon {
+
+namespace detail {
+
+// Keeps the smaller values, and returns whether one of the gaps is at most `least`.
+PLATOON_VECTOR_CLONES
+bool keep_smaller(const double* gaps, std::size_t count, double least, double* smallest) {
+  std::int64_t found = 0;
+  for (std::size_t r = 0; r < count; ++r) {
+    const double gap = gaps[r], before = smallest[r];
+    smallest[r] = gap < before ? gap : before;
+    found |= gap <= least ? 1 : 0;
+  }
+  return found != 0;
+}
+
+}  // namespace detail
+
+bool operator<(const PlacedGap& one, const PlacedGap& other) {
+  return std::tie(one.gap, one.realization, one.step) < std::tie(other.gap, other.realization, other.step);
+}
+
+GapCounting gap_counting(const PlatoonModel& model, std::size_t followers) {
+  double variance = 0.0;
+  for (const VehicleType& type : model.types) variance = std::max(variance, type.vehicle.noise_variance);
+  const double most = variance > 0.0 ? std::sqrt(variance) / 5.0 : 0.01;
+  // As a quotient of whole numbers, so that the bins' ends have few digits.
+  double width = 1.0, divisor = 1.0;
+  while (width / divisor > most) divisor *= 10.0;
+  for (double next = 10.0 * width; next / divisor <= most; next *= 10.0) width = next;
+  for (const double factor : {5.0, 2.0}) {
+    if (factor * width / divisor <= most) return {followers, factor * width / divisor, model.safe_gap};
+  }
+  return {followers, width / divisor, model.safe_gap};
+}
+
+BatchGaps::BatchGaps(std::uint64_t first_realization, std::size_t count, std::size_t followers)
+    : first_realization_(first_realization),
+      count_(count),
+      smallest_(followers, std::vector<double>(count, std::numeric_limits<double>::infinity())),
+      first_(followers) {}
+
+void BatchGaps::add(std::size_t follower, std::int64_t step, const double* gaps) {
+  PlacedGap& first = first_[follower - 1];
+  if (!detail::keep_smaller(gaps, count_, first.gap, smallest_.at(follower - 1).data())) return;
+  const double* const least = std::min_element(gaps, gaps + count_);
+  first = std::min(first, PlacedGap{*least, first_realization_ + static_cast<std::uint64_t>(least - gaps), step});
+}
+
+void GapTable::add(const BatchGaps& batch) {
+  constexpr auto kMost = static_cast<double>(FollowerGaps::kMostBins);
+  std::vector<std::int64_t> bins(batch.count());
+  for (std::size_t i = 1; i <= followers_.size(); ++i) {
+    FollowerGaps& of = followers_[i - 1];
+    const std::vector<double>& gaps = batch.smallest(i);
+    of.smallest = std::min(of.smallest, batch.first(i));
+    for (std::size_t r = 0; r < batch.count(); ++r) {
+      const double gap = gaps[r];
+      of.collisions += gap < 0.0 ? 1 : 0;
+      of.unsafe += counting_.safe_gap && gap < *counting_.safe_gap ? 1 : 0;
+      bins[r] = static_cast<std::int64_t>(std::clamp(std::floor(gap / counting_.bin_width), -kMost, kMost));
+    }
+    // Counted in an array first: a map is an order of magnitude slower.
+    const auto [least, most] = std::minmax_element(bins.begin(), bins.end());
+    std::vector<std::uint64_t> counts(static_cast<std::size_t>(*most - *least) + 1);
+    for (const std::int64_t bin : bins) ++counts[static_cast<std::size_t>(bin - *least)];
+    for (std::size_t j = 0; j < counts.size(); ++j) {
+      if (counts[j] > 0) of.histogram[*least + static_cast<std::int64_t>(j)] += counts[j];
+    }
+  }
+}
+
+void GapTable::merge(std::size_t follower, const FollowerGaps& more) {
+  FollowerGaps& of = followers_.at(follower - 1);
+  of.smallest = std::min(of.smallest, more.smallest);
+  of.collisions += more.collisions;
+  of.unsafe += more.unsafe;
+  for (const auto& [bin, count] : more.histogram) of.histogram[bin] += count;
+}
+
+void GapTable::merge(const GapTable& other) {
+  if (other.followers_.size() != followers_.size()) {
+    throw std::invalid_argument("smallest gaps of " + std::to_string(other.followers_.size()) +
+                                " followers: must be of " + std::to_string(followers_.size()));
+  }
+  for (std::size_t i = 1; i <= followers_.size(); ++i) merge(i, other.followers_[i - 1]);
+}
+
+}  // namespace platoon

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "stochastic_platoon/math/string/signal_moments.hpp"
+#include "stochastic_platoon/math/string/stationary_signals.hpp"
+
+namespace platoon {
+
+/// Probabilities of a collision, g < 0 for the gap g of a follower; one value per follower, and those of an endless
+/// string if its gaps have a limit: of a mixed one the largest over the places of the pattern.
+struct CollisionRisk {
+  std::vector<double> probability;        ///< P(g < 0) per step, stationary
+  std::vector<double> rate;               ///< new collisions per step, stationary: P(g(k-1) >= 0, g(k) < 0)
+  std::vector<double> bound;              ///< see collision_bounds()
+  std::vector<double> required_distance;  ///< [m] standstill distance at which P(g < 0) has a given value, at least 0
+  std::optional<double> limit_probability, limit_rate, limit_required_distance;
+};
+
+/// Per follower an upper bound of P(g(k) < 0 for a k of the run), given the moments of its gaps at steps 0, ..., steps
+/// - 1: P(g(0) < 0) + sum over k >= 1 of P(g(k-1) >= 0, g(k) < 0), and at most 1.
+std::vector<double> collision_bounds(const SignalMoments& gaps, std::size_t steps);
+
+/// Collisions of a platoon, given the moments of its gaps.
+///
+/// `table`: as for collision_bounds(). `probability`: in (0, 1/2), of a negative gap at the required distance. NaN
+/// where the gap has no stationary moments.
+CollisionRisk collision_risk(const PlatoonModel& model, const StationarySignal& gap, const SignalMoments& table,
+                             std::size_t steps, double probability);
+
+}  // namespace platoon

@@ -1,0 +1,144 @@
+#include "stochastic_platoon/math/string/signal_moments.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/string/linked_responses.hpp"
+
+namespace platoon {
+
+namespace {
+
+using Sequence = LinkedResponses::Sequence;
+
+/// y_{i-1} - y_i, of relative signals, plus factor D^order y_i; from step -1 on, without offsets.
+Sequence signal_values(const Signal& signal, const Sequence& predecessor, const Sequence& own) {
+  Sequence values(own.size(), 0.0L);
+  if (signal.order > 0) {
+    values = own;
+    for (int n = 0; n < signal.order; ++n) {
+      for (std::size_t a = values.size(); --a > 0;) values[a] -= values[a - 1];
+      values[0] = 0.0L;
+    }
+    for (long double& value : values) value *= static_cast<long double>(signal.factor);
+  }
+  if (signal.relative) {
+    for (std::size_t a = 0; a < values.size(); ++a) values[a] += predecessor[a] - own[a];
+  }
+  return values;
+}
+
+/// What one source adds to the moments of one signal of one follower, per step.
+struct Share {
+  Sequence variance, covariance;
+
+  explicit Share(const Sequence& response, bool is_noise) {
+    for (std::size_t a = 1; a < response.size(); ++a) {
+      variance.push_back(response[a] * response[a]);
+      covariance.push_back(response[a - 1] * response[a]);
+    }
+    if (!is_noise) return;
+    for (Sequence* sums : {&variance, &covariance}) {
+      for (std::size_t k = 1; k < sums->size(); ++k) (*sums)[k] += (*sums)[k - 1];
+    }
+  }
+
+  void add(const Share& other) {
+    for (std::size_t k = 0; k < variance.size(); ++k) variance[k] += other.variance[k];
+    for (std::size_t k = 0; k < covariance.size(); ++k) covariance[k] += other.covariance[k];
+  }
+};
+
+class SignalTables {
+public:
+  SignalTables(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers,
+               std::size_t steps)
+      : responses_(model, followers, steps), followers_(followers), steps_(steps), moments_(names.size()) {
+    for (std::size_t i = 0; i < followers; ++i) {
+      signals_.push_back(signals_of(model, names, i + 1));
+      signals_.back().erase(signals_.back().begin());  // the tracking error
+    }
+    for (std::size_t s = 0; s < names.size(); ++s) {
+      moments_[s].variance.assign(followers * steps, 0.0);
+      if (names[s] == kGap) moments_[s].covariance_with_previous.assign(followers * steps, 0.0);
+    }
+  }
+
+  std::vector<SignalMoments> operator()() {
+    responses_.visit_means([this](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
+      for (std::size_t s = 0; s < moments_.size(); ++s) {
+        const Signal& signal = signals_[i][s];
+        const double apart = signal.relative ? responses_.model(i).standstill_distance - signal.offset : 0.0;
+        const Sequence values = signal_values(signal, predecessor, passed.own.position);
+        for (std::size_t a = 1; a < values.size(); ++a)
+          moments_[s].mean.push_back(static_cast<double>(values[a] + static_cast<long double>(apart)));
+      }
+    });
+    for (std::size_t place = 0; place < std::min(responses_.period(), followers_); ++place) add_sources(place);
+    return std::move(moments_);
+  }
+
+private:
+  // Adds the noises and the initial positions of the vehicles at `place` and its repetitions.
+  void add_sources(std::size_t place) {
+    const VehicleModel& vehicle = responses_.model(place);
+    add_noise(place, 0, vehicle.link, vehicle.noise_variance);
+    if (vehicle.feed_forward) add_noise(place, 1, vehicle.feed_forward->link, vehicle.feed_forward->noise_variance);
+    const double placed = vehicle.initial_position.variance;
+    if (placed > 0.0) add_source(place, responses_.vehicle(place).free_motion(steps_), placed, false);
+  }
+
+  void add_noise(std::size_t place, std::size_t link, const LinkModel& model, double variance) {
+    if (variance == 0.0) return;
+    const Sequence sent =
+        model.has_white_noise() ? responses_.impulse() : responses_.filtered_impulse(model.noise_filter);
+    add_source(place, responses_.vehicle(place).over_link(link, sent).own, variance, true);
+  }
+
+  // A follower has the shares of the sources 0, M, 2 M, ... vehicles nearer to the front, M the length of the pattern.
+  void add_source(std::size_t place, Motion motion, double variance, bool is_noise) {
+    const std::size_t period = responses_.period();
+    std::vector<std::vector<Share>> sums(period);  // of the last M followers, one entry per signal
+    const auto add = [&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
+      std::vector<Share>& before = sums[i % period];
+      for (std::size_t s = 0; s < moments_.size(); ++s) {
+        const Share share(signal_values(signals_[i][s], predecessor, passed.own.position), is_noise);
+        if (before.size() == s) {
+          before.push_back(share);
+        } else {
+          before[s].add(share);
+        }
+        add_to(moments_[s].variance, i, before[s].variance, variance);
+        if (!moments_[s].covariance_with_previous.empty())
+          add_to(moments_[s].covariance_with_previous, i, before[s].covariance, variance);
+      }
+    };
+    responses_.visit_downstream(place, std::move(motion), add);
+  }
+
+  void add_to(std::vector<double>& cells, std::size_t i, const Sequence& sums, double variance) const {
+    for (std::size_t k = 0; k < steps_; ++k)
+      cells[i * steps_ + k] += static_cast<double>(static_cast<long double>(variance) * sums[k]);
+  }
+
+  LinkedResponses responses_;
+  std::size_t followers_, steps_;
+  std::vector<std::vector<Signal>> signals_;  ///< per follower
+  std::vector<SignalMoments> moments_;
+};
+
+}  // namespace
+
+std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::vector<std::string>& names,
+                                          std::size_t followers, std::int64_t steps) {
+  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
+  if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
+  if (!has_normal_errors(model))
+    throw std::invalid_argument("model: has losses or quantisation: must have normal errors for signal_moments()");
+  for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
+  return SignalTables(model, names, followers, static_cast<std::size_t>(steps))();
+}
+
+}  // namespace platoon

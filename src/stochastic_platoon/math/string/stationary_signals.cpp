@@ -1,0 +1,157 @@
+#include "stochastic_platoon/math/string/stationary_signals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/model/special_values.hpp"
+#include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/string/linked_string.hpp"
+#include "stochastic_platoon/math/string/pattern_means.hpp"
+
+namespace platoon {
+
+namespace {
+
+using Signals = std::vector<Signal>;  // of one follower
+
+std::vector<Signals> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
+                                    std::size_t followers) {
+  std::vector<Signals> signals;
+  for (std::size_t i = 1; i <= followers; ++i) {
+    signals.push_back(signals_of(model, names, i));
+    signals.back().erase(signals.back().begin());  // the tracking error
+  }
+  return signals;
+}
+
+/// The spectrum of a signal behind a predecessor with this spectrum, for a vehicle of this type that adds `added`.
+Eigen::ArrayXd spectrum_of(const Signal& signal, const PatternSpectra& spectra, std::size_t type,
+                           const Eigen::ArrayXd& before, const Eigen::ArrayXd& added) {
+  if (signal.relative) return spectra.of_gap[type] * before + added;
+  Eigen::ArrayXd spectrum = spectra.gain[type] * before + added;
+  for (int n = 0; n < signal.order; ++n) spectrum *= 2.0 * spectra.from_one;
+  return signal.factor * signal.factor * spectrum;
+}
+
+void append_moments(const Signals& signals, const PatternSpectra& spectra, std::size_t type,
+                    const Eigen::ArrayXd& before, const Eigen::ArrayXd& added, std::vector<double>& values) {
+  for (const Signal& signal : signals) {
+    const Eigen::ArrayXd spectrum = spectrum_of(signal, spectra, type, before, added);
+    for (const double value : {spectra.mean(spectrum), 2.0 * spectra.mean(spectra.from_one * spectrum)})
+      values.push_back(std::isnan(value) ? kInfinity : value);
+  }
+}
+
+/// Variance and change of every signal of one follower after the other.
+std::vector<double> moments_by(const PatternSpectra& spectra, const LinkedPattern& pattern,
+                               const std::vector<Signals>& signals) {
+  std::vector<double> values;
+  Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.weight.size());
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    const std::size_t type = pattern.type(i);
+    const Eigen::ArrayXd added = spectra.added_by_noise(type);
+    append_moments(signals[i], spectra, type, spectrum, added, values);
+    spectrum = spectra.gain[type] * spectrum + added;
+  }
+  return values;
+}
+
+/// The same at each place of the pattern of an endless string.
+std::vector<double> limit_moments_by(const PatternSpectra& spectra, const LinkedPattern& pattern,
+                                     const std::vector<Signals>& signals) {
+  std::vector<Eigen::ArrayXd> added;
+  for (std::size_t j = 0; j < pattern.size(); ++j) added.push_back(spectra.added_by_noise(pattern.type(j)));
+  std::vector<double> values;
+  Eigen::ArrayXd spectrum = spectra.in_front(added, spectra.pattern_margin());
+  for (std::size_t j = 0; j < pattern.size(); ++j) {
+    append_moments(signals[j], spectra, pattern.type(j), spectrum, added[j], values);
+    spectrum = spectra.gain[pattern.type(j)] * spectrum + added[j];
+  }
+  return values;
+}
+
+/// Zeros t of the spectra of all noises.
+int noise_zeros(const LinkedPattern& pattern) {
+  int zeros = ZerosAtZero::kNone;
+  for (const LinkedVehicle& vehicle : pattern.types) zeros = std::min(zeros, vehicle.zeros_at_zero().noise);
+  return zeros == ZerosAtZero::kNone ? 0 : zeros;  // as for any noise, however small
+}
+
+/// Means of a signal of followers first + 1, ..., first + signals.size().
+std::vector<double> means_of(const PlatoonModel& model, const std::vector<Signals>& signals, std::size_t index,
+                             std::size_t first) {
+  const double speed = metres_per_step(model);
+  const std::vector<double> errors = stationary_means(model, first + signals.size());
+  std::vector<double> means;
+  for (std::size_t i = first; i < errors.size(); ++i) {
+    const Signal& signal = signals[i - first][index];
+    const VehicleModel& own = vehicle(model, i + 1);
+    double mean = signal.order == 1 ? signal.factor * speed : 0.0;
+    if (signal.relative) mean += own.standstill_distance + own.headway * speed + errors[i] - signal.offset;
+    means.push_back(std::isnan(errors[i]) ? kNaN : mean);
+  }
+  return means;
+}
+
+StationaryMoments moments_of(std::vector<double> means, const std::vector<double>& values, std::size_t index,
+                             std::size_t count) {
+  StationaryMoments moments{std::move(means), {}, {}};
+  for (std::size_t at = 2 * index; at < values.size(); at += 2 * count) {
+    moments.variance.push_back(values[at]);
+    moments.change.push_back(values[at + 1]);
+  }
+  return moments;
+}
+
+}  // namespace
+
+std::optional<double> StationarySignal::limit_variance() const {
+  if (!limit) return std::nullopt;
+  return *std::max_element(limit->variance.begin(), limit->variance.end());
+}
+
+std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, const std::vector<std::string>& names,
+                                                 std::size_t followers, bool string_stable) {
+  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
+  if (!has_normal_errors(model))
+    throw std::invalid_argument("model: has losses or quantisation: must have normal errors for stationary_signals()");
+  const LinkedPattern pattern = linked_pattern(model);
+  const std::vector<Signals> signals = signals_of_all(model, names, followers);
+  std::vector<StationarySignal> result(names.size());
+  const bool settles = std::all_of(pattern.types.begin(), pattern.types.end(),
+                                   [](const LinkedVehicle& vehicle) { return vehicle.spectral_radius() < 1.0; });
+  if (!settles) {
+    const std::vector<double> none(followers, kNaN);
+    for (StationarySignal& signal : result) signal.followers = {none, none, none};
+    return result;
+  }
+  const PatternGain gain = pattern.gain();
+  const std::vector<double> values = refined(
+      [&](int refinement) { return moments_by(PatternSpectra(pattern, gain, false, refinement), pattern, signals); });
+  for (std::size_t s = 0; s < names.size(); ++s)
+    result[s].followers = moments_of(means_of(model, signals, s, 0), values, s, names.size());
+  if (!string_stable) return result;
+  // Limits that do not exist are left out before the quadrature, which their poles at w = 0 would keep from settling.
+  const int zeros = gain.zeros() - noise_zeros(pattern);
+  const std::size_t m = pattern.size();
+  std::vector<Signals> endless = signals_of_all(model, names, 2 * m);
+  endless.erase(endless.begin(), endless.begin() + static_cast<std::ptrdiff_t>(m));  // behind no leader
+  std::vector<std::size_t> bounded;
+  for (std::size_t s = 0; s < names.size(); ++s) {
+    if (zeros <= std::max(endless[0][s].order, 1)) bounded.push_back(s);
+  }
+  if (bounded.empty()) return result;
+  std::vector<Signals> kept(m);
+  for (std::size_t j = 0; j < m; ++j) {
+    for (const std::size_t s : bounded) kept[j].push_back(endless[j][s]);
+  }
+  const std::vector<double> limits = refined(
+      [&](int refinement) { return limit_moments_by(PatternSpectra(pattern, gain, true, refinement), pattern, kept); });
+  for (std::size_t index = 0; index < bounded.size(); ++index)
+    result[bounded[index]].limit = moments_of(means_of(model, kept, index, m), limits, index, bounded.size());
+  return result;
+}
+
+}  // namespace platoon

@@ -1,0 +1,112 @@
+#include "stochastic_platoon/run/report/signal_analysis.hpp"
+
+#include <algorithm>
+
+#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/report/figure.hpp"
+#include "stochastic_platoon/run/report/json_value.hpp"
+
+namespace platoon {
+
+namespace {
+
+std::string squared(std::string unit) {
+  const auto slash = unit.find('/');
+  if (slash == std::string::npos) return unit + "^2";
+  return "(" + unit + ")^2";
+}
+
+const char* unit_of(const std::string& name) {
+  const std::vector<SignalKind>& kinds = signal_kinds();
+  return std::find_if(kinds.begin(), kinds.end(), [&name](const SignalKind& kind) { return name == kind.name; })->unit;
+}
+
+/// "A of follower 1, B of follower N; of an endless string: C".
+std::string along(const std::vector<double>& values, std::optional<double> limit, const std::string& unit) {
+  std::string text = figure(values.front(), unit) + " of follower 1, ";
+  if (values.size() > 1) text += figure(values.back(), unit) + formatted(" of follower %zu, ", values.size());
+  return text + figure(limit, unit) + " of an endless string";
+}
+
+std::string collision_lines(const PlatoonModel& model, const SignalAnalysis& analysis) {
+  const CollisionRisk& risk = *analysis.collisions;
+  const double probability = *analysis.request.collision_probability;
+  std::string text = "Collisions: probability of a gap below 0 " + along(risk.probability, risk.limit_probability, "") +
+                     "; new ones per step " + along(risk.rate, risk.limit_rate, "") + "\n";
+  const auto worst = std::max_element(risk.bound.begin(), risk.bound.end());
+  text += formatted("Collisions in %s: at most %.6g, of follower %zu\n",
+                    duration(static_cast<std::int64_t>(analysis.steps), model).c_str(), *worst,
+                    static_cast<std::size_t>(worst - risk.bound.begin()) + 1);
+  text += formatted("Required standstill distance for %g per step: ", probability) +
+          along(risk.required_distance, risk.limit_required_distance, "m") + "\n";
+  return text;
+}
+
+nlohmann::json to_json(const CollisionRisk& risk) {
+  return {{"probability", numbers(risk.probability)},
+          {"rate", numbers(risk.rate)},
+          {"bound", numbers(risk.bound)},
+          {"limit_probability", number(risk.limit_probability)},
+          {"limit_rate", number(risk.limit_rate)},
+          {"required_standstill_distance", number(risk.limit_required_distance)},
+          {"required_standstill_distances", numbers(risk.required_distance)}};
+}
+
+}  // namespace
+
+std::vector<std::string> SignalRequest::all_names() const {
+  std::vector<std::string> all = names;
+  if (collision_probability && std::find(all.begin(), all.end(), kGap) == all.end()) all.insert(all.begin(), kGap);
+  return all;
+}
+
+SignalAnalysis analyze_signals(const PlatoonModel& model, const SignalRequest& request, std::size_t followers,
+                               std::int64_t steps, bool string_stable,
+                               const std::function<void(const char* stage)>& begins) {
+  SignalAnalysis analysis{request, static_cast<std::size_t>(steps), {}, {}, {}};
+  const std::vector<std::string> names = request.all_names();
+  if (names.empty() || !has_normal_errors(model)) return analysis;
+  begins("stationary signals");
+  analysis.stationary = stationary_signals(model, names, followers, string_stable);
+  begins("signals of every step");
+  analysis.moments = signal_moments(model, names, followers, steps);
+  if (!request.collision_probability) return analysis;
+  begins("collisions");
+  const auto gap = static_cast<std::size_t>(std::find(names.begin(), names.end(), kGap) - names.begin());
+  analysis.collisions = collision_risk(model, analysis.stationary[gap], analysis.moments[gap], analysis.steps,
+                                       *request.collision_probability);
+  return analysis;
+}
+
+std::string report(const PlatoonModel& model, const SignalAnalysis& analysis) {
+  const std::vector<std::string> names = analysis.request.all_names();
+  if (names.empty()) return "";
+  if (analysis.is_empty()) return "Signals and collisions: measured only, as errors are not normal\n";
+  std::string text;
+  for (std::size_t s = 0; s < names.size(); ++s) {
+    std::string name = names[s];
+    name[0] = static_cast<char>(name[0] - 'a' + 'A');
+    const StationarySignal& signal = analysis.stationary[s];
+    text += name + ": stationary variance " +
+            along(signal.followers.variance, signal.limit_variance(), squared(unit_of(names[s]))) + "\n";
+  }
+  return analysis.collisions ? text + collision_lines(model, analysis) : text;
+}
+
+void add_to_json(const SignalAnalysis& analysis, nlohmann::json& document) {
+  const std::vector<std::string> names = analysis.request.all_names();
+  if (!names.empty()) document["signals"] = nullptr;
+  if (analysis.request.collision_probability) document["collision"] = nullptr;
+  for (std::size_t s = 0; s < analysis.moments.size(); ++s) {
+    const StationarySignal& signal = analysis.stationary[s];
+    document["signals"][names[s]] = {{"mean", rows(analysis.moments[s].mean, analysis.steps)},
+                                     {"variance", rows(analysis.moments[s].variance, analysis.steps)},
+                                     {"stationary_mean", numbers(signal.followers.mean)},
+                                     {"stationary_variance", numbers(signal.followers.variance)},
+                                     {"limit_variance", number(signal.limit_variance())}};
+  }
+  if (analysis.collisions) document["collision"] = to_json(*analysis.collisions);
+}
+
+}  // namespace platoon

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/math/string/collision_risk.hpp"
+
+namespace platoon {
+
+/// The signals to analyse beside the tracking error.
+struct SignalRequest {
+  std::vector<std::string> names;                    ///< as signal_names() returns them
+  std::optional<double> collision_probability = {};  ///< per step, in (0, 1/2), to find the standstill distance for
+
+  /// The names, with the gap if collisions are requested.
+  std::vector<std::string> all_names() const;
+};
+
+/// The theory of the requested signals. Empty if errors are not normal.
+struct SignalAnalysis {
+  SignalRequest request;
+  std::size_t steps = 0;
+  std::vector<SignalMoments> moments;  ///< in the order of request.all_names(), as is `stationary`
+  std::vector<StationarySignal> stationary;
+  std::optional<CollisionRisk> collisions;
+
+  bool is_empty() const { return moments.empty(); }
+};
+
+/// `begins` receives the name of each stage before it is computed. `string_stable`: the verdict of string_stability().
+SignalAnalysis analyze_signals(const PlatoonModel& model, const SignalRequest& request, std::size_t followers,
+                               std::int64_t steps, bool string_stable,
+                               const std::function<void(const char* stage)>& begins);
+
+/// A line for each signal and three for the collisions; one line if there is no theory.
+std::string report(const PlatoonModel& model, const SignalAnalysis& analysis);
+
+/// Adds the keys `signals` and `collision` as far as they are requested; null if there is no theory.
+void add_to_json(const SignalAnalysis& analysis, nlohmann::json& document);
+
+}  // namespace platoon

@@ -1,0 +1,171 @@
+#!/usr/bin/python3
+"""Gap, speed, acceleration and jerk: the same bits in every hosting, after kills, of shards and from a bag; beside the theory; and the
+worst realization replayed."""
+
+import csv
+import json
+import math
+import os
+import subprocess
+import unittest
+
+import numpy as np
+import yaml
+
+import live_platoon
+from terminal import LaunchTest
+
+FOLLOWERS, STEPS, REALIZATIONS = 4, 50, 4000
+SIGNALS = "gap,speed,acceleration,jerk"
+SETTINGS = dict(followers=FOLLOWERS, steps=STEPS, realizations=REALIZATIONS, seed=5)
+TABLES = ("statistics.csv", "signals.csv", "gaps.csv")
+
+
+def run(program, *arguments, **options):
+    command = [live_platoon.executable(program), *arguments]
+    for name, value in options.items():
+        command += ["--" + name.replace("_", "-"), str(value)]
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+
+
+def rows_of(*path):
+    with open(os.path.join(*path)) as file:
+        return list(csv.DictReader(file))
+
+
+def tables_of(folder):
+    contents = {}
+    for name in TABLES:
+        with open(os.path.join(folder, name), "rb") as file:
+            contents[name] = file.read()
+    return contents
+
+
+class Signals(LaunchTest):
+    def setUp(self):
+        super().setUp()
+        with open(live_platoon.shared("config", "paper.yaml")) as file:
+            model = yaml.safe_load(file)
+        model.update(standstill_distance=2.0, vehicle_length=0.25, safe_gap=0.5, leader={"speed": [{"from_step": 0, "value": 0.0}]})
+        self.model = self.write(model)
+
+    def write(self, model, name="model.yaml"):
+        file = os.path.join(self.folder, name)
+        with open(file, "w") as opened:
+            json.dump(model, opened)
+        return file
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def monte_carlo(self, name, **options):
+        found = run("monte_carlo", model=self.model, signals=SIGNALS, output=self.path(name), **dict(SETTINGS, **options))
+        self.assertEqual(found.returncode, 0, found.stderr)
+        return found.stdout
+
+    def test_the_same_bits_in_every_hosting_after_a_kill_of_shards_and_from_a_bag(self):
+        self.monte_carlo("monte_carlo")
+        expected = tables_of(self.path("monte_carlo"))
+        shards = [self.path("shard_%d" % i) for i in range(3)]
+        for i, shard in enumerate(shards):
+            self.monte_carlo(os.path.basename(shard), shard="%d/3" % i)
+        self.assertEqual(run("merge", *shards, output=self.path("merged")).returncode, 0)
+        self.assertEqual(tables_of(self.path("merged")), expected)
+        for hosting in ("processes", "one_process"):
+            output, bag = self.path(hosting), self.path(hosting + ".bag")
+            # The bag of the processes is recorded without signals.
+            signals = SIGNALS if hosting == "one_process" else ""
+            terminal = self.launch(model=self.model, hosting=hosting, output=output, record=bag, batch=500, signals=signals, **SETTINGS)
+            terminal.wait()
+            self.assertTrue(live_platoon.completed_summary(output), terminal.text())
+            if signals:
+                self.assertEqual(tables_of(output), expected)
+            found = run("bag_statistics", bag, signals=SIGNALS, output=self.path("of_" + hosting))
+            self.assertEqual(found.returncode, 0, found.stderr)
+            self.assertEqual(tables_of(self.path("of_" + hosting)), expected)
+
+    def test_a_kill_9_of_follower_and_monitor_changes_no_bit(self):
+        slow = dict(SETTINGS, realizations=800)
+        self.monte_carlo("monte_carlo", **slow)
+        terminal = self.launch(model=self.model, output=self.path("killed"), batch=100, rate=150, signals=SIGNALS, **slow)
+        checkpoint = self.path("killed/checkpoint.cbor")
+        for node in ("vehicle_2", "monitor"):
+            live_platoon.wait_for(lambda: os.path.exists(checkpoint), "a checkpoint")
+            live_platoon.kill("/platoon/" + node, terminal.master)
+        terminal.wait()
+        self.assertTrue(live_platoon.completed_summary(self.path("killed")), terminal.text())
+        self.assertEqual(tables_of(self.path("killed")), tables_of(self.path("monte_carlo")))
+
+    def test_measurement_and_theory_agree_within_the_standard_error(self):
+        realizations = 100000
+        self.monte_carlo("many", realizations=realizations)
+        largest = {"mean": 0.0, "variance": 0.0}
+        for row in rows_of(self.path("many"), "signals.csv"):
+            mean, variance, of_mean, of_variance = (float(row[name]) for name in
+                                                    ("mean", "variance", "theoretical_mean", "theoretical_variance"))
+            if of_variance < 1e-12:  # noise has not reached the vehicle: rounding alone
+                self.assertLess(abs(mean - of_mean) + variance, 1e-6, row)
+                continue
+            largest["mean"] = max(largest["mean"], abs(mean - of_mean) / math.sqrt(of_variance / realizations))
+            largest["variance"] = max(largest["variance"],
+                                      abs(variance - of_variance) / (of_variance * math.sqrt(2 / (realizations - 1))))
+        for name, score in largest.items():  # 800 cells of each: the largest of as many normal scores
+            self.assertTrue(2 < score < 5.5, (name, score))
+        for row in rows_of(self.path("many"), "gaps.csv"):
+            share, bound = int(row["collisions"]) / realizations, float(row["theoretical_collision_bound"])
+            self.assertLess(share, bound + 5 * math.sqrt(bound / realizations), row)
+            self.assertGreater(share, 0.5 * bound, "the bound is close, as collisions seldom come twice")
+            bins = {name: int(count) for name, count in row.items() if name.startswith("bin_")}
+            self.assertEqual(sum(bins.values()), realizations)
+            below = sum(count for name, count in bins.items() if float(name[4:]) < -1e-9)
+            self.assertEqual(below, int(row["collisions"]))
+            self.assertGreater(int(row["below_safe_gap"]), int(row["collisions"]))
+
+    def test_the_worst_realization_is_replayed(self):
+        text = self.monte_carlo("run")
+        folder = self.path("run")
+        with open(os.path.join(folder, "summary.json")) as file:
+            worst = json.load(file)["smallest_gap"]
+        self.assertIn("--repeat {}/summary.json --only {} --trajectories".format(folder, worst["realization"]), text)
+        found = run("monte_carlo", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=worst["realization"],
+                    output=self.path("worst"))
+        self.assertEqual(found.returncode, 0, found.stderr)
+        rows = rows_of(self.path("worst"), "trajectories.csv")
+        self.assertEqual(len(rows), (FOLLOWERS + 1) * (STEPS + 1))
+        gaps = {(int(row["vehicle"]), int(row["step"])): float(row["gap"]) for row in rows if row["gap"]}
+        self.assertEqual(min(gaps.values()), worst["gap"])
+        self.assertEqual(gaps[worst["vehicle"], worst["step"]], worst["gap"])
+        position = {(int(row["vehicle"]), int(row["step"])): float(row["position"]) for row in rows}
+        i, k = worst["vehicle"], worst["step"]
+        self.assertEqual(position[i - 1, k] - position[i, k] - 0.25, worst["gap"])
+        again = run("monte_carlo", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=0, output=self.path("worst"))
+        self.assertIn("exists and is never written over", again.stderr)
+
+    def test_behind_losses_signals_are_measured_only(self):
+        text = self.monte_carlo("lossy", loss=0.1)
+        self.assertIn("gap of follower 4 at step 49: mean", text)
+        self.assertIn("(measured only)", text)
+        rows = rows_of(self.path("lossy"), "signals.csv")
+        self.assertEqual({row["theoretical_variance"] for row in rows}, {""})
+        self.assertTrue(np.all([float(row["variance"]) >= 0 for row in rows]))
+
+    def test_bad_input_is_named(self):
+        for options, message in (
+                (dict(signals="distance"), "run/signals: distance: must be some of gap, speed, acceleration, jerk, each once"),
+                (dict(only=REALIZATIONS, trajectories="true"), "only: 4000: must be below the 4000 realizations of the run"),
+                (dict(only=3), "only: given: must be with --only and --trajectories"),
+                (dict(only=-1, trajectories="true"), "only: -1: must be the number of a realization")):
+            found = subprocess.run([live_platoon.executable("monte_carlo"), "--model", self.model, "--output", self.path("none")]
+                                   + ["--%s=%s" % (name.replace("_", "-"), value) for name, value in dict(SETTINGS, **options).items()],
+                                   stderr=subprocess.PIPE, universal_newlines=True)
+            self.assertEqual(found.returncode, 1)
+            self.assertIn(message, found.stderr)
+        for key in ("vehicle_length", "safe_gap"):
+            with open(self.model) as file:
+                model = dict(json.load(file), **{key: -1.0})
+            found = run("monte_carlo", model=self.write(model, "bad.yaml"), output=self.path("none"))
+            self.assertIn("model/%s: -1.0: must be a finite number >= 0" % key, found.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,84 @@
+#include "stochastic_platoon/math/model/signal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <vector>
+
+#include "unit/paper_platoon.hpp"
+
+namespace platoon {
+namespace {
+
+TEST(TrackingError, IsTheDistanceLessStandstillDistanceLessHeadwayTimesDisplacement) {
+  const Signal zeta = tracking_error(3.0, 2.0);
+  EXPECT_EQ(zeta(30.0, {20.0, 18.5}), 30.0 - 20.0 - 2.0 - 3.0 * 1.5);
+}
+
+TEST(TrackingError, VanishesInFormation) {
+  const Signal zeta = tracking_error(2.5, 7.0);
+  EXPECT_EQ(zeta(-7.0, {-14.0, -14.0}), 0.0);
+  const double displacement = 2.0;  // [m] per step, driven by both
+  EXPECT_EQ(zeta(100.0, {100.0 - 7.0 - 2.5 * displacement, 100.0 - 7.0 - 3.5 * displacement}), 0.0);
+}
+
+PlatoonModel car_behind_truck() {
+  PlatoonModel model = paper_platoon();
+  model.sample_period = 0.5;
+  model.types.push_back({"truck", model.default_vehicle(), {}});
+  model.types[1].vehicle.length = 12.0;
+  model.string = {1, 0};
+  return model;
+}
+
+double value_of(const char* name, std::size_t follower, double predecessor, const Signal::Own<double>& own) {
+  return signals_of(car_behind_truck(), {name}, follower).back()(predecessor, own);
+}
+
+TEST(Signal, TheGapEndsAtTheRearOfThePredecessor) {
+  EXPECT_EQ(value_of("gap", 1, 30.0, {10.0}), 20.0) << "the leader has the default length, which is 0";
+  EXPECT_EQ(value_of("gap", 2, 30.0, {10.0}), 8.0);
+}
+
+TEST(Signal, SpeedAccelerationAndJerkAreThoseOfAThirdPower) {
+  const auto y = [](double t) { return 2.0 + 3.0 * t + 5.0 * t * t + 7.0 * t * t * t; };  // [m], at T_s = 0.5 s
+  const Signal::Own<double> own{y(2.0), y(1.5), y(1.0), y(0.5)};
+  EXPECT_EQ(value_of("speed", 1, 0.0, own), (y(2.0) - y(1.5)) / 0.5);
+  EXPECT_EQ(value_of("acceleration", 1, 0.0, own), 10.0 + 42.0 * 1.5);
+  EXPECT_EQ(value_of("jerk", 1, 0.0, own), 42.0);
+}
+
+TEST(Signal, IsTheSameOneByOneAndByTheBatch) {
+  const std::vector<double> predecessor = {1.1, 2.3, -3.7}, own = {0.3, 0.1, 9.2}, one = {0.2, -0.6, 8.8},
+                            two = {0.1, 0.7, 8.1}, three = {-1.0, 0.4, 7.0};
+  for (const Signal& signal : signals_of(car_behind_truck(), {"gap", "speed", "acceleration", "jerk"}, 2)) {
+    std::vector<double> values(3);
+    signal(predecessor.data(), {own.data(), one.data(), two.data(), three.data()}, 3, values.data());
+    for (std::size_t r = 0; r < 3; ++r)
+      EXPECT_EQ(values[r], signal(predecessor[r], {own[r], one[r], two[r], three[r]}));
+  }
+}
+
+TEST(Signal, AnUnknownNameIsAnError) {
+  EXPECT_THROW(signals_of(car_behind_truck(), {"distance"}, 1), std::invalid_argument);
+}
+
+TEST(SignalNames, ComeInOneOrder) {
+  EXPECT_EQ(signal_names("jerk,gap,speed"), (std::vector<std::string>{"gap", "speed", "jerk"}));
+  EXPECT_TRUE(signal_names("").empty());
+}
+
+TEST(SignalNames, OtherTextsAreReportedWithAllThatAreAllowed) {
+  for (const std::string text : {"gap,distance", "gap,gap", ",", "gap,", "gap,,speed", " ", "Gap"}) {
+    try {
+      signal_names(text);
+      FAIL() << text;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(error.what(), "signals: " + text +
+                                  ": must be some of gap, speed, acceleration, jerk, each once, separated by commas");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace platoon

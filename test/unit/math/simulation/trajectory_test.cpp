@@ -1,0 +1,58 @@
+#include "stochastic_platoon/math/simulation/trajectory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <vector>
+
+#include "stochastic_platoon/math/simulation/platoon_string.hpp"
+#include "unit/math/radio_cars.hpp"
+#include "unit/paper_platoon.hpp"
+
+namespace platoon {
+namespace {
+
+constexpr std::size_t kFollowers = 3;
+constexpr std::int64_t kSteps = 45;  // more than the string computes at once
+const std::vector<std::string> kSignals{"gap", "speed", "acceleration", "jerk"};
+
+// Every signal of a realization has the bits of a batch of them.
+void expect_bits_of_the_string(const PlatoonModel& model) {
+  constexpr std::uint64_t kFirst = 5, kPlace = 2;
+  const std::vector<Trajectory> found = trajectories(model, 3, kFollowers, kSteps, kFirst + kPlace, kSignals);
+  ASSERT_EQ(found.size(), kFollowers + 1);
+  std::size_t compared = 0;
+  PlatoonString(model, 3, kFollowers, kSignals)
+      .run(kFirst, 4, kSteps, [&](const std::vector<PlatoonString::SignalValues>& group) {
+        for (const PlatoonString::SignalValues& of : group) {
+          ASSERT_EQ(found[of.follower].signals.at(of.kind).at(static_cast<std::size_t>(of.step)), (*of.values)[kPlace]);
+          ++compared;
+        }
+      });
+  EXPECT_EQ(compared, 5 * kFollowers * static_cast<std::size_t>(kSteps));
+}
+
+TEST(Trajectories, HaveTheBitsOfTheRun) {
+  expect_bits_of_the_string(eventful_platoon(3.2));
+}
+
+TEST(Trajectories, OfVehiclesWithRadiosToo) {
+  PlatoonModel model = radio_platoon(0.5, 0.01, 0.01);
+  lose_inputs(model, 0.3, {1.0});
+  expect_bits_of_the_string(model);
+  const std::vector<Trajectory> found = trajectories(model, 3, kFollowers, kSteps, 0, kSignals);
+  EXPECT_EQ(found[0].input.size(), static_cast<std::size_t>(kSteps) + 1);
+  EXPECT_EQ(found[1].received_input.size(), static_cast<std::size_t>(kSteps));
+  EXPECT_TRUE(found[kFollowers].input.empty()) << "nobody hears the last vehicle";
+}
+
+TEST(Trajectories, StandStillBeforeTheFirstStep) {
+  const std::vector<Trajectory> found = trajectories(paper_platoon(), 1, 1, 3, 0, kSignals);
+  const std::vector<double>& y = found[1].position;
+  ASSERT_EQ(y.size(), 4u);
+  EXPECT_EQ(found[1].signals[2][0], (y[1] - y[0]) / 0.1 * 1.0) << "speed";
+  EXPECT_DOUBLE_EQ(found[1].signals[4][0], (y[1] - y[0]) / 0.001) << "jerk";
+}
+
+}  // namespace
+}  // namespace platoon

@@ -1,0 +1,109 @@
+#include "stochastic_platoon/math/string/signal_moments.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/string/error_moments.hpp"
+#include "unit/math/radio_cars.hpp"
+#include "unit/paper_platoon.hpp"
+
+namespace platoon {
+namespace {
+
+const std::vector<std::string> kAll = {"gap", "speed", "acceleration", "jerk"};
+constexpr double kPeriod = 0.5;
+
+/// Every vehicle repeats what it received one step ago: T = 1 / z.
+PlatoonModel relay(double noise_variance, const InitialPosition& initial = {}) {
+  const TransferFunction delay(Eigen::VectorXd::Ones(1), Eigen::Vector2d(1.0, 0.0));
+  VehicleModel vehicle{closed_loop_from(observable_canonical(delay)), 1.0, 2.0, noise_variance, initial};
+  return {vehicle, LeaderProfile({{0, 0.0}}, kPeriod), kPeriod};
+}
+
+void expect_row(const std::vector<double>& cells, std::size_t row, const std::vector<double>& expected) {
+  for (std::size_t k = 0; k < expected.size(); ++k)
+    EXPECT_NEAR(cells[row * expected.size() + k], expected[k], 1e-13 * (1.0 + std::abs(expected[k])))
+        << row << " " << k;
+}
+
+// y_1(k) = n_1(k-1) and y_2(k) = n_1(k-2) + n_2(k-1), with noises from step 0 on.
+TEST(SignalMoments, OfRelaysAreSumsOfTheirNoises) {
+  constexpr double kNoise = 3.0;
+  const std::vector<SignalMoments> found = signal_moments(relay(kNoise), kAll, 2, 5);
+  expect_row(found[0].mean, 0, {2.0, 2.0, 2.0, 2.0, 2.0});
+  expect_row(found[0].variance, 0, {0.0, kNoise, kNoise, kNoise, kNoise});
+  expect_row(found[0].variance, 1, {0.0, 2.0 * kNoise, 3.0 * kNoise, 3.0 * kNoise, 3.0 * kNoise});
+  expect_row(found[0].covariance_with_previous, 0, {0.0, 0.0, 0.0, 0.0, 0.0});
+  expect_row(found[0].covariance_with_previous, 1, {0.0, 0.0, -kNoise, -kNoise, -kNoise});
+  const double of_speed = kNoise / (kPeriod * kPeriod), of_acceleration = of_speed / (kPeriod * kPeriod),
+               of_jerk = of_acceleration / (kPeriod * kPeriod);
+  expect_row(found[1].variance, 0, {0.0, of_speed, 2.0 * of_speed, 2.0 * of_speed, 2.0 * of_speed});
+  expect_row(found[2].variance, 0,
+             {0.0, of_acceleration, 5.0 * of_acceleration, 6.0 * of_acceleration, 6.0 * of_acceleration});
+  expect_row(found[3].variance, 0, {0.0, of_jerk, 10.0 * of_jerk, 19.0 * of_jerk, 20.0 * of_jerk});
+  for (std::size_t s = 1; s < 4; ++s) EXPECT_TRUE(found[s].covariance_with_previous.empty());
+}
+
+// With p_i at step -1, y_1 is 0 and y_2 is p_1 at step 0, and both are 0 from step 1 on. Before step -1 all stand
+// still.
+TEST(SignalMoments, OfInitialPositionsEndWithThem) {
+  const std::vector<SignalMoments> found = signal_moments(relay(0.0, {7.0, 5.0}), kAll, 2, 3);
+  expect_row(found[0].mean, 1, {2.0 - 7.0, 2.0, 2.0});
+  expect_row(found[0].variance, 0, {0.0, 0.0, 0.0});
+  expect_row(found[0].variance, 1, {5.0, 0.0, 0.0});
+  expect_row(found[0].covariance_with_previous, 1, {-5.0, 0.0, 0.0});
+  expect_row(found[1].mean, 0, {-14.0, 0.0, 0.0});
+  expect_row(found[1].variance, 0, {20.0, 0.0, 0.0});
+  expect_row(found[1].variance, 1, {40.0, 20.0, 0.0});
+  expect_row(found[2].variance, 0, {80.0, 80.0, 0.0});
+  expect_row(found[3].variance, 0, {320.0, 4.0 * 320.0, 320.0});
+}
+
+// zeta = gap - delta - h T_s speed, the gap less the length of the predecessor.
+TEST(SignalMoments, AgreeWithTheErrorsInTheirMeans) {
+  PlatoonModel model = eventful_platoon(3.2);
+  model.default_vehicle().length = 4.0;
+  PlatoonModel patterned = radio_platoon(0.7, 0.01, 0.02);
+  add_human_drivers(patterned);
+  patterned.types[1].vehicle.length = 12.0;
+  for (const PlatoonModel& one : {model, patterned}) {
+    const std::vector<SignalMoments> found = signal_moments(one, {"gap", "speed"}, 7, 90);
+    const ErrorMoments errors = error_moments(one, 7, 90);
+    for (std::size_t cell = 0; cell < errors.mean.size(); ++cell) {
+      const std::size_t i = cell / 90 + 1;
+      const VehicleModel& own = vehicle(one, i);
+      const double apart = found[0].mean[cell] + vehicle(one, i - 1).length - own.standstill_distance;
+      EXPECT_NEAR(apart - own.headway * one.sample_period * found[1].mean[cell], errors.mean[cell], 1e-10) << cell;
+    }
+  }
+}
+
+TEST(SignalMoments, OfAlikeTypesAreThoseOfAHomogeneousString) {
+  const PlatoonModel model = eventful_platoon(2.9);
+  PlatoonModel patterned = model;
+  patterned.types.push_back({"twin", vehicle(model, 1), {}});
+  patterned.string = {0, 1, 1};
+  const std::vector<SignalMoments> expected = signal_moments(model, kAll, 8, 40),
+                                   found = signal_moments(patterned, kAll, 8, 40);
+  for (std::size_t s = 0; s < 4; ++s) {
+    for (std::size_t cell = 0; cell < expected[s].variance.size(); ++cell)
+      EXPECT_NEAR(found[s].variance[cell], expected[s].variance[cell], 1e-12 * expected[s].variance[cell]);
+  }
+}
+
+TEST(SignalMoments, RejectsWhatItDoesNotCover) {
+  PlatoonModel model = paper_platoon();
+  EXPECT_THROW(signal_moments(model, {"distance"}, 1, 1), std::invalid_argument);
+  EXPECT_THROW(signal_moments(model, kAll, 0, 1), std::invalid_argument);
+  EXPECT_THROW(signal_moments(model, kAll, 1, 0), std::invalid_argument);
+  model.default_vehicle().link.quantisation_step = 0.1;
+  EXPECT_THROW(signal_moments(model, kAll, 1, 1), std::invalid_argument);
+  model = paper_platoon();
+  model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
+  EXPECT_THROW(signal_moments(model, kAll, 1, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace platoon

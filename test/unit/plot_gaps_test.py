@@ -1,0 +1,236 @@
+#!/usr/bin/python3
+"""Tests of `plot gaps` and `plot trajectories` on small simulations of the paper's platoon: numbers, figures, every documented error."""
+
+import json
+import os
+import sys
+import unittest
+from statistics import NormalDist
+
+import numpy as np
+
+sys.dont_write_bytecode = True
+from plot_test import PlotTest, plot  # noqa: E402
+
+HEADWAY, GAIN, NOISE, STANDSTILL, PERIOD = 3.2, 1.35, 0.6, 2.0, 0.1
+SIGMA = np.sqrt(0.169296)  # [m], of follower 1's gap in the steady state
+WIDTH = 0.1  # [m], of a bin
+
+
+def positions(followers, steps, realizations, seed=1, standstill=STANDSTILL):
+    """Yields (step, positions (vehicles, realizations), received positions) of the paper's platoon behind a leader at rest."""
+    draws = np.random.default_rng(seed)
+    shape = (followers, realizations)
+    y = -standstill * np.arange(followers + 1.0)[:, np.newaxis] * np.ones(realizations)
+    before, speed, filtered = y.copy(), np.zeros(shape), np.zeros(shape)
+    for step in range(-1, steps):
+        noise = 0.0 if step < 0 else np.sqrt(NOISE) * draws.standard_normal(shape)
+        received = y[:-1] + noise
+        yield step, y.copy(), received
+        error = received - y[1:] - standstill - HEADWAY * (y[1:] - before[1:])
+        filtered = -0.89 * filtered + GAIN / (1.0 + HEADWAY) * error
+        before = y.copy()
+        y[1:] += speed
+        speed = speed + filtered
+
+
+def smallest_gaps(followers, steps, realizations, **options):
+    """Smallest gap and its step, arrays (followers, realizations)."""
+    smallest, steps_of = np.full((followers, realizations), np.inf), np.zeros((followers, realizations))
+    for step, y, _ in positions(followers, steps, realizations, **options):
+        gap = y[:-1] - y[1:]
+        if step >= 0:
+            steps_of = np.where(gap < smallest, step, steps_of)
+            smallest = np.minimum(gap, smallest)
+    return smallest, steps_of
+
+
+class GapTest(PlotTest):
+    def gap_table(self, smallest, steps_of, bounds=None, safe_gap=None):
+        bins = np.floor(smallest / WIDTH).astype(int)
+        numbers = np.unique(bins)
+        lines = ["vehicle,count,smallest_gap,realization,step,collisions,below_safe_gap,theoretical_collision_bound," +
+                 ",".join("bin_{:.10g}".format(number * WIDTH) for number in numbers)]
+        for row, gaps in enumerate(smallest):
+            worst = int(np.argmin(gaps))
+            lines.append(",".join(str(value) for value in [
+                row + 1, gaps.size, gaps[worst], worst, int(steps_of[row, worst]), (gaps < 0).sum(),
+                "" if safe_gap is None else (gaps < safe_gap).sum(), "" if bounds is None else bounds[row]] +
+                [(bins[row] == number).sum() for number in numbers]))
+        return "\n".join(lines) + "\n"
+
+    def make_gaps(self, name="gaps", text=None, followers=3, realizations=200, safe_gap=None, bounds=None, summary_followers=None, **options):
+        os.mkdir(self.path(name))
+        if text is None:
+            text = self.gap_table(*smallest_gaps(followers, 30, realizations, **options), bounds=bounds, safe_gap=safe_gap)
+        self.write(text, name, "gaps.csv")
+        summary = {"complete": True, "followers": summary_followers or followers, "seed": 7, "realizations": realizations,
+                   "theory": {"spectral_radius": 0.5, "string_stable": True},
+                   "configuration": {"model": {} if safe_gap is None else {"safe_gap": safe_gap}},
+                   "crc32": {"gaps": self.checksum(name, "gaps.csv"), "summary": "00000000"}}
+        self.write(json.dumps(summary), name, "summary.json")
+        own = self.checksum(name, "summary.json")
+        self.write(json.dumps(summary).replace('"summary": "00000000"', '"summary": "{}"'.format(own)), name, "summary.json")
+        return self.path(name)
+
+    def make_collisions(self, followers=3, name="analysis.json", **changes):
+        probability = [NormalDist().cdf(-STANDSTILL / SIGMA / np.sqrt(1.0 + 4.2 * i / (i + 1))) for i in range(followers)]
+        collision = dict({"probability": probability, "limit_probability": 0.0259496}, **changes)
+        return self.write(json.dumps({"spectral_radius": 0.5, "collision": collision}), name)
+
+    def make_trajectories(self, followers=3, steps=30, name="trajectories.csv", **options):
+        table, before, slower = [], None, None
+        for step, y, received in positions(followers, steps, 1, **options):
+            y, received = y[:, 0], received[:, 0]
+            speed = None if before is None else (y - before) / PERIOD
+            acceleration = None if slower is None else (speed - slower) / PERIOD
+            for i in range(followers + 1):
+                gap = y[i - 1] - y[i] if i and step >= 0 else ""
+                error = "" if gap == "" else gap - STANDSTILL - HEADWAY * PERIOD * speed[i]
+                table.append("{},{},{:.10g},{},{},,,{},{},{},{},".format(
+                    i, step, PERIOD * step, y[i], received[i - 1] if i else "", error, gap,
+                    "" if speed is None else speed[i], "" if acceleration is None else acceleration[i]))
+            before, slower = y, speed
+        heading = "vehicle,step,seconds,position,received_position,input,received_input,tracking_error,gap,speed,acceleration,jerk"
+        return self.write("\n".join([heading] + sorted(table, key=lambda row: int(row.split(",")[0]))) + "\n", name)
+
+
+class Simulation(unittest.TestCase):
+    def test_the_gap_of_the_first_follower_has_the_variance_of_the_theory(self):
+        gaps = np.array([y[0] - y[1] for step, y, _ in positions(1, 60, 20000) if step >= 40])
+        # 20 correlated steps of 20000 realizations: at most the error of 20000.
+        self.assertAlmostEqual(gaps.var(), SIGMA ** 2, delta=4.0 * SIGMA ** 2 * np.sqrt(2.0 / 20000))
+
+
+class Gaps(GapTest):
+    def test_gaps_are_drawn_with_and_without_an_analysis(self):
+        run = self.make_gaps(bounds=[1e-5, 0.01, 0.2], safe_gap=1.0)
+        self.assert_draws("gaps", run)
+        self.assert_draws("gaps", run, "--analysis", self.make_collisions(), "--titles", "$h = 3.2$")
+
+    def test_gaps_without_theory_are_drawn(self):
+        self.assert_draws("gaps", self.make_gaps())
+
+    def test_one_follower_one_realization_and_one_bin_are_drawn(self):
+        self.assert_draws("gaps", self.make_gaps(followers=1, realizations=1))
+
+    def test_many_followers_are_drawn(self):
+        self.assert_draws("gaps", self.make_gaps(followers=300, realizations=20))
+
+    def test_a_string_without_collisions_is_drawn_on_a_logarithmic_axis(self):
+        run = plot.gaps.read_gaps(self.make_gaps(standstill=50.0, bounds=[0.0, 1e-300, 1e-200]))
+        axes = plot.gaps.draw(run, None, []).axes[1]
+        self.assertEqual(axes.get_yscale(), "log")
+        low, high = axes.get_ylim()
+        self.assertTrue(1e-4 / 200 <= low < 4.0 / 204 < high <= 2.0)
+
+    def test_gaps_far_above_0_are_drawn_without_the_line_of_collisions(self):
+        for standstill, lowest in ((2.0, False), (5000.0, True)):
+            run = plot.gaps.read_gaps(self.make_gaps("at-{:g}".format(standstill), standstill=standstill))
+            self.assertEqual(plot.gaps.draw(run, None, []).axes[0].get_ylim()[0] > 4000.0, lowest)
+
+    def test_the_file_is_read_in_any_order_of_rows(self):
+        text = self.gap_table(*smallest_gaps(3, 30, 200), bounds=[0.1, 0.2, 0.3])
+        heading, *rows = text.splitlines()
+        forward = plot.gaps.read_gaps(self.make_gaps("a", text))
+        backward = plot.gaps.read_gaps(self.make_gaps("b", "\n".join([heading] + rows[::-1]) + "\n"))
+        for name in ("smallest", "realization", "step", "collisions", "bound", "histogram"):
+            np.testing.assert_array_equal(getattr(forward, name), getattr(backward, name), name)
+
+    def test_quantiles_are_within_a_bin_of_those_of_the_realizations(self):
+        smallest, steps_of = smallest_gaps(4, 30, 500)
+        run = plot.gaps.read_gaps(self.make_gaps(text=self.gap_table(smallest, steps_of), followers=4, realizations=500))
+        for share in (0.01, 0.25, 0.5, 0.99):
+            np.testing.assert_allclose(plot.gaps.quantile(run, share), np.quantile(smallest, share, axis=1), atol=WIDTH)
+        np.testing.assert_array_equal(plot.gaps.quantile(run, 0.0) >= run.smallest, True)
+
+    def test_error_bars_are_wilsons_interval(self):
+        # 3 of 100: (0.03 + 0.02 -+ 2 sqrt(0.03 * 0.97 / 100 + 0.0001)) / 1.04
+        low, high = plot.gaps.interval(np.array([3.0, 0.0]), np.array([100.0, 100.0]))
+        np.testing.assert_allclose([low[0], high[0]], (0.05 + 2.0 * np.sqrt(0.000391) * np.array([-1.0, 1.0])) / 1.04)
+        self.assertAlmostEqual(high[1], 4.0 / 104.0)
+
+    def test_the_worst_gap_is_named_and_marked(self):
+        run = plot.gaps.read_gaps(self.make_gaps(realizations=1000))
+        axes = plot.gaps.draw(run, None, []).axes[0]
+        worst = int(np.argmin(run.smallest))
+        self.assertIn("{:.3g} m: follower {}, realization {:.0f}, step {:.0f}".format(
+            -run.smallest[worst], worst + 1, run.realization[worst], run.step[worst]), axes.get_title().replace("\u2009", ""))
+        self.assertIn([worst + 1.0, run.smallest[worst]], [line.get_xydata()[0].tolist() for line in axes.lines])
+
+
+class GapErrors(GapTest):
+    def test_a_run_without_gaps(self):
+        self.assert_refuses("gaps", self.make_run(), saying=["gaps.csv: no such file: run with signals:=gap"])
+        self.assert_refuses("gaps", self.path("none"), saying=["none: no such folder"])
+
+    def test_a_byte_that_was_changed(self):
+        run = self.make_gaps(realizations=20)
+        written = self.read("gaps/gaps.csv")
+        for at in range(0, len(written), 7):
+            damaged = bytearray(written)
+            damaged[at] ^= 1 << at % 8
+            with open(self.path("gaps", "gaps.csv"), "wb") as file:
+                file.write(damaged)
+            with self.assertRaises(plot.inputs.InputError, msg="byte {}".format(at)):
+                plot.gaps.read_gaps(run)
+
+    def test_rows_and_columns_that_are_missing(self):
+        heading, first, *rows = self.gap_table(*smallest_gaps(3, 30, 200)).splitlines()
+        short = heading.split(",bin_")[0]
+        for name, lines, words in (("a", [heading] + rows, "each vehicle 1..N"), ("b", [heading], "holds no rows"),
+                                   ("c", [heading.replace("collisions", "x"), first] + rows, "column collisions is missing"),
+                                   ("d", [heading.replace(",bin_", ",bin_x", 1), first] + rows, "the name of a column bin_X"),
+                                   ("e", [short] + [",".join(row.split(",")[:8]) for row in [first] + rows], "column bin_... is missing"),
+                                   ("f", [heading, first.replace(",200,", ",201,")] + rows, "the bins do not add up to count")):
+            self.assert_refuses("gaps", self.make_gaps(name, "\n".join(lines) + "\n"), saying=["gaps.csv", words])
+
+    def test_a_summary_of_another_string(self):
+        self.assert_refuses("gaps", self.make_gaps(summary_followers=4), saying=["followers is 4, but gaps.csv beside it has 3"])
+
+    def test_an_analysis_of_another_platoon_or_without_collisions(self):
+        run = self.make_gaps()
+        self.assert_refuses("gaps", run, "--analysis", self.make_collisions(4), saying=["3 followers", "has 4"])
+        self.assert_refuses("gaps", run, "--analysis", self.make_analysis("plain.json"), saying=["collision.probability is missing"])
+
+
+class Trajectories(GapTest):
+    def test_trajectories_are_drawn_whole_and_around_a_step(self):
+        path = self.make_trajectories()
+        self.assert_draws("trajectories", path)
+        self.assert_draws("trajectories", self.folder, "--around", "12", "--titles", "realization 7")
+
+    def test_one_follower_and_many_followers_are_drawn(self):
+        self.assert_draws("trajectories", self.make_trajectories(1))
+        self.assert_draws("trajectories", self.make_trajectories(300))
+
+    def test_the_smallest_gap_is_that_of_the_window(self):
+        realization = plot.trajectories.read_realization(self.make_trajectories(steps=200))
+        worst, at = plot.trajectories.nearest(realization)
+        self.assertEqual(realization.gap[worst, at], np.nanmin(realization.gap))
+        near = plot.trajectories.around(realization, 100)
+        self.assertEqual((near.steps[0], near.steps[-1]), (80, 120))
+        np.testing.assert_array_equal(near.gap, realization.gap[:, 81:122])
+        self.assertIn("smallest gap {} m, follower {}".format(plot.style.signed(np.nanmin(near.gap)), plot.trajectories.nearest(near)[0]),
+                      plot.trajectories.draw(near, [])._suptitle.get_text())
+
+    def test_the_worst_pair_is_drawn_in_any_string(self):
+        self.assertEqual(list(plot.trajectories.drawn(4, 2)), [0, 1, 2, 3])
+        shown = list(plot.trajectories.drawn(501, 234))
+        self.assertEqual((shown[0], shown[1], shown[-1]), (0, 1, 500))
+        self.assertTrue({233, 234} <= set(shown) and len(shown) <= 19)
+
+    def test_refuses_what_is_no_realization(self):
+        self.assert_refuses("trajectories", self.path("none.csv"), saying=["none.csv: no such file"])
+        path = self.make_trajectories()
+        self.assert_refuses("trajectories", path, "--around", "30", saying=["--around: 30: must be a step of", "from -1 to 29"])
+        with open(path) as file:
+            lines = file.read().splitlines()
+        for changed, words in ((lines[:-1], "each vehicle 0..N"), ([lines[0].replace("gap", "x")] + lines[1:], "column gap is missing"),
+                               (lines[:1], "holds no rows")):
+            self.write("\n".join(changed) + "\n", "trajectories.csv")
+            self.assert_refuses("trajectories", path, saying=[path, words])
+
+
+if __name__ == "__main__":
+    unittest.main()
