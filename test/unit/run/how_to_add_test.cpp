@@ -100,11 +100,12 @@ private:
 };
 
 Exceedances exceedances_in_batches_of(std::size_t batch) {
-  PlatoonString string(shipped("paper.yaml"), kSeed, kFollowers);
+  const PlatoonModel model = shipped("paper.yaml");
+  PlatoonString string(model, kSeed, kFollowers);
   Exceedances exceedances;
   for (std::uint64_t first = 0; first < 210; first += batch) {
-    string.run(first, batch, kSteps, [&exceedances](const std::vector<PlatoonString::SignalValues>& group) {
-      for (const PlatoonString::SignalValues& of : group) exceedances.add(of.follower, *of.values);
+    string.run(first, batch, kSteps, [&](std::size_t follower, std::int64_t, const SignalPositions& positions) {
+      exceedances.add(follower, positions.of(tracking_error(model, follower)));
     });
   }
   return exceedances;

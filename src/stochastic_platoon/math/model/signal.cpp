@@ -1,5 +1,6 @@
 #include "stochastic_platoon/math/model/signal.hpp"
 
+#include <algorithm>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -61,6 +62,18 @@ double Signal::operator()(double predecessor, const Own<double>& own) const {
 void Signal::operator()(const double* predecessor, const Own<const double*>& own, std::size_t count,
                         double* values) const {
   detail::signal_values(*this, predecessor, own, count, values);
+}
+
+SignalPositions SignalPositions::from(std::size_t realization) const {
+  SignalPositions rest{predecessor + realization, own, count - realization};
+  for (const double*& positions : rest.own) positions = positions == nullptr ? nullptr : positions + realization;
+  return rest;
+}
+
+std::vector<double> SignalPositions::of(const Signal& signal) const {
+  std::vector<double> values(count);
+  signal(predecessor, own, count, values.data());
+  return values;
 }
 
 Signal tracking_error(double headway, double standstill_distance) {
@@ -128,6 +141,19 @@ std::vector<Signal> signals_of(const PlatoonModel& model, const std::vector<std:
     if (signals.size() == before) throw std::invalid_argument(name + ": is no signal");
   }
   return signals;
+}
+
+std::vector<std::vector<Signal>> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
+                                                std::size_t followers) {
+  std::vector<std::vector<Signal>> all;
+  for (std::size_t i = 1; i <= followers; ++i) all.push_back(signals_of(model, names, i));
+  return all;
+}
+
+std::size_t steps_before(const std::vector<Signal>& signals) {
+  int before = 1;
+  for (const Signal& signal : signals) before = std::max(before, signal.order);
+  return static_cast<std::size_t>(before);
 }
 
 }  // namespace platoon

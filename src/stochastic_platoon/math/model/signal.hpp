@@ -31,6 +31,18 @@ struct Signal {
   void operator()(const double* predecessor, const Own<const double*>& own, std::size_t count, double* values) const;
 };
 
+/// The positions from which the signals of one follower at one step follow, one per realization of a batch [m].
+struct SignalPositions {
+  const double* predecessor;       ///< y_{i-1}(k)
+  Signal::Own<const double*> own;  ///< y_i(k), y_i(k-1), ...; null for steps that no signal needs
+  std::size_t count;               ///< realizations
+
+  /// The same from this realization on.
+  SignalPositions from(std::size_t realization) const;
+
+  std::vector<double> of(const Signal& signal) const;
+};
+
 /// zeta_i(k) = y_{i-1}(k) - y_i(k) - delta - h [y_i(k) - y_i(k-1)] [m], paper eq. (error1), including the distance
 /// delta.
 Signal tracking_error(double headway, double standstill_distance);
@@ -61,5 +73,12 @@ std::string all_signal_names();
 /// The tracking errors of follower i >= 1, and after them the signals of these names. Throws std::invalid_argument for
 /// an unknown name.
 std::vector<Signal> signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower);
+
+/// The same of followers 1, 2, ..., `followers`.
+std::vector<std::vector<Signal>> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
+                                                std::size_t followers);
+
+/// Number of earlier own positions that these signals need; at least 1.
+std::size_t steps_before(const std::vector<Signal>& signals);
 
 }  // namespace platoon

@@ -69,23 +69,18 @@ bool EnsembleRun::hand_over(EnsembleTotals& own) {
 bool EnsembleRun::work() {
   RealizationRange batch;
   if (!take(&batch)) return false;
-  PlatoonString string(model_, ensemble_.seed, ensemble_.followers, ensemble_.signals);
+  const std::vector<std::vector<Signal>> signals = signals_of_all(model_, ensemble_.signals, ensemble_.followers);
+  PlatoonString string(model_, ensemble_.seed, ensemble_.followers, steps_before(signals.front()));
   const KeptMoments kept = has_normal_errors(model_) ? KeptMoments::two : KeptMoments::four;
-  const auto gap = static_cast<std::size_t>(std::find(cells_.signals.begin(), cells_.signals.end(), kGap) -
-                                            cells_.signals.begin() + 1);
-  std::vector<CellValues> values;
   EnsembleTotals own(cells_);
   double handed_over = now();
   do {
     BatchTotals totals(batch.first, batch.size(), cells_, kept);
-    string.run(batch.first, batch.size(), ensemble_.steps, [&](const std::vector<PlatoonString::SignalValues>& group) {
-      values.clear();
-      for (const PlatoonString::SignalValues& of : group) {
-        values.push_back({cells_.at(of.kind, of.follower, of.step), of.values->data()});
-        if (of.kind == gap) totals.gaps.add(of.follower, of.step, of.values->data());
-      }
-      totals.moments.set(values);
-    });
+    string.run(batch.first, batch.size(), ensemble_.steps,
+               [&](std::size_t follower, std::int64_t step, const SignalPositions& positions) {
+                 totals.add(follower, step, signals[follower - 1], positions);
+               });
+    totals.finish();
     own.add(std::move(totals));
     done_ += batch.size();
     const bool is_full = own.moments.blocks().size() * own.moments.cells() >= kMostOwnCells;

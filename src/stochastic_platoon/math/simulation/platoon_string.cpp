@@ -4,23 +4,23 @@
 
 namespace platoon {
 
-PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers,
-                             const std::vector<std::string>& signals)
-    : leader_(model), predecessor_inputs_(kStepsAtOnce + 1), own_inputs_(kStepsAtOnce + 1) {
+PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers, std::size_t before)
+    : leader_(model),
+      before_(before),
+      predecessor_(kStepsAtOnce + before),
+      own_(kStepsAtOnce + before),
+      predecessor_inputs_(kStepsAtOnce + 1),
+      own_inputs_(kStepsAtOnce + 1) {
   for (std::uint32_t i = 1; i <= followers; ++i) {
     followers_.emplace_back(model, seed, i);
     links_.emplace_back(model, seed, i);
     radios_.emplace_back();
     if (sends_input(model, i - 1, followers)) radios_.back().emplace(Link::radio(model, seed, i));
-    signals_.push_back(signals_of(model, signals, i));
-    for (const Signal& signal : signals_.back()) before_ = std::max(before_, static_cast<std::size_t>(signal.order));
   }
-  for (auto* positions : {&predecessor_, &own_}) positions->resize(kStepsAtOnce + before_);
 }
 
-void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t steps, const SignalSink& sink) {
+void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t steps, const PositionSink& sink) {
   received_.resize(count);
-  for (std::vector<double>& values : values_) values.resize(count);
   for (AlignedValues& positions : predecessor_) positions.resize(count);
   for (AlignedValues& positions : own_) positions.resize(count);
   const auto sends = [this](std::size_t i) { return i < radios_.size() && radios_[i].has_value(); };
@@ -67,24 +67,13 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
         if (radio) radio->transmit(k - 1, first, predecessor_inputs_[j - 1].data(), count, heard_.data());
         followers_[i - 1].step(received_.data(), own_[at].data(), radio ? heard_.data() : nullptr,
                                sends(i) ? own_inputs_[j].data() : nullptr);
-        Signal::Own<const double*> positions{};
-        for (std::size_t b = 0; b <= before_; ++b) positions[b] = own_[at - b].data();
-        for (std::size_t kind = 0; kind < signals_[i - 1].size(); ++kind) {
-          std::vector<double>& values = values_[group_.size()];
-          signals_[i - 1][kind](predecessor_[at].data(), positions, count, values.data());
-          group_.push_back({kind, i, k, &values});
-          if (group_.size() == kCellsAtOnce) pass_on(sink);
-        }
+        SignalPositions positions{predecessor_[at].data(), {}, count};
+        for (std::size_t b = 0; b <= before_; ++b) positions.own[b] = own_[at - b].data();
+        sink(i, k, positions);
       }
       end(i);
     }
   }
-  pass_on(sink);
-}
-
-void PlatoonString::pass_on(const SignalSink& sink) {
-  if (!group_.empty()) sink(group_);
-  group_.clear();
 }
 
 }  // namespace platoon

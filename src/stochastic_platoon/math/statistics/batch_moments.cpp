@@ -5,6 +5,7 @@
 #include <string>
 
 #include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/statistics/lane_tree.hpp"
 #include "stochastic_platoon/math/statistics/moments.hpp"
 
 namespace platoon {
@@ -27,10 +28,6 @@ PLATOON_INLINE void pair_values(const double* values, std::size_t pairs, double*
     deviations_out[j] = (shift * shift) * 0.5;
   }
 }
-
-// Tiles of 512 values: all intermediate levels fit in the first level cache.
-constexpr unsigned kMomentTileLevel = 9;
-constexpr std::size_t kMomentTile = std::size_t{1} << kMomentTileLevel;
 
 // One level of a tile with four moments.
 struct PowerTile {
@@ -97,34 +94,20 @@ MomentNode reduce_tile_to_four(const double* values, unsigned level) {
   return {last.mean[0], last.squared[0], last.cubed[0], last.fourth[0]};
 }
 
-// Four cells in the lanes of one vector: joining two nodes of the tree then needs no shuffles.
-using Lanes = double __attribute__((vector_size(32)));
-
-// Tiles of 2^level values, level >= 2, of four cells: merge_equal() in every lane.
+// Tiles of 2^level values, level >= LaneTree::kLowestLevel, of four cells.
 PLATOON_VECTOR_CLONES
 void reduce_four_tiles(const std::array<const double*, kCellsAtOnce>& cells, unsigned level,
                        std::array<MomentNode, kCellsAtOnce>& nodes) {
-  std::array<Lanes, kMomentTile / 4> mean, deviations;
+  LaneTree tree;
   const double *const a = cells[0], *const b = cells[1], *const c = cells[2], *const d = cells[3];
-  std::size_t count = (std::size_t{1} << level) / 4;
+  const std::size_t count = (std::size_t{1} << level) / 4;
   for (std::size_t j = 0; j < count; ++j) {
     const std::size_t r = 4 * j;
-    const Lanes first{a[r], b[r], c[r], d[r]}, second{a[r + 1], b[r + 1], c[r + 1], d[r + 1]},
-        third{a[r + 2], b[r + 2], c[r + 2], d[r + 2]}, fourth{a[r + 3], b[r + 3], c[r + 3], d[r + 3]};
-    const Lanes left = 0.5 * (first + second), right = 0.5 * (third + fourth), shift = right - left;
-    const Lanes of_left = second - first, of_right = fourth - third;
-    mean[j] = 0.5 * (left + right);
-    deviations[j] = ((of_left * of_left) * 0.5 + (of_right * of_right) * 0.5) + shift * shift;
+    tree.join_values(j, {Lanes{a[r], b[r], c[r], d[r]}, Lanes{a[r + 1], b[r + 1], c[r + 1], d[r + 1]},
+                         Lanes{a[r + 2], b[r + 2], c[r + 2], d[r + 2]}, Lanes{a[r + 3], b[r + 3], c[r + 3], d[r + 3]}});
   }
-  double half_count = 2.0;
-  for (count /= 2; count > 0; count /= 2, half_count *= 2.0) {
-    for (std::size_t j = 0; j < count; ++j) {
-      const Lanes left = mean[2 * j], right = mean[2 * j + 1], shift = right - left;
-      mean[j] = 0.5 * (left + right);
-      deviations[j] = (deviations[2 * j] + deviations[2 * j + 1]) + (shift * shift) * half_count;
-    }
-  }
-  for (std::size_t cell = 0; cell < kCellsAtOnce; ++cell) nodes[cell] = {mean[0][cell], deviations[0][cell]};
+  tree.join_nodes(count);
+  for (std::size_t cell = 0; cell < kCellsAtOnce; ++cell) nodes[cell] = tree.root(cell);
 }
 
 }  // namespace detail
@@ -219,7 +202,6 @@ void BatchMoments::set(const std::vector<CellValues>& cells) {
     for (const CellValues& of : cells) set(of.cell, of.values);
     return;
   }
-  constexpr unsigned kLowestLevel = 2;
   std::array<const double*, kCellsAtOnce> values;
   for (std::size_t j = 0; j < kCellsAtOnce; ++j) {
     require_cell(cells[j].cell);
@@ -227,7 +209,7 @@ void BatchMoments::set(const std::vector<CellValues>& cells) {
   }
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const DyadicRange& range = blocks_[b].range;
-    if (range.level >= kLowestLevel) {
+    if (range.level >= LaneTree::kLowestLevel) {
       const FourNodes nodes = reduce_four(values, range.level);
       for (std::size_t j = 0; j < kCellsAtOnce; ++j) put(b, cells[j].cell, nodes[j]);
     } else {

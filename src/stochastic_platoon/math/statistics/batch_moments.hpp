@@ -51,8 +51,12 @@ struct CellValues {
   const double* values;
 };
 
-/// Number of cells that BatchMoments reduces side by side.
+/// Number of cells that are reduced side by side.
 constexpr std::size_t kCellsAtOnce = 4;
+
+/// Sums are formed in tiles of at most 2^kMomentTileLevel values: all intermediate levels fit in the first level cache.
+constexpr unsigned kMomentTileLevel = 9;
+constexpr std::size_t kMomentTile = std::size_t{1} << kMomentTileLevel;
 
 /// Moments of one batch of realizations, cell by cell, as blocks of MomentTable's tree.
 class BatchMoments {

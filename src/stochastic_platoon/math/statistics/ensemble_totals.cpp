@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/statistics/error_averages.hpp"
+#include "stochastic_platoon/math/statistics/signal_reduction.hpp"
 
 namespace platoon {
 
@@ -18,7 +19,32 @@ SignalCells signal_cells(const PlatoonModel& model, std::size_t followers, std::
 }
 
 BatchTotals::BatchTotals(std::uint64_t first_realization, std::size_t count, const SignalCells& cells, KeptMoments kept)
-    : moments(first_realization, count, cells.count(), kept), gaps(first_realization, count, cells.gaps.followers) {}
+    : moments(first_realization, count, cells.count(), kept),
+      gaps(first_realization, count, cells.gaps.followers),
+      cells_(cells),
+      kept_(kept) {}
+
+void BatchTotals::add(std::size_t follower, std::int64_t step, const std::vector<Signal>& signals,
+                      const SignalPositions& positions) {
+  std::vector<double>& errors = errors_[waiting_.size()];
+  errors.resize(positions.count);
+  signals.front()(positions.predecessor, positions.own, positions.count, errors.data());
+  waiting_.push_back({cells_.at(0, follower, step), errors.data()});
+  if (waiting_.size() == kCellsAtOnce) finish();
+  if (signals.size() == 1) return;
+  if (cells_.has_gap()) gap_values_.resize(positions.count);
+  double* const gap = cells_.has_gap() ? gap_values_.data() : nullptr;
+  const std::vector<std::vector<MomentNode>> nodes =
+      reduce_signals(moments.first_realization(), {signals.begin() + 1, signals.end()}, positions, kept_, gap);
+  for (std::size_t kind = 1; kind < signals.size(); ++kind)
+    moments.set(cells_.at(kind, follower, step), nodes[kind - 1]);
+  if (gap != nullptr) gaps.add(follower, step, gap);
+}
+
+void BatchTotals::finish() {
+  moments.set(waiting_);
+  waiting_.clear();
+}
 
 void EnsembleTotals::add(BatchTotals batch) {
   moments.add(std::move(batch.moments));

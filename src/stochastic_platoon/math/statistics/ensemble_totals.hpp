@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -24,6 +25,7 @@ struct SignalCells {
   std::size_t of_one_kind() const { return followers * static_cast<std::size_t>(steps); }  ///< cells
   std::size_t count() const { return kinds() * of_one_kind(); }                            ///< cells of all kinds
   std::size_t at(std::size_t kind, std::size_t follower, std::int64_t step) const;         ///< index of a cell
+  bool has_gap() const { return gaps.followers > 0; }  ///< it is the first of the signals then
 };
 
 /// The cells of this model's run.
@@ -33,10 +35,25 @@ SignalCells signal_cells(const PlatoonModel& model, std::size_t followers, std::
 /// The signals of one batch of realizations.
 class BatchTotals {
 public:
+  /// Keeps a reference to the cells.
   BatchTotals(std::uint64_t first_realization, std::size_t count, const SignalCells& cells, KeptMoments kept);
+
+  /// Adds the signals of a follower at a step, in any order: signals_of() with the names of the cells.
+  void add(std::size_t follower, std::int64_t step, const std::vector<Signal>& signals,
+           const SignalPositions& positions);
+
+  /// Adds what add() still holds back, as tracking errors are reduced kCellsAtOnce at a time.
+  void finish();
 
   BatchMoments moments;
   BatchGaps gaps;
+
+private:
+  const SignalCells& cells_;
+  KeptMoments kept_;
+  std::array<std::vector<double>, kCellsAtOnce> errors_;  ///< of `waiting_`
+  std::vector<CellValues> waiting_;
+  std::vector<double> gap_values_;
 };
 
 /// All statistics over a set of realizations, as a pure function of that set.

@@ -16,13 +16,11 @@ namespace {
 
 using Signals = std::vector<Signal>;  // of one follower
 
-std::vector<Signals> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
-                                    std::size_t followers) {
-  std::vector<Signals> signals;
-  for (std::size_t i = 1; i <= followers; ++i) {
-    signals.push_back(signals_of(model, names, i));
-    signals.back().erase(signals.back().begin());  // the tracking error
-  }
+// Without the tracking errors.
+std::vector<Signals> requested_signals(const PlatoonModel& model, const std::vector<std::string>& names,
+                                       std::size_t followers) {
+  std::vector<Signals> signals = signals_of_all(model, names, followers);
+  for (Signals& of : signals) of.erase(of.begin());
   return signals;
 }
 
@@ -118,7 +116,7 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
   if (!has_normal_errors(model))
     throw std::invalid_argument("model: has losses or quantisation: must have normal errors for stationary_signals()");
   const LinkedPattern pattern = linked_pattern(model);
-  const std::vector<Signals> signals = signals_of_all(model, names, followers);
+  const std::vector<Signals> signals = requested_signals(model, names, followers);
   std::vector<StationarySignal> result(names.size());
   const bool settles = std::all_of(pattern.types.begin(), pattern.types.end(),
                                    [](const LinkedVehicle& vehicle) { return vehicle.spectral_radius() < 1.0; });
@@ -136,7 +134,7 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
   // Limits that do not exist are left out before the quadrature, which their poles at w = 0 would keep from settling.
   const int zeros = gain.zeros() - noise_zeros(pattern);
   const std::size_t m = pattern.size();
-  std::vector<Signals> endless = signals_of_all(model, names, 2 * m);
+  std::vector<Signals> endless = requested_signals(model, names, 2 * m);
   endless.erase(endless.begin(), endless.begin() + static_cast<std::ptrdiff_t>(m));  // behind no leader
   std::vector<std::size_t> bounded;
   for (std::size_t s = 0; s < names.size(); ++s) {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "stochastic_platoon/math/statistics/signal_reduction.hpp"
 
 namespace platoon {
 
@@ -20,20 +23,6 @@ EarlierAverages averages_of(const std::optional<Checkpoint>& start) {
   return {&start->totals, start->time_averages};
 }
 
-std::vector<std::vector<Signal>> signals_of_all(const Configuration& configuration) {
-  std::vector<std::vector<Signal>> signals;
-  for (std::size_t i = 1; i <= configuration.run.followers; ++i)
-    signals.push_back(signals_of(configuration.model, configuration.run.signals, i));
-  return signals;
-}
-
-// The earlier positions of a vehicle that its signals need.
-std::int64_t steps_before(const std::vector<std::vector<Signal>>& signals) {
-  int before = 1;
-  for (const Signal& signal : signals.front()) before = std::max(before, signal.order);
-  return before;
-}
-
 }  // namespace
 
 RunStatistics::RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start)
@@ -47,12 +36,12 @@ RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t f
                              const EarlierAverages& earlier)
     : configuration_(configuration),
       cells_(cells_of(configuration)),
-      signals_(signals_of_all(configuration)),
+      signals_(signals_of_all(configuration.model, configuration.run.signals, configuration.run.followers)),
       kept_(has_normal_errors(configuration.model) ? KeptMoments::two : KeptMoments::four),
       tally_(start),
       averages_(error_averages(cells_, configuration.run.burn_in, earlier, kept_)),
       assembly_(configuration.run.schedule(), configuration.run.followers, first_realization, start.attempts,
-                steps_before(signals_)) {
+                static_cast<std::int64_t>(steps_before(signals_.front()))) {
   if (configuration.run.averaging() == Averaging::over_realizations) return;
   leader_.emplace(ModelLeader{LeaderVehicle(configuration.model), 0.0});
   averages_->saw_leader(kNothingYet, true);
@@ -77,23 +66,19 @@ void RunStatistics::compare_leader(std::int64_t step, double position) {
   averages_->saw_leader(step, !leader_departs_);
 }
 
-// The values are formed tile by tile, so that each tile is reduced while it is in the first level cache.
 ReducedSignals RunStatistics::reduced(const DueSignals& due) const {
   const std::size_t count = due.own.front()->size();
-  ReducedSignals reduced{due.follower, due.id.step, due.id.first_realization, count, {}};
+  SignalPositions positions{due.predecessor->data(), {}, count};
+  for (std::size_t j = 0; j < due.own.size() && due.own[j] != nullptr; ++j) positions.own[j] = due.own[j]->data();
   const std::vector<Signal>& signals = signals_[due.follower - 1];
-  for (std::size_t kind = 0; kind < signals.size(); ++kind) {
-    const bool is_gap = kind > 0 && cells_.signals[kind - 1] == kGap;
-    if (is_gap) reduced.gaps.resize(count);
-    const auto values = [&](std::size_t offset, std::size_t size, double* buffer) {
-      Signal::Own<const double*> own{};
-      for (std::size_t j = 0; j < own.size() && due.own[j] != nullptr; ++j) own[j] = due.own[j]->data() + offset;
-      double* const to = is_gap ? reduced.gaps.data() + offset : buffer;
-      signals[kind](due.predecessor->data() + offset, own, size, to);
-      return static_cast<const double*>(to);
-    };
-    reduced.nodes.push_back(reduce_batch(due.id.first_realization, count, values, kept_));
-  }
+  ReducedSignals reduced{due.follower, due.id.step, due.id.first_realization, count,
+                         reduce_signals(due.id.first_realization, {signals.front()}, positions, kept_)};
+  if (signals.size() == 1) return reduced;
+  if (cells_.has_gap()) reduced.gaps.resize(count);
+  for (std::vector<MomentNode>& nodes :
+       reduce_signals(due.id.first_realization, {signals.begin() + 1, signals.end()}, positions, kept_,
+                      cells_.has_gap() ? reduced.gaps.data() : nullptr))
+    reduced.nodes.push_back(std::move(nodes));
   return reduced;
 }
 

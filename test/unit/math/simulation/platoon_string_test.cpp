@@ -14,13 +14,12 @@ namespace {
 
 using Errors = std::map<std::pair<std::size_t, std::int64_t>, std::vector<double>>;
 
-Errors errors_of(PlatoonString& string, std::uint64_t first, std::size_t count, std::int64_t steps) {
+Errors errors_of(PlatoonString& string, const PlatoonModel& model, std::uint64_t first, std::size_t count,
+                 std::int64_t steps) {
   Errors all;
-  string.run(first, count, steps, [&all](const std::vector<PlatoonString::SignalValues>& group) {
-    for (const PlatoonString::SignalValues& of : group) {
-      EXPECT_TRUE(all.emplace(std::make_pair(of.follower, of.step), *of.values).second)
-          << "told twice: " << of.follower << ", " << of.step;
-    }
+  string.run(first, count, steps, [&](std::size_t i, std::int64_t k, const SignalPositions& positions) {
+    EXPECT_TRUE(all.emplace(std::make_pair(i, k), positions.of(tracking_error(model, i))).second)
+        << "told twice: " << i << ", " << k;
   });
   return all;
 }
@@ -41,7 +40,7 @@ TEST(PlatoonString, ErrorsAreThoseOfTheEquationsWrittenOut) {
   for (std::uint32_t i = 1; i <= kFollowers; ++i)
     x.push_back(equilibrium * (-7.0 * i + 0.8 + std::sqrt(0.3) * g(i, -1)));
   PlatoonString string(model, 8, kFollowers);
-  const Errors found = errors_of(string, kRealization, 1, kSteps);
+  const Errors found = errors_of(string, model, kRealization, 1, kSteps);
   ASSERT_EQ(found.size(), static_cast<std::size_t>(kFollowers * kSteps));
   for (std::int64_t k = 0; k < kSteps; ++k) {
     const std::vector<Eigen::VectorXd> before = x;
@@ -64,17 +63,18 @@ TEST(PlatoonString, StaysInFormationWhenNothingDisturbsIt) {
   model.default_vehicle().standstill_distance = 7.0;
   model.leader = LeaderProfile({}, 0.1);
   PlatoonString string(model, 1, 6);
-  for (const auto& entry : errors_of(string, 0, 3, 50)) {
+  for (const auto& entry : errors_of(string, model, 0, 3, 50)) {
     for (const double error : entry.second) EXPECT_NEAR(error, 0.0, 1e-12);
   }
 }
 
 TEST(PlatoonString, GivesTheSameBitsInEveryBatch) {
-  PlatoonString string(eventful_platoon(3.2), 1, 3);
-  const Errors whole = errors_of(string, 0, 40, 20);
+  const PlatoonModel model = eventful_platoon(3.2);
+  PlatoonString string(model, 1, 3);
+  const Errors whole = errors_of(string, model, 0, 40, 20);
   for (const std::size_t batch : {1, 7, 33}) {
     for (std::size_t first = 0; first < 40; first += batch) {
-      for (const auto& part : errors_of(string, first, std::min(batch, 40 - first), 20)) {
+      for (const auto& part : errors_of(string, model, first, std::min(batch, 40 - first), 20)) {
         ASSERT_EQ(
             std::memcmp(part.second.data(), whole.at(part.first).data() + first, part.second.size() * sizeof(double)),
             0);

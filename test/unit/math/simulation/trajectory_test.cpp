@@ -22,12 +22,11 @@ void expect_bits_of_the_string(const PlatoonModel& model) {
   const std::vector<Trajectory> found = trajectories(model, 3, kFollowers, kSteps, kFirst + kPlace, kSignals);
   ASSERT_EQ(found.size(), kFollowers + 1);
   std::size_t compared = 0;
-  PlatoonString(model, 3, kFollowers, kSignals)
-      .run(kFirst, 4, kSteps, [&](const std::vector<PlatoonString::SignalValues>& group) {
-        for (const PlatoonString::SignalValues& of : group) {
-          ASSERT_EQ(found[of.follower].signals.at(of.kind).at(static_cast<std::size_t>(of.step)), (*of.values)[kPlace]);
-          ++compared;
-        }
+  PlatoonString(model, 3, kFollowers, Signal::kHighestOrder)
+      .run(kFirst, 4, kSteps, [&](std::size_t i, std::int64_t k, const SignalPositions& positions) {
+        const std::vector<Signal> signals = signals_of(model, kSignals, i);
+        for (std::size_t kind = 0; kind < signals.size(); ++kind, ++compared)
+          ASSERT_EQ(found[i].signals.at(kind).at(static_cast<std::size_t>(k)), positions.of(signals[kind])[kPlace]);
       });
   EXPECT_EQ(compared, 5 * kFollowers * static_cast<std::size_t>(kSteps));
 }

@@ -137,12 +137,12 @@ TEST(EffectiveSample, GivesTheStandardErrorsOfAveragesOverTime) {
     for (std::uint64_t first = 0; first < kRealizations; first += kBatch) {
       std::vector<std::vector<Moments>> averages(count, std::vector<Moments>(kBatch));
       PlatoonString(model, 17, count)
-          .run(first, kBatch, of.burn_in + kSteps, [&](const std::vector<PlatoonString::SignalValues>& group) {
-            for (const PlatoonString::SignalValues& errors : group) {
-              if (errors.step < of.burn_in) continue;
-              for (std::size_t r = 0; r < kBatch; ++r) averages[errors.follower - 1][r].add((*errors.values)[r]);
-            }
-          });
+          .run(first, kBatch, of.burn_in + kSteps,
+               [&](std::size_t i, std::int64_t k, const SignalPositions& positions) {
+                 if (k < of.burn_in) return;
+                 const std::vector<double> errors = positions.of(tracking_error(model, i));
+                 for (std::size_t r = 0; r < kBatch; ++r) averages[i - 1][r].add(errors[r]);
+               });
       for (const std::size_t i : of.followers) {
         for (const Moments& average : averages[i - 1]) {
           means[i - 1].add(average.mean);

@@ -216,9 +216,9 @@ RunResult averages_over_time(const Configuration& configuration, std::int64_t st
   const RunOptions& run = configuration.run;
   TimeStatistics averages(run.followers, run.burn_in);
   PlatoonString(configuration.model, run.seed, run.followers)
-      .run(0, 1, steps, [&](const std::vector<PlatoonString::SignalValues>& group) {
-        for (const PlatoonString::SignalValues& of : group)
-          averages.add({of.follower, of.step, 0, 1, {std::vector<MomentNode>{{of.values->front(), 0.0}}}});
+      .run(0, 1, steps, [&](std::size_t i, std::int64_t k, const SignalPositions& positions) {
+        const double error = positions.of(tracking_error(configuration.model, i)).front();
+        averages.add({i, k, 0, 1, {std::vector<MomentNode>{{error, 0.0}}}});
       });
   RunResult result;
   result.realizations = 1;
