@@ -156,7 +156,8 @@ int main(int argc, char** argv) {
   };
   std::map<std::string, std::string> settings = platoon::parse_command_line(
       argc, argv, "What the theory says of a platoon",
-      {"model", "followers", "headway", "headway_seconds", "noise_variance", "loss", "delay", "steps"}, extra);
+      {"model", "followers", "headway", "headway_seconds", "noise_variance", "loss", "delay", "leader", "steps"},
+      extra);
   std::map<std::string, std::string> own;
   for (const auto& entry : extra) {
     if (settings.count(entry.first) > 0) own[entry.first] = settings[entry.first];

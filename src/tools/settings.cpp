@@ -30,10 +30,10 @@ std::string help_of(const std::string& name) {
   throw std::logic_error(name + ": is no setting");
 }
 
-// A shipped model by its bare name, unless a file of this name is in the working folder.
-std::string model_file(const std::string& name) {
+// A shipped file of this folder by its bare name, unless a file of this name is in the working folder.
+std::string shipped_file(const std::string& name, const std::string& folder) {
   const bool is_bare = !name.empty() && name.find('/') == std::string::npos;
-  const std::string shipped = package_folder() + "/config/" + name;
+  const std::string shipped = package_folder() + "/" + folder + "/" + name;
   return is_bare && !std::filesystem::exists(name) && std::filesystem::exists(shipped) ? shipped : name;
 }
 
@@ -89,8 +89,10 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
     std::cerr << argv[0] << ": " << error.what() << "; --help lists the options\n";
     std::exit(2);
   }
-  const auto model = given.find("model");
-  if (model != given.end()) model->second = model_file(model->second);
+  for (const auto& [name, folder] : {std::pair("model", "config"), std::pair("leader", "config/leaders")}) {
+    const auto file = given.find(name);
+    if (file != given.end()) file->second = shipped_file(file->second, folder);
+  }
   return given;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
@@ -44,7 +45,9 @@ void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, s
 // A shorter default where the theory or the record of the leader requires it.
 void choose_steps(const PlatoonModel& model, RunOptions& run) {
   const std::int64_t fewest = run.steps;
-  run.steps = chosen_steps(run, model.sample_period);
+  // A recorded drive as a whole.
+  const double seconds = static_cast<double>(model.recorded_leader.size()) * model.sample_period;
+  run.steps = chosen_steps(run, model.sample_period, std::max(seconds, kChosenSeconds));
   const auto followers = static_cast<double>(run.followers);
   if (has_independent_losses(model))
     run.steps = std::min(run.steps, static_cast<std::int64_t>(kMostLossResponses / (followers * followers)));
@@ -175,11 +178,25 @@ void put(const Setting& setting, const std::string& value, YAML::Node& document)
 
 }  // namespace
 
+namespace {
+
+// A file that the model names lies beside it.
+YAML::Node load_model(const std::string& file) {
+  YAML::Node model = load_yaml(file);
+  if (!model.IsMap() || !model["leader"] || !model["leader"].IsMap()) return model;
+  const YAML::Node drive = model["leader"]["file"];
+  if (drive && drive.IsScalar() && std::filesystem::path(drive.Scalar()).is_relative())
+    model["leader"]["file"] = (std::filesystem::absolute(file).parent_path() / drive.Scalar()).string();
+  return model;
+}
+
+}  // namespace
+
 YAML::Node configuration_document(const std::map<std::string, std::string>& given) {
   require_known(given);
   YAML::Node document;
   document["version"] = kVersion;
-  document["model"] = load_yaml(given.count("model") > 0 ? given.at("model") : "");
+  document["model"] = load_model(given.count("model") > 0 ? given.at("model") : "");
   for (const Setting& setting : settings()) {
     const auto value = given.find(setting.name);
     put(setting, value == given.end() ? setting.default_value : value->second, document);
@@ -190,7 +207,7 @@ YAML::Node configuration_document(const std::map<std::string, std::string>& give
 YAML::Node configuration_document(const Configuration& base, const std::map<std::string, std::string>& given) {
   require_known(given);
   YAML::Node document = YAML::Load(to_json(base).dump());
-  if (given.count("model") > 0 && !given.at("model").empty()) document["model"] = load_yaml(given.at("model"));
+  if (given.count("model") > 0 && !given.at("model").empty()) document["model"] = load_model(given.at("model"));
   for (const Setting& setting : settings()) {
     const auto value = given.find(setting.name);
     if (value != given.end()) put(setting, value->second, document);

@@ -1,7 +1,10 @@
 #include "stochastic_platoon/run/configuration/leader_section.hpp"
 
 #include <cstdint>
+#include <map>
 #include <stdexcept>
+
+#include "stochastic_platoon/run/configuration/recorded_drive.hpp"
 
 namespace platoon {
 
@@ -24,11 +27,45 @@ LeaderProfile read_profile(Section& section, double sample_period, std::vector<s
   }
 }
 
+// The units of a column, in m/s or m.
+const std::map<std::string, double> kSpeedUnits{{"m/s", 1.0}, {"km/h", 1.0 / 3.6}, {"mph", 0.44704}},
+    kLengthUnits{{"m", 1.0}, {"km", 1000.0}, {"ft", 0.3048}};
+
+std::vector<double> read_drive(Section& section, double sample_period, std::vector<std::string>& problems) {
+  const std::size_t before = problems.size();
+  RecordedDrive drive;
+  drive.file = section.text("file");
+  if (section.has("time")) drive.time = section.text("time");
+  drive.is_speed = !section.has("position");
+  if (!drive.is_speed) drive.value = section.text("position");
+  if (!drive.is_speed && section.has("speed")) section.reject("speed", "given", "absent beside position");
+  if (drive.is_speed && section.has("speed")) drive.value = section.text("speed");
+  const std::map<std::string, double>& units = drive.is_speed ? kSpeedUnits : kLengthUnits;
+  if (section.has("unit")) {
+    std::vector<std::string> names;
+    for (const auto& unit : units) names.push_back(unit.first);
+    const auto found = units.find(section.choice("unit", names));
+    if (found != units.end()) drive.unit = found->second;
+  }
+  if (section.has("skip_rows")) drive.skip_rows = section.integer("skip_rows", 0, 1000000);
+  if (section.has("from_second")) drive.from_second = section.number("from_second", kNotNegative);
+  if (problems.size() > before) return {};
+  try {
+    return positions_of(drive, sample_period);
+  } catch (const std::invalid_argument& error) {
+    problems.push_back(section.name("file") + ": " + error.what());
+    return {};
+  }
+}
+
 }  // namespace
 
 LeaderContent read_leader(Section section, double sample_period, std::vector<std::string>& problems) {
   LeaderContent leader;
-  if (section.has("positions")) {
+  if (section.has("file")) {
+    leader.recorded = read_drive(section, sample_period, problems);
+    if (section.has("positions")) section.reject("positions", "given", "absent beside file");
+  } else if (section.has("positions")) {
     const Eigen::VectorXd positions = section.numbers("positions");
     leader.recorded.assign(positions.data(), positions.data() + positions.size());
     if (section.has("speed")) section.reject("speed", "given", "absent beside positions");

@@ -14,7 +14,8 @@ struct LeaderContent {
   std::vector<double> recorded;  ///< y_0(-1), y_0(0), ... [m]
 };
 
-/// Reads the key `leader` and reports all problems.
+/// Reads the key `leader`: {speed: [...]}, {positions: [...]}, or {file: ...} with the keys of RecordedDrive. Reports
+/// all problems.
 LeaderContent read_leader(Section section, double sample_period, std::vector<std::string>& problems);
 
 }  // namespace platoon

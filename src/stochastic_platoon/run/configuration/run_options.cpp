@@ -30,7 +30,6 @@ constexpr double kShortestStall = 1e-3;
 constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
 
 // The paper's example has a sample period of 0.1 s and 100 steps.
-constexpr double kChosenSeconds = 10.0;
 constexpr std::int64_t kFewestChosenSteps = 100;
 
 // Whether a value is to be chosen once the model is known.
@@ -93,12 +92,12 @@ const char* to_string(Hosting hosting) {
   return "unknown";
 }
 
-std::int64_t chosen_steps(const RunOptions& options, double sample_period) {
+std::int64_t chosen_steps(const RunOptions& options, double sample_period, double seconds) {
   const auto followers = static_cast<double>(options.followers),
              realizations = static_cast<double>(options.realizations);
   const double most = std::min({1e4, static_cast<double>(kMaxCells) / followers,
                                 static_cast<double>(kMaxPositions / 2) / realizations / (followers + 1.0)});
-  const double steps = std::min(std::round(kChosenSeconds / sample_period), most);
+  const double steps = std::min(std::round(seconds / sample_period), most);
   return std::max(kFewestChosenSteps, static_cast<std::int64_t>(steps));
 }
 

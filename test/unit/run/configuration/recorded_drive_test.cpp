@@ -1,0 +1,75 @@
+#include "stochastic_platoon/run/configuration/recorded_drive.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+#include "unit/temporary_folder.hpp"
+
+namespace platoon {
+namespace {
+
+class Drive : public testing::Test {
+protected:
+  RecordedDrive with(const std::string& text) {
+    RecordedDrive drive;
+    drive.file = folder_ / "drive.csv";
+    folder_.file("drive.csv", text);
+    return drive;
+  }
+
+  std::string refusal(const RecordedDrive& drive) {
+    try {
+      positions_of(drive, 0.5);
+    } catch (const std::invalid_argument& error) {
+      const std::string text = error.what();
+      return text.substr(text.find("drive.csv: ") + 11);
+    }
+    return "";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Drive, SpeedsAreInterpolatedAndIntegrated) {
+  // Speeds at 0, 0.5, 1, 1.5 s: 0, 1, 2, 3 m/s.
+  EXPECT_EQ(positions_of(with("time,speed\n0,0\n1,2\n1.5,3\n"), 0.5), (std::vector<double>{0.0, 0.0, 0.25, 1.0, 2.25}));
+}
+
+TEST_F(Drive, ColumnsUnitsRowsAndStartAreChosen) {
+  RecordedDrive drive =
+      with("logged by car 1\nnothing\nTime [s]; Lap; v1\n\n100.0; 7; 36\n100.5; 7; 72\n101.0; 7; 36\r\n");
+  drive.time = "Time [s]";
+  drive.value = "v1";
+  drive.unit = 1.0 / 3.6;
+  drive.skip_rows = 2;
+  drive.from_second = 0.5;
+  EXPECT_EQ(positions_of(drive, 0.5), (std::vector<double>{0.0, 0.0, 0.25 * (20.0 + 10.0)}));
+}
+
+TEST_F(Drive, PositionsBeginAtTheFirst) {
+  RecordedDrive drive = with("time\tx\n0\t10\n1\t12\n");
+  drive.value = "x";
+  drive.is_speed = false;
+  EXPECT_EQ(positions_of(drive, 0.5), (std::vector<double>{0.0, 0.0, 1.0, 2.0}));
+}
+
+TEST_F(Drive, EveryFaultNamesItsRow) {
+  EXPECT_EQ(refusal(with("")), "holds no row of column names");
+  EXPECT_EQ(refusal(with("time,speed\n")), "holds no rows below the column names");
+  EXPECT_EQ(refusal(with("time,velocity\n0,1\n1,1\n")), "no column speed: must be one of time, velocity");
+  EXPECT_EQ(refusal(with("time,speed\n0,1\n0.5,nan\n")), "row 3: speed: nan: must be a finite number");
+  EXPECT_EQ(refusal(with("time,speed\n0,1\n0.5\n")), "row 3: speed: (empty): must be a finite number");
+  EXPECT_EQ(refusal(with("time,speed\n0,1\n0.5,1x\n")), "row 3: speed: 1x: must be a finite number");
+  EXPECT_EQ(refusal(with("time,speed\n0,1\n0.5,1\n0.5,1\n")), "row 4: time does not ascend");
+  EXPECT_EQ(refusal(with("time,speed\n0,1\n1.5,1\n")), "row 3: 1.5 s after the row before: must be at most 1 s");
+  EXPECT_EQ(refusal(with("time,speed\n0,1\n0.4,1\n")),
+            "ends 0.4 s after its first row: must go on beyond from_second = 0 s by a sample period of 0.5 s");
+  RecordedDrive missing;
+  missing.file = folder_ / "no drive.csv";
+  EXPECT_THROW(positions_of(missing, 0.5), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace platoon
