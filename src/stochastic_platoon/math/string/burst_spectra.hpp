@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "stochastic_platoon/math/string/burst_pattern.hpp"
+
+namespace platoon {
+
+/// Gains of one pattern's vehicles at equally spaced frequencies w_j = 2 pi (j + 1/2) / n, to compute means of spectra
+/// over the circle. They converge geometrically with n. Spectra have n / 2 rows, for the frequencies below pi.
+class BurstSpectra {
+public:
+  /// nodes: n, a power of two, at least 8. The pattern must be mean square stable and outlive the object.
+  BurstSpectra(const BurstPattern& pattern, std::size_t nodes);
+
+  const BurstPattern& pattern() const { return *pattern_; }
+  Eigen::Index size() const { return static_cast<Eigen::Index>(nodes_ / 2); }
+
+  /// Fields of one vehicle type.
+  struct Type {
+    Eigen::ArrayXd gain;        ///< |T^|^2
+    Eigen::ArrayXd margin;      ///< 1 - |T^|^2
+    Eigen::ArrayXd own;         ///< |T|^2 of the vehicle alone
+    Eigen::ArrayXd passed;      ///< |T_L|^2 of its link
+    Eigen::ArrayXd complement;  ///< |1 - H T^|^2
+    Eigen::ArrayXd headway;     ///< |H|^2
+    Eigen::ArrayXd noise;       ///< |W|^2 P_d + D^2 / 12
+    Eigen::ArrayXd surprise;    ///< |u|^2; 0 without losses
+    Eigen::ArrayXd moving;      ///< what the losses scatter of a motion of 1 m per step
+    Eigen::ArrayXcd deviation;  ///< D
+    Eigen::ArrayXXd outward;    ///< Re l, one row per node
+    Eigen::ArrayXXd scattered;  ///< Re V
+  };
+  const Type& of(std::size_t follower) const { return types_[pattern_->type(follower)]; }
+  const Type& type(std::size_t index) const { return types_[index]; }
+
+  /// Mean over the circle of values at the nodes.
+  double mean(const Eigen::ArrayXd& values) const { return 2.0 * values.sum() / static_cast<double>(nodes_); }
+
+  /// < g(w, nu) driven(nu) >_nu of the link of `follower`: what its losses scatter of a drive |u|^2 Phi. 0 without
+  /// losses.
+  Eigen::ArrayXd scattered(std::size_t follower, const Eigen::ArrayXd& driven) const;
+
+  /// What a follower adds to the spectrum of its position by the noise of its link, and by losses at this speed [m per
+  /// step]; without what losses scatter of its predecessor's spectrum.
+  Eigen::ArrayXd added(std::size_t follower, double speed) const;
+
+  /// 1 - prod |T^|^2 over the pattern, as accurate as each vehicle's own margin.
+  Eigen::ArrayXd pattern_margin() const;
+
+  /// The spectrum in front of vehicle 0 of an endless string in which vehicle l adds added[l].
+  Eigen::ArrayXd in_front(const std::vector<Eigen::ArrayXd>& added, const Eigen::ArrayXd& margin) const;
+
+private:
+  Type values_of(const BurstVehicle& vehicle) const;
+  Eigen::ArrayXd remembered(const Type& type, double memory, const Eigen::ArrayXd& driven) const;
+
+  const BurstPattern* pattern_;
+  std::size_t nodes_;
+  std::vector<Type> types_;
+};
+
+}  // namespace platoon
