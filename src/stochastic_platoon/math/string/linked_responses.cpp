@@ -12,30 +12,42 @@ CausalConvolution::Values squares(const MeanVehicle::Sequence& values) {
   return result;
 }
 
+Motion leader_motion(const PlatoonModel& model, std::size_t steps) {
+  Motion received;
+  MeanVehicle::Sequence& positions = received.position;
+  if (!model.recorded_leader.empty()) {
+    if (model.recorded_leader.size() < steps + 1) {
+      throw std::invalid_argument("recorded leader: " + std::to_string(model.recorded_leader.size()) +
+                                  " positions: must be at least steps + 1 = " + std::to_string(steps + 1));
+    }
+    positions.assign(model.recorded_leader.begin(),
+                     model.recorded_leader.begin() + static_cast<std::ptrdiff_t>(steps + 1));
+    return received;
+  }
+  for (std::size_t a = 0; a <= steps; ++a) positions.push_back(model.leader.position(static_cast<std::int64_t>(a) - 1));
+  return VehicleResponse(model.default_vehicle())(received);
+}
+
+MeanVehicle::Sequence filtered_impulse(const TransferFunction& filter, std::size_t steps) {
+  const Polynomial &b = filter.numerator(), &a = filter.denominator();
+  const Eigen::Index lead = a.size() - b.size();
+  MeanVehicle::Sequence w(steps + 1, 0.0L);
+  for (std::size_t k = 0; k < steps; ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    long double value = at >= lead && at - lead < b.size() ? b(at - lead) : 0.0;
+    for (Eigen::Index j = 1; j < a.size() && j <= at; ++j) value -= a(j) * w[k + 1 - static_cast<std::size_t>(j)];
+    w[k + 1] = value;
+  }
+  return w;
+}
+
 LinkedResponses::LinkedResponses(const PlatoonModel& model, std::size_t followers, std::size_t steps)
     : model_(model), followers_(followers), steps_(steps), vehicles_(pattern(model)) {
   for (const VehicleModel& vehicle : vehicles_) mean_vehicles_.emplace_back(vehicle);
 }
 
-Motion LinkedResponses::leader() const {
-  Motion received;
-  Sequence& positions = received.position;
-  if (!model_.recorded_leader.empty()) {
-    if (model_.recorded_leader.size() < steps_ + 1) {
-      throw std::invalid_argument("recorded leader: " + std::to_string(model_.recorded_leader.size()) +
-                                  " positions: must be at least steps + 1 = " + std::to_string(steps_ + 1));
-    }
-    positions.assign(model_.recorded_leader.begin(),
-                     model_.recorded_leader.begin() + static_cast<std::ptrdiff_t>(steps_ + 1));
-    return received;
-  }
-  for (std::size_t a = 0; a <= steps_; ++a)
-    positions.push_back(model_.leader.position(static_cast<std::int64_t>(a) - 1));
-  return VehicleResponse(model_.default_vehicle())(received);
-}
-
 void LinkedResponses::visit_means(const Visitor& visit) const {
-  Motion predecessor = leader();
+  Motion predecessor = leader_motion(model_, steps_);
   for (std::size_t i = 0; i < followers_; ++i) {
     MeanVehicle::Passed passed = vehicle(i)(predecessor);
     const long double placed = model(i).initial_position.mean;
@@ -86,19 +98,6 @@ LinkedResponses::Sequence LinkedResponses::impulse() const {
   Sequence sequence(steps_ + 1, 0.0L);
   sequence[1] = 1.0L;
   return sequence;
-}
-
-LinkedResponses::Sequence LinkedResponses::filtered_impulse(const TransferFunction& filter) const {
-  const Polynomial &b = filter.numerator(), &a = filter.denominator();
-  const Eigen::Index lead = a.size() - b.size();
-  Sequence w(steps_ + 1, 0.0L);
-  for (std::size_t k = 0; k < steps_; ++k) {
-    const auto at = static_cast<Eigen::Index>(k);
-    long double value = at >= lead && at - lead < b.size() ? b(at - lead) : 0.0;
-    for (Eigen::Index j = 1; j < a.size() && j <= at; ++j) value -= a(j) * w[k + 1 - static_cast<std::size_t>(j)];
-    w[k + 1] = value;
-  }
-  return w;
 }
 
 }  // namespace platoon

@@ -21,6 +21,12 @@ struct Responses {
   std::array<std::vector<Values>, 2> innovation;
 };
 
+/// The leader's motion from step -1 to step steps - 1. Throws std::invalid_argument if the recorded leader ends before.
+Motion leader_motion(const PlatoonModel& model, std::size_t steps);
+
+/// The response of a noise filter to a unit impulse at step 0, from step -1 to step steps - 1.
+MeanVehicle::Sequence filtered_impulse(const TransferFunction& filter, std::size_t steps);
+
 /// The vehicles of a linked platoon as operators, and the responses to its sources over a number of steps.
 class LinkedResponses {
 public:
@@ -55,11 +61,9 @@ public:
 
   /// A unit impulse at step 0, and the response of a noise filter to it.
   Sequence impulse() const;
-  Sequence filtered_impulse(const TransferFunction& filter) const;
+  Sequence filtered_impulse(const TransferFunction& filter) const { return platoon::filtered_impulse(filter, steps_); }
 
 private:
-  Motion leader() const;
-
   PlatoonModel model_;
   std::size_t followers_, steps_;
   std::vector<VehicleModel> vehicles_;
