@@ -32,6 +32,7 @@ struct Range {
 };
 const Range kAboveZero{std::numeric_limits<double>::min(), 1e300, "0 < FROM"};
 const Range kProbability{0.0, 1.0, "0 <= FROM"};
+const Range kBurst{1.0, 1e300, "1 <= FROM"};
 
 // FROM:TO:COUNT as COUNT equally spaced values. Throws ConfigurationError naming the option.
 std::vector<double> values_of(const std::string& option, const std::string& text, const Range& range) {
@@ -95,10 +96,10 @@ std::vector<platoon::SweepPoint> run_sweep(const platoon::PlatoonModel& model,
   const auto axis = [&own](const char* name, const std::string& option, const Range& range) {
     return own.count(name) > 0 ? values_of(option, own.at(name), range) : std::vector<double>();
   };
-  const platoon::SweepAxes axes{axis("sweep_headway", "--sweep-headway", kAboveZero),
-                                axis("sweep_gain", "--sweep-gain", kAboveZero),
-                                axis("sweep_loss", "--sweep-loss", kProbability)};
-  if (axes.headways.empty() && axes.losses.empty()) return {};
+  const platoon::SweepAxes axes{
+      axis("sweep_headway", "--sweep-headway", kAboveZero), axis("sweep_gain", "--sweep-gain", kAboveZero),
+      axis("sweep_loss", "--sweep-loss", kProbability), axis("sweep_burst", "--sweep-burst", kBurst)};
+  if (axes.headways.empty() && axes.losses.empty() && axes.bursts.empty()) return {};
   return platoon::sweep(model, axes);
 }
 
@@ -129,12 +130,13 @@ std::string column(double value) {
 }
 
 void print(const std::vector<platoon::SweepPoint>& points) {
-  const bool lossy = points.front().loss.has_value();
-  std::cout << "\n   headway        gain" << (lossy ? "        loss" : "") << "      rho(A)    peak |T|"
-            << (lossy ? "   loss gain" : "") << "   string stable\n";
+  const bool lossy = points.front().loss.has_value(), in_bursts = points.front().burst.has_value();
+  std::cout << "\n   headway        gain" << (lossy ? "        loss" : "") << (in_bursts ? "  mean burst" : "")
+            << "      rho(A)    peak |T|" << (lossy ? "   loss gain" : "") << "   string stable\n";
   for (const platoon::SweepPoint& point : points) {
     std::cout << platoon::formatted("%10.6g", point.headway) << column(point.gain);
     if (lossy) std::cout << column(*point.loss);
+    if (in_bursts) std::cout << column(*point.burst);
     std::cout << column(point.stability.spectral_radius) << column(point.stability.peak_gain);
     if (lossy) std::cout << column(point.stability.loss_gain.value_or(std::nan("")));
     const std::optional<bool> stable = point.stability.decision();
@@ -150,14 +152,16 @@ int main(int argc, char** argv) {
       {"sweep_headway", "FROM:TO:COUNT: stability over headways"},
       {"sweep_gain", "FROM:TO:COUNT: with --sweep-headway, over controller gains too"},
       {"sweep_loss", "FROM:TO:COUNT: stability over loss probabilities, and headways where both are given"},
+      {"sweep_burst", "FROM:TO:COUNT: stability over mean bursts, and over the others given"},
       {"csv", "file for the sweep, for plot map"},
       {"signals", "gap, speed, acceleration, jerk, separated by commas: their moments beside those of the errors"},
       {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"},
   };
-  std::map<std::string, std::string> settings = platoon::parse_command_line(
-      argc, argv, "What the theory says of a platoon",
-      {"model", "followers", "headway", "headway_seconds", "noise_variance", "loss", "delay", "leader", "steps"},
-      extra);
+  std::map<std::string, std::string> settings =
+      platoon::parse_command_line(argc, argv, "What the theory says of a platoon",
+                                  {"model", "followers", "headway", "headway_seconds", "noise_variance", "loss",
+                                   "mean_burst", "delay", "leader", "steps"},
+                                  extra);
   std::map<std::string, std::string> own;
   for (const auto& entry : extra) {
     if (settings.count(entry.first) > 0) own[entry.first] = settings[entry.first];
@@ -165,10 +169,11 @@ int main(int argc, char** argv) {
   }
   try {
     for (const char* option : {"sweep_gain", "csv"}) {
-      const bool by_loss = option == std::string("csv") && own.count("sweep_loss") > 0;
+      const bool by_loss =
+          option == std::string("csv") && (own.count("sweep_loss") > 0 || own.count("sweep_burst") > 0);
       if (own.count(option) == 0 || own.count("sweep_headway") > 0 || by_loss) continue;
       throw platoon::ConfigurationError({std::string(option) + ": given: must go with --sweep-headway" +
-                                         (option == std::string("csv") ? " or --sweep-loss" : "")});
+                                         (option == std::string("csv") ? ", --sweep-loss or --sweep-burst" : "")});
     }
     const platoon::SignalRequest signals = signal_request(own);
     settings.emplace("model", platoon::paper_model_file());

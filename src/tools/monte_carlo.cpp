@@ -153,8 +153,8 @@ int main(int argc, char** argv) {
   help["output"] = "folder for the results";
   std::map<std::string, std::string> settings =
       platoon::parse_command_line(argc, argv, "Monte Carlo of the platoon in one process",
-                                  {"model", "headway", "headway_seconds", "noise_variance", "loss", "delay", "leader",
-                                   "followers", "realizations", "seed", "signals"},
+                                  {"model", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst",
+                                   "delay", "leader", "followers", "realizations", "seed", "signals"},
                                   help, nullptr, {"trajectories"});
   std::map<std::string, std::string> own;
   for (const auto& entry : own_help) {

@@ -76,99 +76,102 @@ class Part:
         self.equilibrium = equilibrium / (self.c @ equilibrium)
 
 
+class System:
+    """The whole string: every step is X' = M [X, y_0, noises] + sum_i (theta_i - p_i) G_i e_i, where X(k) holds everything before
+    step k, theta_i is 1 for an arrival, and e_i = s_i - c r is linear in X, y_0 and the noises of link i.
+
+    Row vectors are over [X, y_0, g_1, nu_1, g_2, nu_2, ...], with noises of unit variance."""
+
+    def __init__(self, model, followers):
+        self.parts, size = [], 0
+        for vehicle in vehicles_of(model, followers):
+            self.parts.append(Part(vehicle, size))
+            size = self.parts[-1].end
+        self.model, self.size, self.width = model, size, size + 1 + 2 * followers
+        place = lambda index: np.eye(self.width)[index]
+        m, self.gains, self.innovations = np.zeros((size, self.width)), [], []
+        y, y_before, above = [], [], place(size)
+        for i, part in enumerate(self.parts):
+            g, nu = place(size + 1 + 2 * i), place(size + 2 + 2 * i)
+            own = np.zeros(self.width)
+            own[part.x] = part.c
+            y.append(own)
+            y_before.append(place(part.before[0]))
+            noise = part.wd * g
+            noise[part.f] += part.wc
+            sent = above + np.sqrt(part.dither) * nu + np.sqrt(part.noise) * noise
+            if len(part.f):
+                m[part.f[:, None], part.f] += part.wa
+                m[part.f] += np.outer(part.wb, g)
+            arriving = sent
+            if part.delay:
+                arriving = place(part.past[-1])
+                m[part.past[0]] = sent
+                for j in range(1, part.delay):
+                    m[part.past[j], part.past[j - 1]] = 1.0
+            predicted = np.zeros(self.width)
+            predicted[part.used] = part.predictor
+            innovation = arriving - predicted
+            received = predicted + (1.0 - part.q) * innovation
+            gain = np.zeros(size)
+            for j in range(1, len(part.predictor)):
+                m[part.used[j], part.used[j - 1]] = 1.0
+            m[part.used[0]] = received
+            gain[part.used[0]] = 1.0
+            m[part.x[:, None], part.x] += part.a
+            m[part.x] += np.outer(part.b, received)
+            gain[part.x] += part.b
+            m[part.before[0]] = own
+            self.gains.append(gain)
+            self.innovations.append(innovation)
+            above = own
+        self.m = m
+        self.error = [(y[i - 1] if i else place(size)) - y[i] - part.h * (y[i] - y_before[i]) for i, part in enumerate(self.parts)]
+
+    def start(self):
+        """Mean and covariance after step -1: all vehicles are at rest; links pass the position unchanged."""
+        mean, covariance = np.zeros(self.size), np.zeros((self.size, self.size))
+        for i, part in enumerate(self.parts):
+            column = np.zeros(self.size)  # response of the state after step -1 to this vehicle's own initial position
+            column[part.x] = part.a @ part.equilibrium
+            column[part.before] = 1.0
+            if i + 1 < len(self.parts):
+                behind = self.parts[i + 1]
+                column[behind.x] += behind.b
+                column[behind.past] = 1.0
+                column[behind.used] = 1.0
+            mean += part.initial["mean"] * column
+            covariance += part.initial["variance"] * np.outer(column, column)
+        return mean, covariance
+
+    def leader(self, steps):
+        """y_0(0), y_0(1), ..., y_0(steps - 1)."""
+        a, b, c, _ = state_space(*polynomials_of(vehicles_of(dict(self.model, string=["default"]), 1)[0]))
+        state, position, positions = b * 0.0, 0.0, []
+        for k in range(steps):
+            positions.append(c @ state)
+            state = a @ state + b * position
+            speed = [change["value"] for change in self.model["leader"]["speed"] if change["from_step"] <= k]
+            position += self.model["sample_period"] * (speed[-1] if speed else 0.0)
+        return positions
+
+
 def moments(model, followers, steps):
-    """Mean and variance of zeta_i(k), shape (followers, steps) each, and the loop's covariance at the end of each step.
-
-    X(k) holds everything before step k. With theta_i = p + (theta_i - p) every step is X' = M X + b y_0(k) + noises
-    + sum_i (theta_i - p) G_i e_i, e_i = s_i - c r linear in X, y_0 and the noises of link i."""
-    vehicles = vehicles_of(model, followers)
-    parts, size = [], 0
-    for vehicle in vehicles:
-        parts.append(Part(vehicle, size))
-        size = parts[-1].end
-    leader = state_space(*polynomials_of(vehicles_of(dict(model, string=["default"]), 1)[0]))
-
-    def r0(k):
-        position, k0 = 0.0, 0
-        changes = model["leader"]["speed"]
-        for n in range(k0, k):
-            speed = [change["value"] for change in changes if change["from_step"] <= n]
-            position += model["sample_period"] * (speed[-1] if speed else 0.0)
-        return position
-
-    # Row vectors over [X, y_0, g_1, nu_1, g_2, nu_2, ...]: noises of unit variance.
-    width = size + 1 + 2 * followers
-    place = lambda index: np.eye(width)[index]
-    m, gains, innovations = np.zeros((size, width)), [], []
-    y, y_before, above = [], [], place(size)
-    for i, part in enumerate(parts):
-        g, nu = place(size + 1 + 2 * i), place(size + 2 + 2 * i)
-        own = np.zeros(width)
-        own[part.x] = part.c
-        y.append(own)
-        y_before.append(place(part.before[0]))
-        noise = part.wd * g
-        noise[part.f] += part.wc
-        sent = above + np.sqrt(part.dither) * nu + np.sqrt(part.noise) * noise
-        if len(part.f):
-            m[part.f[:, None], part.f] += part.wa
-            m[part.f] += np.outer(part.wb, g)
-        arriving = sent
-        if part.delay:
-            arriving = place(part.past[-1])
-            m[part.past[0]] = sent
-            for j in range(1, part.delay):
-                m[part.past[j], part.past[j - 1]] = 1.0
-        predicted = np.zeros(width)
-        predicted[part.used] = part.predictor
-        innovation = arriving - predicted
-        received = predicted + (1.0 - part.q) * innovation
-        gain = np.zeros(size)
-        for j in range(1, len(part.predictor)):
-            m[part.used[j], part.used[j - 1]] = 1.0
-        m[part.used[0]] = received
-        gain[part.used[0]] = 1.0
-        m[part.x[:, None], part.x] += part.a
-        m[part.x] += np.outer(part.b, received)
-        gain[part.x] += part.b
-        m[part.before[0]] = own
-        gains.append(gain)
-        innovations.append(innovation)
-        above = own
-    error = [(y[i - 1] if i else place(size)) - y[i] - parts[i].h * (y[i] - y_before[i]) for i in range(followers)]
-
-    # Step -1: all vehicles are at rest; links pass the position unchanged.
-    y0_state = np.zeros(len(leader[1]))
-    mean, covariance = np.zeros(size), np.zeros((size, size))
-    position_mean, source = 0.0, None
-    for i, part in enumerate(parts):
-        own_mean, own_variance = part.initial["mean"], part.initial["variance"]
-        column = np.zeros(size)  # response of the state after step -1 to this vehicle's own initial position
-        column[part.x] = part.a @ part.equilibrium
-        column[part.before] = 1.0
-        if i + 1 < followers:
-            behind = parts[i + 1]
-            column[behind.x] += behind.b
-            column[behind.past] = 1.0
-            column[behind.used] = 1.0
-        mean += own_mean * column
-        covariance += own_variance * np.outer(column, column)
-    y0_state = leader[0] @ y0_state + leader[1] * r0(-1)
-
+    """Mean and variance of zeta_i(k), shape (followers, steps) each, over links with independent losses."""
+    system = System(model, followers)
+    mean, covariance = system.start()
     means, variances = np.zeros((followers, steps)), np.zeros((followers, steps))
-    for k in range(steps):
-        y0 = leader[2] @ y0_state
-        y0_state = leader[0] @ y0_state + leader[1] * r0(k)
+    for k, y0 in enumerate(system.leader(steps)):
         whole_mean = np.concatenate([mean, [y0], np.zeros(2 * followers)])
-        whole = np.zeros((width, width))
-        whole[:size, :size] = covariance
-        whole[size + 1:, size + 1:] = np.eye(2 * followers)
-        for i in range(followers):
-            means[i, k] = error[i] @ whole_mean
-            variances[i, k] = error[i] @ whole @ error[i]
-        mean = m @ whole_mean
-        covariance = m @ whole @ m.T
-        for part, gain, innovation in zip(parts, gains, innovations):
+        whole = np.zeros((system.width, system.width))
+        whole[:system.size, :system.size] = covariance
+        whole[system.size + 1:, system.size + 1:] = np.eye(2 * followers)
+        for i, error in enumerate(system.error):
+            means[i, k] = error @ whole_mean
+            variances[i, k] = error @ whole @ error
+        mean = system.m @ whole_mean
+        covariance = system.m @ whole @ system.m.T
+        for part, gain, innovation in zip(system.parts, system.gains, system.innovations):
             if part.q > 0.0:
                 second = innovation @ whole @ innovation + (innovation @ whole_mean) ** 2
                 covariance += part.q * (1.0 - part.q) * second * np.outer(gain, gain)

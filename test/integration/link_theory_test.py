@@ -213,11 +213,7 @@ class Analyze(unittest.TestCase):
             self.assertLess(vehicle["gain"].max(), 1.0)
             self.assertLess(vehicle["kappa"] * np.mean(vehicle["innovation"] * vehicle["loss_gain"] / (1.0 - vehicle["gain"])), 1.0)
 
-    def test_has_no_theory_for_bursts_and_says_so(self):
-        theory = self.analyze(model_of(3, {"loss": {"probability": 0.1, "mean_burst": 3.0, "on_loss": "hold"}}))
-        self.assertEqual(theory["theory"], "none")
-        self.assertNotIn("variance", theory)
-        # A mean burst that independent losses have as well is admitted.
+    def test_a_mean_burst_that_independent_losses_have_changes_nothing(self):
         independent = self.analyze(model_of(3, {"loss": {"probability": 0.5, "mean_burst": 2.0, "on_loss": "hold"}}))
         self.assertEqual(independent["variance"],
                          self.analyze(model_of(3, {"loss": {"probability": 0.5, "on_loss": "hold"}}))["variance"])

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -17,6 +18,9 @@ struct LossModel {
 
   /// The b of independent losses: 1 / (1 - q).
   double independent_burst() const { return 1.0 / (1.0 - probability); }
+
+  /// The smallest mean burst of any chain with this probability: max(1, q / (1 - q)).
+  double least_burst() const { return std::max(1.0, probability / (1.0 - probability)); }
 
   /// Whether the losses are independent: no mean burst, or the mean burst of independent losses.
   bool is_independent() const;

@@ -72,6 +72,15 @@ PlatoonModel with_loss(PlatoonModel model, double probability) {
   return model;
 }
 
+PlatoonModel with_mean_burst(PlatoonModel model, double mean_burst) {
+  if (!varied_link(model.default_vehicle()).loss)
+    throw std::invalid_argument("channel/loss: absent: must be given to vary its mean burst");
+  for (VehicleType& type : model.types) {
+    if (type.inherited.mean_burst) varied_link(type.vehicle).loss->mean_burst = mean_burst;
+  }
+  return model;
+}
+
 LinkModel& varied_link(VehicleModel& vehicle) {
   return vehicle.feed_forward ? vehicle.feed_forward->link : vehicle.link;
 }

@@ -51,6 +51,7 @@ struct Inherited {
   bool plant = false;
   bool controller = false;
   bool loss_probability = false;  ///< of its varied_link()
+  bool mean_burst = false;        ///< of the same
 };
 
 /// A vehicle type and its name in the model file.
@@ -68,7 +69,7 @@ struct VehicleType {
 struct PlatoonModel {
   /// One type, named default.
   PlatoonModel(VehicleModel vehicle, LeaderProfile profile, double period = 0.1)
-      : types{{"default", std::move(vehicle), {true, true, true, true}}},
+      : types{{"default", std::move(vehicle), {true, true, true, true, true}}},
         sample_period(period),
         leader(std::move(profile)) {}
 
@@ -97,11 +98,12 @@ std::vector<std::string> types_with_default(const PlatoonModel& model, bool Inhe
 
 /// The platoon with another headway, controller gain (leading coefficient of the numerator) or loss probability of the
 /// default vehicle and of all types that inherit it in the model file. Losses become independent, as a mean burst
-/// belongs to one probability. These functions throw std::invalid_argument if a closed loop was given, which fits one
-/// headway only, or if there is no loss.
+/// belongs to one probability; with_mean_burst() sets it again. These functions throw std::invalid_argument if a closed
+/// loop was given, which fits one headway only, or if there is no loss.
 PlatoonModel with_headway(PlatoonModel model, double headway);
 PlatoonModel with_gain(PlatoonModel model, double gain);
 PlatoonModel with_loss(PlatoonModel model, double probability);
+PlatoonModel with_mean_burst(PlatoonModel model, double mean_burst);
 
 /// The link of a vehicle whose losses with_loss() varies: that of its radio, or without one that of its positions.
 LinkModel& varied_link(VehicleModel& vehicle);

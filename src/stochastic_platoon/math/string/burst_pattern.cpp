@@ -89,7 +89,7 @@ BurstPattern burst_pattern(const PlatoonModel& model, const BurstPattern& known)
 }
 
 bool has_bursts(const PlatoonModel& model) {
-  return any_link(model, [](const LinkModel& link) { return link.loses() && !link.loss->is_independent(); });
+  return any_link(model, [](const LinkModel& link) { return link.loss && !link.loss->is_independent(); });
 }
 
 std::optional<const char*> no_burst_theory(const PlatoonModel& model) {

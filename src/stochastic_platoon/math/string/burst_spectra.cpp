@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <unsupported/Eigen/FFT>
 
 namespace platoon {
 
@@ -66,15 +65,14 @@ Eigen::ArrayXd BurstSpectra::remembered(const Type& type, double memory, const E
   Eigen::VectorXcd values(n), lags(n);
   values.head(half) = (type.deviation.conjugate() * driven).matrix();
   values.tail(half) = values.head(half).reverse().conjugate();
-  Eigen::FFT<double> fft;
-  fft.inv(lags, values);
+  fft_.inv(lags, values);
   double power = std::pow(memory, static_cast<double>(n));
   const double all = 1.0 - power;
   for (Eigen::Index t = 0; t < n; ++t) {
     lags(t) *= power / all;
     power = t == 0 ? memory : power * memory;
   }
-  fft.fwd(values, lags);
+  fft_.fwd(values, lags);
   return (type.deviation * values.head(half).array()).real();
 }
 

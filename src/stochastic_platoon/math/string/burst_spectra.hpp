@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cstddef>
 #include <optional>
+#include <unsupported/Eigen/FFT>
 #include <vector>
 
 #include "stochastic_platoon/math/string/burst_pattern.hpp"
@@ -61,6 +62,7 @@ private:
   const BurstPattern* pattern_;
   std::size_t nodes_;
   std::vector<Type> types_;
+  mutable Eigen::FFT<double> fft_;  ///< keeps its plan
 };
 
 }  // namespace platoon

@@ -33,6 +33,11 @@ std::size_t first_nodes(const BurstPattern& pattern) {
   return nodes;
 }
 
+/// Whether twice as many nodes gain nothing. Convergence is geometric: a small change that does not shrink is rounding.
+bool has_settled(double change, double before) {
+  return change <= 1e-12 || (change <= 1e-6 && change >= 0.1 * before);
+}
+
 /// values(spectra) with ever more nodes, until they settle.
 template <class Values>
 std::vector<double> settled(const BurstPattern& pattern, const Values& values) {
@@ -42,7 +47,7 @@ std::vector<double> settled(const BurstPattern& pattern, const Values& values) {
     nodes *= 2;
     std::vector<double> fine = values(BurstSpectra(pattern, nodes));
     const double change = largest_change(coarse, fine);
-    if (change <= 1e-12 || is_converged(change, before)) return fine;
+    if (has_settled(change, before)) return fine;
     coarse.swap(fine);
     before = change;
   }
@@ -208,8 +213,13 @@ std::vector<double> burst_stationary_means(const PlatoonModel& model, std::size_
 
 double burst_loss_gain(const BurstPattern& pattern, bool sign_only) {
   if (!pattern.has_losses()) return 0.0;
-  const auto root = [](const BurstSpectra& spectra) {
+  const auto root = [sign_only](const BurstSpectra& spectra) {
+    constexpr double kFar = 2.0;
     const LossOperator losses(spectra);
+    if (sign_only) {
+      const RootBounds bounds = perron_bounds(losses, losses.dimensions());
+      if (bounds.most < 1.0 / kFar || bounds.least > kFar) return std::sqrt(bounds.least * bounds.most);
+    }
     return perron_root(losses, losses.dimensions());
   };
   std::size_t nodes = first_nodes(pattern);
@@ -217,7 +227,7 @@ double burst_loss_gain(const BurstPattern& pattern, bool sign_only) {
   for (double before = kInfinity; nodes < kMostNodes;) {
     nodes *= 2;
     const double fine = root(BurstSpectra(pattern, nodes)), change = std::abs(fine - coarse) / fine;
-    if (change <= 1e-12 || is_converged(change, before)) return fine;
+    if (has_settled(change, before)) return fine;
     if (sign_only && std::abs(fine - coarse) < 0.01 * std::abs(fine - 1.0)) return fine;
     coarse = fine;
     before = change;

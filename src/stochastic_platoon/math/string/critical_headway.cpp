@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "stochastic_platoon/math/string/burst_string.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/loop_spectrum.hpp"
 #include "stochastic_platoon/math/string/pattern_gain.hpp"
@@ -26,6 +27,23 @@ std::vector<double> samples_of(const HeadwayRange& range) {
     if (*place != *range.also) samples.insert(place, *range.also);
   }
   return samples;
+}
+
+/// By the margins of a pattern, which pattern_of(model, known) forms.
+template <class Pattern>
+StableHeadways stable_headways(const PlatoonModel& model, const HeadwayRange& range,
+                               Pattern (*pattern_of)(const PlatoonModel&, const Pattern&),
+                               double (*string_margin)(const Pattern&), double (*gain_margin)(const Pattern&)) {
+  const Pattern pattern = pattern_of(model, {});
+  const auto at = [&](double headway, double (*margin)(const Pattern&)) {
+    try {
+      return margin(pattern_of(with_headway(model, headway), pattern));
+    } catch (const std::invalid_argument&) {
+      return -1.0;
+    }
+  };
+  return platoon::stable_headways([&](double headway) { return at(headway, string_margin); }, range,
+                                  [&](double headway) { return at(headway, gain_margin); });
 }
 
 }  // namespace
@@ -95,17 +113,10 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
   if (is_papers(model) && !model.default_vehicle().loop.parts) {
     found = stable_headways([&model](double headway) { return close_loop(*model.default_vehicle().design, headway); },
                             range);
+  } else if (has_bursts(model)) {
+    found = stable_headways(model, range, burst_pattern, burst_string_margin, burst_gain_margin);
   } else {
-    const LinkedPattern pattern = linked_pattern(model);
-    const auto at = [&](double headway, double (*margin)(const LinkedPattern&)) {
-      try {
-        return margin(linked_pattern(with_headway(model, headway), pattern));
-      } catch (const std::invalid_argument&) {
-        return -1.0;
-      }
-    };
-    found = stable_headways([&](double headway) { return at(headway, linked_string_margin); }, range,
-                            [&](double headway) { return at(headway, linked_gain_margin); });
+    found = stable_headways(model, range, linked_pattern, linked_string_margin, linked_gain_margin);
   }
   found.types = types;
   return found;

@@ -1,5 +1,9 @@
 #include "stochastic_platoon/math/string/critical_loss.hpp"
 
+#include <algorithm>
+#include <utility>
+
+#include "stochastic_platoon/math/string/burst_string.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 
 namespace platoon {
@@ -19,6 +23,41 @@ PlatoonModel with_loss_stage(PlatoonModel model) {
   return model;
 }
 
+// The losses keep their mean bursts.
+PlatoonModel with_loss_in_bursts(PlatoonModel model, double probability) {
+  const PlatoonModel given = model;
+  model = with_loss(std::move(model), probability);
+  for (std::size_t i = 0; i < model.types.size(); ++i) {
+    if (model.types[i].vehicle.link.loss)
+      model.types[i].vehicle.link.loss->mean_burst = given.types[i].vehicle.link.loss->mean_burst;
+  }
+  return model;
+}
+
+// b / (1 + b) of the shortest mean burst, and less where arrivals and losses would strictly alternate.
+double largest_probability(const PlatoonModel& model) {
+  double largest = 0.99;
+  for (const VehicleType& type : model.types) {
+    if (!type.inherited.loss_probability || !type.vehicle.link.loss->mean_burst) continue;
+    const double burst = *type.vehicle.link.loss->mean_burst;
+    largest = std::min(largest, burst > 1.0 ? burst / (1.0 + burst) : 0.499);
+  }
+  return largest;
+}
+
+template <class Pattern>
+std::vector<StableInterval> intervals_of(const PlatoonModel& model, const std::vector<double>& samples,
+                                         PlatoonModel (*with_probability)(PlatoonModel, double),
+                                         Pattern (*pattern_of)(const PlatoonModel&, const Pattern&),
+                                         double (*string_margin)(const Pattern&),
+                                         double (*gain_margin)(const Pattern&)) {
+  const Pattern pattern =
+      pattern_of(with_probability(model, varied_link(model.default_vehicle()).loss->probability), {});
+  const auto at = [&](double probability) { return pattern_of(with_probability(model, probability), pattern); };
+  return stable_intervals([&](double probability) { return string_margin(at(probability)); }, samples,
+                          [&](double probability) { return gain_margin(at(probability)); });
+}
+
 }  // namespace
 
 std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
@@ -26,17 +65,18 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;
   const int stride = varied_link(given.default_vehicle()).loss ? 1 : 5;  // in hundredths
+  const double largest = has_bursts(model) ? largest_probability(model) : 0.99;
   std::vector<double> samples;
-  for (int i = 0; i < 99; i += stride) samples.push_back(0.01 * i);
-  samples.push_back(0.99);
-  const LinkedPattern pattern =
-      linked_pattern(with_loss(model, varied_link(model.default_vehicle()).loss->probability));
-  const auto at = [&](double probability) { return linked_pattern(with_loss(model, probability), pattern); };
-  StableLosses losses{
-      stable_intervals([&](double probability) { return linked_string_margin(at(probability)); }, samples,
-                       [&](double probability) { return linked_gain_margin(at(probability)); }),
-      {},
-      types};
+  for (int i = 0; i < 99 && 0.01 * i < largest; i += stride) samples.push_back(0.01 * i);
+  samples.push_back(largest);
+  StableLosses losses{{}, {}, types, largest};
+  if (has_bursts(model)) {
+    losses.intervals =
+        intervals_of(model, samples, with_loss_in_bursts, burst_pattern, burst_string_margin, burst_gain_margin);
+  } else {
+    losses.intervals =
+        intervals_of(model, samples, with_loss, linked_pattern, linked_string_margin, linked_gain_margin);
+  }
   if (losses.intervals.empty() || losses.intervals.front().from > 0.0) return losses;
   if (losses.intervals.front().to < samples.back()) losses.critical = losses.intervals.front().to;
   return losses;

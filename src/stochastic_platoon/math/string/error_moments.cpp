@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "stochastic_platoon/math/string/burst_moments.hpp"
+#include "stochastic_platoon/math/string/burst_pattern.hpp"
 #include "stochastic_platoon/math/string/linked_moments.hpp"
 #include "stochastic_platoon/math/string/loop_filter.hpp"
 #include "stochastic_platoon/math/string/loop_response.hpp"
@@ -202,6 +204,7 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
 }
 
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+  if (has_bursts(model)) return burst_error_moments(model, followers, steps);
   if (!is_papers(model)) return linked_error_moments(model, followers, steps);
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   unit_equilibrium(model.default_vehicle().loop.realization);

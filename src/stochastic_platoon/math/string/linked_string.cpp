@@ -8,6 +8,7 @@
 #include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/burst_string.hpp"
 #include "stochastic_platoon/math/string/pattern_gain.hpp"
 #include "stochastic_platoon/math/string/pattern_means.hpp"
 #include "stochastic_platoon/math/string/pattern_spectra.hpp"
@@ -132,6 +133,7 @@ std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonMo
 }
 
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers) {
+  if (has_bursts(model)) return burst_stationary_means(model, followers);
   const LinkedPattern pattern = linked_pattern(model);
   if (!mean_square(pattern).stable()) return std::vector<double>(followers, kNaN);
   std::vector<double> means;

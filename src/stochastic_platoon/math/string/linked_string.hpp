@@ -33,6 +33,7 @@ std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonMo
 double metres_per_step(const PlatoonModel& model);
 
 /// Stationary means of the errors at the leader's last speed [m]: v (m + q (c_1 + 2 c_2 + ...) / p). NaN as above.
+/// For losses in bursts this function returns burst_stationary_means().
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers);
 
 /// Stability of the platoon. It is mean square stable exactly if every rho(A) < 1, F is stable and p q ||L F||^2 < 1.

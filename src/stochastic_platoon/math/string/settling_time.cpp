@@ -20,10 +20,16 @@ double predictor_radius(const LossModel& loss) {
   return spectral_radius(delta_form(p));
 }
 
+/// A bound of the same for losses in bursts, and the memory of their chain.
+double burst_radius(const LossModel& loss) {
+  return std::max(std::sqrt(second_moment_radius(loss)), std::abs(loss.after_loss() - loss.after_arrival()));
+}
+
 double slowest_radius(const VehicleModel& vehicle) {
   double radius = spectral_radius(vehicle.loop);
   for (const LinkModel* link : links_of(vehicle)) {
-    if (link->loss) radius = std::max(radius, predictor_radius(*link->loss));
+    if (link->loss && link->loss->is_independent()) radius = std::max(radius, predictor_radius(*link->loss));
+    if (link->loses() && !link->loss->is_independent()) radius = std::max(radius, burst_radius(*link->loss));
     if (!link->has_white_noise())
       radius = std::max(radius, spectral_radius(delta_form(link->noise_filter.denominator())));
   }

@@ -1,4 +1,5 @@
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/burst_string.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 
 #include <Eigen/Dense>
@@ -111,6 +112,7 @@ void drop_spent(std::vector<Mode>& modes, double links, double variance) {
 }  // namespace
 
 std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers) {
+  if (has_bursts(model)) return burst_stationary_variances(model, followers);
   if (!is_papers(model) || model.default_vehicle().loop.parts) return linked_stationary_variances(model, followers);
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   std::vector<double> variances(followers, std::numeric_limits<double>::quiet_NaN());

@@ -12,7 +12,8 @@ namespace platoon {
 /// by quadrature over the unit circle, refined until it settles; 1e-12 relative. For a string unstable platoon they
 /// grow without bound, to infinity if they leave the range of double.
 ///
-/// For a platoon other than the paper's this function returns linked_stationary_variances().
+/// For a platoon other than the paper's this function returns linked_stationary_variances(), or
+/// burst_stationary_variances() for losses in bursts.
 ///
 /// NaN throughout if rho(A) >= 1: there is no stationary variance. Throws std::invalid_argument unless followers >= 1,
 /// and if S has fewer than two zeros at z = 1.

@@ -6,6 +6,7 @@
 
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/burst_string.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/loop_spectrum.hpp"
 
@@ -65,6 +66,7 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
 }
 
 StringStability string_stability(const PlatoonModel& model) {
+  if (has_bursts(model)) return burst_string_stability(model);
   if (!is_papers(model) || model.default_vehicle().loop.parts) return linked_string_stability(model);
   const LoopSpectrum spectrum(model.default_vehicle().loop, model.default_vehicle().headway);
   StringStability verdict;

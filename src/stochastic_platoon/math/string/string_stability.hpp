@@ -39,7 +39,8 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
 /// < 1 for all w > 0 but is not string stable: if 1 - |T|^2 is flatter at w = 0 than |S|^2 (order w^6 over w^4), the
 /// variances grow without limit.
 ///
-/// For a platoon other than the paper's this function returns linked_string_stability().
+/// For a platoon other than the paper's this function returns linked_string_stability(), or burst_string_stability()
+/// for losses in bursts.
 ///
 /// Throws std::invalid_argument if S has fewer than two zeros at z = 1 or h is not positive.
 StringStability string_stability(const PlatoonModel& model);

@@ -48,7 +48,7 @@ std::vector<double> read_predictor(Section& section, LinkedSignal signal) {
 }
 
 void check_burst(Section& section, const LossModel& loss) {
-  const double q = loss.probability, least = std::max(1.0, q / (1.0 - q));
+  const double q = loss.probability, least = loss.least_burst();
   if (*loss.mean_burst >= least) return;
   section.reject(
       "mean_burst", formatted("%g", *loss.mean_burst),

@@ -107,10 +107,12 @@ VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sam
 Inherited inherited_by(Section& type, const VehicleModel& base) {
   const bool own_loop = type.has("closed_loop"), loses = varied_link(base).loss.has_value();
   Inherited inherited{!type.has("time_headway") && !type.has("time_headway_seconds"), !own_loop && !type.has("plant"),
-                      !own_loop && !type.has("controller"), loses && !type.has("inputs")};
+                      !own_loop && !type.has("controller"), loses && !type.has("inputs"), loses && !type.has("inputs")};
   if (!inherited.loss_probability || base.feed_forward || !type.has("channel")) return inherited;
   Section channel = type.section("channel");
-  if (channel.has("loss")) inherited.loss_probability = !channel.section("loss").has("probability");
+  if (!channel.has("loss")) return inherited;
+  inherited.loss_probability = !channel.section("loss").has("probability");
+  inherited.mean_burst = !channel.section("loss").has("mean_burst");
   return inherited;
 }
 
@@ -250,10 +252,13 @@ nlohmann::json to_json(const PlatoonModel& model) {
     if (type.inherited.plant) written.erase("plant");
     if (type.inherited.controller) written.erase("controller");
     if (type.inherited.plant && type.inherited.controller) written.erase("closed_loop");
-    if (!(type.vehicle.feed_forward == model.default_vehicle().feed_forward))
+    if (!(type.vehicle.feed_forward == model.default_vehicle().feed_forward)) {
       written["inputs"] = inputs_json(type.vehicle);
-    else if (type.inherited.loss_probability && !type.vehicle.feed_forward)
-      written["channel"]["loss"].erase("probability");
+      continue;
+    }
+    if (type.vehicle.feed_forward) continue;
+    if (type.inherited.loss_probability) written["channel"]["loss"].erase("probability");
+    if (type.inherited.mean_burst) written["channel"]["loss"].erase("mean_burst");
   }
   for (const std::size_t type : model.string) document["string"].push_back(model.types.at(type).name);
   return document;

@@ -11,6 +11,8 @@ const std::vector<Setting>& settings() {
       {"loss", "",
        "loss probability of the link (of the radio, if there is one), from 0 to below 1; empty: the model file's",
        "channel/loss/probability"},
+      {"mean_burst", "", "mean number of losses in a row on the same link, 1 or more; empty: the model file's",
+       "channel/loss/mean_burst"},
       {"delay", "", "delay of the link in whole steps, 0 or more; empty: the model file's", "channel/delay"},
       {"leader", "",
        "recorded drive as the leader: CSV with columns time [s] and speed [m/s], or a shipped one as city.csv; empty: the model file's",

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/burst_pattern.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
@@ -59,8 +60,21 @@ std::string loss_lines(const PlatoonModel& model, const Analysis& analysis) {
       "Critical loss probability" + of_types(model, analysis.losses->types) + (own.feed_forward ? " by radio" : "") +
       (varied_link(own).loss ? ": " : " (a lost " + signal + " is replaced by the last one received): ") +
       (critical ? formatted("%.9g", *critical) : "none");
-  text += "; string stable loss probabilities within [0, 0.99]:" + shown(analysis.losses->intervals) + "\n";
+  text += formatted("; string stable loss probabilities within [0, %.6g]%s:", analysis.losses->largest,
+                    has_bursts(model) ? " at this mean burst" : "") +
+          shown(analysis.losses->intervals) + "\n";
   return text;
+}
+
+std::string burst_lines(const PlatoonModel& model, const Analysis& analysis) {
+  if (!analysis.bursts) return "";
+  const CriticalBurst& bursts = *analysis.bursts;
+  return "Critical mean burst" + of_types(model, bursts.types) + ": " +
+         (bursts.critical ? formatted("%.9g steps", *bursts.critical)
+          : bursts.stable
+              ? formatted("none, as the string is stable for every one up to %.6g steps", bursts.to)
+              : formatted("none, as the string is not stable at the shortest one, %.6g steps", bursts.from)) +
+         "\n";
 }
 
 }  // namespace
@@ -92,6 +106,8 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
   analysis.headways = stable_headways(model);
   begins("stable loss probabilities");
   analysis.losses = stable_losses(model);
+  begins("critical mean burst");
+  analysis.bursts = critical_mean_burst(model);
   analysis.signals = analyze_signals(model, signals, followers, steps, analysis.stability.string_stable, begins);
   return analysis;
 }
@@ -104,7 +120,7 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   if (own.feed_forward) text += formatted(", radio %g (m/s^2)^2", own.feed_forward->noise_variance);
   text += ": ";
   if (analysis.theory == Theory::none)
-    return text + "no theory, as losses come in bursts: monte_carlo measures what they do\n" +
+    return text + "no theory, as " + reason_without_theory(model) + ": monte_carlo measures what they do\n" +
            report(model, analysis.signals);
   text += stability.reason + "\n";
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
@@ -113,7 +129,7 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
               ? "peak of |T|: none, as the errors do not settle\n"
               : formatted("peak of |%s| = %.9g at w = %.6g rad/sample\n", has_feed_forward(model) ? "Gamma" : "T",
                           stability.peak_gain, stability.peak_frequency);
-  text += headway_lines(model, analysis) + loss_lines(model, analysis);
+  text += headway_lines(model, analysis) + loss_lines(model, analysis) + burst_lines(model, analysis);
   const std::vector<double>& stationary = analysis.stationary_variance;
   text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
           figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
@@ -225,6 +241,7 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
       {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
       {"theory", to_string(analysis.theory)},
       {"loss_gain", number(stability.loss_gain)},
+      {"critical_mean_burst", number(analysis.bursts ? analysis.bursts->critical : std::nullopt)},
       {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
       {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
       {"stable_loss_probabilities", losses},

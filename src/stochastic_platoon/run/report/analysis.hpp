@@ -10,6 +10,7 @@
 
 #include "stochastic_platoon/math/paper/norms.hpp"
 #include "stochastic_platoon/math/paper/theorem_two.hpp"
+#include "stochastic_platoon/math/string/critical_burst.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/math/string/critical_loss.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
@@ -19,7 +20,7 @@
 
 namespace platoon {
 
-/// All results of the theory for a platoon (paper, sections 4 and 5). Without a theory (losses in bursts) only
+/// All results of the theory for a platoon (paper, sections 4 and 5). Without a theory (losses in bursts by radio) only
 /// `theory`, `rounding` and `integral_defect` are set.
 struct Analysis {
   StringStability stability;
@@ -33,6 +34,7 @@ struct Analysis {
   double rounding = 0.0;                   ///< [m] error of the vehicles' arithmetic in a position of 1 m
   double integral_defect = 0.0;  ///< by how much the loop misses T(1) = 1 and dT/dz(1) = -h: no verdict is finer
   std::optional<StableLosses> losses = {};   ///< none without a loss stage
+  std::optional<CriticalBurst> bursts = {};  ///< none without losses, and in a string with radios
   std::vector<double> stationary_mean = {};  ///< [m], one per follower, caused by delays and losses
   Theory theory = Theory::exact;
   SignalAnalysis signals = {};  ///< of the signals requested

@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/burst_pattern.hpp"
 #include "stochastic_platoon/math/string/collision_risk.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/linked_moments.hpp"
@@ -22,12 +23,17 @@ const char* to_string(Theory theory) {
 }
 
 Theory theory_of(const PlatoonModel& model) {
-  const bool in_bursts =
-      any_link(model, [](const LinkModel& link) { return link.loss && !link.loss->is_independent(); });
-  return in_bursts ? Theory::none : Theory::exact;
+  return has_bursts(model) && no_burst_theory(model) ? Theory::none : Theory::exact;
+}
+
+std::string reason_without_theory(const PlatoonModel& model) {
+  return no_burst_theory(model).value_or("");
 }
 
 namespace {
+
+constexpr char kNoFourthMoments[] =
+    "losses in bursts: the theory has means and variances but not the scatter of measured variances, so that the run is not judged";
 
 bool loses(const PlatoonModel& model) {
   return any_link(model, [](const LinkModel& link) { return link.loses(); });
@@ -96,7 +102,8 @@ void add_signals(const Configuration& configuration, Prediction& prediction) {
 
 Prediction predict(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
-  if (theory_of(configuration.model) == Theory::none) return no_prediction(configuration, "losses come in bursts");
+  if (theory_of(configuration.model) == Theory::none)
+    return no_prediction(configuration, reason_without_theory(configuration.model));
   if (run.followers_before_external() == 0)
     return no_prediction(configuration, "vehicle_1, which the others follow, is external");
   Prediction prediction{
@@ -106,12 +113,15 @@ Prediction predict(const Configuration& configuration) {
                                                      : stationary_means(configuration.model, run.followers);
     prediction.variance = prediction.stationary_variance;
     prediction.warning = burn_in_warning(configuration);
-    if (prediction.warning.empty())
+    if (prediction.warning.empty() && !has_bursts(configuration.model))
       prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
-    ErrorMoments moments = loses(configuration.model) ? linked_error_moments(configuration.model, run.followers,
-                                                                             run.steps, &prediction.fourth_cumulant)
-                                                      : error_moments(configuration.model, run.followers, run.steps);
+    const bool in_bursts = has_bursts(configuration.model);
+    ErrorMoments moments =
+        loses(configuration.model) && !in_bursts
+            ? linked_error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant)
+            : error_moments(configuration.model, run.followers, run.steps);
+    if (in_bursts) prediction.warning = kNoFourthMoments;
     prediction.rounding = rounding_bounds(configuration.model, moments);
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);

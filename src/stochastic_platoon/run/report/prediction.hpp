@@ -22,6 +22,9 @@ const char* to_string(Theory theory);
 /// The theory that covers a platoon.
 Theory theory_of(const PlatoonModel& model);
 
+/// The reason why it is none; empty if it is not.
+std::string reason_without_theory(const PlatoonModel& model);
+
 /// The theory's prediction for a configuration: one cell per cell of the measurement, that is, per follower and step
 /// (see cell()), or the stationary values, one per follower, for averages over time.
 ///
@@ -33,7 +36,7 @@ struct Prediction {
   std::vector<double> mean;                 ///< [m], one per cell
   std::vector<double> variance;             ///< [m^2], one per cell
   std::vector<double> rounding = {};        ///< [m], one per cell: see rounding_bounds(); empty over time
-  /// [m^4], one per cell: see linked_error_moments(); empty over time, and without losses
+  /// [m^4], one per cell: see linked_error_moments(); empty over time, without losses, and for losses in bursts
   std::vector<double> fourth_cumulant = {};
   Theory theory = Theory::exact;  ///< none if it covers no follower
   std::size_t followers_with_theory = 0;

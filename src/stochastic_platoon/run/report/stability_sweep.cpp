@@ -11,31 +11,51 @@
 
 namespace platoon {
 
+namespace {
+
+StringStability stability_of(const PlatoonModel& model) {
+  const bool exists = !any_link(model, [](const LinkModel& link) {
+    return link.loss && link.loss->mean_burst && !(*link.loss->mean_burst >= link.loss->least_burst());
+  });
+  if (exists && theory_of(model) == Theory::exact) return string_stability(model);
+  StringStability unknown;
+  unknown.spectral_radius = std::numeric_limits<double>::quiet_NaN();
+  unknown.undecided = true;
+  unknown.reason = exists ? reason_without_theory(model) : "no chain of losses has so short bursts";
+  return unknown;
+}
+
+}  // namespace
+
 std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) {
   if (!model.default_vehicle().design && !(axes.headways.empty() && axes.gains.empty())) {
     throw std::invalid_argument("closed_loop: given: must be plant and controller for a sweep over headways");
   }
   if (theory_of(model) == Theory::none)
-    throw std::invalid_argument("mean_burst: given: must be absent for a sweep, as there is no theory for bursts");
+    throw std::invalid_argument("mean_burst: no sweep without a theory: " + reason_without_theory(model));
   const auto or_own = [](const std::vector<double>& values, double own) {
     return values.empty() ? std::vector<double>{own} : values;
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const VehicleModel& own = model.default_vehicle();
+  const LossModel before = varied_link(own).loss.value_or(LossModel());
   std::vector<SweepPoint> points;
   for (const double gain : or_own(axes.gains, own.design ? own.design->controller.gain() : nan)) {
     for (const double loss : or_own(axes.losses, varied_link(own).loss ? varied_link(own).loss->probability : nan)) {
-      for (const double headway : or_own(axes.headways, own.headway)) {
-        PlatoonModel varied = model;
-        if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
-        if (!axes.headways.empty()) varied = with_headway(std::move(varied), headway);
-        if (!axes.losses.empty()) {
-          if (!varied_link(own).loss) varied_link(varied.default_vehicle()).loss = LossModel();
-          varied = with_loss(std::move(varied), loss);
+      for (const double burst : or_own(axes.bursts, before.mean_burst.value_or(nan)))
+        for (const double headway : or_own(axes.headways, own.headway)) {
+          PlatoonModel varied = model;
+          if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
+          if (!axes.headways.empty()) varied = with_headway(std::move(varied), headway);
+          if (!axes.losses.empty()) {
+            if (!varied_link(own).loss) varied_link(varied.default_vehicle()).loss = LossModel();
+            varied = with_loss(std::move(varied), loss);
+          }
+          if (!std::isnan(burst)) varied = with_mean_burst(std::move(varied), burst);
+          points.push_back({headway, gain, stability_of(varied), {}, {}});
+          if (varied_link(varied.default_vehicle()).loss) points.back().loss = loss;
+          if (!axes.bursts.empty()) points.back().burst = burst;
         }
-        points.push_back({headway, gain, string_stability(varied), {}});
-        if (varied_link(varied.default_vehicle()).loss) points.back().loss = loss;
-      }
     }
   }
   return points;
@@ -47,8 +67,9 @@ nlohmann::json to_json(const std::vector<SweepPoint>& points) {
     list.push_back({{"headway", point.headway},
                     {"gain", number(point.gain)},
                     {"loss", number(point.loss)},
+                    {"mean_burst", number(point.burst)},
                     {"loss_gain", number(point.stability.loss_gain)},
-                    {"spectral_radius", point.stability.spectral_radius},
+                    {"spectral_radius", number(point.stability.spectral_radius)},
                     {"peak_gain", number(point.stability.peak_gain)},
                     {"string_stable", truth(point.stability.decision())},
                     {"limit_variance", number(point.stability.limit_variance)}});
@@ -58,7 +79,9 @@ nlohmann::json to_json(const std::vector<SweepPoint>& points) {
 
 std::string to_csv(const std::vector<SweepPoint>& points) {
   const bool lossy = !points.empty() && points.front().loss;
-  std::string text = lossy ? "headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable\n"
+  const bool in_bursts = !points.empty() && points.front().burst;
+  std::string text = lossy ? formatted("headway,gain,loss,%sspectral_radius,peak_gain,loss_gain,string_stable\n",
+                                       in_bursts ? "mean_burst," : "")
                            : "headway,gain,spectral_radius,peak_gain,string_stable\n";
   // An empty cell for a missing value, as without a controller or for an unstable vehicle.
   const auto cell = [](double value) { return std::isnan(value) ? std::string(",") : formatted("%.17g,", value); };
@@ -66,6 +89,7 @@ std::string to_csv(const std::vector<SweepPoint>& points) {
     const StringStability& stability = point.stability;
     text += cell(point.headway) + cell(point.gain);
     if (lossy) text += cell(*point.loss);
+    if (in_bursts) text += cell(*point.burst);
     text += cell(stability.spectral_radius) + cell(stability.peak_gain);
     if (lossy) text += cell(stability.loss_gain.value_or(std::nan("")));
     text += stability.undecided ? "\n" : stability.string_stable ? "1\n" : "0\n";

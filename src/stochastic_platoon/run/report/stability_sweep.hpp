@@ -10,28 +10,30 @@
 
 namespace platoon {
 
-/// One point of a sweep or map over headway, gain and loss probability of the default vehicle.
+/// One point of a sweep or map over headway, gain, loss probability and mean burst of the default vehicle.
 struct SweepPoint {
   double headway;
   double gain;  ///< leading coefficient of the controller's numerator, as in the model file; NaN without a controller
   StringStability stability;
-  std::optional<double> loss = {};  ///< loss probability, if the link has a loss stage
+  std::optional<double> loss = {};   ///< loss probability, if the link has a loss stage
+  std::optional<double> burst = {};  ///< mean burst, if the sweep varies it
 };
 
 /// The values of a sweep; an empty list stands for the model's own value.
 struct SweepAxes {
-  std::vector<double> headways, gains, losses;
+  std::vector<double> headways, gains, losses, bursts = {};
 };
 
-/// Stability at every combination. Throws std::invalid_argument for losses in bursts, and for headways or gains if the
-/// closed loop was given directly.
+/// Stability at every combination. Losses in bursts keep their mean burst where the sweep does not vary it; a
+/// combination of probability and mean burst that no chain has is undecided. Throws std::invalid_argument where there
+/// is no theory: see no_burst_theory(), and for headways or gains if the closed loop was given directly.
 std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes);
 
 /// JSON for programs; missing values are null.
 nlohmann::json to_json(const std::vector<SweepPoint>& points);
 
 /// One row per point: headway,gain,spectral_radius,peak_gain,string_stable; with a loss stage
-/// headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable.
+/// headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable, and with varied bursts mean_burst after loss.
 std::string to_csv(const std::vector<SweepPoint>& points);
 
 }  // namespace platoon

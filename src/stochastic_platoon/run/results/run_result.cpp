@@ -194,7 +194,7 @@ std::optional<std::vector<IndependentShare>> shares_over_time(const Prediction& 
 
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result) {
-  if (prediction.theory == Theory::none) return std::nullopt;
+  if (prediction.theory == Theory::none || !prediction.warning.empty()) return std::nullopt;
   std::vector<IndependentShare> shares;
   if (run.averaging() == Averaging::over_time) {
     const std::optional<std::vector<IndependentShare>> found = shares_over_time(prediction, result);
@@ -218,7 +218,8 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
 
 std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction,
                                           const RunResult& result) {
-  if (prediction.theory == Theory::none || run.averaging() == Averaging::over_time) return std::nullopt;
+  if (prediction.theory == Theory::none || !prediction.warning.empty() || run.averaging() == Averaging::over_time)
+    return std::nullopt;
   const std::vector<double> fourth = fourth_moments(run, prediction, result);
   if (fourth.empty()) {
     const bool normal = result.moments.empty() || std::isnan(result.moments.front().fourth_deviations);

@@ -1,0 +1,51 @@
+#include "stochastic_platoon/math/string/critical_burst.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stochastic_platoon/math/numerics/stable_intervals.hpp"
+#include "stochastic_platoon/math/string/burst_string.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr double kLongest = 200.0, kRatio = 1.5;
+constexpr double kBesideAlternation = 1.001;  // a chain of q = 1/2 with mean burst 1 has no theory
+
+double least_burst(const PlatoonModel& model) {
+  double least = 1.0;
+  for (const VehicleType& type : model.types) {
+    if (!type.inherited.mean_burst || !type.vehicle.link.loses()) continue;
+    const LossModel& loss = *type.vehicle.link.loss;
+    least = std::max(least, loss.probability == 0.5 ? kBesideAlternation : loss.least_burst());
+  }
+  return least;
+}
+
+}  // namespace
+
+std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model) {
+  const std::vector<std::string> types = types_with_default(model, &Inherited::mean_burst);
+  if (!model.default_vehicle().link.loses() || types.empty() || has_feed_forward(model)) return std::nullopt;
+  const double least = least_burst(model);
+  CriticalBurst found{least, std::max(kLongest, 2.0 * least), {}, true, types};
+  const BurstPattern pattern = burst_pattern(with_mean_burst(model, least));
+  const StabilityMargin margin = [&](double burst) {
+    return burst_string_margin(burst_pattern(with_mean_burst(model, burst), pattern));
+  };
+  found.stable = margin(least) > 0.0;
+  if (!found.stable) return found;
+  const double steps = std::ceil(std::log(found.to / least) / std::log(kRatio));
+  for (double before = least, step = 1.0; step <= steps; ++step) {
+    const double burst = least * std::pow(found.to / least, step / steps);
+    if (!(margin(burst) > 0.0)) {
+      found.critical = stable_intervals(margin, {before, burst}).front().to;
+      break;
+    }
+    before = burst;
+  }
+  return found;
+}
+
+}  // namespace platoon
