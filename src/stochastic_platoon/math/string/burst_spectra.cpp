@@ -14,8 +14,52 @@ constexpr double kPi = 3.14159265358979323846;
 
 }  // namespace
 
-BurstSpectra::BurstSpectra(const BurstPattern& pattern, std::size_t nodes) : pattern_(&pattern), nodes_(nodes) {
-  for (const BurstVehicle& vehicle : pattern.types) types_.push_back(values_of(vehicle));
+BurstSpectra::BurstSpectra(const BurstPattern& pattern, std::size_t nodes) : pattern_(&pattern), equally_spaced_(true) {
+  const auto half = static_cast<Eigen::Index>(nodes / 2);
+  node_ = kPi * (Eigen::ArrayXd::LinSpaced(half, 0.0, static_cast<double>(half - 1)) + 0.5) / static_cast<double>(half);
+  weight_ = Eigen::ArrayXd::Constant(half, 1.0 / static_cast<double>(half));
+  evaluate();
+}
+
+BurstSpectra::BurstSpectra(const BurstPattern& pattern, const Quadrature& rule)
+    : pattern_(&pattern),
+      node_(Eigen::Map<const Eigen::ArrayXd>(rule.node.data(), static_cast<Eigen::Index>(rule.node.size()))),
+      weight_(Eigen::Map<const Eigen::ArrayXd>(rule.weight.data(), static_cast<Eigen::Index>(rule.weight.size()))),
+      equally_spaced_(false) {
+  evaluate();
+}
+
+void BurstSpectra::evaluate() {
+  for (const BurstVehicle& vehicle : pattern_->types) {
+    types_.push_back(values_of(vehicle));
+    if (vehicle.losses() && !equally_spaced_ && vehicle.losses()->memory() != 0.0)
+      types_.back().kernel = kernel_of(types_.back(), vehicle.losses()->memory());
+  }
+}
+
+Eigen::MatrixXd BurstSpectra::kernel_of(const Type& type, double memory) const {
+  const Eigen::Index count = size();
+  std::vector<Complex> turn;
+  for (Eigen::Index k = 0; k < count; ++k) turn.push_back(std::polar(1.0, node_(k)));
+  // D(w) conj(D(nu)) y / (1 - y) without the checks of std::complex for infinities.
+  const auto term = [memory](Complex product, Complex turned) {
+    const double re = memory * turned.real(), im = memory * turned.imag();
+    const double over = 1.0 - 2.0 * re + re * re + im * im, a = re - re * re - im * im;  // y (1 - conj y) = a + j im
+    return (product.real() * a - product.imag() * im) / over;
+  };
+  const auto times = [](Complex a, Complex b) {
+    return Complex(a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real());
+  };
+  Eigen::MatrixXd kernel(count, count);
+  for (Eigen::Index c = 0; c < count; ++c) {
+    const Complex inward = type.deviation(c), ahead = turn[static_cast<std::size_t>(c)];
+    for (Eigen::Index r = 0; r < count; ++r) {
+      const Complex outward = type.deviation(r), back = std::conj(turn[static_cast<std::size_t>(r)]);
+      kernel(r, c) = 0.5 * (term(times(outward, std::conj(inward)), times(ahead, back)) +
+                            term(times(outward, inward), times(std::conj(ahead), back)));
+    }
+  }
+  return kernel;
 }
 
 BurstSpectra::Type BurstSpectra::values_of(const BurstVehicle& vehicle) const {
@@ -34,7 +78,7 @@ BurstSpectra::Type BurstSpectra::values_of(const BurstVehicle& vehicle) const {
   }
   const auto delay = static_cast<double>(vehicle.vehicle().link.delay);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const double w = 2.0 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(nodes_);
+    const double w = node_(k);
     const LinkedVehicleValue plain = vehicle.plain().at(w);
     Complex mean = plain.undelayed * std::polar(1.0, -std::remainder(delay * w, 2.0 * kPi));  // H T^
     type.own(k) = plain.gain;
@@ -80,10 +124,12 @@ Eigen::ArrayXd BurstSpectra::scattered(std::size_t follower, const Eigen::ArrayX
   const std::optional<BurstLink>& link = (*pattern_)[follower].losses();
   if (!link) return Eigen::ArrayXd::Zero(size());
   const Type& type = of(follower);
-  const Eigen::VectorXd inward =
-      2.0 / static_cast<double>(nodes_) * (type.scattered.matrix().transpose() * driven.matrix());
+  const Eigen::VectorXd weighted = (weight_ * driven).matrix(), inward = type.scattered.matrix().transpose() * weighted;
   Eigen::ArrayXd result = 2.0 * (type.outward.matrix() * inward).array() - inward(link->registers());
-  if (link->memory() != 0.0) result += 2.0 * link->odds() * remembered(type, link->memory(), driven);
+  if (link->memory() == 0.0) return result;
+  const Eigen::ArrayXd memory =
+      equally_spaced_ ? remembered(type, link->memory(), driven) : Eigen::ArrayXd((type.kernel * weighted).array());
+  result += 2.0 * link->odds() * memory;
   return result;
 }
 

@@ -6,19 +6,25 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
+#include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/string/burst_pattern.hpp"
 
 namespace platoon {
 
-/// Gains of one pattern's vehicles at equally spaced frequencies w_j = 2 pi (j + 1/2) / n, to compute means of spectra
-/// over the circle. They converge geometrically with n. Spectra have n / 2 rows, for the frequencies below pi.
+/// Gains of one pattern's vehicles at the nodes of a quadrature over the circle, to compute means of spectra. Spectra
+/// have one row per node in (0, pi). The pattern must be mean square stable and outlive the object.
 class BurstSpectra {
 public:
-  /// nodes: n, a power of two, at least 8. The pattern must be mean square stable and outlive the object.
+  /// Equally spaced frequencies w_j = 2 pi (j + 1/2) / n, which converge geometrically with n, a power of two, at least
+  /// 8. O(n log n) for what losses scatter.
   BurstSpectra(const BurstPattern& pattern, std::size_t nodes);
 
+  /// The nodes of a half_circle_quadrature(), which resolves narrow features of slow vehicles and near the border of
+  /// stability with few nodes. O(nodes^2) for what losses scatter.
+  BurstSpectra(const BurstPattern& pattern, const Quadrature& rule);
+
   const BurstPattern& pattern() const { return *pattern_; }
-  Eigen::Index size() const { return static_cast<Eigen::Index>(nodes_ / 2); }
+  Eigen::Index size() const { return weight_.size(); }
 
   /// Fields of one vehicle type.
   struct Type {
@@ -34,12 +40,13 @@ public:
     Eigen::ArrayXcd deviation;  ///< D
     Eigen::ArrayXXd outward;    ///< Re l, one row per node
     Eigen::ArrayXXd scattered;  ///< Re V
+    Eigen::MatrixXd kernel;     ///< means over +-nu of Re[D(w) conj(D(nu)) y / (1 - y)]; empty on equally spaced nodes
   };
   const Type& of(std::size_t follower) const { return types_[pattern_->type(follower)]; }
   const Type& type(std::size_t index) const { return types_[index]; }
 
   /// Mean over the circle of values at the nodes.
-  double mean(const Eigen::ArrayXd& values) const { return 2.0 * values.sum() / static_cast<double>(nodes_); }
+  double mean(const Eigen::ArrayXd& values) const { return (weight_ * values).sum(); }
 
   /// < g(w, nu) driven(nu) >_nu of the link of `follower`: what its losses scatter of a drive |u|^2 Phi. 0 without
   /// losses.
@@ -56,11 +63,14 @@ public:
   Eigen::ArrayXd in_front(const std::vector<Eigen::ArrayXd>& added, const Eigen::ArrayXd& margin) const;
 
 private:
+  void evaluate();
   Type values_of(const BurstVehicle& vehicle) const;
+  Eigen::MatrixXd kernel_of(const Type& type, double memory) const;
   Eigen::ArrayXd remembered(const Type& type, double memory, const Eigen::ArrayXd& driven) const;
 
   const BurstPattern* pattern_;
-  std::size_t nodes_;
+  Eigen::ArrayXd node_, weight_;
+  bool equally_spaced_;
   std::vector<Type> types_;
   mutable Eigen::FFT<double> fft_;  ///< keeps its plan
 };

@@ -10,6 +10,7 @@
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/burst_spectra.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
+#include "stochastic_platoon/math/string/loop_spectrum.hpp"
 
 namespace platoon {
 
@@ -31,6 +32,24 @@ std::size_t first_nodes(const BurstPattern& pattern) {
   std::size_t nodes = kFewestNodes;
   while (nodes < kMostNodes / 4 && static_cast<std::int64_t>(nodes) < 4 * delay) nodes *= 2;
   return nodes;
+}
+
+constexpr std::size_t kCheapNodes = 512, kMostKernelNodes = 1500;
+constexpr double kKernelDoubt = 1e-9;  // of a quadrature without refinement
+
+/// A quadrature that resolves the vehicles, the margin of the pattern and the memory of the chains.
+Quadrature resolving_quadrature(const BurstPattern& pattern) {
+  constexpr double kHalfTurn = 3.14159265358979323846;
+  std::vector<std::complex<double>> singular = pattern.gain().margin_frequencies();
+  for (const BurstVehicle& vehicle : pattern.types) {
+    for (const std::complex<double>& w : vehicle.plain().pole_frequencies()) singular.push_back(w);
+    if (!vehicle.losses()) continue;
+    for (const std::complex<double>& w : frequencies_of(vehicle.losses()->factor().poles)) singular.push_back(w);
+    const double memory = std::abs(vehicle.losses()->memory());
+    const double width = memory > 0.0 ? -std::log(memory) : kHalfTurn;
+    for (double w = 0.0; w <= kHalfTurn; w += width) singular.emplace_back(w, width);
+  }
+  return half_circle_quadrature(singular, {});
 }
 
 /// Whether twice as many nodes gain nothing. Convergence is geometric: a small change that does not shrink is rounding.
@@ -225,6 +244,13 @@ double burst_loss_gain(const BurstPattern& pattern, bool sign_only) {
   std::size_t nodes = first_nodes(pattern);
   double coarse = root(BurstSpectra(pattern, nodes));
   for (double before = kInfinity; nodes < kMostNodes;) {
+    if (sign_only && nodes == kCheapNodes) {
+      const Quadrature rule = resolving_quadrature(pattern);
+      if (rule.node.size() <= kMostKernelNodes) {
+        const double found = root(BurstSpectra(pattern, rule));
+        if (std::abs(found - 1.0) > kKernelDoubt) return found;
+      }
+    }
     nodes *= 2;
     const double fine = root(BurstSpectra(pattern, nodes)), change = std::abs(fine - coarse) / fine;
     if (has_settled(change, before)) return fine;

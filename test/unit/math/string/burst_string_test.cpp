@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/string/burst_spectra.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "unit/paper_platoon.hpp"
 
@@ -80,6 +81,19 @@ TEST(BurstLink, RejectsLossesWithoutTheory) {
   EXPECT_THROW(BurstLink(LossModel{0.4, 4.0, {2.0, -1.0}}), std::invalid_argument);  // predictions grow
   EXPECT_THROW(BurstLink(LossModel{0.1, 2.0, {}}), std::invalid_argument);
   EXPECT_NO_THROW(BurstLink(LossModel{0.5, 1.01, {1.0}}));
+}
+
+// The same mean by transforms on equally spaced nodes and by the kernel on others.
+TEST(BurstSpectra, ScatterTheSameOnAllNodes) {
+  for (const double mean_burst : {1.05, 3.0}) {
+    const BurstPattern pattern = burst_pattern(with_bursts(0.2, mean_burst, {1.0}));
+    const BurstSpectra equally_spaced(pattern, 2048), others(pattern, half_circle_quadrature({{0.0, 0.05}}, {}, 2));
+    const auto mean = [](const BurstSpectra& spectra) {
+      const BurstSpectra::Type& type = spectra.of(0);
+      return spectra.mean(type.own * spectra.scattered(0, type.surprise * type.own));
+    };
+    EXPECT_NEAR(mean(others) / mean(equally_spaced), 1.0, 1e-12);
+  }
 }
 
 // By dense second moments of three vehicles with all their registers and modes.

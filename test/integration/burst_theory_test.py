@@ -1,0 +1,231 @@
+#!/usr/bin/python3
+"""analyze for losses in bursts, against dense computations without code of the package: first and second moments of the whole
+string's state in every mode of its chains, and for verdicts the kernel of one link, summed over the lags of the chain."""
+
+import itertools
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import numpy as np
+import yaml
+
+import link_reference
+import live_platoon
+from link_theory_test import COLOUR, LOOPS, model_of
+
+PREDICTORS = ("hold", "hold", "extrapolate", [1.2, -0.3, 0.1])
+
+
+def chain_of(loss):
+    """Transitions from the row's mode to the column's, 0 arrived and 1 lost, and the stationary probabilities."""
+    q = loss["probability"]
+    b = loss.get("mean_burst", 1.0 / (1.0 - q))
+    return np.array([[1.0 - q / (1.0 - q) / b, q / (1.0 - q) / b], [1.0 / b, 1.0 - 1.0 / b]]), np.array([1.0 - q, q])
+
+
+def registers_of(loss):
+    """A_0 and A_1 of the registers r(k), r(k-1), ..."""
+    c = np.array(link_reference.predictor_of(loss), float)
+    arrived = np.eye(len(c), k=-1)
+    lost = arrived.copy()
+    lost[0] = c
+    return arrived, lost
+
+
+def growth(loss):
+    """Spectral radius of the second moments of the registers."""
+    p, _ = chain_of(loss)
+    a = registers_of(loss)
+    return np.abs(np.linalg.eigvals(np.block([[p[i, j] * np.kron(a[j], a[j]) for i in range(2)] for j in range(2)]))).max()
+
+
+def random_loss(random):
+    while True:
+        q = random.choice([random.uniform(0.02, 0.3), random.uniform(0.3, 0.8)])
+        least = max(1.0, q / (1.0 - q))
+        loss = {"probability": q, "mean_burst": least * random.uniform(1.05, 3.0), "on_loss": PREDICTORS[random.integers(4)]}
+        if growth(loss) < 0.9:
+            return loss
+
+
+def random_link(random):
+    link = {"loss": random_loss(random), "delay": int(random.integers(4))}
+    if random.random() < 0.4:
+        link["noise_filter"] = COLOUR
+    if random.random() < 0.4:
+        link["quantisation_step"] = 0.5
+    return link
+
+
+def random_model(seed):
+    random = np.random.default_rng(seed)
+    model = model_of(int(random.integers(2, 6)), random_link(random), time_headway=random.uniform(2.6, 4.0))
+    if seed % 2:
+        model["vehicle_types"] = {
+            "truck": dict(LOOPS[int(random.integers(2, 6))], time_headway=4.0, channel=random_link(random),
+                          initial_position={"mean": -1.0, "variance": 2.0}),
+            "independent": {"channel": {"loss": {"probability": 0.2, "mean_burst": 1.25, "on_loss": "hold"}}}}
+        model["string"] = [["truck", "default"], ["default", "truck", "independent"]][seed // 2 % 2]
+    return model
+
+
+def dense_moments(model, followers, steps):
+    """As link_reference.moments(), in every mode of the chains. Relative to the run without losses and noise, which keeps the
+    numbers small."""
+    system = link_reference.System(model, followers)
+    chains = [chain_of(vehicle["channel"]["loss"]) for vehicle in link_reference.vehicles_of(model, followers)]
+    modes = list(itertools.product((0, 1), repeat=followers))
+    stationary = np.array([np.prod([pi[c] for (_, pi), c in zip(chains, mode)]) for mode in modes])
+    step = np.array([[np.prod([p[a, c] for (p, _), a, c in zip(chains, before, after)]) for after in modes] for before in modes])
+    maps = []
+    for mode in modes:
+        m = system.m.copy()
+        for lost, part, gain, innovation in zip(mode, system.parts, system.gains, system.innovations):
+            m += ((0.0 if lost else 1.0) - (1.0 - part.q)) * np.outer(gain, innovation)
+        maps.append(m)
+    n = system.size
+    path, covariance = system.start()
+    first = np.zeros((len(modes), n))
+    second = stationary[:, None, None] * covariance
+    means, variances = np.zeros((followers, steps)), np.zeros((followers, steps))
+    for k, y0 in enumerate(system.leader(steps)):
+        whole = np.concatenate([path, [y0], np.zeros(2 * followers)])
+        mean = first.sum(axis=0)
+        spread = second.sum(axis=0) - np.outer(mean, mean)
+        for i, error in enumerate(system.error):
+            means[i, k] = error @ whole + error[:n] @ mean
+            variances[i, k] = error[:n] @ spread @ error[:n]
+        before, squares = step.T @ first, np.einsum("ac,aij->cij", step, second)
+        for c, (m, probability) in enumerate(zip(maps, stationary)):
+            drive = (m - maps[0]) @ whole
+            cross = np.outer(m[:, :n] @ before[c], drive)
+            second[c] = m[:, :n] @ squares[c] @ m[:, :n].T + cross + cross.T + probability * (
+                np.outer(drive, drive) + m[:, n + 1:] @ m[:, n + 1:].T)
+            first[c] = m[:, :n] @ before[c] + probability * drive
+        path = maps[0] @ whole
+    return means, variances
+
+
+def kernel(loss, points):
+    """T_L at the points w of a grid, and g(w, nu) for all pairs: registers driven by e^{j nu k}, divided by it."""
+    w = 2.0 * np.pi * (np.arange(points) + 0.5) / points
+    p, pi = chain_of(loss)
+    a = registers_of(loss)
+    n = len(a[0])
+    e = np.eye(n)[0]
+    second = np.eye(2 * n * n) - np.block([[p[i, j] * np.kron(a[j], a[j]) for i in range(2)] for j in range(2)])
+    both = np.block([[p[i, j] * a[j] for i in range(2)] for j in range(2)])
+    output = np.concatenate([e, e])
+    passed, g = np.zeros(points, complex), np.zeros((points, points))
+    for column, nu in enumerate(w):
+        back = np.exp(-1j * nu)
+        mean = np.linalg.solve(np.eye(2 * n) - back * both, np.concatenate([pi[0] * e, 0.0 * e]))
+        q = mean.reshape(2, n)
+        drive = np.zeros((2, n, n), complex)
+        cross = back * np.outer(a[0] @ (p[0, 0] * q[0] + p[1, 0] * q[1]), e)
+        drive[0] = cross + cross.conj().T + pi[0] * np.outer(e, e)
+        squares = np.linalg.solve(second, drive.reshape(-1)).reshape(2, n, n)
+        t = output @ mean
+        v = (squares[:, :, 0] - q * np.conj(t)).reshape(-1)
+        arrived = np.conj(q[0, 0]) - pi[0] * np.conj(t)  # E[1{arrived} conj(r - E r)]
+        g[:, column] = -(output @ v).real
+        for lag in range(100000):
+            g[:, column] += 2.0 * (np.exp(1j * (nu - w) * lag) * (output @ v)).real
+            arrived *= p[1, 1] - p[0, 1]
+            v = back * (both @ v)
+            v[0] += arrived
+            if np.abs(v).max() < 1e-15 and abs(arrived) < 1e-15:
+                break
+        passed[column] = t
+    return w, passed, g
+
+
+def loss_gain(model, points):
+    """Of a homogeneous string without delay."""
+    w, passed, g = kernel(model["channel"]["loss"], points)
+    numerator, denominator = link_reference.polynomials_of(model)
+    t = np.abs(np.polyval(numerator, np.exp(1j * w)) / np.polyval(denominator, np.exp(1j * w))) ** 2
+    gain = t * np.abs(passed) ** 2
+    operator = (g / points) * (t / (1.0 - gain))[None, :]
+    return gain.max() < 1.0, np.abs(np.linalg.eigvals(operator)).max()
+
+
+class Analyze(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def analyze(self, model, followers, steps, *options):
+        file, result = os.path.join(self.folder, "model.yaml"), os.path.join(self.folder, "theory.json")
+        with open(file, "w") as stream:
+            yaml.safe_dump(json.loads(json.dumps(model)), stream)
+        subprocess.run([live_platoon.executable("analyze"), "--model", file, "--followers", str(followers), "--steps", str(steps),
+                        "--json", result] + list(options), check=True, stdout=subprocess.DEVNULL)
+        with open(result) as stream:
+            return json.load(stream)
+
+    def test_means_and_variances_of_every_step_are_those_of_the_whole_state(self):
+        for seed in range(10):
+            model = random_model(seed)
+            with self.subTest(seed=seed, model=model):
+                theory = self.analyze(model, 3, 50)
+                means, variances = dense_moments(model, 3, 50)
+                np.testing.assert_allclose(theory["mean"], means, rtol=1e-10, atol=1e-10)
+                np.testing.assert_allclose(theory["variance"], variances, rtol=1e-10, atol=1e-13 * variances.max())
+                self.assertEqual(theory["theory"], "exact")
+
+    def test_stationary_values_are_those_of_a_long_recursion(self):
+        for seed in range(10, 16):
+            model = random_model(seed)
+            with self.subTest(seed=seed, model=model):
+                means, variances = dense_moments(model, 3, 600)
+                theory = self.analyze(model, 3, 2)
+                np.testing.assert_allclose(theory["stationary_variance"], variances[:, -1], rtol=1e-10)
+                np.testing.assert_allclose(theory["stationary_mean"], means[:, -1], rtol=1e-10, atol=1e-9)
+
+    def test_loss_gain_is_that_of_the_dense_operator(self):
+        for loss in ({"probability": 0.2, "mean_burst": 3.0, "on_loss": "hold"},
+                     {"probability": 0.6, "mean_burst": 1.7, "on_loss": "hold"},
+                     {"probability": 0.1, "mean_burst": 1.5, "on_loss": "extrapolate"}):
+            model = model_of(3, {"loss": loss})
+            self.assertAlmostEqual(self.analyze(model, 1, 2)["loss_gain"] / loss_gain(model, 128)[1], 1.0, delta=1e-10)
+
+    def test_decides_right_on_both_sides_of_the_critical_mean_burst(self):
+        at = lambda b: model_of(3, {"loss": {"probability": 0.1, "mean_burst": b, "on_loss": "extrapolate"}})
+        critical = self.analyze(at(1.5), 1, 2)["critical_mean_burst"]
+        for burst, stable in ((critical * (1.0 - 1e-5), True), (critical * (1.0 + 1e-5), False)):
+            below_one, gain = loss_gain(at(burst), 128)
+            self.assertTrue(below_one)
+            self.assertEqual(gain < 1.0, stable)
+            self.assertEqual(self.analyze(at(1.5), 1, 2, "--mean-burst", repr(burst))["string_stable"], stable)
+        # Along a string, the variance settles below the critical burst and grows above it.
+        settles, grows = (self.analyze(at(factor * critical), 800, 1)["stationary_variance"] for factor in (0.9, 1.1))
+        self.assertLess(settles[-1], 1.01 * settles[400])
+        self.assertGreater(grows[-1], 2.0 * grows[400])
+
+    def test_sweeps_over_mean_bursts_and_probabilities(self):
+        file = os.path.join(self.folder, "sweep.csv")
+        model = model_of(3, {"loss": {"probability": 0.1, "mean_burst": 1.5, "on_loss": "extrapolate"}})
+        points = self.analyze(model, 1, 2, "--sweep-burst", "1:3:3", "--sweep-loss", "0.1:0.7:2", "--csv", file)["sweep"]
+        with open(file) as stream:
+            self.assertEqual(stream.readline(), "headway,gain,loss,mean_burst,spectral_radius,peak_gain,loss_gain,string_stable\n")
+        self.assertEqual([point["mean_burst"] for point in points], [1.0, 2.0, 3.0] * 2)
+        self.assertEqual([point["string_stable"] for point in points], [True, True, False, None, None, False])
+
+    def test_says_why_a_radio_that_loses_in_bursts_has_no_theory(self):
+        inputs = [{"signal": "position", "from": "predecessor", "noise_variance": 0.01},
+                  {"signal": "input", "from": "predecessor", "noise_variance": 0.01,
+                   "channel": {"delay": 1, "loss": {"probability": 0.1, "mean_burst": 3.0, "on_loss": "hold"}}}]
+        model = model_of(3, inputs=inputs)
+        del model["channel"], model["noise_variance"]
+        theory = self.analyze(model, 2, 5)
+        self.assertEqual(theory["theory"], "none")
+        self.assertNotIn("variance", theory)
+
+
+if __name__ == "__main__":
+    unittest.main()
