@@ -348,10 +348,19 @@ TEST(ModelFile, SetsLinksAndTypesThatInheritWhatTheyDoNotGive) {
   EXPECT_EQ(bus.initial_position.variance, 2.0);
   EXPECT_NE(bus.loop.realization.b(), model.default_vehicle().loop.realization.b());
   EXPECT_TRUE(bus.link == model.default_vehicle().link);
+  for (const VehicleType& type : model.types) EXPECT_TRUE(type.inherited.mean_burst) << type.name;
+  EXPECT_FALSE(model.types[2].inherited.loss_probability);
+  EXPECT_EQ(with_mean_burst(model, 3.0).types[2].vehicle.link.loss->mean_burst, 3.0);
   EXPECT_EQ(model.string, (std::vector<std::size_t>{0, 2, 0, 1}));
   EXPECT_FALSE(is_homogeneous(model));
   for (const std::size_t i : {2, 6}) EXPECT_EQ(vehicle(model, i).headway, 4.0);
   EXPECT_EQ(place_in_formation(model, 7), -10.0);
+}
+
+TEST(ModelFile, AnInheritedMeanBurstStaysInheritedInEveryCopy) {
+  nlohmann::json document = to_json(parse(kModelText + kLinkText));
+  document["channel"]["loss"]["mean_burst"] = 1.5;
+  for (const VehicleType& type : parse(document.dump()).types) EXPECT_EQ(type.vehicle.link.loss->mean_burst, 1.5);
 }
 
 TEST(ModelFile, SetsATypeByItsOwnClosedLoop) {

@@ -63,6 +63,34 @@ TEST(Prediction, IsVoidFromTheFirstExternalVehicleOn) {
   }
 }
 
+TEST(Prediction, OfLossesInBurstsIsExactWithoutAVerdict) {
+  Configuration configuration = paper_run("");
+  configuration.model.default_vehicle().link.loss = LossModel{0.1, 2.0, {1.0}};
+  const Prediction prediction = predict(configuration);
+  EXPECT_EQ(prediction.theory, Theory::exact);
+  EXPECT_EQ(prediction.variance, error_moments(configuration.model, 2, 3).variance);
+  EXPECT_TRUE(prediction.fourth_cumulant.empty());
+  EXPECT_NE(prediction.warning.find("the run is not judged"), std::string::npos);
+  configuration.run.steps = 0;
+  configuration.run.burn_in = 1000000;
+  const Prediction over_time = predict(configuration);
+  EXPECT_EQ(over_time.variance, over_time.stationary_variance);
+  EXPECT_NEAR(over_time.mean[0], 0.4, 1e-12);
+  EXPECT_TRUE(over_time.error_correlation.empty());
+  EXPECT_EQ(over_time.warning, "");
+}
+
+TEST(Prediction, OfARadioThatLosesInBurstsIsNone) {
+  Configuration configuration = paper_run("");
+  FeedForward radio;
+  radio.link.delay = 1;
+  radio.link.loss = LossModel{0.1, 2.0, {1.0}};
+  configuration.model.default_vehicle().feed_forward = radio;
+  const Prediction prediction = predict(configuration);
+  EXPECT_EQ(prediction.theory, Theory::none);
+  EXPECT_EQ(prediction.stability.reason, "none, as losses come in bursts in a string with radios");
+}
+
 TEST(Prediction, OfAStringBehindAnExternalVehicleIsNone) {
   Configuration configuration = paper_run("");
   configuration.run.external = {1};

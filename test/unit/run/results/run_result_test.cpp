@@ -171,6 +171,20 @@ TEST(WriteResults, SaysHowManyRealizationsAVerdictNeedsWherePacketsAreLost) {
   EXPECT_NEAR(summary["standard_error_of_variance"][1].get<double>(), std::sqrt((fourth[last] - square) / 20.0), 1e-12);
 }
 
+TEST(WriteResults, HasTheTheoryAndNoVerdictWhereLossesComeInBursts) {
+  const TemporaryFolder folder;
+  Configuration configuration = paper_run(folder.path());
+  configuration.model.default_vehicle().link.loss = LossModel{0.1, 2.0, {1.0}};
+  const Prediction prediction = predict(configuration);
+  RunResult result = result_with_fourth_moments(configuration, prediction, 0.5);
+  result.realizations = 1000000;
+  const nlohmann::json summary = written(configuration, prediction, result).summary;
+  EXPECT_TRUE(summary["theory"]["stationary_variance"].at(1).is_number());
+  EXPECT_TRUE(summary["agreement"]["max_abs_z_variance"].is_null());
+  EXPECT_TRUE(summary["realizations_needed"].is_null());
+  EXPECT_NE(summary["warning"].get<std::string>().find("losses in bursts"), std::string::npos);
+}
+
 TEST(WriteResults, PutsTheRunsFiguresIntoTheSummary) {
   const TemporaryFolder folder;
   const Configuration configuration = paper_run(folder.path());
