@@ -52,21 +52,36 @@ Quadrature resolving_quadrature(const BurstPattern& pattern) {
   return half_circle_quadrature(singular, {});
 }
 
-/// Whether twice as many nodes gain nothing. Convergence is geometric: a small change that does not shrink is rounding.
-bool has_settled(double change, double before) {
-  return change <= 1e-12 || (change <= 1e-6 && change >= 0.1 * before);
+/// Number of equally spaced nodes that resolve every vehicle, chain and peak to the last digit.
+double resolving_nodes(const BurstPattern& pattern) {
+  constexpr double kDigits = 40.0;  // -ln of the last one
+  double width = kInfinity;
+  for (const std::complex<double>& w : pattern.gain().margin_frequencies()) width = std::min(width, std::abs(w.imag()));
+  for (const BurstVehicle& vehicle : pattern.types) {
+    double radius = std::max(vehicle.plain().spectral_radius(), std::sqrt(vehicle.second_moment_radius()));
+    if (vehicle.losses()) radius = std::max(radius, std::abs(vehicle.losses()->memory()));
+    width = std::min(width, 1.0 - radius);
+  }
+  return kDigits / width;
+}
+
+/// Whether twice as many nodes gain nothing. Beyond the resolving nodes a change is rounding, which near the border of
+/// stability is magnified.
+bool has_settled(double change, double before, bool resolved) {
+  return change <= 1e-12 || is_converged(change, before) || (resolved && change <= 1e-6 && change >= 0.1 * before);
 }
 
 /// values(spectra) with ever more nodes, until they settle.
 template <class Values>
 std::vector<double> settled(const BurstPattern& pattern, const Values& values) {
   std::size_t nodes = first_nodes(pattern);
+  const double resolving = resolving_nodes(pattern);
   std::vector<double> coarse = values(BurstSpectra(pattern, nodes));
   for (double before = kInfinity; nodes < kMostNodes;) {
     nodes *= 2;
     std::vector<double> fine = values(BurstSpectra(pattern, nodes));
     const double change = largest_change(coarse, fine);
-    if (has_settled(change, before)) return fine;
+    if (has_settled(change, before, static_cast<double>(nodes) > resolving)) return fine;
     coarse.swap(fine);
     before = change;
   }
@@ -242,6 +257,7 @@ double burst_loss_gain(const BurstPattern& pattern, bool sign_only) {
     return perron_root(losses, losses.dimensions());
   };
   std::size_t nodes = first_nodes(pattern);
+  const double resolving = resolving_nodes(pattern);
   double coarse = root(BurstSpectra(pattern, nodes));
   for (double before = kInfinity; nodes < kMostNodes;) {
     if (sign_only && nodes == kCheapNodes) {
@@ -253,7 +269,7 @@ double burst_loss_gain(const BurstPattern& pattern, bool sign_only) {
     }
     nodes *= 2;
     const double fine = root(BurstSpectra(pattern, nodes)), change = std::abs(fine - coarse) / fine;
-    if (has_settled(change, before)) return fine;
+    if (has_settled(change, before, static_cast<double>(nodes) > resolving)) return fine;
     if (sign_only && std::abs(fine - coarse) < 0.01 * std::abs(fine - 1.0)) return fine;
     coarse = fine;
     before = change;

@@ -125,7 +125,7 @@ TEST(BurstString, OfIndependentLossesIsTheTheoryOfThem) {
     const double limit = linked.limit_variance.value_or(1.0);
     EXPECT_NEAR(burst.limit_variance.value_or(1.0) / limit, 1.0, 1e-10);
   };
-  for (const double headway : {2.4, 3.2}) {
+  for (const double headway : {2.4, 3.2, 400.0}) {
     compare(with_bursts(0.1, 1.0 / 0.9, {2.0, -1.0}, headway));
     compare(with_bursts(0.6, 2.5, {1.0}, headway));
     PlatoonModel model = with_bursts(0.2, 1.25, {1.5, -0.8, 0.3}, headway);
