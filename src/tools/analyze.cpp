@@ -15,6 +15,8 @@
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/burst_moments.hpp"
+#include "stochastic_platoon/math/string/burst_pattern.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/configuration/spaced.hpp"
@@ -183,6 +185,12 @@ int main(int argc, char** argv) {
     if (configuration.run.averaging() == platoon::Averaging::over_time)
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 here"});
     const platoon::PlatoonModel& model = configuration.model;
+    if (platoon::theory_of(model) == platoon::Theory::exact && platoon::has_bursts(model) &&
+        !platoon::has_feasible_burst_moments(configuration.run.followers, configuration.run.steps)) {
+      throw platoon::ConfigurationError({platoon::formatted(
+          "steps: %lld: must be at most %.0f with losses in bursts, and followers x steps^2 at most %.0e",
+          static_cast<long long>(configuration.run.steps), platoon::kMostBurstSteps, platoon::kMostBurstCells)});
+    }
     std::vector<platoon::SweepPoint> points;
     platoon::Analysis analysis{};
     {

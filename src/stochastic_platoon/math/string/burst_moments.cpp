@@ -259,4 +259,9 @@ ErrorMoments burst_error_moments(const PlatoonModel& model, std::size_t follower
   return moments;
 }
 
+bool has_feasible_burst_moments(std::size_t followers, std::int64_t steps) {
+  const auto count = static_cast<double>(steps);
+  return count <= kMostBurstSteps && static_cast<double>(followers) * count * count <= kMostBurstCells;
+}
+
 }  // namespace platoon

@@ -24,4 +24,10 @@ namespace platoon {
 /// equilibrium.
 ErrorMoments burst_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
+/// Limits of followers x steps^2, about half a minute, and of steps, as some matrices of steps^2 numbers are kept.
+constexpr double kMostBurstCells = 1e8, kMostBurstSteps = 2000.0;
+
+/// Whether burst_error_moments() is within both limits.
+bool has_feasible_burst_moments(std::size_t followers, std::int64_t steps);
+
 }  // namespace platoon

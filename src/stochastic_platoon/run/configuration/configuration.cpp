@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/burst_moments.hpp"
 #include "stochastic_platoon/math/string/burst_pattern.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
@@ -30,10 +31,6 @@ void require_version(Section& document, std::vector<std::string>& problems) {
 // Limit of followers^2 x steps for exact variances with losses: about a minute of computation.
 constexpr double kMostLossResponses = 1e10;
 
-// Limits for losses in bursts: followers x steps^2, about half a minute, and a fifth of it by default; steps, as some
-// matrices of steps^2 numbers are kept.
-constexpr double kMostBurstCells = 1e8, kMostBurstSteps = 2000.0;
-
 bool has_independent_losses(const PlatoonModel& model) {
   return any_link(model, [](const LinkModel& link) { return link.loses() && link.loss->is_independent(); });
 }
@@ -42,22 +39,7 @@ bool has_burst_theory(const PlatoonModel& model) {
   return has_bursts(model) && !no_burst_theory(model);
 }
 
-void require_feasible_burst_theory(const RunOptions& run, std::vector<std::string>& problems) {
-  const auto steps = static_cast<double>(run.steps);
-  const double most = std::floor(kMostBurstCells / (steps * steps));
-  if (steps > kMostBurstSteps) {
-    problems.push_back(formatted(
-        "run/steps: %lld: must be at most %.0f with losses in bursts, whose theory takes the square of it (steps: 0 averages over time instead)",
-        static_cast<long long>(run.steps), kMostBurstSteps));
-  } else if (static_cast<double>(run.followers) > most) {
-    problems.push_back(formatted(
-        "run/followers: %zu: must be at most %.0f with losses in bursts and %lld steps, whose theory takes the square of the steps (steps: 0 averages over time instead)",
-        run.followers, most, static_cast<long long>(run.steps)));
-  }
-}
-
 void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, std::vector<std::string>& problems) {
-  if (run.steps > 0 && has_burst_theory(model)) return require_feasible_burst_theory(run, problems);
   const double most =
       std::floor(std::sqrt(kMostLossResponses / static_cast<double>(std::max<std::int64_t>(run.steps, 1))));
   if (run.steps == 0 || static_cast<double>(run.followers) <= most || !has_independent_losses(model)) return;

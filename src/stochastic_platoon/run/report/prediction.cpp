@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/burst_moments.hpp"
 #include "stochastic_platoon/math/string/burst_pattern.hpp"
 #include "stochastic_platoon/math/string/collision_risk.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
@@ -104,6 +105,12 @@ Prediction predict(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   if (theory_of(configuration.model) == Theory::none)
     return no_prediction(configuration, reason_without_theory(configuration.model));
+  const bool in_bursts = has_bursts(configuration.model);
+  if (in_bursts && run.steps > 0 && !has_feasible_burst_moments(run.followers, run.steps)) {
+    return no_prediction(configuration,
+                         formatted("the exact moments of losses in bursts take the square of the %lld steps",
+                                   static_cast<long long>(run.steps)));
+  }
   if (run.followers_before_external() == 0)
     return no_prediction(configuration, "vehicle_1, which the others follow, is external");
   Prediction prediction{
@@ -113,10 +120,9 @@ Prediction predict(const Configuration& configuration) {
                                                      : stationary_means(configuration.model, run.followers);
     prediction.variance = prediction.stationary_variance;
     prediction.warning = burn_in_warning(configuration);
-    if (prediction.warning.empty() && !has_bursts(configuration.model))
+    if (prediction.warning.empty() && !in_bursts)
       prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
-    const bool in_bursts = has_bursts(configuration.model);
     ErrorMoments moments =
         loses(configuration.model) && !in_bursts
             ? linked_error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant)
