@@ -227,6 +227,8 @@ YAML::Node configuration_document(const Configuration& base, const std::map<std:
 void override_value(YAML::Node& document, const std::string& name, const YAML::Node& value) {
   for (const Setting& setting : settings()) {
     if (name != setting.name) continue;
+    // A mapping is the section of this name.
+    if (value.IsMap() && setting.other_unit != nullptr && name == setting.other_unit) break;
     if (setting.model_key == nullptr) {
       document["run"][name] = YAML::Clone(value);
       return;

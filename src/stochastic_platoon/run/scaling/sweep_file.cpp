@@ -14,10 +14,10 @@ namespace platoon {
 
 namespace {
 
-const std::vector<std::string> kShared = {"headway", "noise_variance", "loss",         "delay", "followers",
-                                          "steps",   "seed",           "realizations", "batch"};
-const std::vector<std::string> kVarying = {"headway",   "noise_variance", "loss", "delay",
-                                           "followers", "steps",          "seed", "realizations"};
+const std::vector<std::string> kShared = {"headway",   "noise_variance", "loss", "mean_burst",   "delay", "leader",
+                                          "followers", "steps",          "seed", "realizations", "batch"};
+const std::vector<std::string> kVarying = {"headway", "noise_variance", "loss",  "mean_burst", "delay",
+                                           "leader",  "followers",      "steps", "seed",       "realizations"};
 
 bool is_among(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -34,7 +34,12 @@ bool is_setting(const std::string& name) {
   return std::any_of(all.begin(), all.end(), [&](const Setting& setting) { return name == setting.name; });
 }
 
-std::vector<SweepAxis> read_axes(const YAML::Node& node, Section section) {
+// A file that a sweep names lies beside it.
+std::string beside(const std::string& sweep_file, const std::string& named) {
+  return (std::filesystem::path(sweep_file).parent_path() / named).string();
+}
+
+std::vector<SweepAxis> read_axes(const YAML::Node& node, const std::string& file, Section section) {
   std::vector<SweepAxis> axes;
   for (const std::string& name : section.keys()) {
     const YAML::Node value = node[name];
@@ -46,7 +51,10 @@ std::vector<SweepAxis> read_axes(const YAML::Node& node, Section section) {
     }
     SweepAxis axis{name, {}};
     if (value.IsScalar()) axis.spaced = parse_spaced(value.Scalar());
-    for (std::size_t i = 0; value.IsSequence() && i < value.size(); ++i) axis.list.push_back(value[i]);
+    for (std::size_t i = 0; value.IsSequence() && i < value.size(); ++i) {
+      const bool is_drive = name == "leader" && value[i].IsScalar();
+      axis.list.push_back(is_drive ? YAML::Node(beside(file, value[i].Scalar())) : value[i]);
+    }
     if (axis.size() == 0) {
       section.reject(name, value.IsScalar() ? printable(shortened(value.Scalar())) : "no value",
                      "a list of values, or FROM:TO:COUNT");
@@ -106,12 +114,6 @@ void check_points(const Sweep& sweep, std::vector<std::string>& problems) {
     problems.push_back(formatted("keep: %.10g rows: must be at most ", rows) + std::to_string(Sweep::kMostRows) +
                        " (keep fewer followers or steps)");
   }
-}
-
-std::string model_named(Section& document, const std::string& file, const std::string& otherwise) {
-  if (!document.has("model")) return otherwise;
-  const std::filesystem::path named = document.text("model");
-  return (std::filesystem::path(file).parent_path() / named).string();
 }
 
 }  // namespace
@@ -180,15 +182,16 @@ Sweep read_sweep(const std::string& file, const std::map<std::string, std::strin
   Section document(node, "", problems);
   Sweep sweep;
   std::map<std::string, std::string> shared;
-  shared["model"] = model_named(document, file, model);
+  shared["model"] = document.has("model") ? beside(file, document.text("model")) : model;
   for (const std::string& name : kShared) {
     if (document.has(name)) shared[name] = document.text(name);
   }
+  if (shared.count("leader") > 0) shared["leader"] = beside(file, shared["leader"]);
   for (const auto& entry : given) shared[entry.first] = entry.second;
   shared.emplace("batch", kMonteCarloBatch);
   const bool varies = document.has("vary") && node["vary"].IsMap();
   Section vary = document.section("vary");
-  if (varies) sweep.axes = read_axes(node["vary"], vary);
+  if (varies) sweep.axes = read_axes(node["vary"], file, vary);
   sweep.paired = document.has("combine") && document.choice("combine", {"grid", "paired"}) == "paired";
   if (document.has("shards")) sweep.shards = static_cast<std::uint64_t>(document.integer("shards", 1, kMostShards));
   if (document.has("keep")) {

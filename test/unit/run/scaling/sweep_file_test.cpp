@@ -62,6 +62,20 @@ TEST(SweepFile, VariesAnyKeyOfTheModelFile) {
   EXPECT_EQ(sweep.configuration(0).model.default_vehicle().link.delay, 0u);
 }
 
+TEST(SweepFile, VariesRecordedDrivesThatLieBesideIt) {
+  const TemporaryFolder folder;
+  for (const auto& [name, speed] : {std::pair("slow.csv", "1"), std::pair("fast.csv", "2")}) {
+    std::string table = "time,speed\n";
+    for (int second = 0; second <= 12; ++second) table += std::to_string(second) + "," + speed + "\n";
+    folder.file(name, table);
+  }
+  const Sweep sweep =
+      read_sweep(folder.file("sweep.yaml", "vary: {leader: [slow.csv, fast.csv, {speed: []}]}\n"), {}, kModel);
+  EXPECT_NEAR(sweep.configuration(0).model.recorded_leader.at(101), 10.0, 1e-9);
+  EXPECT_NEAR(sweep.configuration(1).model.recorded_leader.at(101), 20.0, 1e-9);
+  EXPECT_TRUE(sweep.configuration(2).model.recorded_leader.empty());
+}
+
 TEST(SweepFile, HasTheSettingsOfTheRunsAndWhatIsKept) {
   const Sweep sweep = sweep_of(
       "vary: {headway: [3]}\nrealizations: 1e5\nfollowers: 7\nsteps: 30\nloss: 0.2\nshards: 8\n"
@@ -99,13 +113,13 @@ TEST(SweepFile, OfAbsurdSizeIsCountedAndRefused) {
 TEST(SweepFile, NamesWhatIsWrongAllAtOnce) {
   EXPECT_EQ(refusal("vary: {headway: 4:2:3, output: [a], delay: []}\ncombine: all\nshard: 3\nkeep: {who: all}\n"),
             "6 errors:\n  vary/headway: 4:2:3: must be a list of values, or FROM:TO:COUNT\n"
-            "  vary/output: given: must be headway, noise_variance, loss, delay, followers, steps, seed, "
-            "realizations, or a key of the model file, as channel/delay\n"
+            "  vary/output: given: must be headway, noise_variance, loss, mean_burst, delay, leader, followers, steps, "
+            "seed, realizations, or a key of the model file, as channel/delay\n"
             "  vary/delay: no value: must be a list of values, or FROM:TO:COUNT\n"
             "  combine: all: must be grid or paired\n"
             "  keep/who: unknown key: allowed are followers, steps\n"
-            "  shard: unknown key: allowed are batch, combine, delay, followers, headway, keep, loss, model, "
-            "noise_variance, realizations, seed, shards, steps, vary");
+            "  shard: unknown key: allowed are batch, combine, delay, followers, headway, keep, leader, loss, "
+            "mean_burst, model, noise_variance, realizations, seed, shards, steps, vary");
   EXPECT_EQ(refusal("followers: 3\n"), "vary: missing: must be a mapping of keys");
   EXPECT_EQ(refusal("vary: {}\n"), "vary/: nothing varies: must name what does");
 }

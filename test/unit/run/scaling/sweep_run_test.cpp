@@ -96,7 +96,7 @@ TEST(Sweep, HasARowPerPointAndFollowerOfMeasurementAndTheory) {
 
 TEST(Sweep, LeavesEmptyWhatThereIsNoTheoryOf) {
   const Sweep sweep = sweep_of(
-      "vary: {channel: [{loss: {probability: 0.1, mean_burst: 2.5, on_loss: hold}}]}\nfollowers: 2\nsteps: "
+      "vary: {channel: [{loss: {probability: 0.5, mean_burst: 1, on_loss: hold}}]}\nfollowers: 2\nsteps: "
       "5\n"
       "realizations: 2000\nkeep: {followers: last, steps: all}\n");
   const auto table = table_of(computed(sweep, 1));
