@@ -3,27 +3,16 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
+#include <unsupported/Eigen/KroneckerProduct>
 
 #include "stochastic_platoon/math/numerics/eigenvalues.hpp"
 
 namespace platoon {
 
 bool LossModel::is_independent() const {
+  if (trace && probability > 0.0) return false;
   return !mean_burst || std::abs(after_loss() - after_arrival()) < 1e-15;
 }
-
-namespace {
-
-Eigen::MatrixXd kronecker_square(const Eigen::MatrixXd& a) {
-  const Eigen::Index n = a.rows();
-  Eigen::MatrixXd square(n * n, n * n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < n; ++j) square.block(i * n, j * n, n, n) = a(i, j) * a;
-  }
-  return square;
-}
-
-}  // namespace
 
 double second_moment_radius(const LossModel& loss) {
   if (loss.predictor.empty()) return 0.0;
@@ -32,7 +21,8 @@ double second_moment_radius(const LossModel& loss) {
   arrived.diagonal(-1).setOnes();
   Eigen::MatrixXd lost = arrived;
   lost.row(0) = Eigen::Map<const Eigen::RowVectorXd>(loss.predictor.data(), n);
-  const Eigen::MatrixXd a = kronecker_square(arrived), b = kronecker_square(lost);
+  const Eigen::MatrixXd a = Eigen::kroneckerProduct(arrived, arrived).eval(),
+                        b = Eigen::kroneckerProduct(lost, lost).eval();
   if (loss.is_independent()) {
     const double q = loss.probability;
     return spectral_radius((1.0 - q) * a + q * b);
@@ -52,7 +42,7 @@ double loss_feedback(const LossModel& loss) {
   step.diagonal(-1).setOnes();
   step.row(0) = loss.probability * c.transpose();
   if (spectral_radius(step) >= 1.0) return std::numeric_limits<double>::infinity();
-  const Eigen::VectorXd x = (Eigen::MatrixXd::Identity(n * n, n * n) - kronecker_square(step))
+  const Eigen::VectorXd x = (Eigen::MatrixXd::Identity(n * n, n * n) - Eigen::kroneckerProduct(step, step).eval())
                                 .partialPivLu()
                                 .solve(Eigen::VectorXd::Unit(n * n, 0));
   const Eigen::MatrixXd gramian = Eigen::Map<const Eigen::MatrixXd>(x.data(), n, n);
@@ -77,13 +67,15 @@ bool same(const TransferFunction& one, const TransferFunction& other) {
 
 }  // namespace
 
+bool operator==(const LossModel& one, const LossModel& other) {
+  const bool same_trace = one.trace == other.trace || (one.trace && other.trace && *one.trace == *other.trace);
+  return same_trace && one.probability == other.probability && one.mean_burst == other.mean_burst &&
+         one.predictor == other.predictor;
+}
+
 bool operator==(const LinkModel& one, const LinkModel& other) {
-  const bool same_loss =
-      one.loss.has_value() == other.loss.has_value() &&
-      (!one.loss || (one.loss->probability == other.loss->probability &&
-                     one.loss->mean_burst == other.loss->mean_burst && one.loss->predictor == other.loss->predictor));
-  return same_loss && same(one.noise_filter, other.noise_filter) && one.quantisation_step == other.quantisation_step &&
-         one.delay == other.delay;
+  return one.loss == other.loss && same(one.noise_filter, other.noise_filter) &&
+         one.quantisation_step == other.quantisation_step && one.delay == other.delay;
 }
 
 }  // namespace platoon

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "stochastic_platoon/math/model/loss_trace.hpp"
 #include "stochastic_platoon/math/model/transfer_function.hpp"
 
 namespace platoon {
@@ -15,6 +17,9 @@ struct LossModel {
   double probability = 0.0;               ///< q, in [0, 1)
   std::optional<double> mean_burst = {};  ///< b >= max(1, q / (1 - q)) [steps]; none: independent losses
   std::vector<double> predictor = {1.0};  ///< c_1, c_2, ..., of sum 1: holding is [1]; empty: 0 (radios only)
+  /// The recorded losses, which probability and mean burst then only describe: entry (o + k) modulo its size decides at
+  /// step k, where every link and realization has an offset o of its own. None: a random chain.
+  std::shared_ptr<const LossTrace> trace = {};
 
   /// The b of independent losses: 1 / (1 - q).
   double independent_burst() const { return 1.0 / (1.0 - probability); }
@@ -22,7 +27,7 @@ struct LossModel {
   /// The smallest mean burst of any chain with this probability: max(1, q / (1 - q)).
   double least_burst() const { return std::max(1.0, probability / (1.0 - probability)); }
 
-  /// Whether the losses are independent: no mean burst, or the mean burst of independent losses.
+  /// Whether the losses are independent: random without a mean burst, or with that of independent losses.
   bool is_independent() const;
 
   /// Probability of a loss after a loss, 1 - 1 / b, and after an arrival, q / (b (1 - q)); both are q for independent
@@ -60,6 +65,8 @@ struct LinkModel {
   /// Whether the link is the paper's: white noise and nothing else. A loss of probability 0 changes nothing.
   bool is_white_noise_only() const;
 };
+
+bool operator==(const LossModel& one, const LossModel& other);
 
 /// Whether two links behave identically.
 bool operator==(const LinkModel& one, const LinkModel& other);

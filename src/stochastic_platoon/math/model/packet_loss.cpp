@@ -40,6 +40,19 @@ void lose_independently(const double* uniforms, const double* predicted, double 
 
 }  // namespace detail
 
+namespace {
+
+// Replaces the positions that a trace loses at this step, and goes to its next entry.
+void lose_as_recorded(const LossTrace& trace, const double* predicted, std::size_t size, std::uint32_t* entry,
+                      double* positions) {
+  for (std::size_t r = 0; r < size; ++r) {
+    if (trace.is_lost(entry[r])) positions[r] = predicted[r];
+    entry[r] = entry[r] + 1 < trace.size() ? entry[r] + 1 : 0;
+  }
+}
+
+}  // namespace
+
 PacketLoss::PacketLoss(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver)
     : loss_(loss), draws_(seed), receiver_(receiver), used_(loss.predictor.size()) {
   if (!(loss.probability >= 0.0 && loss.probability < 1.0)) {
@@ -48,10 +61,15 @@ PacketLoss::PacketLoss(const LossModel& loss, std::uint64_t seed, std::uint32_t 
   }
 }
 
-void PacketLoss::start(std::uint64_t, std::size_t count, const double* positions) {
+void PacketLoss::start(std::uint64_t first_realization, std::size_t count, const double* positions) {
   for (AlignedValues& used : used_) used.assign(positions, positions + count);
   chance_.assign(count, loss_.probability);
   newest_ = 0;
+  if (!loss_.trace) return;
+  const auto entries = static_cast<double>(loss_.trace->size());
+  draws_.fill_uniform({receiver_, -1, Purpose::loss}, first_realization, count, chance_.data());
+  entry_.resize(count);
+  for (std::size_t r = 0; r < count; ++r) entry_[r] = static_cast<std::uint32_t>(entries * chance_[r]);
 }
 
 void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
@@ -59,7 +77,8 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
   const std::size_t n = used_.size(), oldest = n > 0 ? (newest_ + n - 1) % n : 0;
   for (std::size_t r = 0; r < count; r += kTile) {
     const std::size_t size = std::min(kTile, count - r);
-    draws_.fill_uniform({receiver_, step, Purpose::loss}, first_realization + r, size, uniforms.data());
+    if (!loss_.trace)
+      draws_.fill_uniform({receiver_, step, Purpose::loss}, first_realization + r, size, uniforms.data());
     const double* guess = predicted.data();
     if (n == 0) {
       predicted.fill(0.0);
@@ -70,7 +89,9 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
       for (std::size_t j = 1; j < n; ++j)
         detail::add_multiple(loss_.predictor[j], &used_[(newest_ + j) % n][r], size, predicted.data());
     }
-    if (loss_.mean_burst) {
+    if (loss_.trace) {
+      lose_as_recorded(*loss_.trace, guess, size, &entry_[r], positions + r);
+    } else if (loss_.mean_burst) {
       detail::lose(uniforms.data(), guess, loss_.after_loss(), loss_.after_arrival(), size, &chance_[r], positions + r);
     } else {
       detail::lose_independently(uniforms.data(), guess, loss_.probability, size, positions + r);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "stochastic_platoon/math/model/link_model.hpp"
@@ -8,9 +9,9 @@
 
 namespace platoon {
 
-/// Loses positions, independently or in bursts, and replaces each by a prediction from its earlier outputs: r(k) = s(k)
-/// if s(k) arrives and c_1 r(k-1) + c_2 r(k-2) + ... if it is lost, with r(-1), r(-2), ... the position of step -1. See
-/// LossModel. Without coefficients a lost value is replaced by 0.
+/// Loses positions, independently, in bursts or as recorded, and replaces each by a prediction from its earlier
+/// outputs: r(k) = s(k) if s(k) arrives and c_1 r(k-1) + c_2 r(k-2) + ... if it is lost, with r(-1), r(-2), ... the
+/// position of step -1. See LossModel. Without coefficients a lost value is replaced by 0.
 class PacketLoss : public LinkStage {
 public:
   /// receiver is i >= 1. Throws std::invalid_argument unless 0 <= q < 1.
@@ -26,7 +27,8 @@ private:
   std::uint32_t receiver_;
   std::vector<AlignedValues> used_;  ///< ring of r(k-1), r(k-2), ... from newest_ on, per realization
   std::size_t newest_ = 0;
-  AlignedValues chance_;  ///< probability of a loss at the next step, per realization
+  AlignedValues chance_;              ///< probability of a loss at the next step, per realization
+  std::vector<std::uint32_t> entry_;  ///< of the trace at the next step, per realization
 };
 
 }  // namespace platoon

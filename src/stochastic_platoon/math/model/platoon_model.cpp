@@ -68,6 +68,7 @@ PlatoonModel with_loss(PlatoonModel model, double probability) {
     LossModel& loss = *varied_link(type.vehicle).loss;
     loss.probability = probability;
     loss.mean_burst.reset();
+    loss.trace.reset();
   }
   return model;
 }

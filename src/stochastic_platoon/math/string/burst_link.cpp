@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <stdexcept>
+#include <unsupported/Eigen/KroneckerProduct>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 
@@ -12,15 +13,6 @@ namespace platoon {
 namespace {
 
 using Complex = std::complex<double>;
-
-Eigen::MatrixXd kronecker_square(const Eigen::MatrixXd& a) {
-  const Eigen::Index n = a.rows();
-  Eigen::MatrixXd square(n * n, n * n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < n; ++j) square.block(i * n, j * n, n, n) = a(i, j) * a;
-  }
-  return square;
-}
 
 void require_theory(const LossModel& loss, double memory) {
   if (!(loss.probability > 0.0 && loss.probability < 1.0))
@@ -61,7 +53,8 @@ BurstLink::BurstLink(const LossModel& loss)
   transition_ << (1.0 - to_loss) * arrived, (1.0 - stays_lost) * arrived, to_loss * lost, stays_lost * lost;
 
   const Eigen::Index squares = n_ * n_;
-  const Eigen::MatrixXd of_arrived = kronecker_square(arrived), of_lost = kronecker_square(lost);
+  const Eigen::MatrixXd of_arrived = Eigen::kroneckerProduct(arrived, arrived).eval(),
+                        of_lost = Eigen::kroneckerProduct(lost, lost).eval();
   Eigen::MatrixXd second(2 * squares, 2 * squares);
   second << (1.0 - to_loss) * of_arrived, (1.0 - stays_lost) * of_arrived, to_loss * of_lost, stays_lost * of_lost;
   Eigen::MatrixXd drives = Eigen::MatrixXd::Zero(2 * squares, 2 * n_);  // (row, column) of Q_1 is at column n + row

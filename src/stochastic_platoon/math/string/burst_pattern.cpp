@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/text.hpp"
+
 namespace platoon {
 
 namespace {
@@ -92,7 +94,16 @@ bool has_bursts(const PlatoonModel& model) {
   return any_link(model, [](const LinkModel& link) { return link.loss && !link.loss->is_independent(); });
 }
 
-std::optional<const char*> no_burst_theory(const PlatoonModel& model) {
+std::optional<std::string> no_burst_theory(const PlatoonModel& model) {
+  const LossModel* recorded = nullptr;
+  any_link(model, [&](const LinkModel& link) {
+    if (link.loses() && link.loss->trace) recorded = &*link.loss;
+    return recorded != nullptr;
+  });
+  if (recorded != nullptr)
+    return formatted(
+        "losses follow a recorded trace, of loss probability %.6g and mean burst %.6g (random losses with these two have a theory)",
+        recorded->probability, *recorded->mean_burst);
   if (has_feed_forward(model)) return "losses come in bursts in a string with radios";
   if (any_link(model, [](const LinkModel& link) { return link.loses() && alternates(*link.loss); }))
     return "losses and arrivals strictly alternate";

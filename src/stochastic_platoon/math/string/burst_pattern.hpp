@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/math/string/burst_link.hpp"
@@ -62,8 +63,8 @@ BurstPattern burst_pattern(const PlatoonModel& model, const BurstPattern& known 
 /// Whether a link of the string loses in bursts.
 bool has_bursts(const PlatoonModel& model);
 
-/// The reason why a platoon with losses in bursts has no theory: a radio, or losses that strictly alternate with
-/// arrivals (q = 1/2 and mean burst 1). None if it has one.
-std::optional<const char*> no_burst_theory(const PlatoonModel& model);
+/// The reason why a platoon with losses in bursts has no theory: recorded losses, a radio, or losses that strictly
+/// alternate with arrivals (q = 1/2 and mean burst 1). None if it has one.
+std::optional<std::string> no_burst_theory(const PlatoonModel& model);
 
 }  // namespace platoon

@@ -21,7 +21,7 @@ constexpr double kMarginAccuracy = 1e-4;  // of a margin whose sign decides
 constexpr std::size_t kFewestNodes = 128, kMostNodes = std::size_t{1} << 18;
 
 void require_theory(const PlatoonModel& model) {
-  if (const std::optional<const char*> reason = no_burst_theory(model))
+  if (const std::optional<std::string> reason = no_burst_theory(model))
     throw std::invalid_argument(std::string("mean_burst: no theory, as ") + *reason);
 }
 

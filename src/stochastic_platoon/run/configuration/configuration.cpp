@@ -171,8 +171,21 @@ std::string path_of_link(const std::string& key, const YAML::Node& model) {
   return path;
 }
 
+// Removes the key at the path "a/b", if there is one.
+void remove_at(const std::string& path, YAML::Node node) {
+  const std::size_t slash = path.find('/');
+  const std::string key = path.substr(0, slash);
+  if (slash == std::string::npos) {
+    if (node.IsMap()) node.remove(key);
+  } else if (node.IsSequence()) {
+    remove_at(path.substr(slash + 1), node[std::stoul(key)]);
+  } else if (node.IsMap() && node[key]) {
+    remove_at(path.substr(slash + 1), node[key]);
+  }
+}
+
 bool put_model_key(const Setting& setting, const YAML::Node& value, YAML::Node model) {
-  if (setting.other_unit != nullptr && model.IsMap()) model.remove(setting.other_unit);
+  for (const char* key : setting.replaces) remove_at(path_of_link(key, model), model);
   return put_at(path_of_link(setting.model_key, model), value, model);
 }
 
@@ -189,13 +202,31 @@ void put(const Setting& setting, const std::string& value, YAML::Node& document)
 
 namespace {
 
-// A file that the model names lies beside it.
+// The value at a key; null unless the node is a mapping that has it.
+YAML::Node value_at(const YAML::Node& node, const char* key) {
+  return node.IsMap() && node[key] ? node[key] : YAML::Node();
+}
+
+// A table that the model names lies beside it.
+void resolve_table(const std::filesystem::path& folder, const YAML::Node& section, const char* key) {
+  YAML::Node file = value_at(section, key);
+  if (file.IsScalar()) file = (folder / file.Scalar()).string();
+}
+
+void resolve_traces(const std::filesystem::path& folder, const YAML::Node& vehicle) {
+  const auto of_link = [&](const YAML::Node& input) {
+    resolve_table(folder, value_at(value_at(input, "channel"), "loss"), "trace");
+  };
+  of_link(vehicle);
+  for (const YAML::Node& input : value_at(vehicle, "inputs")) of_link(input);
+}
+
 YAML::Node load_model(const std::string& file) {
   YAML::Node model = load_yaml(file);
-  if (!model.IsMap() || !model["leader"] || !model["leader"].IsMap()) return model;
-  const YAML::Node drive = model["leader"]["file"];
-  if (drive && drive.IsScalar() && std::filesystem::path(drive.Scalar()).is_relative())
-    model["leader"]["file"] = (std::filesystem::absolute(file).parent_path() / drive.Scalar()).string();
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  resolve_table(folder, value_at(model, "leader"), "file");
+  resolve_traces(folder, model);
+  for (const auto& type : value_at(model, "vehicle_types")) resolve_traces(folder, type.second);
   return model;
 }
 
@@ -228,7 +259,7 @@ void override_value(YAML::Node& document, const std::string& name, const YAML::N
   for (const Setting& setting : settings()) {
     if (name != setting.name) continue;
     // A mapping is the section of this name.
-    if (value.IsMap() && setting.other_unit != nullptr && name == setting.other_unit) break;
+    if (value.IsMap() && std::count(setting.replaces.begin(), setting.replaces.end(), name) > 0) break;
     if (setting.model_key == nullptr) {
       document["run"][name] = YAML::Clone(value);
       return;

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 
 #include "stochastic_platoon/math/numerics/delta_form.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/fraction.hpp"
+#include "stochastic_platoon/run/configuration/number_table.hpp"
 
 namespace platoon {
 
@@ -57,6 +59,48 @@ void check_burst(Section& section, const LossModel& loss) {
           least, q, loss.independent_burst()));
 }
 
+LossTrace trace_of(const std::string& file, const std::string& column) {
+  NumberTable table(file, 0, {column});
+  std::vector<bool> received;
+  while (table.next()) {
+    const double value = table.number(0, kLargest);
+    if (value != 0.0 && value != 1.0) table.fail_row(column + formatted(": %g: must be 0 or 1", value));
+    received.push_back(value == 1.0);
+  }
+  try {
+    return LossTrace(std::move(received));
+  } catch (const std::invalid_argument& error) {
+    table.fail(error.what());
+  }
+}
+
+// The recorded losses and what describes them; a mean burst of nothing lost would be no number.
+void read_trace(Section& section, LossModel& loss) {
+  const bool is_file = section.has("trace");
+  const std::string key = is_file ? "trace" : "runs", text = section.text(key);
+  const std::string column = section.has("column") ? section.text("column") : "received";
+  for (const char* other : {"probability", "mean_burst"}) {
+    if (section.has(other)) section.reject(other, "given", "absent beside " + key);
+  }
+  if (is_file && section.has("runs")) section.reject("runs", "given", "absent beside trace");
+  try {
+    loss.trace = std::make_shared<LossTrace>(is_file ? trace_of(text, column) : LossTrace::of_runs(text));
+  } catch (const std::invalid_argument& error) {
+    section.report(key + ": " + error.what());
+    return;
+  }
+  loss.probability = loss.trace->probability();
+  loss.mean_burst.reset();
+  if (loss.probability > 0.0) loss.mean_burst = loss.trace->mean_burst();
+}
+
+void check_trace_growth(Section& section, const LossModel& loss) {
+  const double growth = loss.trace->growth(loss.predictor);
+  if (growth < 1.0) return;
+  section.reject("on_loss", formatted("predictions that grow by a factor of %g over the trace", growth),
+                 "ones that do not grow (allow_unstable: true runs them all the same)");
+}
+
 void check_growth(Section& section, const LossModel& loss) {
   const double radius = second_moment_radius(loss);
   if (radius < 1.0) return;
@@ -74,19 +118,30 @@ void check_growth(Section& section, const LossModel& loss) {
 LossModel read_loss(Section section, const std::optional<LossModel>& base, bool allow_unstable, LinkedSignal signal) {
   const std::size_t before = section.problems();
   LossModel loss = base.value_or(LossModel());
-  if (!base || section.has("probability")) loss.probability = section.number("probability", kLossProbability);
-  if (section.has("mean_burst")) loss.mean_burst = section.number("mean_burst", kPositive);
-  if (loss.mean_burst && section.problems() == before) check_burst(section, loss);
+  if (section.has("trace") || section.has("runs")) {
+    read_trace(section, loss);
+  } else if (!base || section.has("probability")) {
+    loss.probability = section.number("probability", kLossProbability);
+    if (loss.trace) loss.mean_burst.reset();
+    loss.trace.reset();
+  }
+  if (!loss.trace && section.has("mean_burst")) loss.mean_burst = section.number("mean_burst", kPositive);
+  if (!loss.trace && loss.mean_burst && section.problems() == before) check_burst(section, loss);
   if (section.has("on_loss")) loss.predictor = read_predictor(section, signal);
   section.reject_unknown_keys();
   if (section.problems() > before) return LossModel();
-  if (!allow_unstable) check_growth(section, loss);
+  if (!allow_unstable) loss.trace ? check_trace_growth(section, loss) : check_growth(section, loss);
   return loss;
 }
 
 nlohmann::json to_json(const LossModel& loss) {
-  nlohmann::json document = {{"probability", loss.probability}, {"on_loss", loss.predictor}};
+  nlohmann::json document = {{"on_loss", loss.predictor}};
   if (loss.predictor.empty()) document["on_loss"] = "zero";
+  if (loss.trace) {
+    document["runs"] = loss.trace->runs();
+    return document;
+  }
+  document["probability"] = loss.probability;
   if (loss.mean_burst) document["mean_burst"] = *loss.mean_burst;
   return document;
 }

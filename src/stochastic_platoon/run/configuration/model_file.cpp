@@ -111,8 +111,10 @@ Inherited inherited_by(Section& type, const VehicleModel& base) {
   if (!inherited.loss_probability || base.feed_forward || !type.has("channel")) return inherited;
   Section channel = type.section("channel");
   if (!channel.has("loss")) return inherited;
-  inherited.loss_probability = !channel.section("loss").has("probability");
-  inherited.mean_burst = !channel.section("loss").has("mean_burst");
+  Section loss = channel.section("loss");
+  const bool is_recorded = loss.has("trace") || loss.has("runs");
+  inherited.loss_probability = !is_recorded && !loss.has("probability");
+  inherited.mean_burst = !is_recorded && !loss.has("mean_burst");
   return inherited;
 }
 
@@ -257,7 +259,10 @@ nlohmann::json to_json(const PlatoonModel& model) {
       continue;
     }
     if (type.vehicle.feed_forward) continue;
-    if (type.inherited.loss_probability) written["channel"]["loss"].erase("probability");
+    if (type.inherited.loss_probability) {
+      written["channel"]["loss"].erase("probability");
+      written["channel"]["loss"].erase("runs");
+    }
     if (type.inherited.mean_burst) written["channel"]["loss"].erase("mean_burst");
   }
   for (const std::size_t type : model.string) document["string"].push_back(model.types.at(type).name);

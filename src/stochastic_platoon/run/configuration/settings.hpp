@@ -13,8 +13,8 @@ struct Setting {
   const char* help;
   /// The model file key that a non-empty value overrides, nested keys as "a/b"; null: none.
   const char* model_key;
-  /// The model file key that a value replaces besides, as one quantity in another unit; null: none.
-  const char* other_unit = nullptr;
+  /// The model file keys that a value replaces besides: the same quantity in another unit or form.
+  std::vector<const char*> replaces = {};
 };
 
 /// All settings except `model`, the name of the model file.

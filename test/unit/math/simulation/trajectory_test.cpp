@@ -42,7 +42,7 @@ TEST(Trajectories, OfVehiclesWithRadiosToo) {
   const std::vector<Trajectory> found = trajectories(model, 3, kFollowers, kSteps, 0, kSignals);
   EXPECT_EQ(found[0].input.size(), static_cast<std::size_t>(kSteps) + 1);
   EXPECT_EQ(found[1].received_input.size(), static_cast<std::size_t>(kSteps));
-  EXPECT_TRUE(found[kFollowers].input.empty()) << "nobody hears the last vehicle";
+  EXPECT_TRUE(found[kFollowers].input.empty()) << "the last vehicle sends to no follower";
 }
 
 TEST(Trajectories, StandStillBeforeTheFirstStep) {

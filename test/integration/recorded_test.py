@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Recorded drives as the leader: vehicle 0 follows the table, in every hosting to the bit, and the means are exact."""
+"""Recordings in the place of a model: drives that vehicle 0 follows, with exact means, and losses of a link; in every hosting to the
+bit."""
 
 import csv
 import json
@@ -11,6 +12,7 @@ import unittest
 import numpy as np
 import yaml
 
+import link_reference
 import live_platoon
 from terminal import LaunchTest
 
@@ -18,7 +20,7 @@ FOLLOWERS, STEPS, REALIZATIONS = 3, 400, 500
 SETTINGS = dict(followers=FOLLOWERS, steps=STEPS, realizations=REALIZATIONS)
 
 
-class Leader(LaunchTest):
+class Recorded(LaunchTest):
     def monte_carlo(self, name, *flags, **options):
         folder = os.path.join(self.folder, name)
         command = [live_platoon.executable("monte_carlo"), "--output", folder, *flags]
@@ -31,10 +33,9 @@ class Leader(LaunchTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         return folder
 
-    def model_behind(self, **leader):
+    def model_with(self, **keys):
         with open(live_platoon.shared("config", "paper.yaml")) as file:
-            model = yaml.safe_load(file)
-        model["leader"] = leader
+            model = dict(yaml.safe_load(file), **keys)
         path = os.path.join(self.folder, "model.yaml")
         with open(path, "w") as file:
             json.dump(model, file)
@@ -62,7 +63,7 @@ class Leader(LaunchTest):
     def test_a_table_lasts_as_long_as_the_run_and_may_have_any_columns_and_units(self):
         with open(os.path.join(self.folder, "lap.csv"), "w") as file:
             file.write("recorded by hand\nTime;Speed1\n" + "".join("%.12g;%.12g\n" % (100 + 0.5 * k, 36 + 3.6 * math.sin(k)) for k in range(61)))
-        model = self.model_behind(file="lap.csv", time="Time", speed="Speed1", unit="km/h", skip_rows=1, from_second=5.0)
+        model = self.model_with(leader=dict(file="lap.csv", time="Time", speed="Speed1", unit="km/h", skip_rows=1, from_second=5.0))
         folder = self.finished("run", model=model, followers=2, realizations=10)
         with open(os.path.join(folder, "summary.json")) as file:
             self.assertEqual(json.load(file)["steps"], 251, "25 s of the table are left")
@@ -80,8 +81,60 @@ class Leader(LaunchTest):
             self.assertIn("leader/file: {}: {}".format(os.path.join(self.folder, "bad.csv"), reason), done.stderr)
         for leader, reason in ((dict(file="bad.csv", unit="knots"), "leader/unit: knots: must be km/h or m/s or mph"),
                                (dict(file="bad.csv", speed="v", position="x"), "leader/speed: given: must be absent beside position")):
-            _, done = self.monte_carlo("none", model=self.model_behind(**leader))
+            _, done = self.monte_carlo("none", model=self.model_with(leader=leader))
             self.assertIn(reason, done.stderr)
+
+    TRACE = [1, 1, 0, 1, 0, 0, 1, 1, 1, 0, 1, 1, 0, 0, 0, 1, 1]
+
+    def trace(self, name, entries):
+        with open(os.path.join(self.folder, name), "w") as file:
+            file.write("second,received\n" + "".join("%.1f,%d\n" % (0.1 * k, entry) for k, entry in enumerate(entries)))
+
+    def positions_of(self, trajectory):
+        """y_i(-1), y_i(0), ... by vehicle."""
+        with open(os.path.join(trajectory, "trajectories.csv")) as file:
+            rows = list(csv.DictReader(file))
+        return [np.array([float(row["position"]) for row in rows if row["vehicle"] == str(i)]) for i in range(3)]
+
+    def test_every_link_and_realization_loses_what_the_trace_has_from_an_offset_of_its_own(self):
+        self.trace("log.csv", self.TRACE)
+        loss = {"trace": "log.csv", "on_loss": "hold"}
+        leader = {"speed": [{"from_step": k, "value": 10.0 + 7.0 * math.sin(k)} for k in range(60)]}
+        model = self.model_with(channel={"loss": loss}, noise_variance=0.0, leader=leader)
+        with open(model) as file:
+            vehicle = link_reference.vehicles_of(dict(json.load(file), string=["default"]), 1)[0]
+        a, b, c, _ = link_reference.state_space(*link_reference.polynomials_of(vehicle))
+        offsets = set()
+        for realization in range(4):
+            folder = self.finished("only", "--trajectories", model=model, followers=2, steps=60, realizations=4, only=realization)
+            positions = self.positions_of(folder)
+            for i in (1, 2):
+                sent, fitting = positions[i - 1], []
+                for offset in range(len(self.TRACE)):
+                    state, held, own = np.zeros(len(b)), sent[0], []
+                    for k, position in enumerate(sent):
+                        own.append(c @ state)
+                        # The first entry, k = 0, is step -1, at which nothing is lost.
+                        held = position if k == 0 or self.TRACE[(offset + k - 1) % len(self.TRACE)] else held
+                        state = a @ state + b * held
+                    fitting += [offset] if np.abs(own - positions[i]).max() < 1e-9 else []
+                self.assertEqual(len(fitting), 1, "vehicle {}, realization {}".format(i, realization))
+                offsets.update(fitting)
+        self.assertGreater(len(offsets), 3)
+
+    def test_recorded_losses_have_the_same_bits_in_the_graph_and_none_has_those_of_no_loss(self):
+        self.trace("log.csv", self.TRACE)
+        self.trace("ones.csv", [1] * 17)
+        settings = dict(followers=3, steps=60, realizations=3000)
+        plain = self.finished("plain", **settings)
+        ones = self.finished("ones", model=self.model_with(channel={"loss": {"trace": "ones.csv"}}), **settings)
+        self.assertEqual(live_platoon.statistics(ones), live_platoon.statistics(plain))
+        model = self.model_with(channel={"loss": {"trace": "log.csv"}})
+        lossy = self.finished("lossy", model=model, **settings)
+        self.assertNotEqual(live_platoon.statistics(lossy), live_platoon.statistics(plain))
+        self.launch(model=model, output=self.output, **settings).wait()
+        self.assertTrue(live_platoon.completed_summary(self.output))
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.statistics(lossy))
 
 
 if __name__ == "__main__":

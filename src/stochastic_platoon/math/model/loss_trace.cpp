@@ -1,0 +1,81 @@
+#include "stochastic_platoon/math/model/loss_trace.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/numerics/eigenvalues.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+
+namespace platoon {
+
+LossTrace::LossTrace(std::vector<bool> received) {
+  if (received.empty()) throw std::invalid_argument("holds no entries");
+  if (received.size() > kLongest)
+    throw std::invalid_argument(
+        formatted("%zu entries: must be at most %zu", received.size(), static_cast<std::size_t>(kLongest)));
+  lost_.reserve(received.size());
+  std::size_t losses = 0, bursts = 0;
+  for (std::size_t k = 0; k < received.size(); ++k) {
+    lost_.push_back(received[k] ? 0 : 1);
+    losses += lost_.back();
+    if (!received[k] && received[k == 0 ? received.size() - 1 : k - 1]) ++bursts;
+  }
+  if (losses == received.size()) throw std::invalid_argument("nothing arrives: at least one entry must be 1");
+  probability_ = static_cast<double>(losses) / static_cast<double>(lost_.size());
+  if (bursts > 0) mean_burst_ = static_cast<double>(losses) / static_cast<double>(bursts);
+}
+
+LossTrace LossTrace::of_runs(const std::string& runs) {
+  std::vector<bool> received;
+  std::istringstream numbers(runs);
+  bool arrives = true;
+  for (long long run = 0; numbers >> run; arrives = !arrives) {
+    if (run < (received.empty() && arrives ? 0 : 1) || static_cast<std::size_t>(run) > kLongest - received.size())
+      throw std::invalid_argument(formatted("a run of %lld entries", run));
+    received.insert(received.end(), static_cast<std::size_t>(run), arrives);
+  }
+  if (!numbers.eof()) throw std::invalid_argument("no whole numbers");
+  return LossTrace(std::move(received));
+}
+
+std::string LossTrace::runs() const {
+  std::string text;
+  std::size_t begin = 0;
+  for (bool arrives = true; begin < lost_.size(); arrives = !arrives) {
+    std::size_t end = begin;
+    while (end < lost_.size() && (lost_[end] == 0) == arrives) ++end;
+    text += (text.empty() ? "" : " ") + std::to_string(end - begin);
+    begin = end;
+  }
+  return text;
+}
+
+double LossTrace::growth(const std::vector<double>& predictor) const {
+  const auto n = static_cast<Eigen::Index>(predictor.size());
+  if (n == 0) return 0.0;
+  Eigen::MatrixXd arrived = Eigen::MatrixXd::Zero(n, n);  // r(k) does not depend on the registers
+  arrived.diagonal(-1).setOnes();
+  Eigen::MatrixXd lost = arrived;
+  lost.row(0) = Eigen::Map<const Eigen::RowVectorXd>(predictor.data(), n);
+  Eigen::MatrixXd product = Eigen::MatrixXd::Identity(n, n);
+  double exponent = 0.0;
+  for (const std::uint8_t is_lost : lost_) {
+    product = (is_lost != 0 ? lost : arrived) * product;
+    const double size = product.cwiseAbs().maxCoeff();
+    if (size == 0.0) return 0.0;
+    product /= size;
+    exponent += std::log(size);
+  }
+  return std::exp(
+      std::min(exponent + std::log(spectral_radius(product)), std::log(std::numeric_limits<double>::max())));
+}
+
+bool operator==(const LossTrace& one, const LossTrace& other) {
+  return one.size() == other.size() && one.runs() == other.runs();
+}
+
+}  // namespace platoon

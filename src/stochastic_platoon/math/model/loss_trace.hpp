@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace platoon {
+
+/// Which positions of a link arrived, as recorded: one entry per step, the first one again behind the last.
+class LossTrace {
+public:
+  static constexpr std::size_t kLongest = 100'000'000;
+
+  /// Throws std::invalid_argument for an empty trace, one longer than kLongest, or one without an arrival.
+  explicit LossTrace(std::vector<bool> received);
+
+  /// The inverse of runs(). Throws std::invalid_argument unless the text holds such numbers.
+  static LossTrace of_runs(const std::string& runs);
+
+  std::size_t size() const { return lost_.size(); }
+  bool is_lost(std::size_t step) const { return lost_[step] != 0; }
+
+  double probability() const { return probability_; }  ///< share of the entries that are losses
+  double mean_burst() const { return mean_burst_; }    ///< mean length of a run of losses [steps]; 1 without any
+
+  /// Lengths of the runs of arrivals and losses in turn, from the first entry on: "12 3 40 1" for 12 arrivals, 3
+  /// losses, 40 arrivals and a loss; "0 ..." for a trace that begins with a loss.
+  std::string runs() const;
+
+  /// Factor by which predictions r(k) = c_1 r(k-1) + c_2 r(k-2) + ... grow over one period of the trace: the spectral
+  /// radius of the product of the registers' matrices, one per entry. r(k) is bounded if it is below 1.
+  double growth(const std::vector<double>& predictor) const;
+
+private:
+  std::vector<std::uint8_t> lost_;
+  double probability_ = 0.0, mean_burst_ = 1.0;
+};
+
+bool operator==(const LossTrace& one, const LossTrace& other);
+
+}  // namespace platoon
