@@ -10,7 +10,11 @@ import subprocess
 import unittest
 
 import numpy as np
+import rosbag
+import rospy
 import yaml
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
 
 import link_reference
 import live_platoon
@@ -70,6 +74,28 @@ class Recorded(LaunchTest):
         rows = 0.5 * np.arange(61)
         speed = np.interp(5.0 + 0.1 * np.arange(251), rows, [10 + math.sin(k) for k in range(61)])
         np.testing.assert_allclose(np.diff(self.leader_of(folder)), 0.05 * (speed[1:] + speed[:-1]), atol=1e-9)
+
+    def test_the_speed_of_a_car_in_a_bag_becomes_a_table(self):
+        bag_file, table = os.path.join(self.folder, "car.bag"), os.path.join(self.folder, "drive.csv")
+        with rosbag.Bag(bag_file, "w") as bag:
+            for k in range(241):
+                odometry = Odometry()
+                odometry.header.stamp = rospy.Time(1700000000) + rospy.Duration(0.05 * k)
+                odometry.twist.twist.linear.x, odometry.twist.twist.linear.y = 0.03 * k, -0.04 * k
+                bag.write("/odom", odometry, odometry.header.stamp)
+                bag.write("/gps", TwistStamped(header=odometry.header), odometry.header.stamp)
+        self.assertIn("--topic: missing: must name one of the bag's: /gps, /odom", self.recorded_drive(bag_file, table).stderr)
+        self.assertIn("--topic: /x: must be one of the bag's: /gps, /odom", self.recorded_drive(bag_file, table, "--topic", "/x").stderr)
+        self.assertEqual(self.recorded_drive(bag_file, table, "--topic", "/odom").returncode, 0)
+        again = self.recorded_drive(bag_file, table, "--topic", "/gps")
+        self.assertNotEqual(again.returncode, 0, "the table is not overwritten")
+        self.assertIn("File exists", again.stderr)
+        folder = self.finished("car", leader=table, followers=2, realizations=10)
+        np.testing.assert_allclose(self.leader_of(folder), 0.5 * (0.1 * np.arange(121)) ** 2, atol=1e-6)
+
+    def recorded_drive(self, bag, table, *options):
+        tool = os.path.join(live_platoon.shared("src", "tools"), "recorded_drive")
+        return subprocess.run([tool, bag, "--output", table, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
 
     def test_bad_tables_are_named(self):
         for text, reason in (("time,velocity\n0,1\n1,1\n", "no column speed: must be one of time, velocity"),

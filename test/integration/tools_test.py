@@ -19,7 +19,7 @@ def run(*command):
 
 class EveryTool(unittest.TestCase):
     def programs(self):
-        return [live_platoon.executable(tool) for tool in TOOLS] + [live_platoon.shared("src", "tools", "plot")]
+        return [live_platoon.executable(tool) for tool in TOOLS] + [live_platoon.shared("src", "tools", tool) for tool in ("plot", "recorded_drive")]
 
     def test_prints_the_version_of_the_package(self):
         version = run("rosversion", "stochastic_platoon").stdout.strip()
