@@ -131,28 +131,28 @@ std::vector<std::string> signal_names(const std::string& text) {
   return names;
 }
 
-std::vector<Signal> signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower) {
-  std::vector<Signal> signals{tracking_error(model, follower)};
+FollowerSignals signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower) {
+  FollowerSignals signals{tracking_error(model, follower), {}};
   for (const std::string& name : names) {
-    const std::size_t before = signals.size();
+    const std::size_t before = signals.requested.size();
     for (const SignalKind& kind : signal_kinds()) {
-      if (name == kind.name) signals.push_back(kind.of(model, follower));
+      if (name == kind.name) signals.requested.push_back(kind.of(model, follower));
     }
-    if (signals.size() == before) throw std::invalid_argument(name + ": is no signal");
+    if (signals.requested.size() == before) throw std::invalid_argument(name + ": is no signal");
   }
   return signals;
 }
 
-std::vector<std::vector<Signal>> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
-                                                std::size_t followers) {
-  std::vector<std::vector<Signal>> all;
+std::vector<FollowerSignals> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
+                                            std::size_t followers) {
+  std::vector<FollowerSignals> all;
   for (std::size_t i = 1; i <= followers; ++i) all.push_back(signals_of(model, names, i));
   return all;
 }
 
-std::size_t steps_before(const std::vector<Signal>& signals) {
-  int before = 1;
-  for (const Signal& signal : signals) before = std::max(before, signal.order);
+std::size_t steps_before(const FollowerSignals& signals) {
+  int before = signals.error.order;
+  for (const Signal& signal : signals.requested) before = std::max(before, signal.order);
   return static_cast<std::size_t>(before);
 }
 

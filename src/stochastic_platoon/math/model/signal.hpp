@@ -70,15 +70,21 @@ std::vector<std::string> signal_names(const std::string& text);
 /// The allowed names, for messages: "gap, speed, acceleration, jerk".
 std::string all_signal_names();
 
-/// The tracking errors of follower i >= 1, and after them the signals of these names. Throws std::invalid_argument for
-/// an unknown name.
-std::vector<Signal> signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower);
+/// The signals of one follower that a run computes.
+struct FollowerSignals {
+  Signal error;                   ///< the tracking error
+  std::vector<Signal> requested;  ///< those on request
+};
+
+/// The signals of follower i >= 1, with those of these names in their order. Throws std::invalid_argument for an
+/// unknown name.
+FollowerSignals signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower);
 
 /// The same of followers 1, 2, ..., `followers`.
-std::vector<std::vector<Signal>> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
-                                                std::size_t followers);
+std::vector<FollowerSignals> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
+                                            std::size_t followers);
 
 /// Number of earlier own positions that these signals need; at least 1.
-std::size_t steps_before(const std::vector<Signal>& signals);
+std::size_t steps_before(const FollowerSignals& signals);
 
 }  // namespace platoon

@@ -69,7 +69,7 @@ bool EnsembleRun::hand_over(EnsembleTotals& own) {
 bool EnsembleRun::work() {
   RealizationRange batch;
   if (!take(&batch)) return false;
-  const std::vector<std::vector<Signal>> signals = signals_of_all(model_, ensemble_.signals, ensemble_.followers);
+  const std::vector<FollowerSignals> signals = signals_of_all(model_, ensemble_.signals, ensemble_.followers);
   PlatoonString string(model_, ensemble_.seed, ensemble_.followers, steps_before(signals.front()));
   const KeptMoments kept = has_normal_errors(model_) ? KeptMoments::two : KeptMoments::four;
   EnsembleTotals own(cells_);

@@ -22,15 +22,14 @@ Trajectory of_leader(const PlatoonModel& model, std::size_t steps, bool is_heard
   return of;
 }
 
-void add_signals(const std::vector<Signal>& signals, const Trajectory& predecessor, Trajectory& of) {
-  for (const Signal& signal : signals) {
-    of.signals.emplace_back();
-    for (std::size_t k = 1; k < of.position.size(); ++k) {
-      Signal::Own<double> own{};
-      for (std::size_t j = 0; j < own.size(); ++j) own[j] = of.position[k - std::min(j, k)];
-      of.signals.back().push_back(signal(predecessor.position[k], own));
-    }
+std::vector<double> values_of(const Signal& signal, const Trajectory& predecessor, const Trajectory& of) {
+  std::vector<double> values;
+  for (std::size_t k = 1; k < of.position.size(); ++k) {
+    Signal::Own<double> own{};
+    for (std::size_t j = 0; j < own.size(); ++j) own[j] = of.position[k - std::min(j, k)];
+    values.push_back(signal(predecessor.position[k], own));
   }
+  return values;
 }
 
 }  // namespace
@@ -62,7 +61,9 @@ std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t se
       if (hears) of.received_input.push_back(heard);
       if (is_heard) of.input.push_back(input);
     }
-    add_signals(signals_of(model, signals, i), predecessor, of);
+    const FollowerSignals computed = signals_of(model, signals, i);
+    of.signals.push_back(values_of(computed.error, predecessor, of));
+    for (const Signal& signal : computed.requested) of.signals.push_back(values_of(signal, predecessor, of));
     all.push_back(std::move(of));
   }
   return all;

@@ -24,20 +24,19 @@ BatchTotals::BatchTotals(std::uint64_t first_realization, std::size_t count, con
       cells_(cells),
       kept_(kept) {}
 
-void BatchTotals::add(std::size_t follower, std::int64_t step, const std::vector<Signal>& signals,
+void BatchTotals::add(std::size_t follower, std::int64_t step, const FollowerSignals& signals,
                       const SignalPositions& positions) {
   std::vector<double>& errors = errors_[waiting_.size()];
   errors.resize(positions.count);
-  signals.front()(positions.predecessor, positions.own, positions.count, errors.data());
+  signals.error(positions.predecessor, positions.own, positions.count, errors.data());
   waiting_.push_back({cells_.at(0, follower, step), errors.data()});
   if (waiting_.size() == kCellsAtOnce) finish();
-  if (signals.size() == 1) return;
+  if (signals.requested.empty()) return;
   if (cells_.has_gap()) gap_values_.resize(positions.count);
   double* const gap = cells_.has_gap() ? gap_values_.data() : nullptr;
   const std::vector<std::vector<MomentNode>> nodes =
-      reduce_signals(moments.first_realization(), {signals.begin() + 1, signals.end()}, positions, kept_, gap);
-  for (std::size_t kind = 1; kind < signals.size(); ++kind)
-    moments.set(cells_.at(kind, follower, step), nodes[kind - 1]);
+      reduce_signals(moments.first_realization(), signals.requested, positions, kept_, gap);
+  for (std::size_t s = 0; s < nodes.size(); ++s) moments.set(cells_.at(1 + s, follower, step), nodes[s]);
   if (gap != nullptr) gaps.add(follower, step, gap);
 }
 

@@ -39,8 +39,7 @@ public:
   BatchTotals(std::uint64_t first_realization, std::size_t count, const SignalCells& cells, KeptMoments kept);
 
   /// Adds the signals of a follower at a step, in any order: signals_of() with the names of the cells.
-  void add(std::size_t follower, std::int64_t step, const std::vector<Signal>& signals,
-           const SignalPositions& positions);
+  void add(std::size_t follower, std::int64_t step, const FollowerSignals& signals, const SignalPositions& positions);
 
   /// Adds what add() still holds back, as tracking errors are reduced kCellsAtOnce at a time.
   void finish();

@@ -56,10 +56,7 @@ public:
   SignalTables(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers,
                std::size_t steps)
       : responses_(model, followers, steps), followers_(followers), steps_(steps), moments_(names.size()) {
-    for (std::size_t i = 0; i < followers; ++i) {
-      signals_.push_back(signals_of(model, names, i + 1));
-      signals_.back().erase(signals_.back().begin());  // the tracking error
-    }
+    for (std::size_t i = 1; i <= followers; ++i) signals_.push_back(signals_of(model, names, i).requested);
     for (std::size_t s = 0; s < names.size(); ++s) {
       moments_[s].variance.assign(followers * steps, 0.0);
       if (names[s] == kGap) moments_[s].covariance_with_previous.assign(followers * steps, 0.0);

@@ -16,11 +16,10 @@ namespace {
 
 using Signals = std::vector<Signal>;  // of one follower
 
-// Without the tracking errors.
 std::vector<Signals> requested_signals(const PlatoonModel& model, const std::vector<std::string>& names,
                                        std::size_t followers) {
-  std::vector<Signals> signals = signals_of_all(model, names, followers);
-  for (Signals& of : signals) of.erase(of.begin());
+  std::vector<Signals> signals;
+  for (std::size_t i = 1; i <= followers; ++i) signals.push_back(signals_of(model, names, i).requested);
   return signals;
 }
 

@@ -70,14 +70,13 @@ ReducedSignals RunStatistics::reduced(const DueSignals& due) const {
   const std::size_t count = due.own.front()->size();
   SignalPositions positions{due.predecessor->data(), {}, count};
   for (std::size_t j = 0; j < due.own.size() && due.own[j] != nullptr; ++j) positions.own[j] = due.own[j]->data();
-  const std::vector<Signal>& signals = signals_[due.follower - 1];
+  const FollowerSignals& signals = signals_[due.follower - 1];
   ReducedSignals reduced{due.follower, due.id.step, due.id.first_realization, count,
-                         reduce_signals(due.id.first_realization, {signals.front()}, positions, kept_)};
-  if (signals.size() == 1) return reduced;
+                         reduce_signals(due.id.first_realization, {signals.error}, positions, kept_)};
+  if (signals.requested.empty()) return reduced;
   if (cells_.has_gap()) reduced.gaps.resize(count);
-  for (std::vector<MomentNode>& nodes :
-       reduce_signals(due.id.first_realization, {signals.begin() + 1, signals.end()}, positions, kept_,
-                      cells_.has_gap() ? reduced.gaps.data() : nullptr))
+  for (std::vector<MomentNode>& nodes : reduce_signals(due.id.first_realization, signals.requested, positions, kept_,
+                                                       cells_.has_gap() ? reduced.gaps.data() : nullptr))
     reduced.nodes.push_back(std::move(nodes));
   return reduced;
 }

@@ -84,7 +84,7 @@ private:
 
   Configuration configuration_;
   SignalCells cells_;
-  std::vector<std::vector<Signal>> signals_;  ///< per follower
+  std::vector<FollowerSignals> signals_;  ///< per follower
   KeptMoments kept_;
   Tally tally_;
   std::unique_ptr<ErrorAverages> averages_;

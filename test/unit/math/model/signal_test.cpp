@@ -32,7 +32,7 @@ PlatoonModel car_behind_truck() {
 }
 
 double value_of(const char* name, std::size_t follower, double predecessor, const Signal::Own<double>& own) {
-  return signals_of(car_behind_truck(), {name}, follower).back()(predecessor, own);
+  return signals_of(car_behind_truck(), {name}, follower).requested.front()(predecessor, own);
 }
 
 TEST(Signal, TheGapEndsAtTheRearOfThePredecessor) {
@@ -51,7 +51,10 @@ TEST(Signal, SpeedAccelerationAndJerkAreThoseOfAThirdPower) {
 TEST(Signal, IsTheSameOneByOneAndByTheBatch) {
   const std::vector<double> predecessor = {1.1, 2.3, -3.7}, own = {0.3, 0.1, 9.2}, one = {0.2, -0.6, 8.8},
                             two = {0.1, 0.7, 8.1}, three = {-1.0, 0.4, 7.0};
-  for (const Signal& signal : signals_of(car_behind_truck(), {"gap", "speed", "acceleration", "jerk"}, 2)) {
+  const FollowerSignals signals = signals_of(car_behind_truck(), {"gap", "speed", "acceleration", "jerk"}, 2);
+  std::vector<Signal> all = signals.requested;
+  all.push_back(signals.error);
+  for (const Signal& signal : all) {
     std::vector<double> values(3);
     signal(predecessor.data(), {own.data(), one.data(), two.data(), three.data()}, 3, values.data());
     for (std::size_t r = 0; r < 3; ++r)

@@ -24,9 +24,11 @@ void expect_bits_of_the_string(const PlatoonModel& model) {
   std::size_t compared = 0;
   PlatoonString(model, 3, kFollowers, Signal::kHighestOrder)
       .run(kFirst, 4, kSteps, [&](std::size_t i, std::int64_t k, const SignalPositions& positions) {
-        const std::vector<Signal> signals = signals_of(model, kSignals, i);
-        for (std::size_t kind = 0; kind < signals.size(); ++kind, ++compared)
-          ASSERT_EQ(found[i].signals.at(kind).at(static_cast<std::size_t>(k)), positions.of(signals[kind])[kPlace]);
+        const FollowerSignals signals = signals_of(model, kSignals, i);
+        std::vector<Signal> all{signals.error};
+        all.insert(all.end(), signals.requested.begin(), signals.requested.end());
+        for (std::size_t kind = 0; kind < all.size(); ++kind, ++compared)
+          ASSERT_EQ(found[i].signals.at(kind).at(static_cast<std::size_t>(k)), positions.of(all[kind])[kPlace]);
       });
   EXPECT_EQ(compared, 5 * kFollowers * static_cast<std::size_t>(kSteps));
 }
