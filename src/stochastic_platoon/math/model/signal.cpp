@@ -109,6 +109,21 @@ const std::vector<SignalKind>& signal_kinds() {
   return kinds;
 }
 
+namespace {
+
+const SignalKind& kind_of(const std::string& name) {
+  const std::vector<SignalKind>& kinds = signal_kinds();
+  const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const SignalKind& of) { return name == of.name; });
+  if (kind == kinds.end()) throw std::invalid_argument(name + ": is no signal");
+  return *kind;
+}
+
+}  // namespace
+
+const char* unit_of(const std::string& name) {
+  return kind_of(name).unit;
+}
+
 std::string all_signal_names() {
   std::string names;
   for (const SignalKind& kind : signal_kinds()) names += (names.empty() ? "" : ", ") + std::string(kind.name);
@@ -133,13 +148,7 @@ std::vector<std::string> signal_names(const std::string& text) {
 
 FollowerSignals signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower) {
   FollowerSignals signals{tracking_error(model, follower), {}};
-  for (const std::string& name : names) {
-    const std::size_t before = signals.requested.size();
-    for (const SignalKind& kind : signal_kinds()) {
-      if (name == kind.name) signals.requested.push_back(kind.of(model, follower));
-    }
-    if (signals.requested.size() == before) throw std::invalid_argument(name + ": is no signal");
-  }
+  for (const std::string& name : names) signals.requested.push_back(kind_of(name).of(model, follower));
   return signals;
 }
 

@@ -63,6 +63,9 @@ constexpr char kGap[] = "gap";
 /// All of them: gap [m], speed D y_i / T_s [m/s], acceleration D^2 y_i / T_s^2, jerk D^3 y_i / T_s^3.
 const std::vector<SignalKind>& signal_kinds();
 
+/// The unit of the signal of this name. Throws std::invalid_argument for an unknown name.
+const char* unit_of(const std::string& name);
+
 /// The names in a list separated by commas, in the order of signal_kinds(); an empty text names none. Throws
 /// std::invalid_argument unless each is a signal and given once.
 std::vector<std::string> signal_names(const std::string& text);

@@ -17,11 +17,6 @@ std::string squared(std::string unit) {
   return "(" + unit + ")^2";
 }
 
-const char* unit_of(const std::string& name) {
-  const std::vector<SignalKind>& kinds = signal_kinds();
-  return std::find_if(kinds.begin(), kinds.end(), [&name](const SignalKind& kind) { return name == kind.name; })->unit;
-}
-
 /// "A of follower 1, B of follower N; of an endless string: C".
 std::string along(const std::vector<double>& values, std::optional<double> limit, const std::string& unit) {
   std::string text = figure(values.front(), unit) + " of follower 1, ";

@@ -19,11 +19,6 @@ std::size_t nearest_follower(const GapTable& gaps) {
   return static_cast<std::size_t>(nearest - all.begin()) + 1;
 }
 
-const char* unit_of(const std::string& name) {
-  const std::vector<SignalKind>& kinds = signal_kinds();
-  return std::find_if(kinds.begin(), kinds.end(), [&](const SignalKind& kind) { return name == kind.name; })->unit;
-}
-
 }  // namespace
 
 bool has_signal_theory(const Prediction& prediction, std::size_t follower) {

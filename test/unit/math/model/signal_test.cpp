@@ -64,6 +64,12 @@ TEST(Signal, IsTheSameOneByOneAndByTheBatch) {
 
 TEST(Signal, AnUnknownNameIsAnError) {
   EXPECT_THROW(signals_of(car_behind_truck(), {"distance"}, 1), std::invalid_argument);
+  EXPECT_THROW(unit_of("distance"), std::invalid_argument);
+}
+
+TEST(Signal, HasAUnit) {
+  EXPECT_STREQ(unit_of("gap"), "m");
+  EXPECT_STREQ(unit_of("jerk"), "m/s^3");
 }
 
 TEST(SignalNames, ComeInOneOrder) {
