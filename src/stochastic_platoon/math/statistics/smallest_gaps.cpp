@@ -1,7 +1,6 @@
 #include "stochastic_platoon/math/statistics/smallest_gaps.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -23,6 +22,15 @@ bool keep_smaller(const double* gaps, std::size_t count, double least, double* s
     found |= gap <= least ? 1 : 0;
   }
   return found != 0;
+}
+
+// floor(gap / bin_width) from -most to most.
+PLATOON_VECTOR_CLONES
+void find_bins(const double* gaps, std::size_t count, double bin_width, double most, std::int32_t* bins) {
+  for (std::size_t r = 0; r < count; ++r) {
+    const double bin = std::floor(gaps[r] / bin_width);
+    bins[r] = static_cast<std::int32_t>(bin < -most ? -most : bin > most ? most : bin);
+  }
 }
 
 }  // namespace detail
@@ -52,31 +60,32 @@ BatchGaps::BatchGaps(std::uint64_t first_realization, std::size_t count, std::si
       first_(followers) {}
 
 void BatchGaps::add(std::size_t follower, std::int64_t step, const double* gaps) {
+  std::vector<double>& smallest = smallest_.at(follower - 1);
   PlacedGap& first = first_[follower - 1];
-  if (!detail::keep_smaller(gaps, count_, first.gap, smallest_.at(follower - 1).data())) return;
-  const double* const least = std::min_element(gaps, gaps + count_);
-  first = std::min(first, PlacedGap{*least, first_realization_ + static_cast<std::uint64_t>(least - gaps), step});
+  if (!detail::keep_smaller(gaps, count_, first.gap, smallest.data())) return;
+  for (std::size_t r = 0; r < count_; ++r) {
+    if (gaps[r] <= first.gap) first = std::min(first, PlacedGap{gaps[r], first_realization_ + r, step});
+  }
 }
 
 void GapTable::add(const BatchGaps& batch) {
   constexpr auto kMost = static_cast<double>(FollowerGaps::kMostBins);
-  std::vector<std::int64_t> bins(batch.count());
+  std::vector<std::int32_t> bins(batch.count());
   for (std::size_t i = 1; i <= followers_.size(); ++i) {
     FollowerGaps& of = followers_[i - 1];
     const std::vector<double>& gaps = batch.smallest(i);
     of.smallest = std::min(of.smallest, batch.first(i));
-    for (std::size_t r = 0; r < batch.count(); ++r) {
-      const double gap = gaps[r];
+    for (const double gap : gaps) {
       of.collisions += gap < 0.0 ? 1 : 0;
       of.unsafe += counting_.safe_gap && gap < *counting_.safe_gap ? 1 : 0;
-      bins[r] = static_cast<std::int64_t>(std::clamp(std::floor(gap / counting_.bin_width), -kMost, kMost));
     }
+    detail::find_bins(gaps.data(), gaps.size(), counting_.bin_width, kMost, bins.data());
     // Counted in an array first: a map is an order of magnitude slower.
     const auto [least, most] = std::minmax_element(bins.begin(), bins.end());
     std::vector<std::uint64_t> counts(static_cast<std::size_t>(*most - *least) + 1);
-    for (const std::int64_t bin : bins) ++counts[static_cast<std::size_t>(bin - *least)];
+    for (const std::int32_t bin : bins) ++counts[static_cast<std::size_t>(bin - *least)];
     for (std::size_t j = 0; j < counts.size(); ++j) {
-      if (counts[j] > 0) of.histogram[*least + static_cast<std::int64_t>(j)] += counts[j];
+      if (counts[j] > 0) of.histogram[std::int64_t{*least} + static_cast<std::int64_t>(j)] += counts[j];
     }
   }
 }
