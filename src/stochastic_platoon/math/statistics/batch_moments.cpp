@@ -94,20 +94,26 @@ MomentNode reduce_tile_to_four(const double* values, unsigned level) {
   return {last.mean[0], last.squared[0], last.cubed[0], last.fourth[0]};
 }
 
-// Tiles of 2^level values, level >= LaneTree::kLowestLevel, of four cells.
-PLATOON_VECTOR_CLONES
-void reduce_four_tiles(const std::array<const double*, kCellsAtOnce>& cells, unsigned level,
-                       std::array<MomentNode, kCellsAtOnce>& nodes) {
-  LaneTree tree;
-  const double *const a = cells[0], *const b = cells[1], *const c = cells[2], *const d = cells[3];
-  const std::size_t count = (std::size_t{1} << level) / 4;
-  for (std::size_t j = 0; j < count; ++j) {
-    const std::size_t r = 4 * j;
-    tree.join_values(j, {Lanes{a[r], b[r], c[r], d[r]}, Lanes{a[r + 1], b[r + 1], c[r + 1], d[r + 1]},
-                         Lanes{a[r + 2], b[r + 2], c[r + 2], d[r + 2]}, Lanes{a[r + 3], b[r + 3], c[r + 3], d[r + 3]}});
+namespace {
+
+struct ValuesOfFour {
+  const double *a, *b, *c, *d;
+
+  PLATOON_INLINE FourLanes operator()(std::size_t j) const {
+    Lanes of_a, of_b, of_c, of_d;
+    load(a + 4 * j, of_a);
+    load(b + 4 * j, of_b);
+    load(c + 4 * j, of_c);
+    load(d + 4 * j, of_d);
+    return transposed(of_a, of_b, of_c, of_d);
   }
-  tree.join_nodes(count);
-  for (std::size_t cell = 0; cell < kCellsAtOnce; ++cell) nodes[cell] = tree.root(cell);
+};
+
+}  // namespace
+
+PLATOON_VECTOR_CLONES
+FourNodes reduce_tile_of_cells(const std::array<const double*, kCellsAtOnce>& cells, unsigned level) {
+  return reduce_tile_of_four(level, ValuesOfFour{cells[0], cells[1], cells[2], cells[3]});
 }
 
 }  // namespace detail
@@ -132,24 +138,6 @@ MomentNode reduce(const ValuesInTurn& values, std::size_t offset, unsigned level
                        0.5 * static_cast<double>(half), &joined.cubed_deviations, &joined.fourth_deviations);
   }
   return joined;
-}
-
-using FourNodes = std::array<MomentNode, kCellsAtOnce>;
-
-FourNodes reduce_four(const std::array<const double*, kCellsAtOnce>& cells, unsigned level) {
-  FourNodes nodes;
-  if (level <= kMomentTileLevel) {
-    detail::reduce_four_tiles(cells, level, nodes);
-    return nodes;
-  }
-  const std::size_t half = std::size_t{1} << (level - 1);
-  const FourNodes left = reduce_four(cells, level - 1);
-  const FourNodes right = reduce_four({cells[0] + half, cells[1] + half, cells[2] + half, cells[3] + half}, level - 1);
-  for (std::size_t cell = 0; cell < kCellsAtOnce; ++cell) {
-    merge_equal(left[cell].mean, left[cell].squared_deviations, right[cell].mean, right[cell].squared_deviations,
-                0.5 * static_cast<double>(half), &nodes[cell].mean, &nodes[cell].squared_deviations);
-  }
-  return nodes;
 }
 
 }  // namespace
@@ -209,8 +197,12 @@ void BatchMoments::set(const std::vector<CellValues>& cells) {
   }
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const DyadicRange& range = blocks_[b].range;
-    if (range.level >= LaneTree::kLowestLevel) {
-      const FourNodes nodes = reduce_four(values, range.level);
+    if (range.level >= kLowestLaneLevel) {
+      const auto tile = [&values](std::size_t offset, unsigned level) {
+        return detail::reduce_tile_of_cells(
+            {values[0] + offset, values[1] + offset, values[2] + offset, values[3] + offset}, level);
+      };
+      const FourNodes nodes = reduce_four(0, range.level, tile);
       for (std::size_t j = 0; j < kCellsAtOnce; ++j) put(b, cells[j].cell, nodes[j]);
     } else {
       for (std::size_t j = 0; j < kCellsAtOnce; ++j) put(b, cells[j].cell, detail::reduce_tile(values[j], range.level));

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "stochastic_platoon/math/statistics/error_averages.hpp"
-#include "stochastic_platoon/math/statistics/signal_reduction.hpp"
 
 namespace platoon {
 
@@ -22,22 +21,23 @@ BatchTotals::BatchTotals(std::uint64_t first_realization, std::size_t count, con
     : moments(first_realization, count, cells.count(), kept),
       gaps(first_realization, count, cells.gaps.followers),
       cells_(cells),
-      kept_(kept) {}
+      reduction_(first_realization, count, kept) {}
 
 void BatchTotals::add(std::size_t follower, std::int64_t step, const FollowerSignals& signals,
                       const SignalPositions& positions) {
   std::vector<double>& errors = errors_[waiting_.size()];
   errors.resize(positions.count);
-  signals.error(positions.predecessor, positions.own, positions.count, errors.data());
+  FormedValues values;
+  values.errors = errors.data();
+  if (cells_.has_gap()) {
+    gap_values_.resize(positions.count);
+    values.first = gap_values_.data();
+  }
+  const std::vector<std::vector<MomentNode>>& nodes = reduction_.reduce(signals, positions, values);
+  for (std::size_t s = 0; s < nodes.size(); ++s) moments.set(cells_.at(1 + s, follower, step), nodes[s]);
+  if (cells_.has_gap()) gaps.add(follower, step, gap_values_.data());
   waiting_.push_back({cells_.at(0, follower, step), errors.data()});
   if (waiting_.size() == kCellsAtOnce) finish();
-  if (signals.requested.empty()) return;
-  if (cells_.has_gap()) gap_values_.resize(positions.count);
-  double* const gap = cells_.has_gap() ? gap_values_.data() : nullptr;
-  const std::vector<std::vector<MomentNode>> nodes =
-      reduce_signals(moments.first_realization(), signals.requested, positions, kept_, gap);
-  for (std::size_t s = 0; s < nodes.size(); ++s) moments.set(cells_.at(1 + s, follower, step), nodes[s]);
-  if (gap != nullptr) gaps.add(follower, step, gap);
 }
 
 void BatchTotals::finish() {

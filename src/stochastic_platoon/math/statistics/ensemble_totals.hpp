@@ -9,6 +9,7 @@
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/statistics/batch_moments.hpp"
 #include "stochastic_platoon/math/statistics/moment_table.hpp"
+#include "stochastic_platoon/math/statistics/signal_reduction.hpp"
 #include "stochastic_platoon/math/statistics/smallest_gaps.hpp"
 
 namespace platoon {
@@ -49,7 +50,7 @@ public:
 
 private:
   const SignalCells& cells_;
-  KeptMoments kept_;
+  SignalReduction reduction_;
   std::array<std::vector<double>, kCellsAtOnce> errors_;  ///< of `waiting_`
   std::vector<CellValues> waiting_;
   std::vector<double> gap_values_;

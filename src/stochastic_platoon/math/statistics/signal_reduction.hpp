@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -8,10 +9,37 @@
 
 namespace platoon {
 
-/// Forms signals of one follower at one step of a batch and reduces each as reduce_batch() does, with the same bits; up
-/// to four at once, in half the time. `first_values`, if not null, receives the values of the first signal.
-std::vector<std::vector<MomentNode>> reduce_signals(std::uint64_t first_realization, const std::vector<Signal>& signals,
-                                                    const SignalPositions& positions, KeptMoments kept,
-                                                    double* first_values = nullptr);
+/// Forms a signal of one follower at one step of a batch and reduces it, as reduce_batch() does with its values.
+std::vector<MomentNode> reduce_signal(std::uint64_t first_realization, const Signal& signal,
+                                      const SignalPositions& positions, KeptMoments kept);
+
+/// Where to write values, one per realization; null: nowhere.
+struct FormedValues {
+  double* errors = nullptr;  ///< the tracking errors
+  double* first = nullptr;   ///< the first requested signal
+};
+
+/// Reduces the requested signals of a follower at a step of one batch, step after step, with the bits of
+/// reduce_signal(). Where two moments are kept, the gap and differences of order 1, 2 and 3 need one pass over the
+/// positions, which forms the tracking errors, too: less than half the time of one signal after the other.
+class SignalReduction {
+public:
+  SignalReduction(std::uint64_t first_realization, std::size_t count, KeptMoments kept);
+
+  /// The nodes of every requested signal, one per range of the batch. The reference is valid until the next call, which
+  /// reuses the storage.
+  const std::vector<std::vector<MomentNode>>& reduce(const FollowerSignals& signals, const SignalPositions& positions,
+                                                     const FormedValues& values);
+
+private:
+  using Places = std::array<std::size_t, kCellsAtOnce>;  ///< the signal of every order that is computed together
+  void reduce_together(const FollowerSignals& signals, const Places& places, const SignalPositions& positions,
+                       const FormedValues& values);
+
+  std::uint64_t first_realization_;
+  std::vector<DyadicRange> ranges_;
+  KeptMoments kept_;
+  std::vector<std::vector<MomentNode>> nodes_;
+};
 
 }  // namespace platoon

@@ -71,13 +71,20 @@ ReducedSignals RunStatistics::reduced(const DueSignals& due) const {
   SignalPositions positions{due.predecessor->data(), {}, count};
   for (std::size_t j = 0; j < due.own.size() && due.own[j] != nullptr; ++j) positions.own[j] = due.own[j]->data();
   const FollowerSignals& signals = signals_[due.follower - 1];
-  ReducedSignals reduced{due.follower, due.id.step, due.id.first_realization, count,
-                         reduce_signals(due.id.first_realization, {signals.error}, positions, kept_)};
+  ReducedSignals reduced{due.follower,
+                         due.id.step,
+                         due.id.first_realization,
+                         count,
+                         {reduce_signal(due.id.first_realization, signals.error, positions, kept_)}};
   if (signals.requested.empty()) return reduced;
-  if (cells_.has_gap()) reduced.gaps.resize(count);
-  for (std::vector<MomentNode>& nodes : reduce_signals(due.id.first_realization, signals.requested, positions, kept_,
-                                                       cells_.has_gap() ? reduced.gaps.data() : nullptr))
-    reduced.nodes.push_back(std::move(nodes));
+  FormedValues values;
+  if (cells_.has_gap()) {
+    reduced.gaps.resize(count);
+    values.first = reduced.gaps.data();
+  }
+  SignalReduction reduction(due.id.first_realization, count, kept_);
+  for (const std::vector<MomentNode>& nodes : reduction.reduce(signals, positions, values))
+    reduced.nodes.push_back(nodes);
   return reduced;
 }
 

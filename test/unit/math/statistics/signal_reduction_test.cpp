@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/math/model/white_noise.hpp"
@@ -22,46 +23,74 @@ std::vector<double> positions(std::uint32_t vehicle, std::size_t count) {
   return x;
 }
 
+void expect_same_nodes(const std::vector<MomentNode>& found, const std::vector<MomentNode>& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t n = 0; n < expected.size(); ++n) {
+    EXPECT_TRUE(same_bits(found[n].mean, expected[n].mean));
+    EXPECT_TRUE(same_bits(found[n].squared_deviations, expected[n].squared_deviations));
+    EXPECT_TRUE(same_bits(found[n].fourth_deviations, expected[n].fourth_deviations));
+  }
+}
+
 // Together and one by one, for batches at any place and of any size, the signals have the bits of their own values.
-void expect_bits_of_the_values(const std::vector<Signal>& signals, KeptMoments kept) {
+void expect_bits_of_the_values(const FollowerSignals& signals, KeptMoments kept) {
   for (const std::size_t count : {1, 2, 3, 5, 8, 100, 511, 512, 1500}) {
     std::vector<std::vector<double>> y;
     for (std::uint32_t v = 0; v < 5; ++v) y.push_back(positions(v, count));
     const SignalPositions at{y[0].data(), {y[1].data(), y[2].data(), y[3].data(), y[4].data()}, count};
     for (const std::uint64_t first : {0, 5, 512}) {
-      std::vector<double> first_values(count);
-      const auto found = reduce_signals(first, signals, at, kept, first_values.data());
-      ASSERT_EQ(found.size(), signals.size());
-      EXPECT_EQ(first_values, at.of(signals.front()));
-      for (std::size_t s = 0; s < signals.size(); ++s) {
-        const std::vector<double> values = at.of(signals[s]);
+      SCOPED_TRACE(std::to_string(count) + " realizations from " + std::to_string(first));
+      std::vector<double> errors(count), first_values(count);
+      SignalReduction reduction(first, count, kept);
+      reduction.reduce(signals, at, {errors.data(), first_values.data()});
+      const auto found = reduction.reduce(signals, at, {errors.data(), first_values.data()});
+      ASSERT_EQ(found.size(), signals.requested.size());
+      EXPECT_EQ(errors, at.of(signals.error));
+      EXPECT_EQ(first_values, at.of(signals.requested.front()));
+      const auto without_values = SignalReduction(first, count, kept).reduce(signals, at, {});
+      for (std::size_t s = 0; s < found.size(); ++s) {
+        const std::vector<double> values = at.of(signals.requested[s]);
         const auto in_place = [&values](std::size_t offset, std::size_t, double*) { return values.data() + offset; };
         const std::vector<MomentNode> expected = reduce_batch(first, count, in_place, kept);
-        ASSERT_EQ(found[s].size(), expected.size());
-        for (std::size_t n = 0; n < expected.size(); ++n) {
-          EXPECT_TRUE(same_bits(found[s][n].mean, expected[n].mean)) << s << ", " << count;
-          EXPECT_TRUE(same_bits(found[s][n].squared_deviations, expected[n].squared_deviations)) << s << ", " << count;
-          EXPECT_TRUE(same_bits(found[s][n].fourth_deviations, expected[n].fourth_deviations)) << s << ", " << count;
-        }
+        expect_same_nodes(found[s], expected);
+        expect_same_nodes(without_values[s], expected);
+        expect_same_nodes(reduce_signal(first, signals.requested[s], at, kept), expected);
       }
     }
   }
 }
 
-std::vector<Signal> requested(const std::vector<std::string>& names) {
-  return signals_of(paper_platoon(), names, 1).requested;
+FollowerSignals signals(const std::vector<std::string>& names) {
+  PlatoonModel model = paper_platoon();
+  model.sample_period = 0.3;
+  return signals_of(model, names, 1);
 }
 
 TEST(SignalReduction, HasTheBitsOfEachSignalAlone) {
-  expect_bits_of_the_values({tracking_error(paper_platoon(), 1)}, KeptMoments::two);
-  expect_bits_of_the_values(requested({"gap"}), KeptMoments::two);
-  expect_bits_of_the_values(requested({"speed", "acceleration"}), KeptMoments::two);
-  expect_bits_of_the_values(requested({"gap", "speed", "jerk"}), KeptMoments::two);
-  expect_bits_of_the_values(requested({"gap", "speed", "acceleration", "jerk"}), KeptMoments::two);
+  expect_bits_of_the_values(signals({"gap"}), KeptMoments::two);
+  expect_bits_of_the_values(signals({"speed", "acceleration"}), KeptMoments::two);
+  expect_bits_of_the_values(signals({"gap", "speed", "jerk"}), KeptMoments::two);
+  expect_bits_of_the_values(signals({"gap", "speed", "acceleration", "jerk"}), KeptMoments::two);
+}
+
+TEST(SignalReduction, TakesSignalsOfAnyForm) {
+  FollowerSignals odd = signals({"jerk", "gap", "speed"});
+  odd.error = {true, 1.5, 2, -0.3};
+  odd.requested.push_back(tracking_error(0.7, 2.0));
+  odd.requested.push_back(odd.requested.front());
+  expect_bits_of_the_values(odd, KeptMoments::two);
+}
+
+TEST(SignalReduction, FormsErrorsWithoutRequestedSignals) {
+  const std::vector<double> ahead = positions(0, 9), own = positions(1, 9), before = positions(2, 9);
+  const SignalPositions at{ahead.data(), {own.data(), before.data(), nullptr, nullptr}, 9};
+  std::vector<double> errors(9);
+  EXPECT_TRUE(SignalReduction(3, 9, KeptMoments::two).reduce(signals({}), at, {errors.data(), nullptr}).empty());
+  EXPECT_EQ(errors, at.of(signals({}).error));
 }
 
 TEST(SignalReduction, KeepsFourMomentsOneByOne) {
-  expect_bits_of_the_values(requested({"gap", "acceleration"}), KeptMoments::four);
+  expect_bits_of_the_values(signals({"gap", "acceleration"}), KeptMoments::four);
 }
 
 }  // namespace
