@@ -37,17 +37,20 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
   for (std::size_t i = 0; i < latest_.size(); ++i) {
     std::vector<double> start(count, leader_.start());
     if (i > 0) followers_[i - 1].start(first, count, start);
-    latest_[i].assign(before_, start);
+    latest_[i].assign(before_, AlignedValues(start.begin(), start.end()));
   }
   for (std::int64_t from = 0; from < steps; from += kStepsAtOnce) {
     const auto here = static_cast<std::size_t>(std::min(kStepsAtOnce, steps - from));
     const auto begin = [&](std::size_t i) {
-      for (std::size_t b = 0; b < before_; ++b) own_[b].assign(latest_[i][b].begin(), latest_[i][b].end());
+      for (std::size_t b = 0; b < before_; ++b) own_[b].swap(latest_[i][b]);
       if (sends(i)) own_inputs_[0].assign(latest_inputs_[i].begin(), latest_inputs_[i].end());
     };
     const auto end = [&](std::size_t i) {
-      for (std::size_t b = 0; b < before_; ++b) latest_[i][b].assign(own_[here + b].begin(), own_[here + b].end());
       if (sends(i)) latest_inputs_[i].assign(own_inputs_[here].begin(), own_inputs_[here].end());
+    };
+    // Only when the follower has read them.
+    const auto keep_latest = [&](std::size_t i, std::vector<AlignedValues>& positions) {
+      for (std::size_t b = 0; b < before_; ++b) positions[here + b].swap(latest_[i][b]);
     };
     begin(0);
     for (std::size_t j = 1; j <= here; ++j) {
@@ -72,7 +75,9 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
         sink(i, k, positions);
       }
       end(i);
+      keep_latest(i - 1, predecessor_);
     }
+    keep_latest(latest_.size() - 1, own_);
   }
 }
 

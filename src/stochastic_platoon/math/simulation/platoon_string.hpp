@@ -36,7 +36,7 @@ private:
   std::size_t before_;
 
   // Reused in every batch: no allocation in steady state.
-  std::vector<std::vector<std::vector<double>>> latest_;  ///< y_i at the latest steps, the oldest first, per vehicle
+  std::vector<std::vector<AlignedValues>> latest_;  ///< y_i at the latest steps, the oldest first, per vehicle
   std::vector<AlignedValues> predecessor_;  ///< y_{i-1}(from - before_), ..., y_{i-1}(from - 1), y_{i-1}(from), ...
   std::vector<AlignedValues> own_;          ///< the same of y_i
   std::vector<std::vector<double>> latest_inputs_;  ///< v_i(k) = u_i(k-1), likewise; empty for vehicles that send none
