@@ -15,6 +15,7 @@
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 
 namespace {

@@ -5,6 +5,7 @@
 
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/scaling/merge.hpp"
 #include "tools/settings.hpp"

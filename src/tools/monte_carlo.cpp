@@ -16,6 +16,7 @@
 #include "stochastic_platoon/run/io/progress_display.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/results/trajectories_csv.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"

@@ -13,6 +13,7 @@
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 
 namespace platoon {
 

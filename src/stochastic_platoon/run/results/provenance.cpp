@@ -11,7 +11,7 @@
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
-#include "stochastic_platoon/run/results/run_result.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 
 namespace platoon {
 

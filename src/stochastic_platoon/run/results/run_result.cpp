@@ -3,15 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
 #include <type_traits>
-
-#include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/run/configuration/version.hpp"
-#include "stochastic_platoon/run/io/atomic_file.hpp"
-#include "stochastic_platoon/run/io/checksum.hpp"
-#include "stochastic_platoon/run/results/provenance.hpp"
-#include "stochastic_platoon/run/results/signal_results.hpp"
 
 namespace platoon {
 
@@ -31,70 +23,6 @@ IndependentShare share_of(const Prediction& prediction, const RunResult& result,
   }
   if (!result.shares.empty() && prediction.warning.empty()) return result.shares[follower - 1];
   return {std::nan(""), std::nan(""), std::nan("")};
-}
-
-nlohmann::json theory_json(const Prediction& prediction) {
-  if (prediction.theory == Theory::none) {
-    nlohmann::json unknown;
-    for (const char* key : {"spectral_radius", "peak_gain", "mean_square_stable", "string_stable",
-                            "stationary_variance", "limit_variance"})
-      unknown[key] = nullptr;
-    return unknown;
-  }
-  const StringStability& stability = prediction.stability;
-  nlohmann::json limit, stable;
-  if (stability.limit_variance) limit = *stability.limit_variance;
-  if (stability.decision()) stable = *stability.decision();
-  return {{"spectral_radius", stability.spectral_radius},          {"peak_gain", stability.peak_gain},
-          {"mean_square_stable", stability.mean_square_stable},    {"string_stable", stable},
-          {"stationary_variance", prediction.stationary_variance}, {"limit_variance", limit}};
-}
-
-nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
-  if (!agreement) return {{"max_abs_z_mean", nullptr}, {"max_abs_z_variance", nullptr}};
-  return {{"max_abs_z_mean", agreement->max_abs_z_mean}, {"max_abs_z_variance", agreement->max_abs_z_variance}};
-}
-
-// JSON has no infinity: null stands for it.
-nlohmann::json needed_json(std::optional<double> needed) {
-  return needed && std::isfinite(*needed) ? nlohmann::json(std::ceil(*needed)) : nlohmann::json();
-}
-
-// Standard errors of every follower's variance at the last step.
-nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
-  nlohmann::json errors = nlohmann::json::array();
-  for (const ResultCell& of : ResultCells(run, prediction, result).at(run.steps - 1))
-    errors.push_back(standard_error_of_variance(of));
-  return errors;
-}
-
-nlohmann::json summary_json(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
-  const RunOptions& run = configuration.run;
-  const bool over_time = run.averaging() == Averaging::over_time;
-  const std::uint64_t received = result.tally.positions_received;
-  const double steps = over_time ? static_cast<double>(received) / static_cast<double>(run.followers + 1)
-                                 : static_cast<double>(run.steps) * static_cast<double>(result.realizations);
-  const double vehicle_steps = static_cast<double>(run.followers) * steps;
-  const std::uint64_t expected = over_time ? received : positions_expected(run, result.realizations);
-  const double seconds = result.tally.wall_seconds;
-  return {{"version", kVersion},
-          {"complete", result.complete},
-          {"followers", run.followers},
-          {"steps", run.steps},
-          {"time_average", over_time},
-          {"realizations", result.realizations},
-          {"seed", run.seed},
-          {"hosting", to_string(run.hosting)},
-          {"attempts", result.tally.attempts},
-          {"positions_received", received},
-          {"positions_lost", static_cast<std::int64_t>(expected) - static_cast<std::int64_t>(received)},
-          {"wall_seconds", seconds},
-          {"vehicle_steps_per_second", seconds > 0.0 ? vehicle_steps / seconds : 0.0},
-          {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
-          {"agreement", agreement_json(measured_agreement(run, prediction, result))},
-          {"realizations_needed", needed_json(realizations_needed(run, prediction, result))},
-          {"theory", theory_json(prediction)},
-          {"warning", prediction.warning.empty() ? nlohmann::json() : nlohmann::json(prediction.warning)}};
 }
 
 }  // namespace
@@ -240,84 +168,6 @@ std::size_t cells_with_theory(const RunOptions& run, const Prediction& predictio
 
 std::uint64_t positions_expected(const RunOptions& run, std::uint64_t realizations) {
   return (run.followers + 1) * static_cast<std::uint64_t>(run.steps + 1) * realizations;
-}
-
-std::string statistics_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
-  const RunOptions& run = configuration.run;
-  std::string text = "vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance\n";
-  const auto add = [&](const ResultCell& of) {
-    text += formatted("%zu,%lld,%llu,%.17g,%.17g,", of.follower, static_cast<long long>(of.step),
-                      static_cast<unsigned long long>(of.measured.count),
-                      of.measured.count > 0 ? of.measured.mean : std::nan(""), of.measured.variance());
-    text += of.follower > prediction.followers_with_theory
-                ? ",\n"
-                : formatted("%.17g,%.17g\n", of.theoretical_mean, of.theoretical_variance);
-  };
-  if (run.averaging() == Averaging::over_time) {
-    for (const ResultCell& of : ResultCells(run, prediction, result).at(0)) add(of);
-    return text;
-  }
-  for (std::size_t i = 1; i <= run.followers; ++i) {
-    for (std::int64_t k = 0; k < run.steps; ++k) {
-      const std::size_t c = cell(i, k, run.steps);
-      add({i, k, result.moments[c], prediction.mean[c], prediction.variance[c]});
-    }
-  }
-  return text;
-}
-
-namespace {
-
-// Stands in for the summary's own checksum while that is computed.
-const std::string kNoChecksum(8, '0');
-
-// Where it stands: nothing else in a summary reads like it, as quotes in strings are escaped.
-std::size_t place_of_checksum(const std::string& text) {
-  const std::string own = "\n    \"summary\": \"";
-  const std::size_t found = text.find(own);
-  return found == std::string::npos ? found : found + own.size();
-}
-
-// The files beside the summary, by name without ending.
-using Tables = std::map<std::string, std::string>;
-
-Tables tables_of(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
-  Tables tables{{"statistics", statistics_csv(configuration, prediction, result)}};
-  if (!result.signals.empty()) tables["signals"] = signals_csv(configuration, prediction, result);
-  if (!result.gaps.empty()) tables["gaps"] = gaps_csv(configuration, prediction, result);
-  return tables;
-}
-
-std::string summary_text(nlohmann::json summary, const Tables& tables) {
-  summary["crc32"] = {{"summary", kNoChecksum}};
-  for (const auto& [name, content] : tables) summary["crc32"][name] = checksum(content);
-  std::string text = summary.dump(2) + "\n";
-  return text.replace(place_of_checksum(text), kNoChecksum.size(), checksum(text));
-}
-
-}  // namespace
-
-std::string unfinished_summary_file(const std::string& output) {
-  return output + "/summary.unfinished.json";
-}
-
-bool is_whole_summary(const std::string& text) {
-  const std::size_t place = place_of_checksum(text);
-  if (place == std::string::npos || place + kNoChecksum.size() > text.size()) return false;
-  std::string without = text;
-  without.replace(place, kNoChecksum.size(), kNoChecksum);
-  return text.substr(place, kNoChecksum.size()) == checksum(without);
-}
-
-void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
-  const std::string& output = configuration.run.output;
-  const Tables tables = tables_of(configuration, prediction, result);
-  nlohmann::json summary = summary_json(configuration, prediction, result);
-  summary.update(provenance(configuration));
-  if (!result.gaps.empty()) summary["smallest_gap"] = smallest_gap_json(result);
-  write_atomically(unfinished_summary_file(output), summary_text(std::move(summary), tables));
-  for (const auto& [name, content] : tables) write_atomically(output + "/" + name + ".csv", content);
-  sync_and_rename(unfinished_summary_file(output), output + "/summary.json");
 }
 
 }  // namespace platoon

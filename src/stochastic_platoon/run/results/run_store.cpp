@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 
 namespace platoon {
 

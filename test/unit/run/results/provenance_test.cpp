@@ -8,6 +8,7 @@
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/checksum.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "unit/run/results/result_with.hpp"
 #include "unit/temporary_folder.hpp"
 

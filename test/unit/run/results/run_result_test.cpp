@@ -10,6 +10,7 @@
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/statistics/ensemble_statistics.hpp"
 #include "stochastic_platoon/run/io/checksum.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "unit/paper_run.hpp"
 #include "unit/run/results/result_with.hpp"

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "stochastic_platoon/run/results/run_result.hpp"
+
+namespace platoon {
+
+/// Writes output/statistics.csv, signals.csv and gaps.csv where there are signals, and summary.json, which contains the
+/// provenance() of all, each atomically. The summary's "crc32" holds the checksum() of each, its own computed with
+/// "00000000" in its place, so that readers detect damage. Throws std::runtime_error.
+void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
+
+/// Name of summary.json until statistics.csv is there: with it, a statistics.csv without summary.json is what a killed
+/// write_results() left.
+std::string unfinished_summary_file(const std::string& output);
+
+/// Whether a summary's text is as write_results() wrote it.
+bool is_whole_summary(const std::string& text);
+
+/// The content of statistics.csv.
+std::string statistics_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
+
+}  // namespace platoon
