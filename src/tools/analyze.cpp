@@ -126,6 +126,17 @@ platoon::SignalRequest signal_request(const std::map<std::string, std::string>& 
   return request;
 }
 
+// The first step of the amplification.
+std::int64_t burn_in_of(platoon::RunOptions run, const platoon::SignalRequest& signals) {
+  run.signals = signals.names;
+  if (run.burn_in > 0 && !run.has_amplification()) {
+    throw platoon::ConfigurationError(
+        {platoon::formatted("burn-in: %lld: must go with --signals speed, and be at most steps - 2 = %lld",
+                            static_cast<long long>(run.burn_in), static_cast<long long>(run.steps - 2))});
+  }
+  return run.burn_in;
+}
+
 // "-" for a missing value, as for an unstable vehicle.
 std::string column(double value) {
   return std::isnan(value) ? "           -" : platoon::formatted(" %11.9g", value);
@@ -156,13 +167,14 @@ int main(int argc, char** argv) {
       {"sweep_loss", "FROM:TO:COUNT: stability over loss probabilities, and headways where both are given"},
       {"sweep_burst", "FROM:TO:COUNT: stability over mean bursts, and over the others given"},
       {"csv", "file for the sweep, for plot map"},
-      {"signals", "gap, speed, acceleration, jerk, separated by commas: their moments beside those of the errors"},
+      {"signals",
+       "gap, speed, acceleration, jerk, separated by commas: their moments beside those of the errors; with the speed its amplification"},
       {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"},
   };
   std::map<std::string, std::string> settings =
       platoon::parse_command_line(argc, argv, "What the theory says of a platoon",
                                   {"model", "followers", "headway", "headway_seconds", "noise_variance", "loss",
-                                   "mean_burst", "delay", "leader", "steps"},
+                                   "mean_burst", "delay", "leader", "steps", "burn_in"},
                                   extra);
   std::map<std::string, std::string> own;
   for (const auto& entry : extra) {
@@ -177,13 +189,14 @@ int main(int argc, char** argv) {
       throw platoon::ConfigurationError({std::string(option) + ": given: must go with --sweep-headway" +
                                          (option == std::string("csv") ? ", --sweep-loss or --sweep-burst" : "")});
     }
-    const platoon::SignalRequest signals = signal_request(own);
+    platoon::SignalRequest signals = signal_request(own);
     settings.emplace("model", platoon::paper_model_file());
     std::cout << settings["model"] << "\n";
     const platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));
     if (configuration.run.averaging() == platoon::Averaging::over_time)
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 here"});
+    signals.burn_in = burn_in_of(configuration.run, signals);
     const platoon::PlatoonModel& model = configuration.model;
     if (platoon::theory_of(model) == platoon::Theory::exact && platoon::has_bursts(model) &&
         !platoon::has_feasible_burst_moments(configuration.run.followers, configuration.run.steps)) {

@@ -155,7 +155,7 @@ int main(int argc, char** argv) {
   std::map<std::string, std::string> settings =
       platoon::parse_command_line(argc, argv, "Monte Carlo of the platoon in one process",
                                   {"model", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst",
-                                   "delay", "leader", "followers", "realizations", "seed", "signals"},
+                                   "delay", "leader", "followers", "realizations", "seed", "signals", "burn_in"},
                                   help, nullptr, {"trajectories"});
   std::map<std::string, std::string> own;
   for (const auto& entry : own_help) {

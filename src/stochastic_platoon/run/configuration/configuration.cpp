@@ -75,6 +75,14 @@ void choose_burn_in(const PlatoonModel& model, RunOptions& run, std::vector<std:
   }
 }
 
+void require_amplification(const RunOptions& run, std::vector<std::string>& problems) {
+  const bool has_speed = std::find(run.signals.begin(), run.signals.end(), "speed") != run.signals.end();
+  if (!has_speed || run.burn_in == 0 || run.has_amplification()) return;
+  problems.push_back(formatted(
+      "run/burn_in: %lld: must be at most %lld, as amplification.csv needs two of the %lld steps",
+      static_cast<long long>(run.burn_in), static_cast<long long>(run.steps - 2), static_cast<long long>(run.steps)));
+}
+
 }  // namespace
 
 Configuration parse_configuration(const YAML::Node& document) {
@@ -94,6 +102,7 @@ Configuration parse_configuration(const YAML::Node& document) {
     }
   }
   if (model) require_feasible_theory(*model, run, problems);
+  require_amplification(run, problems);
   if (model && run.burn_in_chosen) choose_burn_in(*model, run, problems);
   if (!problems.empty()) throw ConfigurationError(problems);
   return {*model, run};
@@ -292,6 +301,8 @@ nlohmann::json statistics_identity(const Configuration& configuration) {
   if (configuration.run.averaging() == Averaging::over_time) identity["burn_in"] = configuration.run.burn_in;
   if (!configuration.run.external.empty()) identity["external"] = configuration.run.external;
   if (!configuration.run.signals.empty()) identity["signals"] = configuration.run.signals;
+  if (configuration.run.has_amplification() && configuration.run.burn_in > 0)
+    identity["burn_in"] = configuration.run.burn_in;
   return identity;
 }
 

@@ -176,6 +176,10 @@ RunOptions read_run_options(Section section) {
   return options;
 }
 
+bool RunOptions::has_amplification() const {
+  return std::find(signals.begin(), signals.end(), "speed") != signals.end() && burn_in + 2 <= steps;
+}
+
 std::vector<std::string> RunOptions::receivers() const {
   std::vector<std::string> names{"monitor"};
   if (!record.empty()) names.emplace_back("recorder");

@@ -36,7 +36,7 @@ struct RunOptions {
   std::int64_t window;              ///< steps that may be unacknowledged, >= 1
   double stall_timeout;             ///< [s]; 0 = wait forever
   std::uint64_t number;  ///< number of the run in its launch, from 1: every change of an endless run begins another
-  std::int64_t burn_in;  ///< steps left out of the time averages of an endless run
+  std::int64_t burn_in;  ///< steps left out of the time averages of an endless run, else of amplification.csv
   bool steps_chosen = false;               ///< steps is chosen_steps() instead of a given number
   bool burn_in_chosen = false;             ///< burn_in is settling_steps() instead of a given number
   std::vector<std::size_t> external = {};  ///< external vehicles, ascending
@@ -50,6 +50,9 @@ struct RunOptions {
 
   /// The receivers that must acknowledge every step.
   std::vector<std::string> receivers() const;
+
+  /// Whether amplification.csv is written: the speed is among the signals, and burn_in leaves two steps or more.
+  bool has_amplification() const;
 
   /// Number of steps that the last vehicle may be ahead of the leader: see publishes_ahead().
   std::size_t pipeline_depth() const;

@@ -44,7 +44,8 @@ const std::vector<Setting>& settings() {
       {"signals", "",
        "signals beside the tracking errors, as in gap,speed: gap, speed, acceleration, jerk; empty: none", nullptr},
       {"burn_in", "",
-       "steps left out of the time averages of an endless run; empty: until the start has decayed to 1e-6", nullptr},
+       "steps left out of the time averages of an endless run (empty: until the start has decayed to 1e-6), or of amplification.csv (empty: none)",
+       nullptr},
       {"launch_id", "", "names one launch; empty: a new one", nullptr},
       {"first_realization", "0", "realizations before it come from earlier launches (configure finds out)", nullptr},
   };

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/run/report/signal_analysis.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -48,6 +49,24 @@ nlohmann::json to_json(const CollisionRisk& risk) {
           {"required_standstill_distances", numbers(risk.required_distance)}};
 }
 
+// By the names of amplification.csv, each a list over vehicles 0 .. N.
+nlohmann::json to_json(const std::vector<Amplification>& of, std::int64_t from) {
+  nlohmann::json document = {{"from_step", from}};
+  for (const AmplificationFigure& figure : amplification_figures()) {
+    std::vector<double> values;
+    for (const Amplification& one : of) values.push_back(one.*figure.value);
+    document[figure.name] = numbers(values);
+  }
+  return document;
+}
+
+std::string amplification_line(const SignalAnalysis& analysis) {
+  if (analysis.amplification.empty()) return "";
+  if (analysis.amplification.front().rms_mean_speed == 0.0) return no_amplification(analysis.request.burn_in);
+  const std::string found = largest_and_tail(analysis.amplification);
+  return "Amplification of the speed (L2): " + (found.empty() ? "none, as no follower moves" : found) + "\n";
+}
+
 }  // namespace
 
 std::vector<std::string> SignalRequest::all_names() const {
@@ -66,12 +85,33 @@ SignalAnalysis analyze_signals(const PlatoonModel& model, const SignalRequest& r
   analysis.stationary = stationary_signals(model, names, followers, string_stable);
   begins("signals of every step");
   analysis.moments = signal_moments(model, names, followers, steps);
+  SignalsByName signals;
+  for (std::size_t s = 0; s < names.size(); ++s) {
+    if (names[s] != kGap) signals[names[s]] = with_leader(model, names[s], analysis.moments[s], steps);
+  }
+  if (signals.count("speed") > 0 && request.burn_in + 2 <= steps)
+    analysis.amplification = amplification(signals, steps, request.burn_in);
   if (!request.collision_probability) return analysis;
   begins("collisions");
   const auto gap = static_cast<std::size_t>(std::find(names.begin(), names.end(), kGap) - names.begin());
   analysis.collisions = collision_risk(model, analysis.stationary[gap], analysis.moments[gap], analysis.steps,
                                        *request.collision_probability);
   return analysis;
+}
+
+std::string largest_and_tail(const std::vector<Amplification>& of) {
+  std::size_t largest = 0;
+  for (std::size_t i = 1; i < of.size(); ++i) {
+    if (!std::isnan(of[i].l2_ratio) && (largest == 0 || of[i].l2_ratio > of[largest].l2_ratio)) largest = i;
+  }
+  if (largest == 0) return "";
+  return formatted("largest %.6g of follower %zu, head to tail ", of[largest].l2_ratio, largest) +
+         figure(of.back().l2_head_to_tail, "");
+}
+
+std::string no_amplification(std::int64_t from) {
+  return formatted("Amplification: none, as the leader drives at constant speed from step %lld on\n",
+                   static_cast<long long>(from));
 }
 
 std::string report(const PlatoonModel& model, const SignalAnalysis& analysis) {
@@ -86,6 +126,7 @@ std::string report(const PlatoonModel& model, const SignalAnalysis& analysis) {
     text += name + ": stationary variance " +
             along(signal.followers.variance, signal.limit_variance(), squared(unit_of(names[s]))) + "\n";
   }
+  text += amplification_line(analysis);
   return analysis.collisions ? text + collision_lines(model, analysis) : text;
 }
 
@@ -93,6 +134,9 @@ void add_to_json(const SignalAnalysis& analysis, nlohmann::json& document) {
   const std::vector<std::string> names = analysis.request.all_names();
   if (!names.empty()) document["signals"] = nullptr;
   if (analysis.request.collision_probability) document["collision"] = nullptr;
+  if (std::find(names.begin(), names.end(), "speed") != names.end()) document["amplification"] = nullptr;
+  if (!analysis.amplification.empty())
+    document["amplification"] = to_json(analysis.amplification, analysis.request.burn_in);
   for (std::size_t s = 0; s < analysis.moments.size(); ++s) {
     const StationarySignal& signal = analysis.stationary[s];
     document["signals"][names[s]] = {{"mean", rows(analysis.moments[s].mean, analysis.steps)},

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/math/string/amplification.hpp"
 #include "stochastic_platoon/math/string/collision_risk.hpp"
 
 namespace platoon {
@@ -15,6 +16,7 @@ namespace platoon {
 struct SignalRequest {
   std::vector<std::string> names;                    ///< as signal_names() returns them
   std::optional<double> collision_probability = {};  ///< per step, in (0, 1/2), to find the standstill distance for
+  std::int64_t burn_in = 0;                          ///< first step of amplification()
 
   /// The names, with the gap if collisions are requested.
   std::vector<std::string> all_names() const;
@@ -27,6 +29,7 @@ struct SignalAnalysis {
   std::vector<SignalMoments> moments;  ///< in the order of request.all_names(), as is `stationary`
   std::vector<StationarySignal> stationary;
   std::optional<CollisionRisk> collisions;
+  std::vector<Amplification> amplification = {};  ///< one per vehicle 0 .. N; empty without the speed
 
   bool is_empty() const { return moments.empty(); }
 };
@@ -36,10 +39,16 @@ SignalAnalysis analyze_signals(const PlatoonModel& model, const SignalRequest& r
                                std::int64_t steps, bool string_stable,
                                const std::function<void(const char* stage)>& begins);
 
-/// A line for each signal and three for the collisions; one line if there is no theory.
+/// "largest 1.158 of follower 3, head to tail 18.88": the L2 ratios of the speeds; empty if there are none.
+std::string largest_and_tail(const std::vector<Amplification>& of);
+
+/// The report's line for a leader at constant speed from this step on.
+std::string no_amplification(std::int64_t from);
+
+/// A line for each signal and for the amplification, three for the collisions; one line if there is no theory.
 std::string report(const PlatoonModel& model, const SignalAnalysis& analysis);
 
-/// Adds the keys `signals` and `collision` as far as they are requested; null if there is no theory.
+/// Adds the keys `signals`, `collision` and `amplification` as far as they are requested; null if there is no theory.
 void add_to_json(const SignalAnalysis& analysis, nlohmann::json& document);
 
 }  // namespace platoon

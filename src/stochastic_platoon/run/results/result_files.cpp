@@ -8,6 +8,7 @@
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/checksum.hpp"
+#include "stochastic_platoon/run/results/amplification_results.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
@@ -123,6 +124,8 @@ using Tables = std::map<std::string, std::string>;
 Tables tables_of(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   Tables tables{{"statistics", statistics_csv(configuration, prediction, result)}};
   if (!result.signals.empty()) tables["signals"] = signals_csv(configuration, prediction, result);
+  if (!result.signals.empty() && configuration.run.has_amplification())
+    tables["amplification"] = amplification_csv(configuration, prediction, result);
   if (!result.gaps.empty()) tables["gaps"] = gaps_csv(configuration, prediction, result);
   return tables;
 }

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/results/amplification_results.hpp"
 
 namespace platoon {
 
@@ -128,6 +129,8 @@ std::string signals_report(const Configuration& configuration, const Prediction&
             : prediction.signals.empty() ? " (measured only)\n"
                                          : "\n";
   }
+  if (!result.signals.empty() && run.has_amplification())
+    text += amplification_report(configuration, prediction, result);
   if (!result.gaps.empty() && result.realizations > 0) text += gap_lines(configuration, prediction, result);
   return text;
 }

@@ -23,8 +23,8 @@ std::string gaps_csv(const Configuration& configuration, const Prediction& predi
 /// The smallest gap of all followers for summary.json: gap, vehicle, realization, step; null without gaps.
 nlohmann::json smallest_gap_json(const RunResult& result);
 
-/// Lines of the report on the signals and the smallest gap, and the command that replays its realization; empty without
-/// signals.
+/// Lines of the report on the signals, the amplification and the smallest gap, and the command that replays its
+/// realization; empty without signals.
 std::string signals_report(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
 }  // namespace platoon

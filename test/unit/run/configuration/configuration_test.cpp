@@ -96,6 +96,20 @@ TEST_F(ConfigurationTest, TheBurnInOfAnEndlessRunIsItsSettlingTime) {
   EXPECT_GT(slower.run.burn_in, 2 * chosen.run.burn_in);
 }
 
+TEST_F(ConfigurationTest, TheBurnInOfAmplificationsLeavesTwoSteps) {
+  const Configuration configuration = configured({{"steps", "50"}, {"burn_in", "48"}, {"signals", "speed"}});
+  EXPECT_TRUE(configuration.run.has_amplification());
+  EXPECT_EQ(statistics_identity(configuration).at("burn_in"), 48);
+  EXPECT_EQ(problems_with({{"steps", "50"}, {"burn_in", "49"}, {"signals", "gap,speed"}}),
+            Problems{"run/burn_in: 49: must be at most 48, as amplification.csv needs two of the 50 steps"});
+  const Configuration whole = configured({{"steps", "50"}, {"signals", "speed"}});
+  EXPECT_EQ(whole.run.burn_in, 0) << "the default";
+  EXPECT_TRUE(whole.run.has_amplification());
+  EXPECT_FALSE(statistics_identity(whole).contains("burn_in"));
+  EXPECT_FALSE(configured({{"steps", "50"}, {"burn_in", "49"}, {"signals", "gap"}}).run.has_amplification());
+  EXPECT_FALSE(configured({{"steps", "1"}, {"signals", "speed"}}).run.has_amplification());
+}
+
 TEST_F(ConfigurationTest, AnUnstableVehicleNeedsABurnIn) {
   const std::string unstable = folder_.file("unstable.yaml", std::string(kModelText) + "\nallow_unstable: true\n");
   const Settings settings{{"model", unstable}, {"headway", "0.1"}, {"steps", "0"}};

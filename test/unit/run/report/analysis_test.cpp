@@ -108,11 +108,39 @@ TEST(Analysis, HasTheSignalsThatAreRequested) {
   EXPECT_NE(text.find("Required standstill distance for 1e-06 per step: "), std::string::npos);
 }
 
+TEST(Analysis, HasTheAmplificationOfTheSpeed) {
+  PlatoonModel model = model_at(3.2);
+  model.leader = LeaderProfile({{0, 20.0}, {200, 15.0}}, 0.1);
+  SignalRequest request{{"speed", "acceleration"}};
+  request.burn_in = 150;
+  const auto analyzed = [&] {
+    return analyze(
+        model, 3, 300, [](const char*) {}, request);
+  };
+  const nlohmann::json found = to_json(model, analyzed()).at("amplification");
+  EXPECT_EQ(found.at("from_step"), 150);
+  for (const char* key : {"l2_ratio", "linf_ratio", "l2_head_to_tail", "linf_head_to_tail", "rms_jerk"}) {
+    EXPECT_EQ(found.at(key).size(), 4u) << key;
+    EXPECT_TRUE(found.at(key).at(0).is_null()) << key;
+  }
+  // A change of speed is mostly of low frequencies, whose gain is just below 1.
+  const double first = found.at("l2_ratio").at(1);
+  EXPECT_TRUE(first > 0.9 && first < 1.0) << first;
+  EXPECT_NEAR(found.at("l2_head_to_tail").at(2), first * found.at("l2_ratio").at(2).get<double>(), 1e-12);
+  EXPECT_NE(report(model, analyzed()).find("Amplification of the speed (L2): largest "), std::string::npos);
+  request.burn_in = 210;
+  EXPECT_FALSE(analyzed().amplification.empty());
+  model.leader = LeaderProfile({{0, 20.0}}, 0.1);
+  EXPECT_NE(report(model, analyzed()).find("Amplification: none, as the leader drives at constant speed from step 210"),
+            std::string::npos);
+}
+
 TEST(Analysis, HasNoSignalsUnlessRequested) {
   const PlatoonModel model = model_at(3.2);
   const nlohmann::json document = to_json(model, analyze(model, 3, 10));
   EXPECT_FALSE(document.contains("signals"));
   EXPECT_FALSE(document.contains("collision"));
+  EXPECT_FALSE(document.contains("amplification"));
 }
 
 TEST(Analysis, HasNoSignalsWhereErrorsAreNotNormal) {
@@ -120,9 +148,10 @@ TEST(Analysis, HasNoSignalsWhereErrorsAreNotNormal) {
     PlatoonModel model = model_at(3.2);
     model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
     if (in_bursts) model.default_vehicle().link.loss->mean_burst = 3.0;
-    const Analysis analysis = analyze(model, 2, 5, [](const char*) {}, {{"gap"}, 1e-6});
+    const Analysis analysis = analyze(model, 2, 5, [](const char*) {}, {{"gap", "speed"}, 1e-6});
     const nlohmann::json document = to_json(model, analysis);
     EXPECT_TRUE(document.at("signals").is_null());
+    EXPECT_TRUE(document.at("amplification").is_null());
     EXPECT_TRUE(document.at("collision").is_null());
     EXPECT_NE(report(model, analysis).find("measured only, as errors are not normal"), std::string::npos);
   }
