@@ -1,0 +1,105 @@
+#!/usr/bin/python3
+"""Tests of `plot amplification` on files made here: figures, every documented error."""
+
+import json
+import os
+import sys
+import unittest
+
+import numpy as np
+
+sys.dont_write_bytecode = True
+from plot_test import PlotTest, plot, transfer  # noqa: E402
+
+FIGURES = plot.amplification.FIGURES
+
+
+def gain(headway):
+    """|T| of the paper's example at a period of 10 steps."""
+    loop, z = transfer(headway), np.exp(0.2j * np.pi)
+    return abs(np.polyval(loop["numerator"], z) / np.polyval(loop["denominator"], z))
+
+
+def table(followers=3, headway=3.2, theory=True, noise=0.5):
+    """Rows of amplification.csv behind a sinusoid, the measurement 1 % above the theory."""
+    t, lines = gain(headway), ["vehicle," + ",".join(FIGURES + ["theoretical_" + name for name in FIGURES] + ["rms_jerk"])]
+    for i in range(followers + 1):
+        ratios = [t, t, t ** i, t ** i] if i else [""] * 4
+        values = ratios + [0.7 * t ** i, np.hypot(4.4 * t ** i, noise * np.sqrt(i)), 4.4 * t ** i]
+        measured = [value if value == "" else 1.01 * value for value in values]
+        lines.append(",".join(str(value) for value in [i] + measured + (values if theory else [""] * len(values)) + [""]))
+    return "\n".join(lines) + "\n"
+
+
+class AmplificationTest(PlotTest):
+    def make_amplification(self, name="run", text=None, followers=3, **options):
+        os.mkdir(self.path(name))
+        self.write(table(followers, **options) if text is None else text, name, "amplification.csv")
+        summary = {"complete": True, "followers": followers, "steps": 400, "realizations": 1000, "theory": {"string_stable": True},
+                   "configuration": {"run": {"burn_in": 200}, "model": {"sample_period": 0.1}},
+                   "crc32": {"amplification": self.checksum(name, "amplification.csv"), "summary": "00000000"}}
+        self.write(json.dumps(summary), name, "summary.json")
+        own = self.checksum(name, "summary.json")
+        self.write(json.dumps(summary).replace('"summary": "00000000"', '"summary": "{}"'.format(own)), name, "summary.json")
+        return self.path(name)
+
+
+class Amplification(AmplificationTest):
+    def test_one_run_several_and_long_strings_are_drawn(self):
+        run, other = self.make_amplification("a", followers=20), self.make_amplification("b", headway=2.4)
+        self.assert_draws("amplification", run)
+        self.assert_draws("amplification", run, other, "--titles", "$h = 3.2$", "$h = 2.4$")
+        self.assert_draws("amplification", self.make_amplification("c", followers=1), self.make_amplification("d", followers=300))
+
+    def test_a_run_without_theory_is_drawn(self):
+        self.assert_draws("amplification", self.make_amplification(theory=False))
+
+    def test_the_acceleration_has_a_panel_if_it_was_measured(self):
+        run = plot.amplification.read_amplification(self.make_amplification())
+        self.assertEqual(len(plot.amplification.draw([run], []).axes), 3)
+        for name in ("rms_acceleration", "rms_mean_acceleration"):
+            run.measured[name][:], run.theory[name][:] = np.nan, np.nan
+        self.assertEqual(len(plot.amplification.draw([run], []).axes), 2)
+
+    def test_curves_are_the_figures_of_the_file(self):
+        run = plot.amplification.read_amplification(self.make_amplification())
+        ratio, tail, acceleration = plot.amplification.draw([run], []).axes
+        drawn = [line.get_xydata().tolist() for line in ratio.lines]
+        self.assertIn([[i, gain(3.2)] for i in (1, 2, 3)], drawn)
+        np.testing.assert_allclose(tail.lines[0].get_ydata(), gain(3.2) ** np.arange(1, 4))
+        np.testing.assert_allclose(tail.lines[1].get_ydata(), 1.01 * gain(3.2) ** np.arange(1, 4))
+        self.assertEqual(acceleration.lines[0].get_xdata().tolist(), [0, 1, 2, 3])
+        self.assertEqual(run.seconds, (20.0, 40.0))
+
+
+class AmplificationErrors(AmplificationTest):
+    def test_a_run_without_amplification(self):
+        self.assert_refuses("amplification", self.make_run(), saying=["amplification.csv: no such file: run with signals:=speed"])
+        self.assert_refuses("amplification", self.path("none"), saying=["none: no such folder"])
+
+    def test_a_byte_that_was_changed(self):
+        run = self.make_amplification()
+        with open(self.path("run", "amplification.csv"), "r+b") as file:
+            file.seek(-20, os.SEEK_END)
+            file.write(b"7")
+        self.assert_refuses("amplification", run, saying=["is not as it was written"])
+
+    def test_rows_and_columns_that_are_missing(self):
+        heading, leader, *rows = table().splitlines()
+        for name, lines, words in (("a", [heading] + rows, "each vehicle 0..N"), ("b", [heading, leader], "each vehicle 0..N"),
+                                   ("c", [heading.replace("rms_mean_speed", "x"), leader] + rows, "column rms_mean_speed is missing")):
+            self.assert_refuses("amplification", self.make_amplification(name, "\n".join(lines) + "\n"), saying=[words])
+
+    def test_a_summary_of_another_string(self):
+        run = self.make_amplification(text=table(4))
+        self.assert_refuses("amplification", run, saying=["followers is 3, but amplification.csv beside it has 4"])
+
+    def test_a_leader_at_constant_speed(self):
+        empty = "\n".join([table().splitlines()[0]] + ["{},,,,,0,1,0,,,,,0,1,0,".format(i) for i in range(4)]) + "\n"
+        self.assert_refuses("amplification", self.make_amplification("a", empty), saying=["the leader drives at constant speed"])
+        hidden = empty.replace(",,,,,0,1", ",,,,,0.5,1", 1)
+        self.assert_refuses("amplification", self.make_amplification("b", hidden), saying=["noise hides the motion"])
+
+
+if __name__ == "__main__":
+    unittest.main()
