@@ -90,14 +90,19 @@ def shared(*parts):
     return os.path.join(rospkg.RosPack().get_path("stochastic_platoon"), *parts)
 
 
+def monte_carlo(folder, *flags, **options):
+    """The finished process of monte_carlo with its output in the folder."""
+    command = [executable("monte_carlo"), "--output", folder, *flags]
+    for name, value in options.items():
+        command += ["--" + name.replace("_", "-"), str(value)]
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+
+
 def reference(output, **settings):
     """statistics.csv of monte_carlo with these settings: the same platoon in one process, without ROS."""
     folder = os.path.join(output, "reference")
     settings.setdefault("model", shared("config", "paper.yaml"))
-    command = [executable("monte_carlo"), "--output", folder]
-    for name, value in settings.items():
-        command += ["--" + name.replace("_", "-"), str(value)]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    monte_carlo(folder, **settings).check_returncode()
     return statistics(folder)
 
 

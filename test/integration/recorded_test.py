@@ -22,37 +22,19 @@ from terminal import LaunchTest
 
 FOLLOWERS, STEPS, REALIZATIONS = 3, 400, 500
 SETTINGS = dict(followers=FOLLOWERS, steps=STEPS, realizations=REALIZATIONS)
+SIGNALS = "speed,acceleration,jerk"
 
 
 class Recorded(LaunchTest):
-    def monte_carlo(self, name, *flags, **options):
-        folder = os.path.join(self.folder, name)
-        command = [live_platoon.executable("monte_carlo"), "--output", folder, *flags]
-        for option, value in options.items():
-            command += ["--" + option.replace("_", "-"), str(value)]
-        return folder, subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
-
-    def finished(self, *arguments, **options):
-        folder, done = self.monte_carlo(*arguments, **options)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return folder
-
-    def model_with(self, **keys):
-        with open(live_platoon.shared("config", "paper.yaml")) as file:
-            model = dict(yaml.safe_load(file), **keys)
-        path = os.path.join(self.folder, "model.yaml")
-        with open(path, "w") as file:
-            json.dump(model, file)
-        return path
-
     def leader_of(self, folder):
         """y_0(0), y_0(1), ... of a realization."""
-        trajectory = self.finished("trajectory", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=0)
+        trajectory = self.monte_carlo("trajectory", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=0)
         with open(os.path.join(trajectory, "trajectories.csv")) as file:
             return np.array([float(row["position"]) for row in csv.DictReader(file) if row["vehicle"] == "0" and int(row["step"]) >= 0])
 
     def test_vehicle_0_drives_like_a_shipped_table_in_the_graph_and_in_process(self):
-        folder = self.finished("monte_carlo", leader="city.csv", **SETTINGS)
+        settings = dict(SETTINGS, signals=SIGNALS, burn_in=50)
+        folder = self.monte_carlo("monte_carlo", leader="city.csv", **settings)
         table = np.genfromtxt(live_platoon.shared("config", "leaders", "city.csv"), delimiter=",", names=True)
         speed = np.interp(0.1 * np.arange(STEPS), table["time"], table["speed"])
         driven = np.concatenate([[0.0], np.cumsum(0.05 * (speed[1:] + speed[:-1]))])
@@ -60,15 +42,18 @@ class Recorded(LaunchTest):
         with open(os.path.join(folder, "summary.json")) as file:
             agreement = json.load(file)["agreement"]
         self.assertTrue(1 < agreement["max_abs_z_mean"] < 5.5, agreement)
-        self.launch(leader="city.csv", output=self.output, **SETTINGS).wait()
+        self.launch(leader="city.csv", output=self.output, **settings).wait()
         self.assertTrue(live_platoon.completed_summary(self.output))
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.statistics(folder))
+        for name in ("signals.csv", "amplification.csv"):
+            with open(os.path.join(self.output, name)) as live, open(os.path.join(folder, name)) as own:
+                self.assertEqual(live.read(), own.read(), name)
 
     def test_a_table_lasts_as_long_as_the_run_and_may_have_any_columns_and_units(self):
         with open(os.path.join(self.folder, "lap.csv"), "w") as file:
             file.write("recorded by hand\nTime;Speed1\n" + "".join("%.12g;%.12g\n" % (100 + 0.5 * k, 36 + 3.6 * math.sin(k)) for k in range(61)))
         model = self.model_with(leader=dict(file="lap.csv", time="Time", speed="Speed1", unit="km/h", skip_rows=1, from_second=5.0))
-        folder = self.finished("run", model=model, followers=2, realizations=10)
+        folder = self.monte_carlo("run", model=model, followers=2, realizations=10)
         with open(os.path.join(folder, "summary.json")) as file:
             self.assertEqual(json.load(file)["steps"], 251, "25 s of the table are left")
         rows = 0.5 * np.arange(61)
@@ -90,7 +75,7 @@ class Recorded(LaunchTest):
         again = self.recorded_drive(bag_file, table, "--topic", "/gps")
         self.assertNotEqual(again.returncode, 0, "the table is not overwritten")
         self.assertIn("File exists", again.stderr)
-        folder = self.finished("car", leader=table, followers=2, realizations=10)
+        folder = self.monte_carlo("car", leader=table, followers=2, realizations=10)
         np.testing.assert_allclose(self.leader_of(folder), 0.5 * (0.1 * np.arange(121)) ** 2, atol=1e-6)
 
     def recorded_drive(self, bag, table, *options):
@@ -102,12 +87,12 @@ class Recorded(LaunchTest):
                              ("time,speed\n0,1\n3,1\n", "row 3: 3 s after the row before: must be at most 1 s")):
             with open(os.path.join(self.folder, "bad.csv"), "w") as file:
                 file.write(text)
-            _, done = self.monte_carlo("none", leader=os.path.join(self.folder, "bad.csv"))
+            done = live_platoon.monte_carlo(os.path.join(self.folder, "none"), leader=os.path.join(self.folder, "bad.csv"))
             self.assertEqual(done.returncode, 1)
             self.assertIn("leader/file: {}: {}".format(os.path.join(self.folder, "bad.csv"), reason), done.stderr)
         for leader, reason in ((dict(file="bad.csv", unit="knots"), "leader/unit: knots: must be km/h or m/s or mph"),
                                (dict(file="bad.csv", speed="v", position="x"), "leader/speed: given: must be absent beside position")):
-            _, done = self.monte_carlo("none", model=self.model_with(leader=leader))
+            done = live_platoon.monte_carlo(os.path.join(self.folder, "none"), model=self.model_with(leader=leader))
             self.assertIn(reason, done.stderr)
 
     TRACE = [1, 1, 0, 1, 0, 0, 1, 1, 1, 0, 1, 1, 0, 0, 0, 1, 1]
@@ -128,11 +113,11 @@ class Recorded(LaunchTest):
         leader = {"speed": [{"from_step": k, "value": 10.0 + 7.0 * math.sin(k)} for k in range(60)]}
         model = self.model_with(channel={"loss": loss}, noise_variance=0.0, leader=leader)
         with open(model) as file:
-            vehicle = link_reference.vehicles_of(dict(json.load(file), string=["default"]), 1)[0]
+            vehicle = link_reference.vehicles_of(dict(yaml.safe_load(file), string=["default"]), 1)[0]
         a, b, c, _ = link_reference.state_space(*link_reference.polynomials_of(vehicle))
         offsets = set()
         for realization in range(4):
-            folder = self.finished("only", "--trajectories", model=model, followers=2, steps=60, realizations=4, only=realization)
+            folder = self.monte_carlo("only-%d" % realization, "--trajectories", model=model, followers=2, steps=60, realizations=4, only=realization)
             positions = self.positions_of(folder)
             for i in (1, 2):
                 sent, fitting = positions[i - 1], []
@@ -152,11 +137,11 @@ class Recorded(LaunchTest):
         self.trace("log.csv", self.TRACE)
         self.trace("ones.csv", [1] * 17)
         settings = dict(followers=3, steps=60, realizations=3000)
-        plain = self.finished("plain", **settings)
-        ones = self.finished("ones", model=self.model_with(channel={"loss": {"trace": "ones.csv"}}), **settings)
+        plain = self.monte_carlo("plain", **settings)
+        ones = self.monte_carlo("ones", model=self.model_with(channel={"loss": {"trace": "ones.csv"}}), **settings)
         self.assertEqual(live_platoon.statistics(ones), live_platoon.statistics(plain))
         model = self.model_with(channel={"loss": {"trace": "log.csv"}})
-        lossy = self.finished("lossy", model=model, **settings)
+        lossy = self.monte_carlo("lossy", model=model, **settings)
         self.assertNotEqual(live_platoon.statistics(lossy), live_platoon.statistics(plain))
         self.launch(model=model, output=self.output, **settings).wait()
         self.assertTrue(live_platoon.completed_summary(self.output))

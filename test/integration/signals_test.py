@@ -18,7 +18,7 @@ from terminal import LaunchTest
 FOLLOWERS, STEPS, REALIZATIONS = 4, 50, 4000
 SIGNALS = "gap,speed,acceleration,jerk"
 SETTINGS = dict(followers=FOLLOWERS, steps=STEPS, realizations=REALIZATIONS, seed=5)
-TABLES = ("statistics.csv", "signals.csv", "gaps.csv")
+TABLES = ("statistics.csv", "signals.csv", "gaps.csv", "amplification.csv")
 
 
 def run(program, *arguments, **options):

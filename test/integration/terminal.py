@@ -91,6 +91,13 @@ class LaunchTest(unittest.TestCase):
         self.addCleanup(terminal.end)
         return terminal
 
+    def monte_carlo(self, name, *flags, **options):
+        """Folder of a run of monte_carlo that must succeed."""
+        folder = os.path.join(self.folder, name)
+        done = live_platoon.monte_carlo(folder, *flags, **options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return folder
+
     def model_with(self, **changes):
         """The paper's model file with some lines replaced; None removes a line."""
         with open(live_platoon.shared("config", "paper.yaml")) as file:
