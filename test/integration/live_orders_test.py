@@ -230,7 +230,7 @@ class Changes(Orders):
 
         def averaged(headway_is, run):
             live_platoon.wait_for(lambda: list(statistics.messages)[-1:] and statistics.messages[-1].step > enough,
-                                  "averages over many steps", 100)
+                                  "averages over many steps", 300)
             configuration = json.loads(rospy.get_param("/platoon/configuration"))
             self.assertEqual(configuration["model"]["time_headway"], headway_is)
             return statistics.messages[-1], snapshots.newest(lambda message: message.run != run).run
