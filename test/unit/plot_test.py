@@ -168,8 +168,21 @@ class Figures(PlotTest):
                                                              int(loss < 0.2)))
         path = self.write("\n".join(rows) + "\n", "losses.csv")
         stability = plot.inputs.read_map(path)
-        self.assertEqual(stability.over, "loss")
-        self.assertEqual(stability.heights.tolist(), [0.0, 0.1, 0.3])
+        self.assertEqual((stability.over, stability.up), ("headway", "loss"))
+        self.assertEqual(stability.ys.tolist(), [0.0, 0.1, 0.3])
+        self.assert_draws("map", path)
+
+    def test_map_over_losses_and_bursts_is_drawn(self):
+        rows = ["headway,gain,loss,mean_burst,spectral_radius,peak_gain,loss_gain,string_stable"]
+        for loss in (0.1, 0.4, 0.6):
+            for burst in (1.0, 1.5, 2.0, 4.0):
+                exists = burst >= loss / (1.0 - loss)
+                rows.append("3.2,1.35,{},{},{}".format(loss, burst, "0.5,1,{},{}".format(loss * burst, int(loss * burst < 1)) if exists else ",,,"))
+        path = self.write("\n".join(rows) + "\n", "bursts.csv")
+        stability = plot.inputs.read_map(path)
+        self.assertEqual((stability.over, stability.up), ("loss", "mean_burst"))
+        self.assertEqual(stability.loss_gain[:, 0].tolist(), [0.1, 0.15000000000000002, 0.2, 0.4])
+        self.assertTrue(np.isnan(stability.spectral_radius[0, 2]))
         self.assert_draws("map", path)
 
     def test_a_run_without_theory_is_drawn(self):

@@ -25,10 +25,11 @@ class Run(namedtuple("Run", "path name steps count mean variance theoretical_mea
 Analysis = namedtuple("Analysis", "path name document")
 
 # Columns of a map over headway (columns) and gain or loss probability (rows), each value an array (heights, headways).
-StabilityMap = namedtuple("StabilityMap", "headways heights over spectral_radius peak_gain string_stable")
+StabilityMap = namedtuple("StabilityMap", "over xs up ys spectral_radius peak_gain string_stable loss_gain")
 
 STATISTICS = ["vehicle", "step", "count", "mean", "variance", "theoretical_mean", "theoretical_variance"]
-MAP = ["headway", "gain", "spectral_radius", "peak_gain", "string_stable"]
+AXES = ["headway", "gain", "loss", "mean_burst"]  # of a map
+MAP_VALUES = ["spectral_radius", "peak_gain", "string_stable"]
 
 
 LARGEST = 1e150  # larger values, of unstable loops, overflow when squared and do not fit on an axis
@@ -226,20 +227,24 @@ def require_same_platoon(run, analysis, followers):
 
 
 def read_map(path):
-    """The map over headway and loss probability if the file has more than one of these, otherwise over headway and gain."""
-    over = "loss" if "loss" in read_text(path).split("\n", 1)[0].split(",") else "gain"
-    if over == "loss" and np.unique(read_columns(path, ["loss"])["loss"]).size < 2:
-        over = "gain"
-    columns = read_columns(path, [over if name == "gain" else name for name in MAP])
-    headway, height = columns.pop("headway"), columns.pop(over)
-    headways, heights = np.unique(headway), np.unique(height)
-    order = np.lexsort((headway, height))
-    if headways.size < 2 or heights.size < 2 \
-            or not np.array_equal(headway[order], np.tile(headways, heights.size)) \
-            or not np.array_equal(height[order], np.repeat(heights, headways.size)):
-        raise InputError("{}: must hold one row for each point of a grid of two or more headways and two or more "
-                         "gains or loss probabilities".format(path))
-    table = {name: drawable(column)[order].reshape(heights.size, headways.size) for name, column in columns.items()}
-    for name, array in table.items():
+    """The map over the two columns of AXES that vary. Its values are spectral_radius, peak_gain and string_stable, and loss_gain where
+    losses vary (else all NaN)."""
+    heading = read_text(path).split("\n", 1)[0].split(",")
+    names = [name for name in AXES if name in heading]
+    lossy = "loss_gain" in heading
+    columns = read_columns(path, names + MAP_VALUES + (["loss_gain"] if lossy else []))
+    varying = [name for name in names if np.unique(columns[name]).size > 1]
+    if len(varying) != 2:
+        raise InputError("{}: {}: must be two of {}, each with two or more values".format(
+            path, " and ".join(varying) + " vary" if varying else "nothing varies", ", ".join(AXES)))
+    over, up = varying
+    x, y = columns[over], columns[up]
+    xs, ys = np.unique(x), np.unique(y)
+    order = np.lexsort((x, y))
+    if not np.array_equal(x[order], np.tile(xs, ys.size)) or not np.array_equal(y[order], np.repeat(ys, xs.size)):
+        raise InputError("{}: must hold one row for each point of a grid of {} and {}".format(path, over, up))
+    values = {name: drawable(columns[name])[order].reshape(ys.size, xs.size) for name in MAP_VALUES}
+    for name, array in values.items():
         require_some(path, name, array)
-    return StabilityMap(headways, heights, over, **table)
+    values["loss_gain"] = drawable(columns["loss_gain"])[order].reshape(ys.size, xs.size) if lossy else np.full((ys.size, xs.size), np.nan)
+    return StabilityMap(over, xs, up, ys, **values)

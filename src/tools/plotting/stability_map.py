@@ -1,7 +1,8 @@
-"""String stability over headway and gain or loss probability: the peak of |T|, and the region of unstable loops."""
+"""String stability over two of headway, gain, loss probability and mean burst: the peak of |T|, or over losses and bursts the loss
+gain, and the regions without a verdict."""
 
 import numpy as np
-from matplotlib.colors import LogNorm
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter
@@ -12,6 +13,9 @@ from plotting import style
 PAPER_POINTS = ((3.2, 1.35, 1, "left"), (2.4, 1.35, -1, "right"))
 BORDER = style.PALETTE[0]
 HIGHEST_PEAK = 10.0  # higher peaks share the last colour
+HIGHEST_LOSS_GAIN = 2.0
+LABELS = {"headway": "time headway $h$ [sample periods]", "gain": "controller gain", "loss": "loss probability $q$",
+          "mean_burst": "mean burst $b$ [steps]"}
 PEAK_TICKS = [1, 1.2, 1.5, 2, 3, 5, 10]
 
 
@@ -25,30 +29,35 @@ def draw(stability):
     figure, axes = style.new_figure(1, 1, 6.4, 4.6)
     axes = axes[0, 0]
     axes.grid(False)
-    draw_peaks(figure, axes, stability)
+    if "headway" in (stability.over, stability.up):
+        draw_peaks(figure, axes, stability)
+    else:
+        draw_loss_gains(figure, axes, stability)
     if np.nanmax(stability.spectral_radius) > 1.0:
-        axes.contourf(stability.headways, stability.heights, np.ma.masked_invalid(stability.spectral_radius),
+        axes.contourf(stability.xs, stability.ys, np.ma.masked_invalid(stability.spectral_radius),
                       levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
-    undefined = np.isnan(stability.peak_gain) & ~(stability.spectral_radius >= 1.0)
-    if undefined.any():  # not mean square stable: no finite variance exists
-        axes.contourf(stability.headways, stability.heights, undefined.astype(float), levels=[0.5, 1.5], colors="white",
-                      hatches=["\\\\\\\\"])
+    # Not mean square stable: no finite variance exists. No chain of losses: not even a loop.
+    impossible = np.isnan(stability.spectral_radius)
+    undefined = np.isnan(stability.peak_gain) & ~(stability.spectral_radius >= 1.0) & ~impossible
+    for region, hatch in ((undefined, "\\\\\\\\"), (impossible, "..")):
+        if region.any():
+            axes.contourf(stability.xs, stability.ys, region.astype(float), levels=[0.5, 1.5], colors="white", hatches=[hatch])
     draw_border(axes, stability)
-    of_paper = stability.over == "gain"
+    of_paper = stability.up == "gain"
     if of_paper:
         mark_paper_points(axes, stability)
-    axes.set_xlim(stability.headways[0], stability.headways[-1])
-    axes.set_ylim(stability.heights[0], stability.heights[-1])
-    axes.set_xlabel("time headway $h$ [sample periods]")
-    axes.set_ylabel("controller gain" if of_paper else "loss probability $q$")
-    entries = [
-        style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border"),
-        Patch(facecolor="white", edgecolor="#9a9a9a", hatch="////", label="loop unstable, $\\rho(A) \\geq 1$"),
-        style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
-                           label="the paper's example")]
-    if not of_paper:
-        entries[1:] = [Patch(facecolor="white", edgecolor="#9a9a9a", hatch="\\\\\\\\",
-                             label="not mean square stable")] if undefined.any() else []
+    axes.set_xlim(stability.xs[0], stability.xs[-1])
+    axes.set_ylim(stability.ys[0], stability.ys[-1])
+    axes.set_xlabel(LABELS[stability.over])
+    axes.set_ylabel(LABELS[stability.up])
+    entries = [style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border")]
+    if of_paper:
+        entries += [Patch(facecolor="white", edgecolor="#9a9a9a", hatch="////", label="loop unstable, $\\rho(A) \\geq 1$"),
+                    style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
+                                       label="the paper's example")]
+    for region, hatch, label in ((undefined, "\\\\\\\\", "not mean square stable"), (impossible, "..", "no such losses: $b < q / (1 - q)$")):
+        if region.any() and not of_paper:
+            entries.append(Patch(facecolor="white", edgecolor="#9a9a9a", hatch=hatch, label=label))
     axes.legend(
         handles=entries,
         loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False, columnspacing=1.0, handlelength=1.5,
@@ -61,7 +70,7 @@ def draw_peaks(figure, axes, stability):
     # on top of them gives a smooth border.
     unstable = stability.spectral_radius >= 1.0
     peaks = np.ma.masked_invalid(np.where(unstable, 2.0 * HIGHEST_PEAK, np.maximum(stability.peak_gain, 1.0)))
-    mesh = axes.pcolormesh(edges(stability.headways), edges(stability.heights), peaks, cmap="YlOrBr",
+    mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), peaks, cmap="YlOrBr",
                            norm=LogNorm(1.0, HIGHEST_PEAK), rasterized=True)
     bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02, ticks=FixedLocator(PEAK_TICKS),
                           format=FuncFormatter(lambda value, _: "{:g}".format(value)))
@@ -69,10 +78,18 @@ def draw_peaks(figure, axes, stability):
     bar.set_label("peak gain $\\max_\\omega |T(e^{j\\omega})|$")
 
 
+def draw_loss_gains(figure, axes, stability):
+    # Where |T^| exceeds 1 there is no loss gain: these cells take the last colour.
+    gains = np.where(np.isnan(stability.loss_gain) & (stability.peak_gain > 1.0), 2.0 * HIGHEST_LOSS_GAIN, stability.loss_gain)
+    mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), np.ma.masked_invalid(gains), cmap="YlOrBr",
+                           norm=Normalize(0.0, HIGHEST_LOSS_GAIN), rasterized=True)
+    figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02).set_label("loss gain")
+
+
 def draw_border(axes, stability):
     if stability.string_stable.min() > 0.5 or stability.string_stable.max() < 0.5:
         return
-    contour = axes.contour(stability.headways, stability.heights, stability.string_stable, levels=[0.5],
+    contour = axes.contour(stability.xs, stability.ys, stability.string_stable, levels=[0.5],
                            linewidths=0.0)
     for line in contour.allsegs[0]:
         axes.plot(*smoothed(line).T, color=BORDER, linewidth=1.8)
@@ -93,8 +110,8 @@ def smoothed(line):
 
 def mark_paper_points(axes, stability):
     for headway, gain, side, alignment in PAPER_POINTS:
-        if stability.headways[0] <= headway <= stability.headways[-1] \
-                and stability.heights[0] <= gain <= stability.heights[-1]:
+        if stability.xs[0] <= headway <= stability.xs[-1] \
+                and stability.ys[0] <= gain <= stability.ys[-1]:
             axes.plot([headway], [gain], "o", color=style.INK, markerfacecolor="white", markersize=6)
             axes.annotate("$h = {:g}$".format(headway), (headway, gain), xytext=(7 * side, 0), ha=alignment,
                           va="center", textcoords="offset points",
