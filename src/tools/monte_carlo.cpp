@@ -152,10 +152,11 @@ int main(int argc, char** argv) {
   help["steps"] = "steps per realization, 1 or more (100)";
   help["batch"] = "realizations that a thread computes at once (" + std::string(platoon::kMonteCarloBatch) + ")";
   help["output"] = "folder for the results";
+  help["burn_in"] = "steps that amplification.csv leaves out (none)";
   std::map<std::string, std::string> settings =
       platoon::parse_command_line(argc, argv, "Monte Carlo of the platoon in one process",
                                   {"model", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst",
-                                   "delay", "leader", "followers", "realizations", "seed", "signals", "burn_in"},
+                                   "delay", "leader", "followers", "realizations", "seed", "signals"},
                                   help, nullptr, {"trajectories"});
   std::map<std::string, std::string> own;
   for (const auto& entry : own_help) {
