@@ -10,4 +10,23 @@
 #else
 #define PLATOON_VECTOR_CLONES
 #endif
+
+// PLATOON_WIDE before a function compiles it for vectors of eight doubles; only where has_wide_lanes().
+#if defined(__x86_64__) && defined(__GNUC__)
+#define PLATOON_WIDE __attribute__((target("avx512f")))
+#endif
+
 #define PLATOON_INLINE inline __attribute__((always_inline))
+
+namespace platoon {
+
+inline bool has_wide_lanes() {
+#ifdef PLATOON_WIDE
+  static const bool has = __builtin_cpu_supports("avx512f") != 0;
+  return has;
+#else
+  return false;
+#endif
+}
+
+}  // namespace platoon

@@ -99,22 +99,35 @@ namespace {
 struct ValuesOfFour {
   const double *a, *b, *c, *d;
 
-  PLATOON_INLINE FourLanes operator()(std::size_t j) const {
-    Lanes of_a, of_b, of_c, of_d;
-    load(a + 4 * j, of_a);
-    load(b + 4 * j, of_b);
-    load(c + 4 * j, of_c);
-    load(d + 4 * j, of_d);
+  template <class Vector>
+  PLATOON_INLINE FourOf<Vector> operator()(std::size_t j, const Vector&) const {
+    const std::size_t r = sizeof(Vector) / sizeof(double) * j;
+    Vector of_a, of_b, of_c, of_d;
+    load(a + r, of_a);
+    load(b + r, of_b);
+    load(c + r, of_c);
+    load(d + r, of_d);
     return transposed(of_a, of_b, of_c, of_d);
   }
 };
 
 }  // namespace
 
+using Cells = std::array<const double*, kCellsAtOnce>;
+
 PLATOON_VECTOR_CLONES
-FourNodes reduce_tile_of_cells(const std::array<const double*, kCellsAtOnce>& cells, unsigned level) {
-  return reduce_tile_of_four(level, ValuesOfFour{cells[0], cells[1], cells[2], cells[3]});
+FourNodes reduce_tile_of_cells(const Cells& cells, unsigned level) {
+  return reduce_tile_of_four<Lanes>(level, ValuesOfFour{cells[0], cells[1], cells[2], cells[3]});
 }
+
+#ifdef PLATOON_WIDE
+PLATOON_WIDE
+FourNodes reduce_wide_tile_of_cells(const Cells& cells, unsigned level) {
+  return reduce_tile_of_four<WideLanes>(level, ValuesOfFour{cells[0], cells[1], cells[2], cells[3]});
+}
+#else
+constexpr auto reduce_wide_tile_of_cells = reduce_tile_of_cells;
+#endif
 
 }  // namespace detail
 
@@ -199,8 +212,9 @@ void BatchMoments::set(const std::vector<CellValues>& cells) {
     const DyadicRange& range = blocks_[b].range;
     if (range.level >= kLowestLaneLevel) {
       const auto tile = [&values](std::size_t offset, unsigned level) {
-        return detail::reduce_tile_of_cells(
-            {values[0] + offset, values[1] + offset, values[2] + offset, values[3] + offset}, level);
+        const detail::Cells at{values[0] + offset, values[1] + offset, values[2] + offset, values[3] + offset};
+        return has_wide_lanes() ? detail::reduce_wide_tile_of_cells(at, level)
+                                : detail::reduce_tile_of_cells(at, level);
       };
       const FourNodes nodes = reduce_four(0, range.level, tile);
       for (std::size_t j = 0; j < kCellsAtOnce; ++j) put(b, cells[j].cell, nodes[j]);

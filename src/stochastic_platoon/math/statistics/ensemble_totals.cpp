@@ -25,17 +25,14 @@ BatchTotals::BatchTotals(std::uint64_t first_realization, std::size_t count, con
 
 void BatchTotals::add(std::size_t follower, std::int64_t step, const FollowerSignals& signals,
                       const SignalPositions& positions) {
-  std::vector<double>& errors = errors_[waiting_.size()];
+  AlignedValues& errors = errors_[waiting_.size()];
   errors.resize(positions.count);
   FormedValues values;
   values.errors = errors.data();
-  if (cells_.has_gap()) {
-    gap_values_.resize(positions.count);
-    values.first = gap_values_.data();
-  }
+  if (cells_.has_gap()) values.smallest = gaps.lowered(follower);
   const std::vector<std::vector<MomentNode>>& nodes = reduction_.reduce(signals, positions, values);
   for (std::size_t s = 0; s < nodes.size(); ++s) moments.set(cells_.at(1 + s, follower, step), nodes[s]);
-  if (cells_.has_gap()) gaps.add(follower, step, gap_values_.data());
+  if (cells_.has_gap()) gaps.lowered_to(follower, step, reduction_.least());
   waiting_.push_back({cells_.at(0, follower, step), errors.data()});
   if (waiting_.size() == kCellsAtOnce) finish();
 }

@@ -39,7 +39,7 @@ public:
   /// Keeps a reference to the cells.
   BatchTotals(std::uint64_t first_realization, std::size_t count, const SignalCells& cells, KeptMoments kept);
 
-  /// Adds the signals of a follower at a step, in any order: signals_of() with the names of the cells.
+  /// Adds the signals of a follower at a step, its steps in ascending order: signals_of() with the names of the cells.
   void add(std::size_t follower, std::int64_t step, const FollowerSignals& signals, const SignalPositions& positions);
 
   /// Adds what add() still holds back, as tracking errors are reduced kCellsAtOnce at a time.
@@ -51,9 +51,8 @@ public:
 private:
   const SignalCells& cells_;
   SignalReduction reduction_;
-  std::array<std::vector<double>, kCellsAtOnce> errors_;  ///< of `waiting_`
+  std::array<AlignedValues, kCellsAtOnce> errors_;  ///< of `waiting_`
   std::vector<CellValues> waiting_;
-  std::vector<double> gap_values_;
 };
 
 /// All statistics over a set of realizations, as a pure function of that set.

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "stochastic_platoon/math/statistics/dyadic_range.hpp"
 #include "stochastic_platoon/math/statistics/lane_tree.hpp"
+#include "stochastic_platoon/math/statistics/smallest_gaps.hpp"
 
 namespace platoon {
 
@@ -12,41 +14,81 @@ namespace detail {
 
 namespace {
 
-// The gap and the differences of order 1, 2 and 3 of one tile, and beside them the tracking error.
+// What a kernel reads and writes, of all realizations of a batch.
+struct SignalTiles {
+  std::array<const Signal*, kCellsAtOnce> of_order;  // the signals of order 0, 1, 2 and 3
+  const Signal* error;
+  const double* predecessor;
+  Signal::Own<const double*> own;
+  double *errors, *smallest;
+};
+
+// The least value in each lane: a kernel of wide lanes has narrow ones in a tile of few realizations.
+struct LeastOf {
+  Lanes narrow;
+  WideLanes wide;
+
+  PLATOON_INLINE Lanes& of(const Lanes&) { return narrow; }
+  PLATOON_INLINE WideLanes& of(const WideLanes&) { return wide; }
+};
+
+// The gap and the differences of order 1, 2 and 3 of one tile; stores the tracking errors, and lowers `smallest` and
+// `least` to the gaps.
 struct SignalValues {
   const double *predecessor, *y0, *y1, *y2, *y3;
   double offset, first_factor, second_factor, third_factor, error_offset, error_factor;
-  double *errors, *gaps;
+  double *errors, *smallest;
+  LeastOf* least;
 
-  PLATOON_INLINE FourLanes operator()(std::size_t j) const {
-    const std::size_t r = 4 * j;
-    Lanes ahead, own, one, two, three;
+  template <class Vector>
+  PLATOON_INLINE FourOf<Vector> operator()(std::size_t j, const Vector&) const {
+    const std::size_t r = sizeof(Vector) / sizeof(double) * j;
+    Vector ahead, own, one, two, three;
     load(predecessor + r, ahead);
     load(y0 + r, own);
     load(y1 + r, one);
     load(y2 + r, two);
     load(y3 + r, three);
-    const Lanes apart = ahead - own, gap = apart - offset;
-    const Lanes first = own - one, before = one - two, second = first - before,
-                third = second - (before - (two - three));
-    const Lanes error = (apart - error_offset) + error_factor * first;
+    const Vector apart = ahead - own, gap = apart - offset;
+    const Vector first = own - one, before = one - two, second = first - before,
+                 third = second - (before - (two - three));
+    const Vector error = (apart - error_offset) + error_factor * first;
     std::memcpy(errors + r, &error, sizeof error);
-    std::memcpy(gaps + r, &gap, sizeof gap);
+    lower_lanes(gap, smallest + r, least->of(gap));
     return transposed(gap, first_factor * first, second_factor * second, third_factor * third);
   }
 };
 
+template <class Vector>
+PLATOON_INLINE FourNodes reduce_signals(const SignalTiles& tiles, std::size_t offset, unsigned level, double& least) {
+  const Signal::Own<const double*>& own = tiles.own;
+  const auto& of = tiles.of_order;
+  LeastOf of_lanes{Lanes{} + least, WideLanes{} + least};
+  const FourNodes nodes = reduce_tile_of_four<Vector>(
+      level,
+      SignalValues{tiles.predecessor + offset, own[0] + offset, own[1] + offset, own[2] + offset, own[3] + offset,
+                   of[0]->offset, of[1]->factor, of[2]->factor, of[3]->factor, tiles.error->offset, tiles.error->factor,
+                   tiles.errors + offset, tiles.smallest + offset, &of_lanes});
+  for (std::size_t lane = 0; lane < kCellsAtOnce; ++lane) least = std::min(least, of_lanes.narrow[lane]);
+  for (std::size_t lane = 0; lane < 2 * kCellsAtOnce; ++lane) least = std::min(least, of_lanes.wide[lane]);
+  return nodes;
+}
+
 }  // namespace
 
-// `signals`: those of order 0, 1, 2 and 3. All own positions must be given.
 PLATOON_VECTOR_CLONES
-FourNodes reduce_signal_tile(const std::array<Signal, kCellsAtOnce>& signals, const Signal& error,
-                             const SignalPositions& positions, unsigned level, double* errors, double* gaps) {
-  const Signal::Own<const double*>& own = positions.own;
-  return reduce_tile_of_four(
-      level, SignalValues{positions.predecessor, own[0], own[1], own[2], own[3], signals[0].offset, signals[1].factor,
-                          signals[2].factor, signals[3].factor, error.offset, error.factor, errors, gaps});
+FourNodes reduce_signal_tile(const SignalTiles& tiles, std::size_t offset, unsigned level, double& least) {
+  return reduce_signals<Lanes>(tiles, offset, level, least);
 }
+
+#ifdef PLATOON_WIDE
+PLATOON_WIDE
+FourNodes reduce_wide_signal_tile(const SignalTiles& tiles, std::size_t offset, unsigned level, double& least) {
+  return reduce_signals<WideLanes>(tiles, offset, level, least);
+}
+#else
+constexpr auto reduce_wide_signal_tile = reduce_signal_tile;
+#endif
 
 }  // namespace detail
 
@@ -100,30 +142,42 @@ const std::vector<std::vector<MomentNode>>& SignalReduction::reduce(const Follow
       nodes_[s] = reduce_signal(first_realization_, requested[s], positions, kept_);
     }
   }
+  least_ = std::numeric_limits<double>::infinity();
   FormedValues formed;
   if (together && is_tracking_error(signals.error)) formed.errors = values.errors;
-  if (places[0] == 0) formed.first = values.first;
+  if (places[0] == 0) formed.smallest = values.smallest;
   if (together) reduce_together(signals, places, positions, formed);
   if (values.errors != formed.errors) form(signals.error, positions, 0, positions.count, values.errors);
-  if (values.first != formed.first) form(requested.front(), positions, 0, positions.count, values.first);
+  if (values.smallest != formed.smallest) lower(requested.front(), positions, values.smallest);
   return nodes_;
+}
+
+void SignalReduction::lower(const Signal& signal, const SignalPositions& positions, double* smallest) {
+  first_values_.resize(positions.count);
+  form(signal, positions, 0, positions.count, first_values_.data());
+  least_ = std::min(least_, keep_smaller(first_values_.data(), positions.count, smallest));
 }
 
 void SignalReduction::reduce_together(const FollowerSignals& signals, const Places& places,
                                       const SignalPositions& positions, const FormedValues& values) {
-  std::array<Signal, kCellsAtOnce> of_order{};
+  if (values.errors == nullptr || values.smallest == nullptr) unused_.resize(positions.count);
+  detail::SignalTiles tiles{{},
+                            &signals.error,
+                            positions.predecessor,
+                            positions.own,
+                            values.errors == nullptr ? unused_.data() : values.errors,
+                            values.smallest == nullptr ? unused_.data() : values.smallest};
   for (std::size_t order = 0; order < kCellsAtOnce; ++order) {
-    if (places[order] == kNone) continue;
-    of_order[order] = signals.requested[places[order]];
-    nodes_[places[order]].clear();
+    const bool is_requested = places[order] != kNone;
+    tiles.of_order[order] = is_requested ? &signals.requested[places[order]] : &signals.error;
+    if (is_requested) nodes_[places[order]].clear();
+    if (tiles.own[order] == nullptr) tiles.own[order] = tiles.own[0];
   }
-  SignalPositions all = positions;
-  for (const double*& own : all.own) own = own == nullptr ? all.own[0] : own;  // not used
+  const bool wide = has_wide_lanes();
+  double least = std::numeric_limits<double>::infinity();
   const auto tile = [&](std::size_t offset, unsigned level) {
-    std::array<double, kMomentTile> unused;
-    return detail::reduce_signal_tile(of_order, signals.error, all.from(offset), level,
-                                      values.errors == nullptr ? unused.data() : values.errors + offset,
-                                      values.first == nullptr ? unused.data() : values.first + offset);
+    return wide ? detail::reduce_wide_signal_tile(tiles, offset, level, least)
+                : detail::reduce_signal_tile(tiles, offset, level, least);
   };
   std::size_t offset = 0;
   for (const DyadicRange& range : ranges_) {
@@ -133,17 +187,18 @@ void SignalReduction::reduce_together(const FollowerSignals& signals, const Plac
         if (places[order] != kNone) nodes_[places[order]].push_back(found[order]);
       }
     } else {
-      SignalPositions few = all.from(offset);
+      SignalPositions few = positions.from(offset);
       few.count = range.size();
       if (values.errors != nullptr) form(signals.error, few, 0, few.count, values.errors + offset);
-      if (values.first != nullptr) form(of_order[0], few, 0, few.count, values.first + offset);
+      if (values.smallest != nullptr) lower(*tiles.of_order[0], few, values.smallest + offset);
       for (std::size_t order = 0; order < kCellsAtOnce; ++order) {
         if (places[order] != kNone)
-          nodes_[places[order]].push_back(reduce_signal(range.first, of_order[order], few, kept_).front());
+          nodes_[places[order]].push_back(reduce_signal(range.first, *tiles.of_order[order], few, kept_).front());
       }
     }
     offset += range.size();
   }
+  if (values.smallest != nullptr) least_ = std::min(least_, least);
 }
 
 }  // namespace platoon

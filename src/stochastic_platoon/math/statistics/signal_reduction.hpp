@@ -13,10 +13,10 @@ namespace platoon {
 std::vector<MomentNode> reduce_signal(std::uint64_t first_realization, const Signal& signal,
                                       const SignalPositions& positions, KeptMoments kept);
 
-/// Where to write values, one per realization; null: nowhere.
+/// Where values of a step go, one per realization; null: nowhere.
 struct FormedValues {
-  double* errors = nullptr;  ///< the tracking errors
-  double* first = nullptr;   ///< the first requested signal
+  double* errors = nullptr;    ///< takes the tracking errors
+  double* smallest = nullptr;  ///< lowered to the first requested signal wherever that is smaller
 };
 
 /// Reduces the requested signals of a follower at a step of one batch, step after step, with the bits of
@@ -31,15 +31,23 @@ public:
   const std::vector<std::vector<MomentNode>>& reduce(const FollowerSignals& signals, const SignalPositions& positions,
                                                      const FormedValues& values);
 
+  /// The least value of the first requested signal in the latest call that lowered smallest values.
+  double least() const { return least_; }
+
 private:
   using Places = std::array<std::size_t, kCellsAtOnce>;  ///< the signal of every order that is computed together
   void reduce_together(const FollowerSignals& signals, const Places& places, const SignalPositions& positions,
                        const FormedValues& values);
 
+  void lower(const Signal& signal, const SignalPositions& positions, double* smallest);
+
   std::uint64_t first_realization_;
   std::vector<DyadicRange> ranges_;
   KeptMoments kept_;
   std::vector<std::vector<MomentNode>> nodes_;
+  std::vector<double> first_values_;
+  std::vector<double> unused_;  ///< takes values that nobody asked for
+  double least_ = 0.0;
 };
 
 }  // namespace platoon

@@ -1,27 +1,50 @@
 #include "stochastic_platoon/math/statistics/smallest_gaps.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 #include <tuple>
 
 #include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/statistics/lane_tree.hpp"
 
 namespace platoon {
 
 namespace detail {
 
-// Keeps the smaller values, and returns whether one of the gaps is at most `least`.
+// The least gap of each lane, and of the gaps that fill no vector in the first lane.
 PLATOON_VECTOR_CLONES
-bool keep_smaller(const double* gaps, std::size_t count, double least, double* smallest) {
-  std::int64_t found = 0;
-  for (std::size_t r = 0; r < count; ++r) {
-    const double gap = gaps[r], before = smallest[r];
-    smallest[r] = gap < before ? gap : before;
-    found |= gap <= least ? 1 : 0;
+std::array<double, kCellsAtOnce> lower(const double* gaps, std::size_t count, double* smallest) {
+  Lanes least = Lanes{} + std::numeric_limits<double>::infinity();
+  std::size_t r = 0;
+  for (; r + kCellsAtOnce <= count; r += kCellsAtOnce) {
+    Lanes gap;
+    load(gaps + r, gap);
+    lower_lanes(gap, smallest + r, least);
   }
-  return found != 0;
+  std::array<double, kCellsAtOnce> found{least[0], least[1], least[2], least[3]};
+  for (; r < count; ++r) {
+    smallest[r] = std::min(smallest[r], gaps[r]);
+    found[0] = std::min(found[0], gaps[r]);
+  }
+  return found;
+}
+
+// Index of the first value that equals `sought`, or `count`; compared block by block, as a search value by value takes
+// several times as long.
+PLATOON_VECTOR_CLONES
+std::size_t first_of(const double* values, std::size_t count, double sought) {
+  constexpr std::size_t kBlock = 64;
+  std::size_t r = 0;
+  for (; r + kBlock <= count; r += kBlock) {
+    std::int64_t found = 0;
+    for (std::size_t j = 0; j < kBlock; ++j) found |= values[r + j] == sought ? 1 : 0;
+    if (found != 0) break;
+  }
+  while (r < count && values[r] != sought) ++r;
+  return r;
 }
 
 // floor(gap / bin_width) from -most to most.
@@ -42,6 +65,11 @@ std::uint64_t count_below(const double* gaps, std::size_t count, double limit) {
 }
 
 }  // namespace detail
+
+double keep_smaller(const double* gaps, std::size_t count, double* smallest) {
+  const std::array<double, kCellsAtOnce> least = detail::lower(gaps, count, smallest);
+  return *std::min_element(least.begin(), least.end());
+}
 
 bool operator<(const PlacedGap& one, const PlacedGap& other) {
   return std::tie(one.gap, one.realization, one.step) < std::tie(other.gap, other.realization, other.step);
@@ -64,16 +92,25 @@ GapCounting gap_counting(const PlatoonModel& model, std::size_t followers) {
 BatchGaps::BatchGaps(std::uint64_t first_realization, std::size_t count, std::size_t followers)
     : first_realization_(first_realization),
       count_(count),
-      smallest_(followers, std::vector<double>(count, std::numeric_limits<double>::infinity())),
+      smallest_(followers, AlignedValues(count, std::numeric_limits<double>::infinity())),
       first_(followers) {}
 
 void BatchGaps::add(std::size_t follower, std::int64_t step, const double* gaps) {
-  std::vector<double>& smallest = smallest_.at(follower - 1);
+  AlignedValues& smallest = smallest_.at(follower - 1);
   PlacedGap& first = first_[follower - 1];
-  if (!detail::keep_smaller(gaps, count_, first.gap, smallest.data())) return;
+  if (!(keep_smaller(gaps, count_, smallest.data()) <= first.gap)) return;
   for (std::size_t r = 0; r < count_; ++r) {
     if (gaps[r] <= first.gap) first = std::min(first, PlacedGap{gaps[r], first_realization_ + r, step});
   }
+}
+
+void BatchGaps::lowered_to(std::size_t follower, std::int64_t step, double least) {
+  PlacedGap& first = first_.at(follower - 1);
+  if (!(least <= first.gap)) return;
+  // If this realization had the gap at an earlier step already, that step is kept.
+  const AlignedValues& smallest = smallest_[follower - 1];
+  const std::size_t r = detail::first_of(smallest.data(), count_, least);
+  first = std::min(first, PlacedGap{least, first_realization_ + r, step});
 }
 
 void GapTable::add(const BatchGaps& batch) {
@@ -81,7 +118,7 @@ void GapTable::add(const BatchGaps& batch) {
   std::vector<std::int32_t> bins(batch.count());
   for (std::size_t i = 1; i <= followers_.size(); ++i) {
     FollowerGaps& of = followers_[i - 1];
-    const std::vector<double>& gaps = batch.smallest(i);
+    const AlignedValues& gaps = batch.smallest(i);
     of.smallest = std::min(of.smallest, batch.first(i));
     of.collisions += detail::count_below(gaps.data(), gaps.size(), 0.0);
     if (counting_.safe_gap) of.unsafe += detail::count_below(gaps.data(), gaps.size(), *counting_.safe_gap);

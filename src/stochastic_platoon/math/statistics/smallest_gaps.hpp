@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "stochastic_platoon/math/model/loop_batch.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 
 namespace platoon {
@@ -31,6 +32,9 @@ struct PlacedGap {
 
 bool operator<(const PlacedGap& one, const PlacedGap& other);
 
+/// Lowers `smallest` to the gaps wherever these are smaller. Returns the least gap.
+double keep_smaller(const double* gaps, std::size_t count, double* smallest);
+
 /// Smallest gap of every follower in every realization of one batch.
 class BatchGaps {
 public:
@@ -39,11 +43,16 @@ public:
   /// Takes the gaps of a follower at a step [m], one per realization; the steps in any order.
   void add(std::size_t follower, std::int64_t step, const double* gaps);
 
+  /// For callers that lower the smallest gaps of a follower themselves [m], its steps in ascending order: `least` is
+  /// the least gap at this step.
+  double* lowered(std::size_t follower) { return smallest_[follower - 1].data(); }
+  void lowered_to(std::size_t follower, std::int64_t step, double least);
+
   std::size_t count() const { return count_; }
   std::size_t followers() const { return smallest_.size(); }
 
   /// Per realization [m]; infinite before the first step.
-  const std::vector<double>& smallest(std::size_t follower) const { return smallest_[follower - 1]; }
+  const AlignedValues& smallest(std::size_t follower) const { return smallest_[follower - 1]; }
 
   /// The first of them all.
   const PlacedGap& first(std::size_t follower) const { return first_[follower - 1]; }
@@ -51,7 +60,7 @@ public:
 private:
   std::uint64_t first_realization_;
   std::size_t count_;
-  std::vector<std::vector<double>> smallest_;
+  std::vector<AlignedValues> smallest_;
   std::vector<PlacedGap> first_;
 };
 

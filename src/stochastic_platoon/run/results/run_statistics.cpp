@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "stochastic_platoon/math/statistics/signal_reduction.hpp"
@@ -79,8 +80,8 @@ ReducedSignals RunStatistics::reduced(const DueSignals& due) const {
   if (signals.requested.empty()) return reduced;
   FormedValues values;
   if (cells_.has_gap()) {
-    reduced.gaps.resize(count);
-    values.first = reduced.gaps.data();
+    reduced.gaps.assign(count, std::numeric_limits<double>::infinity());
+    values.smallest = reduced.gaps.data();
   }
   SignalReduction reduction(due.id.first_realization, count, kept_);
   for (const std::vector<MomentNode>& nodes : reduction.reduce(signals, positions, values))

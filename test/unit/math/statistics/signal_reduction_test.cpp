@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -40,13 +42,20 @@ void expect_bits_of_the_values(const FollowerSignals& signals, KeptMoments kept)
     const SignalPositions at{y[0].data(), {y[1].data(), y[2].data(), y[3].data(), y[4].data()}, count};
     for (const std::uint64_t first : {0, 5, 512}) {
       SCOPED_TRACE(std::to_string(count) + " realizations from " + std::to_string(first));
-      std::vector<double> errors(count), first_values(count);
+      std::vector<double> errors(count), smallest(count, std::numeric_limits<double>::infinity());
       SignalReduction reduction(first, count, kept);
-      reduction.reduce(signals, at, {errors.data(), first_values.data()});
-      const auto found = reduction.reduce(signals, at, {errors.data(), first_values.data()});
+      reduction.reduce(signals, at, {errors.data(), smallest.data()});
+      const std::vector<double> first_values = at.of(signals.requested.front());
+      EXPECT_EQ(smallest, first_values);
+      EXPECT_EQ(reduction.least(), *std::min_element(smallest.begin(), smallest.end()));
+      // Values on both sides of what is kept.
+      for (std::size_t r = 0; r < count; ++r) smallest[r] = first_values[r] + (r % 3 == 0 ? -1.0 : 1.0);
+      const auto found = reduction.reduce(signals, at, {errors.data(), smallest.data()});
+      for (std::size_t r = 0; r < count; ++r)
+        EXPECT_EQ(smallest[r], r % 3 == 0 ? first_values[r] - 1.0 : first_values[r]);
+      EXPECT_EQ(reduction.least(), *std::min_element(first_values.begin(), first_values.end()));
       ASSERT_EQ(found.size(), signals.requested.size());
       EXPECT_EQ(errors, at.of(signals.error));
-      EXPECT_EQ(first_values, at.of(signals.requested.front()));
       const auto without_values = SignalReduction(first, count, kept).reduce(signals, at, {});
       for (std::size_t s = 0; s < found.size(); ++s) {
         const std::vector<double> values = at.of(signals.requested[s]);
@@ -75,6 +84,7 @@ TEST(SignalReduction, HasTheBitsOfEachSignalAlone) {
 
 TEST(SignalReduction, TakesSignalsOfAnyForm) {
   FollowerSignals odd = signals({"jerk", "gap", "speed"});
+  odd.requested.front().factor = 1e-3;  // so that the least value is not that of the gap, either
   odd.error = {true, 1.5, 2, -0.3};
   odd.requested.push_back(tracking_error(0.7, 2.0));
   odd.requested.push_back(odd.requested.front());

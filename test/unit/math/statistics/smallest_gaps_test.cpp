@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <vector>
@@ -25,10 +26,38 @@ TEST(BatchGaps, KeepTheSmallestAndOfEqualOnesTheEarliestWhateverTheOrderOfTheSte
   gaps.add(1, 7, at_7.data());
   gaps.add(1, 5, at_5.data());
   gaps.add(1, 9, at_9.data());
-  EXPECT_EQ(gaps.smallest(1), (std::vector<double>{1.0, -1.0, 4.0}));
+  EXPECT_TRUE(gaps.smallest(1) == (AlignedValues{1.0, -1.0, 4.0}));
   EXPECT_EQ(gaps.first(1).gap, -1.0);
   EXPECT_EQ(gaps.first(1).realization, 1u);
   EXPECT_EQ(gaps.first(1).step, 7);
+}
+
+TEST(BatchGaps, OfACallerThatLowersThemKeepTheEarliestOfEqualOnes) {
+  const std::vector<std::vector<double>> steps{{3.0, 2.0, 4.0}, {5.0, 2.0, 2.0}, {2.0, 9.0, 9.0}, {1.0, 0.5, 0.5}};
+  BatchGaps added(7, 3, 1), lowered(7, 3, 1);
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    added.add(1, static_cast<std::int64_t>(k), steps[k].data());
+    const double least = keep_smaller(steps[k].data(), 3, lowered.lowered(1));
+    EXPECT_EQ(least, *std::min_element(steps[k].begin(), steps[k].end()));
+    lowered.lowered_to(1, static_cast<std::int64_t>(k), least);
+    EXPECT_TRUE(lowered.smallest(1) == added.smallest(1));
+    EXPECT_EQ(lowered.first(1).gap, added.first(1).gap);
+    EXPECT_EQ(lowered.first(1).realization, added.first(1).realization);
+    EXPECT_EQ(lowered.first(1).step, added.first(1).step) << "after step " << k;
+  }
+}
+
+TEST(BatchGaps, OfACallerThatLowersThemAreFoundAnywhere) {
+  for (const std::size_t count : {1, 63, 64, 65, 200}) {
+    for (const std::size_t place : {std::size_t{0}, count / 2, count - 1}) {
+      std::vector<double> gaps(count, 3.0);
+      gaps[place] = 1.0;
+      BatchGaps lowered(100, count, 1);
+      lowered.lowered_to(1, 4, keep_smaller(gaps.data(), count, lowered.lowered(1)));
+      EXPECT_EQ(lowered.first(1).realization, 100 + place);
+      EXPECT_EQ(lowered.first(1).gap, 1.0);
+    }
+  }
 }
 
 TEST(GapTable, CountsCollisionsUnsafeGapsAndBins) {
