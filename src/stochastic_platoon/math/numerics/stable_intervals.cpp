@@ -17,8 +17,10 @@ constexpr double kSteep = 1e6;  // larger margins are cut to it
 
 struct Sample {
   double place;
-  double margin;
-  bool stable() const { return margin > 0.0; }
+  double necessary;
+  double rest;  ///< not asked, and `necessary` itself, where that is not positive
+  bool stable() const { return necessary > 0.0 && rest > 0.0; }
+  double margin() const { return std::min(rest, necessary); }
 };
 
 class MarginCurve {
@@ -26,7 +28,10 @@ public:
   MarginCurve(const StabilityMargin& margin, const StabilityMargin& necessary)
       : margin_(margin), necessary_(necessary) {}
 
-  Sample at(double place) const { return {place, margin_(place)}; }
+  Sample at(double place) const {
+    const double necessary = necessary_ ? necessary_(place) : std::numeric_limits<double>::infinity();
+    return {place, necessary, necessary > 0.0 ? margin_(place) : necessary};
+  }
 
   /// The place where the margin comes nearest to zero or passes it, by golden section search. The margin at `middle`
   /// has the sign of its neighbours but lies nearer to zero.
@@ -37,7 +42,7 @@ public:
       const Sample& wide = right_is_wider ? right : left;
       const Sample probe = at(middle.place + 0.381966 * (wide.place - middle.place));
       if (probe.stable() != middle.stable()) return probe;
-      if (towards_zero * probe.margin > towards_zero * middle.margin) {
+      if (towards_zero * probe.margin() > towards_zero * middle.margin()) {
         (right_is_wider ? left : right) = middle;
         middle = probe;
       } else {
@@ -48,21 +53,23 @@ public:
     return middle;
   }
 
-  /// The border between a stable and an unstable place, on its stable side.
-  double border(Sample stable, Sample unstable) const {
-    if (necessary_) {
-      const Sample from{stable.place, necessary_(stable.place)}, to{unstable.place, necessary_(unstable.place)};
-      if (from.stable() && !to.stable()) {
-        const Sample nearest = at(border_of(necessary_, from, to));
-        if (nearest.stable()) return nearest.place;
-        unstable = nearest;
-      }
+  /// The border between a stable and an unstable place, on its stable side. Each margin is followed alone, as the
+  /// smaller of both has a bend where the search would have to halve.
+  double border(const Sample& stable, Sample unstable) const {
+    if (!(unstable.necessary > 0.0)) {
+      unstable = at(border_of(necessary_, {stable.place, stable.necessary}, {unstable.place, unstable.necessary}));
+      if (unstable.stable()) return unstable.place;
     }
-    return border_of(margin_, stable, unstable);
+    return border_of([this](double place) { return at(place).rest; }, {stable.place, stable.rest},
+                     {unstable.place, unstable.rest});
   }
 
 private:
-  static double border_of(const StabilityMargin& margin, const Sample& stable, const Sample& unstable) {
+  struct End {
+    double place, margin;
+  };
+
+  static double border_of(const StabilityMargin& margin, const End& stable, const End& unstable) {
     // Zero and NaN count as unstable, so the solver does not stop at an exact root; infinity ends its interpolation.
     const auto signed_margin = [](double margin) {
       if (!(margin > 0.0 || margin < 0.0)) return -std::numeric_limits<double>::min();
@@ -71,7 +78,7 @@ private:
     const auto close = [](double from, double to) { return to - from <= 1e-12 * to; };
     std::uintmax_t evaluations = 200;
     const bool ascending = stable.place < unstable.place;
-    const Sample &a = ascending ? stable : unstable, &b = ascending ? unstable : stable;
+    const End &a = ascending ? stable : unstable, &b = ascending ? unstable : stable;
     const std::pair<double, double> bracket =
         boost::math::tools::toms748_solve([&](double place) { return signed_margin(margin(place)); }, a.place, b.place,
                                           signed_margin(a.margin), signed_margin(b.margin), close, evaluations);
@@ -92,8 +99,8 @@ std::vector<Sample> samples_of(const MarginCurve& curve, const std::vector<doubl
     const Sample& here = samples[i];
     if (here.stable() != samples[i - 1].stable() || here.stable() != samples[i + 1].stable()) continue;
     // Between its neighbours, a margin that turns may approach zero by about its difference from them.
-    const double size = std::abs(here.margin), left = std::abs(samples[i - 1].margin),
-                 right = std::abs(samples[i + 1].margin);
+    const double size = std::abs(here.margin()), left = std::abs(samples[i - 1].margin()),
+                 right = std::abs(samples[i + 1].margin());
     if (size > left || size > right || size > kTurn * (std::max(left, right) - size)) continue;
     const Sample extreme = curve.extreme(samples[i - 1], here, samples[i + 1]);
     if (extreme.stable() != here.stable()) found.push_back(extreme);

@@ -304,12 +304,8 @@ double burst_gain_margin(const BurstPattern& pattern) {
   return least > 0.0 && grows_at_zero(pattern, gain) ? 0.0 : least;
 }
 
-double burst_string_margin(const BurstPattern& pattern) {
-  const double of_gain = burst_gain_margin(pattern);
-  if (!(of_gain > 0.0)) return of_gain;
-  const double margin = std::min(of_gain, 1.0 - std::max(worst_radius(pattern), worst_second_moment(pattern)));
-  if (!pattern.has_losses()) return margin;
-  return std::min(margin, 1.0 / std::max(burst_loss_gain(pattern, true), 1e-3) - 1.0);
+double burst_loss_margin(const BurstPattern& pattern) {
+  return pattern.has_losses() ? 1.0 / burst_loss_gain(pattern, true) - 1.0 : kInfinity;
 }
 
 }  // namespace platoon

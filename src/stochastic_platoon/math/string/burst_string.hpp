@@ -38,10 +38,10 @@ StringStability burst_string_stability(const PlatoonModel& model);
 /// as accurate as needed to compare it with 1.
 double burst_loss_gain(const BurstPattern& pattern, bool sign_only = false);
 
-/// Positive exactly if burst_string_stability() finds the platoon string stable.
-double burst_string_margin(const BurstPattern& pattern);
-
 /// Positive exactly if burst_string_stability() has no objection but the loss gain.
 double burst_gain_margin(const BurstPattern& pattern);
+
+/// Where that is positive: 1 / loss gain - 1, positive exactly if the loss gain is below 1; infinite without losses.
+double burst_loss_margin(const BurstPattern& pattern);
 
 }  // namespace platoon

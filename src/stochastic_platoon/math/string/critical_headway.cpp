@@ -10,6 +10,7 @@
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/loop_spectrum.hpp"
 #include "stochastic_platoon/math/string/pattern_gain.hpp"
+#include "stochastic_platoon/math/string/varied_pattern.hpp"
 
 namespace platoon {
 
@@ -29,21 +30,9 @@ std::vector<double> samples_of(const HeadwayRange& range) {
   return samples;
 }
 
-/// By the margins of a pattern, which pattern_of(model, known) forms.
 template <class Pattern>
-StableHeadways stable_headways(const PlatoonModel& model, const HeadwayRange& range,
-                               Pattern (*pattern_of)(const PlatoonModel&, const Pattern&),
-                               double (*string_margin)(const Pattern&), double (*gain_margin)(const Pattern&)) {
-  const Pattern pattern = pattern_of(model, {});
-  const auto at = [&](double headway, double (*margin)(const Pattern&)) {
-    try {
-      return margin(pattern_of(with_headway(model, headway), pattern));
-    } catch (const std::invalid_argument&) {
-      return -1.0;
-    }
-  };
-  return platoon::stable_headways([&](double headway) { return at(headway, string_margin); }, range,
-                                  [&](double headway) { return at(headway, gain_margin); });
+StableHeadways stable_headways(VariedPattern<Pattern> varied, const HeadwayRange& range) {
+  return stable_headways(varied.losses(), range, varied.gain());
 }
 
 }  // namespace
@@ -108,15 +97,19 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
     return !type.inherited.headway || type.vehicle.design;
   });
   if (!designed || types.empty()) return std::nullopt;
-  HeadwayRange range = headways_about(model.default_vehicle().headway);
+  const double own = model.default_vehicle().headway;
+  const auto at = [&model](double headway) { return with_headway(model, headway); };
+  HeadwayRange range = headways_about(own);
   StableHeadways found;
   if (is_papers(model) && !model.default_vehicle().loop.parts) {
     found = stable_headways([&model](double headway) { return close_loop(*model.default_vehicle().design, headway); },
                             range);
   } else if (has_bursts(model)) {
-    found = stable_headways(model, range, burst_pattern, burst_string_margin, burst_gain_margin);
+    found = stable_headways(VariedPattern<BurstPattern>(at, own, burst_pattern, burst_gain_margin, burst_loss_margin),
+                            range);
   } else {
-    found = stable_headways(model, range, linked_pattern, linked_string_margin, linked_gain_margin);
+    found = stable_headways(
+        VariedPattern<LinkedPattern>(at, own, linked_pattern, linked_gain_margin, linked_loss_margin), range);
   }
   found.types = types;
   return found;

@@ -5,6 +5,7 @@
 
 #include "stochastic_platoon/math/string/burst_string.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
+#include "stochastic_platoon/math/string/varied_pattern.hpp"
 
 namespace platoon {
 
@@ -46,16 +47,8 @@ double largest_probability(const PlatoonModel& model) {
 }
 
 template <class Pattern>
-std::vector<StableInterval> intervals_of(const PlatoonModel& model, const std::vector<double>& samples,
-                                         PlatoonModel (*with_probability)(PlatoonModel, double),
-                                         Pattern (*pattern_of)(const PlatoonModel&, const Pattern&),
-                                         double (*string_margin)(const Pattern&),
-                                         double (*gain_margin)(const Pattern&)) {
-  const Pattern pattern =
-      pattern_of(with_probability(model, varied_link(model.default_vehicle()).loss->probability), {});
-  const auto at = [&](double probability) { return pattern_of(with_probability(model, probability), pattern); };
-  return stable_intervals([&](double probability) { return string_margin(at(probability)); }, samples,
-                          [&](double probability) { return gain_margin(at(probability)); });
+std::vector<StableInterval> intervals_of(VariedPattern<Pattern> varied, const std::vector<double>& samples) {
+  return stable_intervals(varied.losses(), samples, varied.gain());
 }
 
 }  // namespace
@@ -70,12 +63,15 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   for (int i = 0; i < 99 && 0.01 * i < largest; i += stride) samples.push_back(0.01 * i);
   samples.push_back(largest);
   StableLosses losses{{}, {}, types, largest};
+  const double own = varied_link(model.default_vehicle()).loss->probability;
   if (has_bursts(model)) {
-    losses.intervals =
-        intervals_of(model, samples, with_loss_in_bursts, burst_pattern, burst_string_margin, burst_gain_margin);
+    const auto at = [&model](double probability) { return with_loss_in_bursts(model, probability); };
+    losses.intervals = intervals_of(
+        VariedPattern<BurstPattern>(at, own, burst_pattern, burst_gain_margin, burst_loss_margin), samples);
   } else {
-    losses.intervals =
-        intervals_of(model, samples, with_loss, linked_pattern, linked_string_margin, linked_gain_margin);
+    const auto at = [&model](double probability) { return with_loss(model, probability); };
+    losses.intervals = intervals_of(
+        VariedPattern<LinkedPattern>(at, own, linked_pattern, linked_gain_margin, linked_loss_margin), samples);
   }
   if (losses.intervals.empty() || losses.intervals.front().from > 0.0) return losses;
   if (losses.intervals.front().to < samples.back()) losses.critical = losses.intervals.front().to;

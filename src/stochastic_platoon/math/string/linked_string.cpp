@@ -168,15 +168,12 @@ double linked_gain_margin(const LinkedPattern& pattern) {
   return least > 0.0 && grows_at_zero(pattern, gain) ? 0.0 : least;
 }
 
-double linked_string_margin(const LinkedPattern& pattern) {
-  const double of_gain = linked_gain_margin(pattern);
-  if (!(of_gain > 0.0)) return of_gain;
-  const double margin = std::min(of_gain, mean_square(pattern).margin());
-  if (!any_losses(pattern)) return margin;
+double linked_loss_margin(const LinkedPattern& pattern) {
+  if (!any_losses(pattern)) return kInfinity;
   const PatternGain gain = pattern.gain();
   double loss_gain = coarse_loss_gain(PatternSpectra(pattern, gain, true, 0), pattern);
   if (std::abs(loss_gain - 1.0) < 1e-9) loss_gain = loss_gain_of(pattern, gain);  // with refined panels
-  return std::min(margin, 1.0 / std::max(loss_gain, 1e-3) - 1.0);
+  return 1.0 / loss_gain - 1.0;
 }
 
 }  // namespace platoon

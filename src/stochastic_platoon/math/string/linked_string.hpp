@@ -44,11 +44,11 @@ std::vector<double> stationary_means(const PlatoonModel& model, std::size_t foll
 /// `limit_variance` is the largest of the pattern's limits.
 StringStability linked_string_stability(const PlatoonModel& model);
 
-/// Positive exactly if linked_string_stability() finds the platoon string stable.
-double linked_string_margin(const LinkedPattern& pattern);
-
 /// Positive exactly if linked_string_stability() has no objection but the loss gain; needs no spectra. Where positive
 /// it is the least attenuation alone, which is smooth in the headway and in the losses.
 double linked_gain_margin(const LinkedPattern& pattern);
+
+/// Where that is positive: 1 / loss gain - 1, positive exactly if the loss gain is below 1; infinite without losses.
+double linked_loss_margin(const LinkedPattern& pattern);
 
 }  // namespace platoon
