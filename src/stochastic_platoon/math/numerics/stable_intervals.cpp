@@ -71,9 +71,9 @@ private:
 
   static double border_of(const StabilityMargin& margin, const End& stable, const End& unstable) {
     // Zero and NaN count as unstable, so the solver does not stop at an exact root; infinity ends its interpolation.
-    const auto signed_margin = [](double margin) {
-      if (!(margin > 0.0 || margin < 0.0)) return -std::numeric_limits<double>::min();
-      return std::clamp(margin, -kSteep, kSteep);
+    const auto signed_margin = [](double value) {
+      if (!(value > 0.0 || value < 0.0)) return -std::numeric_limits<double>::min();
+      return std::clamp(value, -kSteep, kSteep);
     };
     const auto close = [](double from, double to) { return to - from <= 1e-12 * to; };
     std::uintmax_t evaluations = 200;

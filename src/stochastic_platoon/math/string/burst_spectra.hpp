@@ -2,12 +2,12 @@
 
 #include <Eigen/Dense>
 #include <cstddef>
-#include <optional>
-#include <unsupported/Eigen/FFT>
+#include <memory>
 #include <vector>
 
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/string/burst_pattern.hpp"
+#include "stochastic_platoon/math/string/burst_scatter.hpp"
 
 namespace platoon {
 
@@ -20,7 +20,7 @@ public:
   BurstSpectra(const BurstPattern& pattern, std::size_t nodes);
 
   /// The nodes of a half_circle_quadrature(), which resolves narrow features of slow vehicles and near the border of
-  /// stability with few nodes. O(nodes^2) for what losses scatter.
+  /// stability with few nodes, and need not resolve the memory of the chains (see MemoryWeights). O(nodes^2) for what losses scatter.
   BurstSpectra(const BurstPattern& pattern, const Quadrature& rule);
 
   const BurstPattern& pattern() const { return *pattern_; }
@@ -35,22 +35,15 @@ public:
     Eigen::ArrayXd complement;  ///< |1 - H T^|^2
     Eigen::ArrayXd headway;     ///< |H|^2
     Eigen::ArrayXd noise;       ///< |W|^2 P_d + D^2 / 12
-    Eigen::ArrayXd surprise;    ///< |u|^2; 0 without losses
-    Eigen::ArrayXd moving;      ///< what the losses scatter of a motion of 1 m per step
-    Eigen::ArrayXcd deviation;  ///< D
-    Eigen::ArrayXXd outward;    ///< Re l, one row per node
-    Eigen::ArrayXXd scattered;  ///< Re V
-    Eigen::MatrixXd kernel;     ///< means over +-nu of Re[D(w) conj(D(nu)) y / (1 - y)]; empty on equally spaced nodes
+    std::shared_ptr<const BurstScatter> losses;  ///< none without losses; shared by all types with the same ones
   };
   const Type& of(std::size_t follower) const { return types_[pattern_->type(follower)]; }
-  const Type& type(std::size_t index) const { return types_[index]; }
 
   /// Mean over the circle of values at the nodes.
   double mean(const Eigen::ArrayXd& values) const { return (weight_ * values).sum(); }
 
-  /// < g(w, nu) driven(nu) >_nu of the link of `follower`: what its losses scatter of a drive |u|^2 Phi. 0 without
-  /// losses.
-  Eigen::ArrayXd scattered(std::size_t follower, const Eigen::ArrayXd& driven) const;
+  /// What the losses of `follower` scatter of its predecessor's spectrum: < g(w, nu) |u|^2 Phi >_nu. 0 without losses.
+  Eigen::ArrayXd scattered(std::size_t follower, const Eigen::ArrayXd& spectrum) const;
 
   /// What a follower adds to the spectrum of its position by the noise of its link, and by losses at this speed [m per
   /// step]; without what losses scatter of its predecessor's spectrum.
@@ -63,16 +56,12 @@ public:
   Eigen::ArrayXd in_front(const std::vector<Eigen::ArrayXd>& added, const Eigen::ArrayXd& margin) const;
 
 private:
-  void evaluate();
-  Type values_of(const BurstVehicle& vehicle) const;
-  Eigen::MatrixXd kernel_of(const Type& type, double memory) const;
-  Eigen::ArrayXd remembered(const Type& type, double memory, const Eigen::ArrayXd& driven) const;
+  void evaluate(const Quadrature* rule);
+  Type values_of(const BurstVehicle& vehicle, std::shared_ptr<const BurstScatter> losses) const;
 
   const BurstPattern* pattern_;
   Eigen::ArrayXd node_, weight_;
-  bool equally_spaced_;
   std::vector<Type> types_;
-  mutable Eigen::FFT<double> fft_;  ///< keeps its plan
 };
 
 }  // namespace platoon

@@ -34,10 +34,6 @@ std::vector<double> burst_stationary_means(const PlatoonModel& model, std::size_
 /// pattern's limits.
 StringStability burst_string_stability(const PlatoonModel& model);
 
-/// The loss gain, for a mean square stable pattern with |prod T^| < 1 for w > 0; 1e-12 relative. If `sign_only`, only
-/// as accurate as needed to compare it with 1.
-double burst_loss_gain(const BurstPattern& pattern, bool sign_only = false);
-
 /// Positive exactly if burst_string_stability() has no objection but the loss gain.
 double burst_gain_margin(const BurstPattern& pattern);
 

@@ -19,12 +19,13 @@ public:
   using Former = Pattern (*)(const PlatoonModel&, const Pattern& known);
   using Margin = double (*)(const Pattern&);
 
-  /// `gain` and `losses`: as linked_gain_margin() and linked_loss_margin().
-  VariedPattern(std::function<PlatoonModel(double)> model_at, double known, Former former, Margin gain, Margin losses)
+  /// Margins as linked_gain_margin() and linked_loss_margin().
+  VariedPattern(std::function<PlatoonModel(double)> model_at, double known, Former former, Margin gain_margin,
+                Margin loss_margin)
       : model_at_(std::move(model_at)),
         former_(former),
-        gain_(gain),
-        losses_(losses),
+        gain_(gain_margin),
+        losses_(loss_margin),
         known_(former(model_at_(known), {})) {}
 
   StabilityMargin gain() {

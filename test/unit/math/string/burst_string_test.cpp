@@ -90,7 +90,7 @@ TEST(BurstSpectra, ScatterTheSameOnAllNodes) {
     const BurstSpectra equally_spaced(pattern, 2048), others(pattern, half_circle_quadrature({{0.0, 0.05}}, {}, 2));
     const auto mean = [](const BurstSpectra& spectra) {
       const BurstSpectra::Type& type = spectra.of(0);
-      return spectra.mean(type.own * spectra.scattered(0, type.surprise * type.own));
+      return spectra.mean(type.own * spectra.scattered(0, type.own));
     };
     EXPECT_NEAR(mean(others) / mean(equally_spaced), 1.0, 1e-12);
   }

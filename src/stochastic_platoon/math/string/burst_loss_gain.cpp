@@ -1,0 +1,155 @@
+#include "stochastic_platoon/math/string/burst_loss_gain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "stochastic_platoon/math/model/special_values.hpp"
+#include "stochastic_platoon/math/numerics/krylov.hpp"
+#include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/string/loop_spectrum.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr std::size_t kFewestNodes = 128, kMostNodes = std::size_t{1} << 18;
+
+// Enough nodes for the oscillation of the longest delay.
+std::size_t first_nodes(const BurstPattern& pattern) {
+  std::int64_t delay = 0;
+  for (const BurstVehicle& vehicle : pattern.types) delay = std::max(delay, vehicle.vehicle().link.delay);
+  std::size_t nodes = kFewestNodes;
+  while (nodes < kMostNodes / 4 && static_cast<std::int64_t>(nodes) < 4 * delay) nodes *= 2;
+  return nodes;
+}
+
+/// A quadrature that resolves the vehicles and the margin of the pattern.
+Quadrature resolving_quadrature(const BurstPattern& pattern, int refinement) {
+  std::vector<std::complex<double>> singular = pattern.gain().margin_frequencies();
+  for (const BurstVehicle& vehicle : pattern.types) {
+    for (const std::complex<double>& w : vehicle.plain().pole_frequencies()) singular.push_back(w);
+    if (!vehicle.losses()) continue;
+    for (const std::complex<double>& w : frequencies_of(vehicle.losses()->factor().poles)) singular.push_back(w);
+  }
+  return half_circle_quadrature(singular, {}, refinement);
+}
+
+/// Number of equally spaced nodes that resolve every vehicle, chain and peak to the last digit.
+double resolving_nodes(const BurstPattern& pattern) {
+  constexpr double kDigits = 40.0;  // -ln of the last one
+  double width = kInfinity;
+  for (const std::complex<double>& w : pattern.gain().margin_frequencies()) width = std::min(width, std::abs(w.imag()));
+  for (const BurstVehicle& vehicle : pattern.types) {
+    double radius = std::max(vehicle.plain().spectral_radius(), std::sqrt(vehicle.second_moment_radius()));
+    if (vehicle.losses()) radius = std::max(radius, std::abs(vehicle.losses()->memory()));
+    width = std::min(width, 1.0 - radius);
+  }
+  return kDigits / width;
+}
+
+/// Whether twice as many nodes gain nothing. Beyond the resolving nodes a change is rounding, which near the border of
+/// stability is magnified.
+bool has_settled(double change, double before, bool resolved) {
+  return change <= 1e-12 || is_converged(change, before) || (resolved && change <= 1e-6 && change >= 0.1 * before);
+}
+
+/// On the side of 1 that it is on, and to a thousandth of its distance from there.
+double near_root(const BurstSpectra& spectra) {
+  constexpr double kFar = 2.0;
+  const LossOperator losses(spectra);
+  const RootBounds bounds = perron_bounds(losses, losses.dimensions());
+  if (bounds.most < 1.0 / kFar || bounds.least > kFar) return std::sqrt(bounds.least * bounds.most);
+  return perron_root(losses, losses.dimensions());
+}
+
+/// By two numbers of equally spaced nodes, if these few can tell, or by the nodes of a quadrature, refined near 1.
+std::optional<double> quick_loss_gain(const BurstPattern& pattern) {
+  constexpr std::size_t kMostKernelNodes = 2400;
+  constexpr double kDoubt = 1e-5;  // of a quadrature without refinement
+  const std::size_t nodes = first_nodes(pattern);
+  const double coarse = near_root(BurstSpectra(pattern, nodes)), fine = near_root(BurstSpectra(pattern, 2 * nodes));
+  if (std::abs(fine - coarse) < 0.01 * std::abs(fine - 1.0)) return fine;
+  for (const int refinement : {0, 1}) {
+    const Quadrature rule = resolving_quadrature(pattern, refinement);
+    if (rule.node.size() > kMostKernelNodes) return std::nullopt;
+    const double found = near_root(BurstSpectra(pattern, rule));
+    if (refinement > 0 || std::abs(found - 1.0) > kDoubt) return found;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+LossOperator::LossOperator(const BurstSpectra& spectra)
+    : spectra_(spectra), margin_(spectra.pattern_margin()), drive_(spectra.pattern().size(), -1) {
+  for (std::size_t j = 0; j < drive_.size(); ++j) {
+    const std::shared_ptr<const BurstScatter>& losses = spectra.of(j).losses;
+    for (std::size_t l = j; losses && drive_[j] < 0 && l < drive_.size(); ++l) {
+      if (spectra.of(l).losses != losses) continue;
+      drive_[l] = static_cast<Eigen::Index>(lossy_.size());
+      lossy_.push_back(l);
+    }
+  }
+}
+
+void LossOperator::add(const Eigen::VectorXd& drives, std::vector<Eigen::ArrayXd>& added) const {
+  for (std::size_t l = 0; l < lossy_.size();) {
+    const BurstScatter* const losses = spectra_.of(lossy_[l]).losses.get();
+    std::size_t end = l;
+    while (end < lossy_.size() && spectra_.of(lossy_[end]).losses.get() == losses) ++end;
+    const Eigen::Map<const Eigen::MatrixXd> alike(drives.data() + static_cast<Eigen::Index>(l) * spectra_.size(),
+                                                  spectra_.size(), static_cast<Eigen::Index>(end - l));
+    const Eigen::MatrixXd scattered = (*losses)(alike);
+    for (Eigen::Index k = 0; l < end; ++l, ++k)
+      added[lossy_[l]] += spectra_.of(lossy_[l]).own * scattered.col(k).array();
+  }
+}
+
+Eigen::VectorXd LossOperator::drives(const std::vector<Eigen::ArrayXd>& added) const {
+  Eigen::VectorXd result(dimensions());
+  Eigen::ArrayXd spectrum = spectra_.in_front(added, margin_);
+  for (std::size_t j = 0; j < added.size(); ++j) {
+    const BurstSpectra::Type& type = spectra_.of(j);
+    if (drive_[j] >= 0)
+      result.segment(drive_[j] * spectra_.size(), spectra_.size()) = type.losses->surprise * spectrum;
+    spectrum = type.gain * spectrum + added[j];
+  }
+  return result;
+}
+
+Eigen::VectorXd LossOperator::operator()(const Eigen::VectorXd& given) const {
+  std::vector<Eigen::ArrayXd> added(spectra_.pattern().size(), Eigen::ArrayXd::Zero(spectra_.size()));
+  add(given, added);
+  return drives(added);
+}
+
+std::vector<double> settled_values(const BurstPattern& pattern,
+                                   const std::function<std::vector<double>(const BurstSpectra&)>& values) {
+  std::size_t nodes = first_nodes(pattern);
+  const double resolving = resolving_nodes(pattern);
+  std::vector<double> coarse = values(BurstSpectra(pattern, nodes));
+  for (double before = kInfinity; nodes < kMostNodes;) {
+    nodes *= 2;
+    std::vector<double> fine = values(BurstSpectra(pattern, nodes));
+    const double change = largest_change(coarse, fine);
+    if (has_settled(change, before, static_cast<double>(nodes) > resolving)) return fine;
+    coarse.swap(fine);
+    before = change;
+  }
+  return coarse;
+}
+
+double burst_loss_gain(const BurstPattern& pattern, bool sign_only) {
+  if (!pattern.has_losses()) return 0.0;
+  if (sign_only) {
+    if (const std::optional<double> found = quick_loss_gain(pattern)) return *found;
+  }
+  return settled_values(pattern, [sign_only](const BurstSpectra& spectra) {
+           const LossOperator losses(spectra);
+           return std::vector<double>{sign_only ? near_root(spectra) : perron_root(losses, losses.dimensions())};
+         })
+      .front();
+}
+
+}  // namespace platoon

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "stochastic_platoon/math/string/burst_spectra.hpp"
+
+namespace platoon {
+
+/// The operator of loss gains (see burst_string_stability()) on the drives of all lossy places. Those of places that
+/// lose alike stand side by side.
+class LossOperator {
+public:
+  explicit LossOperator(const BurstSpectra& spectra);
+
+  Eigen::Index dimensions() const { return static_cast<Eigen::Index>(lossy_.size()) * spectra_.size(); }
+  const Eigen::ArrayXd& margin() const { return margin_; }
+
+  /// Adds to each vehicle's spectrum what its losses scatter of these drives.
+  void add(const Eigen::VectorXd& drives, std::vector<Eigen::ArrayXd>& added) const;
+
+  /// The drives in an endless string in which vehicle l adds added[l] to the spectrum.
+  Eigen::VectorXd drives(const std::vector<Eigen::ArrayXd>& added) const;
+
+  Eigen::VectorXd operator()(const Eigen::VectorXd& given) const;
+
+private:
+  const BurstSpectra& spectra_;
+  Eigen::ArrayXd margin_;
+  std::vector<std::size_t> lossy_;  ///< places in the pattern, in the order of their drives
+  std::vector<Eigen::Index> drive_;  ///< of each place in the pattern, -1 without losses
+};
+
+/// values(spectra) with ever more nodes, until they settle.
+std::vector<double> settled_values(const BurstPattern& pattern,
+                                   const std::function<std::vector<double>(const BurstSpectra&)>& values);
+
+/// The loss gain, for a mean square stable pattern with |prod T^| < 1 for w > 0; 1e-12 relative. If `sign_only`, only
+/// as accurate as needed to compare it with 1.
+double burst_loss_gain(const BurstPattern& pattern, bool sign_only = false);
+
+}  // namespace platoon
