@@ -13,8 +13,8 @@ using Complex = std::complex<double>;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kNodes = 16;  // per panel
-constexpr double kFar = 2.2;        // distance from a panel's middle in half lengths from which its own weights are exact
-constexpr double kNear = 1.3;       // ellipse about the panel in which the recurrence of Q_l upwards keeps its digits
+constexpr double kFar = 2.2;   // distance from a panel's middle in half lengths from which its own weights are exact
+constexpr double kNear = 1.3;  // ellipse about the panel in which the recurrence of Q_l upwards keeps its digits
 using Factors = std::array<Complex, kNodes>;
 
 Complex product(Complex a, Complex b) {
@@ -96,8 +96,7 @@ std::vector<Complex> MemoryWeights::at(double w) const {
   std::vector<Complex> factors;
   factors.reserve(remembered_.size());
   for (std::size_t panel = 0; panel < rule_.middle.size(); ++panel) {
-    const double half = rule_.half_length[panel],
-                 offset = std::remainder(rule_.middle[panel] - w - turn_, 2.0 * kPi);
+    const double half = rule_.half_length[panel], offset = std::remainder(rule_.middle[panel] - w - turn_, 2.0 * kPi);
     if (offset * offset + decay_ * decay_ > kFar * kFar * half * half) {
       for (std::size_t k = 0; k < kNodes; ++k) {
         const Complex y = product(remembered_[panel * kNodes + k], back);

@@ -7,10 +7,10 @@
 
 namespace platoon {
 
-/// Factors that integrate f(nu) y / (1 - y), y = lambda e^{j (nu - w)}, over the panels of a rule that resolves f alone,
-/// however near to 1 abs(lambda) is: the sum over a panel's nodes of weight, f and factor is exact for polynomials f of
-/// degree 15 (product integration; the integral of P_l(x) / (z - x) over [-1, 1] is 2 Q_l(z), Q_l the Legendre function
-/// of the second kind).
+/// Factors that integrate f(nu) y / (1 - y), y = lambda e^{j (nu - w)}, over the panels of a rule that resolves f
+/// alone, however near to 1 abs(lambda) is: the sum over a panel's nodes of weight, f and factor is exact for
+/// polynomials f of degree 15 (product integration; the integral of P_l(x) / (z - x) over [-1, 1] is 2 Q_l(z), Q_l the
+/// Legendre function of the second kind).
 class MemoryWeights {
 public:
   /// A half_circle_quadrature(), which must outlive the object. 0 < abs(memory) < 1, memory = lambda.
@@ -21,8 +21,8 @@ public:
 
 private:
   const Quadrature& rule_;
-  double turn_;                                  ///< pi for a negative memory
-  double decay_;                                 ///< -ln abs(lambda)
+  double turn_;                                   ///< pi for a negative memory
+  double decay_;                                  ///< -ln abs(lambda)
   std::vector<std::complex<double>> remembered_;  ///< lambda e^{j nu}
 };
 

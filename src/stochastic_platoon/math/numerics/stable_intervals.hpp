@@ -18,8 +18,9 @@ struct StableInterval {
 /// without changing sign, the search follows it to its extreme. A stretch is missed only if the margin turns more than
 /// once between two samples.
 ///
-/// `necessary`, if given, is a margin that is cheaper to compute; a place is then stable if both are positive there, and
-/// `margin` is asked only where `necessary` is positive. Each end is first looked for where `necessary` changes sign.
+/// `necessary`, if given, is a margin that is cheaper to compute; a place is then stable if both are positive there,
+/// and `margin` is asked only where `necessary` is positive. Each end is first looked for where `necessary` changes
+/// sign.
 std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places,
                                              const StabilityMargin& necessary = {});
 

@@ -14,6 +14,10 @@ namespace {
 
 using Complex = std::complex<double>;
 
+[[noreturn]] void refuse_growth() {
+  throw std::invalid_argument("on_loss: predictions whose variance grows: must be ones whose variance settles");
+}
+
 void require_theory(const LossModel& loss, double memory) {
   if (!(loss.probability > 0.0 && loss.probability < 1.0))
     throw std::invalid_argument(formatted("loss probability: %g: must be above 0 and below 1", loss.probability));
@@ -22,8 +26,7 @@ void require_theory(const LossModel& loss, double memory) {
     throw std::invalid_argument(
         formatted("mean_burst: %g: must be above 1 for a probability of 0.5, as losses then alternate with arrivals",
                   *loss.mean_burst));
-  if (!(second_moment_radius(loss) < 1.0))
-    throw std::invalid_argument("on_loss: predictions whose variance grows: must be ones whose variance settles");
+  if (!(second_moment_radius(loss) < 1.0)) refuse_growth();
 }
 
 /// The eigenvalues less 1.
@@ -69,6 +72,7 @@ BurstLink::BurstLink(const LossModel& loss)
   even_ = solved.block(squares, 0, n_, n_);
   odd_ = solved.block(squares, n_, n_, n_);
   own_ = 0.5 * even_.col(0);
+  if (!(own_(0) > 0.0)) refuse_growth();  // as beside a radius of 1 that rounds to less
 
   factor_.poles = shifted_eigenvalues(transition_);
   Eigen::MatrixXd inverse = transition_;

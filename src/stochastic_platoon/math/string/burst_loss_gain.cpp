@@ -111,8 +111,7 @@ Eigen::VectorXd LossOperator::drives(const std::vector<Eigen::ArrayXd>& added) c
   Eigen::ArrayXd spectrum = spectra_.in_front(added, margin_);
   for (std::size_t j = 0; j < added.size(); ++j) {
     const BurstSpectra::Type& type = spectra_.of(j);
-    if (drive_[j] >= 0)
-      result.segment(drive_[j] * spectra_.size(), spectra_.size()) = type.losses->surprise * spectrum;
+    if (drive_[j] >= 0) result.segment(drive_[j] * spectra_.size(), spectra_.size()) = type.losses->surprise * spectrum;
     spectrum = type.gain * spectrum + added[j];
   }
   return result;
@@ -145,10 +144,12 @@ double burst_loss_gain(const BurstPattern& pattern, bool sign_only) {
   if (sign_only) {
     if (const std::optional<double> found = quick_loss_gain(pattern)) return *found;
   }
-  return settled_values(pattern, [sign_only](const BurstSpectra& spectra) {
-           const LossOperator losses(spectra);
-           return std::vector<double>{sign_only ? near_root(spectra) : perron_root(losses, losses.dimensions())};
-         })
+  return settled_values(
+             pattern,
+             [sign_only](const BurstSpectra& spectra) {
+               const LossOperator losses(spectra);
+               return std::vector<double>{sign_only ? near_root(spectra) : perron_root(losses, losses.dimensions())};
+             })
       .front();
 }
 

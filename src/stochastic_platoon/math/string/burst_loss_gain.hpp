@@ -29,7 +29,7 @@ public:
 private:
   const BurstSpectra& spectra_;
   Eigen::ArrayXd margin_;
-  std::vector<std::size_t> lossy_;  ///< places in the pattern, in the order of their drives
+  std::vector<std::size_t> lossy_;   ///< places in the pattern, in the order of their drives
   std::vector<Eigen::Index> drive_;  ///< of each place in the pattern, -1 without losses
 };
 

@@ -15,10 +15,10 @@ public:
   /// which the memory of the chain is a convolution in O(nodes log nodes).
   BurstScatter(const BurstLink& link, const Eigen::ArrayXd& node, const Eigen::ArrayXd& weight, const Quadrature* rule);
 
-  Eigen::ArrayXcd passed;    ///< T_L
-  Eigen::ArrayXd margin;     ///< 1 - |T_L|^2
-  Eigen::ArrayXd surprise;   ///< |u|^2
-  Eigen::ArrayXd moving;     ///< what the losses scatter of a motion of 1 m per step
+  Eigen::ArrayXcd passed;   ///< T_L
+  Eigen::ArrayXd margin;    ///< 1 - |T_L|^2
+  Eigen::ArrayXd surprise;  ///< |u|^2
+  Eigen::ArrayXd moving;    ///< what the losses scatter of a motion of 1 m per step
 
   /// < g(w, nu) driven(nu) >_nu of each column: what the losses scatter of a drive |u|^2 Phi.
   Eigen::MatrixXd operator()(const Eigen::Ref<const Eigen::MatrixXd>& driven) const;
@@ -29,11 +29,12 @@ private:
 
   double memory_, odds_;
   Eigen::ArrayXd weight_;
-  Eigen::ArrayXcd deviation_;   ///< D
-  Eigen::MatrixXd outward_;     ///< 2 Re l, one row per node
-  Eigen::MatrixXd scattered_;   ///< Re V, one column per node
-  Eigen::RowVectorXd itself_;   ///< Re e' V_1
-  Eigen::MatrixXd kernel_;      ///< mean over +-nu of 2 p/q Re[D(w) conj(D(nu)) y / (1 - y)], one column per w; empty without rule
+  Eigen::ArrayXcd deviation_;  ///< D
+  Eigen::MatrixXd outward_;    ///< 2 Re l, one row per node
+  Eigen::MatrixXd scattered_;  ///< Re V, one column per node
+  Eigen::RowVectorXd itself_;  ///< Re e' V_1
+  Eigen::MatrixXd
+      kernel_;  ///< mean over +-nu of 2 p/q Re[D(w) conj(D(nu)) y / (1 - y)], one column per w; empty without rule
   mutable Eigen::FFT<double> fft_;  ///< keeps its plan
 };
 

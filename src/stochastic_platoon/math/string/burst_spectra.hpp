@@ -20,7 +20,8 @@ public:
   BurstSpectra(const BurstPattern& pattern, std::size_t nodes);
 
   /// The nodes of a half_circle_quadrature(), which resolves narrow features of slow vehicles and near the border of
-  /// stability with few nodes, and need not resolve the memory of the chains (see MemoryWeights). O(nodes^2) for what losses scatter.
+  /// stability with few nodes, and need not resolve the memory of the chains (see MemoryWeights). O(nodes^2) for what
+  /// losses scatter.
   BurstSpectra(const BurstPattern& pattern, const Quadrature& rule);
 
   const BurstPattern& pattern() const { return *pattern_; }
@@ -28,13 +29,13 @@ public:
 
   /// Fields of one vehicle type.
   struct Type {
-    Eigen::ArrayXd gain;        ///< |T^|^2
-    Eigen::ArrayXd margin;      ///< 1 - |T^|^2
-    Eigen::ArrayXd own;         ///< |T|^2 of the vehicle alone
-    Eigen::ArrayXd passed;      ///< |T_L|^2 of its link
-    Eigen::ArrayXd complement;  ///< |1 - H T^|^2
-    Eigen::ArrayXd headway;     ///< |H|^2
-    Eigen::ArrayXd noise;       ///< |W|^2 P_d + D^2 / 12
+    Eigen::ArrayXd gain;                         ///< |T^|^2
+    Eigen::ArrayXd margin;                       ///< 1 - |T^|^2
+    Eigen::ArrayXd own;                          ///< |T|^2 of the vehicle alone
+    Eigen::ArrayXd passed;                       ///< |T_L|^2 of its link
+    Eigen::ArrayXd complement;                   ///< |1 - H T^|^2
+    Eigen::ArrayXd headway;                      ///< |H|^2
+    Eigen::ArrayXd noise;                        ///< |W|^2 P_d + D^2 / 12
     std::shared_ptr<const BurstScatter> losses;  ///< none without losses; shared by all types with the same ones
   };
   const Type& of(std::size_t follower) const { return types_[pattern_->type(follower)]; }

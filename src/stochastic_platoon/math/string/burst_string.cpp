@@ -119,8 +119,8 @@ std::vector<double> burst_stationary_variances(const PlatoonModel& model, std::s
   require_theory(model);
   const BurstPattern pattern = burst_pattern(model);
   if (!pattern.mean_square_stable()) return std::vector<double>(followers, kNaN);
-  return settled_values(pattern,
-                 [&](const BurstSpectra& spectra) { return variances_by(spectra, metres_per_step(model), followers); });
+  return settled_values(
+      pattern, [&](const BurstSpectra& spectra) { return variances_by(spectra, metres_per_step(model), followers); });
 }
 
 std::vector<double> burst_stationary_means(const PlatoonModel& model, std::size_t followers) {
