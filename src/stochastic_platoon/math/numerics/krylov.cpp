@@ -115,7 +115,7 @@ Eigen::VectorXd solution(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& b
 
 }  // namespace
 
-double perron_root(const NonnegativeMap& map, Eigen::Index size) {
+double perron_root(const NonnegativeMap& map, Eigen::Index size, double share_of_distance) {
   if (size == 0) return 0.0;
   if (size <= kMostDimensions) {
     Eigen::MatrixXd matrix = written_out(map, size);
@@ -126,11 +126,13 @@ double perron_root(const NonnegativeMap& map, Eigen::Index size) {
   const NonnegativeMap scaled = in_units(units, map);
   KrylovSpace space(scaled, Eigen::VectorXd::Ones(size));
   double root = 0.0;
-  for (bool goes_on = true; goes_on;) {
-    goes_on = space.extend();
+  for (int close = 0; close < 2;) {
+    const bool goes_on = space.extend();
     const double before = root;
     root = spectral_radius(space.projected());
-    if (std::abs(root - before) <= 1e-14 * root) break;
+    const double change = std::abs(root - before);
+    if (!goes_on || change <= 1e-14 * root) break;
+    close = change <= share_of_distance * std::abs(root - 1.0) ? close + 1 : 0;
   }
   return root;
 }

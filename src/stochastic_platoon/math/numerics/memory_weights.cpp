@@ -96,7 +96,10 @@ std::vector<Complex> MemoryWeights::at(double w) const {
   std::vector<Complex> factors;
   factors.reserve(remembered_.size());
   for (std::size_t panel = 0; panel < rule_.middle.size(); ++panel) {
-    const double half = rule_.half_length[panel], offset = std::remainder(rule_.middle[panel] - w - turn_, 2.0 * kPi);
+    const double half = rule_.half_length[panel], from = rule_.middle[panel] - w - turn_,
+                 offset = from > kPi    ? from - 2.0 * kPi
+                          : from < -kPi ? from + 2.0 * kPi
+                                        : from;
     if (offset * offset + decay_ * decay_ > kFar * kFar * half * half) {
       for (std::size_t k = 0; k < kNodes; ++k) {
         const Complex y = product(remembered_[panel * kNodes + k], back);

@@ -16,7 +16,7 @@ public:
   /// A half_circle_quadrature(), which must outlive the object. 0 < abs(memory) < 1, memory = lambda.
   MemoryWeights(const Quadrature& rule, double memory);
 
-  /// The factors at all nodes nu, for any w. Those at -nu are the conjugates of the ones at nu for -w.
+  /// The factors at all nodes nu, for w in [-pi, pi]. Those at -nu are the conjugates of the ones at nu for -w.
   std::vector<std::complex<double>> at(double w) const;
 
 private:

@@ -93,9 +93,7 @@ BurstLink::Value BurstLink::at(double frequency) const {
   }
   const Eigen::VectorXcd d = inverse.solve((1.0 - arrival_) * Eigen::VectorXcd::Unit(2 * n_, n_));
   value.deviation = d(0) + d(n_);
-  value.outward = Eigen::MatrixXcd(Eigen::MatrixXcd::Identity(2 * n_, 2 * n_) - back * transition_.transpose())
-                      .partialPivLu()
-                      .solve(output);
+  value.outward = inverse.transpose().solve(output);
   const Eigen::VectorXcd drive = back * (transition_.bottomRows(n_) * d);
   value.scattered = -std::conj(value.deviation) * d;
   value.scattered.tail(n_) +=

@@ -54,13 +54,13 @@ bool has_settled(double change, double before, bool resolved) {
   return change <= 1e-12 || is_converged(change, before) || (resolved && change <= 1e-6 && change >= 0.1 * before);
 }
 
-/// On the side of 1 that it is on, and to a thousandth of its distance from there.
+/// The loss gain, on the side of 1 that it is on, and if it is near 1, to this share of its distance from there.
 double near_root(const BurstSpectra& spectra) {
-  constexpr double kFar = 2.0;
+  constexpr double kFar = 2.0, kShare = 1e-4;
   const LossOperator losses(spectra);
   const RootBounds bounds = perron_bounds(losses, losses.dimensions());
   if (bounds.most < 1.0 / kFar || bounds.least > kFar) return std::sqrt(bounds.least * bounds.most);
-  return perron_root(losses, losses.dimensions());
+  return perron_root(losses, losses.dimensions(), kShare);
 }
 
 /// By two numbers of equally spaced nodes, if these few can tell, or by the nodes of a quadrature, refined near 1.

@@ -28,7 +28,10 @@ BurstVehicle::BurstVehicle(const VehicleModel& vehicle, const BurstVehicle* know
     : vehicle_(vehicle),
       plain_(without_losses(vehicle), known == nullptr ? nullptr : &known->plain_),
       second_moment_radius_(vehicle.link.loses() ? platoon::second_moment_radius(*vehicle.link.loss) : 0.0) {
-  if (vehicle.link.loses() && second_moment_radius_ < 1.0) losses_.emplace(*vehicle.link.loss);
+  if (!vehicle.link.loses() || !(second_moment_radius_ < 1.0)) return;
+  losses_ = known != nullptr && known->losses_ && known->vehicle_.link.loss == vehicle.link.loss
+                ? known->losses_
+                : std::make_shared<BurstLink>(*vehicle.link.loss);
 }
 
 double BurstVehicle::lag() const {
@@ -69,7 +72,7 @@ bool BurstPattern::mean_square_stable() const {
 }
 
 bool BurstPattern::has_losses() const {
-  return std::any_of(types.begin(), types.end(), [](const BurstVehicle& v) { return v.losses().has_value(); });
+  return std::any_of(types.begin(), types.end(), [](const BurstVehicle& v) { return v.losses() != nullptr; });
 }
 
 BurstPattern burst_pattern(const PlatoonModel& model, const BurstPattern& known) {

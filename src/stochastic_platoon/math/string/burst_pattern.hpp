@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,8 +22,8 @@ public:
   /// The vehicle behind its link without losses.
   const LinkedVehicle& plain() const { return plain_; }
 
-  /// The losses; none if no position is lost, or if the variance of the predictions does not settle.
-  const std::optional<BurstLink>& losses() const { return losses_; }
+  /// The losses; null if no position is lost, or if the variance of the predictions does not settle.
+  const BurstLink* losses() const { return losses_.get(); }
 
   const VehicleModel& vehicle() const { return vehicle_; }
   double second_moment_radius() const { return second_moment_radius_; }  ///< of the link
@@ -41,7 +42,7 @@ private:
   VehicleModel vehicle_;
   LinkedVehicle plain_;
   double second_moment_radius_;
-  std::optional<BurstLink> losses_;
+  std::shared_ptr<const BurstLink> losses_;
 };
 
 /// One pattern of the string: its vehicle types, each once, and their order.
