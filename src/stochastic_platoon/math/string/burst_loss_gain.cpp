@@ -14,6 +14,8 @@ namespace platoon {
 namespace {
 
 constexpr std::size_t kFewestNodes = 128, kMostNodes = std::size_t{1} << 18;
+constexpr std::size_t kMostKernelNodes = 2400;
+using Values = std::function<std::vector<double>(const BurstSpectra&)>;
 
 // Enough nodes for the oscillation of the longest delay.
 std::size_t first_nodes(const BurstPattern& pattern) {
@@ -35,16 +37,22 @@ Quadrature resolving_quadrature(const BurstPattern& pattern, int refinement) {
   return half_circle_quadrature(singular, {}, refinement);
 }
 
-/// Number of equally spaced nodes that resolve every vehicle, chain and peak to the last digit.
-double resolving_nodes(const BurstPattern& pattern) {
-  constexpr double kDigits = 40.0;  // -ln of the last one
-  double width = kInfinity;
-  for (const std::complex<double>& w : pattern.gain().margin_frequencies()) width = std::min(width, std::abs(w.imag()));
+/// Distance of the vehicles' and chains' poles from the unit circle.
+double least_decay(const BurstPattern& pattern) {
+  double width = 1.0;
   for (const BurstVehicle& vehicle : pattern.types) {
     double radius = std::max(vehicle.plain().spectral_radius(), std::sqrt(vehicle.second_moment_radius()));
     if (vehicle.losses()) radius = std::max(radius, std::abs(vehicle.losses()->memory()));
     width = std::min(width, 1.0 - radius);
   }
+  return width;
+}
+
+/// Number of equally spaced nodes that resolve every vehicle, chain and peak to the last digit.
+double resolving_nodes(const BurstPattern& pattern) {
+  constexpr double kDigits = 40.0;  // -ln of the last one
+  double width = least_decay(pattern);
+  for (const std::complex<double>& w : pattern.gain().margin_frequencies()) width = std::min(width, std::abs(w.imag()));
   return kDigits / width;
 }
 
@@ -63,13 +71,16 @@ double near_root(const BurstSpectra& spectra) {
   return perron_root(losses, losses.dimensions(), kShare);
 }
 
-/// By two numbers of equally spaced nodes, if these few can tell, or by the nodes of a quadrature, refined near 1.
+/// By two numbers of equally spaced nodes, if these resolve the poles to two digits and can tell, or by the nodes of a
+/// quadrature, refined near 1.
 std::optional<double> quick_loss_gain(const BurstPattern& pattern) {
-  constexpr std::size_t kMostKernelNodes = 2400;
   constexpr double kDoubt = 1e-5;  // of a quadrature without refinement
+  constexpr double kDigits = 5.0;  // -ln of the second one
   const std::size_t nodes = first_nodes(pattern);
-  const double coarse = near_root(BurstSpectra(pattern, nodes)), fine = near_root(BurstSpectra(pattern, 2 * nodes));
-  if (std::abs(fine - coarse) < 0.01 * std::abs(fine - 1.0)) return fine;
+  if (static_cast<double>(2 * nodes) * least_decay(pattern) > kDigits) {
+    const double coarse = near_root(BurstSpectra(pattern, nodes)), fine = near_root(BurstSpectra(pattern, 2 * nodes));
+    if (std::abs(fine - coarse) < 0.01 * std::abs(fine - 1.0)) return fine;
+  }
   for (const int refinement : {0, 1}) {
     const Quadrature rule = resolving_quadrature(pattern, refinement);
     if (rule.node.size() > kMostKernelNodes) return std::nullopt;
@@ -77,6 +88,18 @@ std::optional<double> quick_loss_gain(const BurstPattern& pattern) {
     if (refinement > 0 || std::abs(found - 1.0) > kDoubt) return found;
   }
   return std::nullopt;
+}
+
+/// values(spectra) on the nodes of a quadrature, refined until they settle; none if that takes too many nodes.
+std::optional<std::vector<double>> settled_on_few(const BurstPattern& pattern, const Values& values) {
+  std::vector<double> coarse;
+  for (int refinement = 0;; ++refinement) {
+    const Quadrature rule = resolving_quadrature(pattern, refinement);
+    if (rule.node.size() > kMostKernelNodes) return std::nullopt;
+    std::vector<double> fine = values(BurstSpectra(pattern, rule));
+    if (refinement > 0 && largest_change(coarse, fine) <= 1e-12) return fine;
+    coarse.swap(fine);
+  }
 }
 
 }  // namespace
@@ -123,8 +146,7 @@ Eigen::VectorXd LossOperator::operator()(const Eigen::VectorXd& given) const {
   return drives(added);
 }
 
-std::vector<double> settled_values(const BurstPattern& pattern,
-                                   const std::function<std::vector<double>(const BurstSpectra&)>& values) {
+std::vector<double> settled_values(const BurstPattern& pattern, const Values& values) {
   std::size_t nodes = first_nodes(pattern);
   const double resolving = resolving_nodes(pattern);
   std::vector<double> coarse = values(BurstSpectra(pattern, nodes));
@@ -139,17 +161,26 @@ std::vector<double> settled_values(const BurstPattern& pattern,
   return coarse;
 }
 
+std::vector<double> settled_values_of_endless(const BurstPattern& pattern, const Values& values) {
+  constexpr double kManyNodes = 4096.0;
+  if (resolving_nodes(pattern) > kManyNodes) {
+    if (const std::optional<std::vector<double>> found = settled_on_few(pattern, values)) return *found;
+  }
+  return settled_values(pattern, values);
+}
+
 double burst_loss_gain(const BurstPattern& pattern, bool sign_only) {
   if (!pattern.has_losses()) return 0.0;
+  const auto alone = [](double value) { return std::vector<double>{value}; };
   if (sign_only) {
     if (const std::optional<double> found = quick_loss_gain(pattern)) return *found;
+    return settled_values(pattern, [&](const BurstSpectra& spectra) { return alone(near_root(spectra)); }).front();
   }
-  return settled_values(
-             pattern,
-             [sign_only](const BurstSpectra& spectra) {
-               const LossOperator losses(spectra);
-               return std::vector<double>{sign_only ? near_root(spectra) : perron_root(losses, losses.dimensions())};
-             })
+  return settled_values_of_endless(pattern,
+                                   [&](const BurstSpectra& spectra) {
+                                     const LossOperator losses(spectra);
+                                     return alone(perron_root(losses, losses.dimensions()));
+                                   })
       .front();
 }
 

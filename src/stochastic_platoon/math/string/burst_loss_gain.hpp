@@ -37,6 +37,10 @@ private:
 std::vector<double> settled_values(const BurstPattern& pattern,
                                    const std::function<std::vector<double>(const BurstSpectra&)>& values);
 
+/// The same for what is finite in an endless string alone: few nodes resolve it near the border of stability, too.
+std::vector<double> settled_values_of_endless(const BurstPattern& pattern,
+                                              const std::function<std::vector<double>(const BurstSpectra&)>& values);
+
 /// The loss gain, for a mean square stable pattern with |prod T^| < 1 for w > 0; 1e-12 relative. If `sign_only`, only
 /// as accurate as needed to compare it with 1.
 double burst_loss_gain(const BurstPattern& pattern, bool sign_only = false);

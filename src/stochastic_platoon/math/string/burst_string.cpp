@@ -104,7 +104,7 @@ void judge(const BurstPattern& pattern, double speed, StringStability& verdict) 
   }
   verdict.string_stable = true;
   const std::vector<double> limits =
-      settled_values(pattern, [speed](const BurstSpectra& spectra) { return limits_by(spectra, speed); });
+      settled_values_of_endless(pattern, [speed](const BurstSpectra& spectra) { return limits_by(spectra, speed); });
   verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
   verdict.reason = formatted("string stable: rho(A) = %s is below 1, %s is below 1 for all w > 0",
                              beside_one(verdict.spectral_radius).c_str(), gain_name);
