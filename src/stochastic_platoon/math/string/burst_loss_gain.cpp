@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <memory>
 #include <optional>
 
 #include "stochastic_platoon/math/model/special_values.hpp"
@@ -71,23 +73,33 @@ double near_root(const BurstSpectra& spectra) {
   return perron_root(losses, losses.dimensions(), kShare);
 }
 
-/// By two numbers of equally spaced nodes, if these resolve the poles to two digits and can tell, or by the nodes of a
-/// quadrature, refined near 1.
-std::optional<double> quick_loss_gain(const BurstPattern& pattern) {
-  constexpr double kDoubt = 1e-5;  // of a quadrature without refinement
+/// The loss gain by near_root(), with ever more equally spaced nodes until they resolve the poles to two digits and can
+/// tell on which side of 1 it is; none if `most` nodes cannot.
+std::optional<double> told_by_equal_nodes(const BurstPattern& pattern, std::size_t most) {
   constexpr double kDigits = 5.0;  // -ln of the second one
-  const std::size_t nodes = first_nodes(pattern);
-  if (static_cast<double>(2 * nodes) * least_decay(pattern) > kDigits) {
-    const double coarse = near_root(BurstSpectra(pattern, nodes)), fine = near_root(BurstSpectra(pattern, 2 * nodes));
-    if (std::abs(fine - coarse) < 0.01 * std::abs(fine - 1.0)) return fine;
+  std::size_t nodes = first_nodes(pattern);
+  while (nodes < most && static_cast<double>(2 * nodes) * least_decay(pattern) <= kDigits) nodes *= 2;
+  if (nodes >= most) return std::nullopt;
+  for (double coarse = near_root(BurstSpectra(pattern, nodes)); nodes < most;) {
+    nodes *= 2;
+    const double fine = near_root(BurstSpectra(pattern, nodes)), change = std::abs(fine - coarse);
+    if (change < std::max(0.01 * std::abs(fine - 1.0), 1e-12)) return fine;
+    coarse = fine;
   }
+  return std::nullopt;
+}
+
+/// By few equally spaced nodes, or by the nodes of a quadrature, refined near 1, or by many equally spaced ones.
+double loss_gain_for_sign(const BurstPattern& pattern) {
+  constexpr double kDoubt = 1e-5;  // of a quadrature without refinement
+  if (const std::optional<double> found = told_by_equal_nodes(pattern, 2 * first_nodes(pattern))) return *found;
   for (const int refinement : {0, 1}) {
     const Quadrature rule = resolving_quadrature(pattern, refinement);
-    if (rule.node.size() > kMostKernelNodes) return std::nullopt;
+    if (rule.node.size() > kMostKernelNodes) break;
     const double found = near_root(BurstSpectra(pattern, rule));
     if (refinement > 0 || std::abs(found - 1.0) > kDoubt) return found;
   }
-  return std::nullopt;
+  return told_by_equal_nodes(pattern, kMostNodes).value_or(1.0);
 }
 
 /// values(spectra) on the nodes of a quadrature, refined until they settle; none if that takes too many nodes.
@@ -171,17 +183,12 @@ std::vector<double> settled_values_of_endless(const BurstPattern& pattern, const
 
 double burst_loss_gain(const BurstPattern& pattern, bool sign_only) {
   if (!pattern.has_losses()) return 0.0;
-  const auto alone = [](double value) { return std::vector<double>{value}; };
-  if (sign_only) {
-    if (const std::optional<double> found = quick_loss_gain(pattern)) return *found;
-    return settled_values(pattern, [&](const BurstSpectra& spectra) { return alone(near_root(spectra)); }).front();
-  }
-  return settled_values_of_endless(pattern,
-                                   [&](const BurstSpectra& spectra) {
-                                     const LossOperator losses(spectra);
-                                     return alone(perron_root(losses, losses.dimensions()));
-                                   })
-      .front();
+  if (sign_only) return loss_gain_for_sign(pattern);
+  const auto root = [](const BurstSpectra& spectra) {
+    const LossOperator losses(spectra);
+    return std::vector<double>{perron_root(losses, losses.dimensions())};
+  };
+  return settled_values_of_endless(pattern, root).front();
 }
 
 }  // namespace platoon

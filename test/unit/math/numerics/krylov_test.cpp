@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -30,6 +31,22 @@ TEST(Krylov, PerronRootIsTheSpectralRadius) {
   }
   EXPECT_EQ(perron_root(map_of(Eigen::MatrixXd::Zero(3, 3)), 3), 0.0);
   EXPECT_EQ(perron_root(map_of(Eigen::MatrixXd()), 0), 0.0);
+}
+
+TEST(Krylov, PerronRootMaySettleToAShareOfItsDistanceFromOne) {
+  const Eigen::Index size = 200;
+  const auto products_for = [&](double root, double share) {
+    int products = 0;
+    const NonnegativeMap map = map_of(nonnegative(size, root));
+    const auto counted = [&](const Eigen::VectorXd& x) {
+      ++products;
+      return map(x);
+    };
+    EXPECT_NEAR(perron_root(counted, size, share), root, std::max(share * (1.0 - root), 1e-13)) << share;
+    return products;
+  };
+  EXPECT_LT(products_for(0.75, 1e-4), products_for(0.75, 0.0));
+  products_for(1.0 - 1e-9, 1e-4);
 }
 
 // Nearly nilpotent: eigenvalues of the matrix as it stands are rounding of its largest entry.

@@ -36,6 +36,18 @@ TEST(CriticalBurst, SeparatesStableFromUnstable) {
       << "does not depend on the model's own";
 }
 
+// Long bursts narrow the spectra to what coarse grids of frequencies miss altogether.
+TEST(CriticalBurst, OfLongBurstsSeparatesStableFromUnstable) {
+  const std::optional<StableLosses> losses = stable_losses(with_bursts(0.0016, 120.0, {2.0, -1.0}, 20.0));
+  ASSERT_TRUE(losses && losses->critical);
+  EXPECT_TRUE(is_stable(with_bursts(*losses->critical * (1.0 - 1e-8), 120.0, {2.0, -1.0}, 20.0)));
+  EXPECT_FALSE(is_stable(with_bursts(*losses->critical * (1.0 + 1e-8), 120.0, {2.0, -1.0}, 20.0)));
+  const std::optional<CriticalBurst> bursts =
+      critical_mean_burst(with_bursts(*losses->critical, 2.0, {2.0, -1.0}, 20.0));
+  ASSERT_TRUE(bursts && bursts->critical);
+  EXPECT_NEAR(*bursts->critical, 120.0, 1e-6);
+}
+
 TEST(CriticalBurst, IsNoneWhereTheStringIsAlwaysOrNeverStable) {
   const std::optional<CriticalBurst> held = critical_mean_burst(with_bursts(0.4, 2.0, {1.0}));
   ASSERT_TRUE(held);
