@@ -91,7 +91,7 @@ std::optional<double> told_by_equal_nodes(const BurstPattern& pattern, std::size
 
 /// By few equally spaced nodes, or by the nodes of a quadrature, refined near 1, or by many equally spaced ones.
 double loss_gain_for_sign(const BurstPattern& pattern) {
-  constexpr double kDoubt = 1e-5;  // of a quadrature without refinement
+  constexpr double kDoubt = 1e-7;  // of a quadrature without refinement, mostly below 1e-11
   if (const std::optional<double> found = told_by_equal_nodes(pattern, 2 * first_nodes(pattern))) return *found;
   for (const int refinement : {0, 1}) {
     const Quadrature rule = resolving_quadrature(pattern, refinement);
