@@ -101,6 +101,10 @@ class Recorded(LaunchTest):
         with open(os.path.join(self.folder, name), "w") as file:
             file.write("second,received\n" + "".join("%.1f,%d\n" % (0.1 * k, entry) for k, entry in enumerate(entries)))
 
+    def measured(self, folder):
+        with open(os.path.join(folder, "statistics.csv")) as file:
+            return [row[:5] for row in csv.reader(file)]
+
     def positions_of(self, trajectory):
         """y_i(-1), y_i(0), ... by vehicle."""
         with open(os.path.join(trajectory, "trajectories.csv")) as file:
@@ -146,6 +150,58 @@ class Recorded(LaunchTest):
         self.launch(model=model, output=self.output, **settings).wait()
         self.assertTrue(live_platoon.completed_summary(self.output))
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.statistics(lossy))
+
+    # Below a gap of 2.5 m everything is lost but a chance of 1e-12, beyond it nothing: each loss follows from the gap one step earlier.
+    def test_losses_follow_from_the_gap_of_the_step_before(self):
+        leader = {"speed": [{"from_step": k, "value": 8.0 + 8.0 * math.sin(0.1 * k)} for k in range(120)]}
+        table = [[2.5, 1.0 - 1e-12], [2.5 + 1e-9, 0.0]]
+        model = self.model_with(channel={"loss": {"by_distance": table, "on_loss": "hold"}}, noise_variance=0.0, leader=leader,
+                                standstill_distance=1.0, vehicle_length=1.7)
+        with open(model) as file:
+            vehicle = link_reference.vehicles_of(dict(yaml.safe_load(file), string=["default"], channel={}), 1)[0]
+        a, b, c, _ = link_reference.state_space(*link_reference.polynomials_of(vehicle))
+        folder = self.monte_carlo("gap", "--trajectories", model=model, followers=2, steps=120, realizations=4, only=2)
+        positions = self.positions_of(folder)
+        for i in (1, 2):
+            place, state, held, losses = -1.0 * i, np.zeros(len(b)), 0.0, 0  # held: about its place
+            for k, position in enumerate(positions[i - 1]):
+                self.assertAlmostEqual(c @ state, positions[i][k] - place, delta=1e-9)
+                lost = k > 0 and positions[i - 1][k - 1] - positions[i][k - 1] - 1.7 < 2.5
+                held = held if lost else position - (place + 1.0)
+                losses += lost
+                state = a @ state + b * held
+            self.assertTrue(10 < losses < 110, losses)
+
+    def test_losses_by_distance_have_the_same_bits_in_the_graph_and_those_of_one_probability_where_it_is_constant(self):
+        settings = dict(followers=3, steps=60, realizations=3000)
+        for name, loss in (("one", {"probability": 0.1}), ("constant", {"by_distance": [[20.0, 0.1]]})):
+            self.monte_carlo(name, model=self.model_with(channel={"loss": loss}), **settings)
+        one, constant = (self.measured(os.path.join(self.folder, name)) for name in ("one", "constant"))
+        self.assertEqual(constant, one)
+        loss = {"by_distance": [[2.0, 0.02], [8.0, 0.6]]}
+        model = self.model_with(channel={"loss": loss})
+        reference = self.monte_carlo("by_distance", model=model, **settings)
+        self.assertNotEqual(self.measured(reference), one)
+        for hosting in ("processes", "one_process"):
+            output = os.path.join(self.folder, hosting)
+            self.launch(model=model, output=output, hosting=hosting, **settings).wait()
+            self.assertTrue(live_platoon.completed_summary(output))
+            self.assertEqual(live_platoon.statistics(output), live_platoon.statistics(reference))
+
+    def test_a_radio_loses_by_distance_with_the_same_bits_in_the_graph(self):
+        loss = {"by_distance": [[0.2, 0.02], [0.6, 0.6]]}
+        radio = {"signal": "input", "from": "predecessor", "noise_variance": 0.01, "channel": {"delay": 2, "loss": loss}}
+        radar = {"signal": "position", "from": "predecessor", "noise_variance": 0.01, "channel": {"loss": loss}}
+        with open(live_platoon.shared("config", "cacc.yaml")) as file:
+            cacc = dict(yaml.safe_load(file), inputs=[radar, radio])
+        model = os.path.join(self.folder, "radio.yaml")
+        with open(model, "w") as file:
+            yaml.safe_dump(cacc, file)
+        settings = dict(followers=3, steps=60, realizations=1000)
+        reference = self.monte_carlo("radio", model=model, **settings)
+        self.launch(model=model, output=self.output, **settings).wait()
+        self.assertTrue(live_platoon.completed_summary(self.output))
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.statistics(reference))
 
 
 if __name__ == "__main__":

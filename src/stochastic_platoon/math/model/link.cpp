@@ -31,7 +31,7 @@ std::vector<std::unique_ptr<LinkStage>> stages_of(const LinkModel& link, double 
 }  // namespace
 
 Link::Link(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver)
-    : noise_(vehicle(model, receiver).noise_variance, seed, receiver) {
+    : noise_(vehicle(model, receiver).noise_variance, seed, receiver), length_(vehicle(model, receiver - 1).length) {
   const VehicleModel own = vehicle(model, receiver);
   if (!own.link.is_white_noise_only()) take(stages_of(own.link, own.noise_variance, seed, receiver));
 }
@@ -43,7 +43,9 @@ Link Link::radio(const PlatoonModel& model, std::uint64_t seed, std::uint32_t re
   LinkModel link = given->link;
   if (link.delay < 1) throw std::invalid_argument("delay of a radio: 0: must be >= 1");
   --link.delay;
-  return Link(stages_of(link, given->noise_variance, seed, receiver + kRadio));
+  Link radio(stages_of(link, given->noise_variance, seed, receiver + kRadio));
+  radio.length_ = vehicle(model, receiver - 1).length;
+  return radio;
 }
 
 Link::Link(std::vector<std::unique_ptr<LinkStage>> stages) : noise_(0.0, 0, 1) {
@@ -52,13 +54,25 @@ Link::Link(std::vector<std::unique_ptr<LinkStage>> stages) : noise_(0.0, 0, 1) {
 
 void Link::take(std::vector<std::unique_ptr<LinkStage>> stages) {
   stages_ = std::move(stages);
-  for (const auto& stage : stages_) keeps_state_ = keeps_state_ || stage->keeps_state();
+  for (const auto& stage : stages_) {
+    keeps_state_ = keeps_state_ || stage->keeps_state();
+    depends_on_gap_ = depends_on_gap_ || stage->depends_on_gap();
+  }
 }
 
 void Link::transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,
-                    double* received) {
+                    double* received, const LinkEnds& before) {
   if (stages_.empty()) return noise_.transmit(step, first_realization, sent, count, received);
   std::copy_n(sent, count, received);
+  if (depends_on_gap_ && step >= 0) {
+    if (before.predecessor == nullptr || before.own == nullptr)
+      throw std::logic_error("losses by the gap need the positions of the step before");
+    gaps_.resize(count);
+    for (std::size_t r = 0; r < count; ++r) gaps_[r] = before.predecessor[r] - before.own[r] - length_;
+    for (const auto& stage : stages_) {
+      if (stage->depends_on_gap()) stage->see_gaps(count, gaps_.data());
+    }
+  }
   for (const auto& stage : stages_) {
     if (step < 0) {
       stage->start(first_realization, count, received);

@@ -12,6 +12,12 @@
 
 namespace platoon {
 
+/// The positions of both ends of a link one step earlier, per realization [m].
+struct LinkEnds {
+  const double* predecessor = nullptr;  ///< y_{i-1}(k-1)
+  const double* own = nullptr;          ///< y_i(k-1)
+};
+
 /// The link into vehicle i, which transmits the positions of its predecessor:
 ///     quantise -> + noise -> delay -> loss
 /// (see LinkModel). At step -1 every stage passes the position on and fills its registers with it.
@@ -36,14 +42,17 @@ public:
 
   bool keeps_state() const { return keeps_state_; }
 
+  /// Whether steps k >= 0 need the ends of the link at step k - 1, because its losses depend on the gap.
+  bool depends_on_gap() const { return depends_on_gap_; }
+
   /// sent and received: one position [m] or input [m/s^2] per realization first_realization .. first_realization +
-  /// count - 1.
+  /// count - 1. Throws std::logic_error if the ends are needed and not given.
   void transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,
-                double* received);
+                double* received, const LinkEnds& before = {});
   void transmit(std::int64_t step, std::uint64_t first_realization, const std::vector<double>& sent,
-                std::vector<double>& received) {
+                std::vector<double>& received, const LinkEnds& before = {}) {
     received.resize(sent.size());
-    transmit(step, first_realization, sent.data(), sent.size(), received.data());
+    transmit(step, first_realization, sent.data(), sent.size(), received.data(), before);
   }
 
 private:
@@ -51,7 +60,9 @@ private:
 
   AwgnChannel noise_;                               ///< the paper's channel
   std::vector<std::unique_ptr<LinkStage>> stages_;  ///< replace noise_; empty if the link is the paper's
-  bool keeps_state_ = false;
+  bool keeps_state_ = false, depends_on_gap_ = false;
+  double length_ = 0.0;  ///< of the predecessor [m]
+  std::vector<double> gaps_;
 };
 
 }  // namespace platoon

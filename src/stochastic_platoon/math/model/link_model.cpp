@@ -10,7 +10,7 @@
 namespace platoon {
 
 bool LossModel::is_independent() const {
-  if (trace && probability > 0.0) return false;
+  if ((trace || by_distance) && probability > 0.0) return false;
   return !mean_burst || std::abs(after_loss() - after_arrival()) < 1e-15;
 }
 
@@ -69,8 +69,8 @@ bool same(const TransferFunction& one, const TransferFunction& other) {
 
 bool operator==(const LossModel& one, const LossModel& other) {
   const bool same_trace = one.trace == other.trace || (one.trace && other.trace && *one.trace == *other.trace);
-  return same_trace && one.probability == other.probability && one.mean_burst == other.mean_burst &&
-         one.predictor == other.predictor;
+  return same_trace && one.by_distance == other.by_distance && one.probability == other.probability &&
+         one.mean_burst == other.mean_burst && one.predictor == other.predictor;
 }
 
 bool operator==(const LinkModel& one, const LinkModel& other) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "stochastic_platoon/math/model/loss_by_distance.hpp"
 #include "stochastic_platoon/math/model/loss_trace.hpp"
 #include "stochastic_platoon/math/model/transfer_function.hpp"
 
@@ -20,6 +21,9 @@ struct LossModel {
   /// The recorded losses, which probability and mean burst then only describe: entry (o + k) modulo its size decides at
   /// step k, where every link and realization has an offset o of its own. None: a random chain.
   std::shared_ptr<const LossTrace> trace = {};
+  /// The loss probability by the gap at the step before; `probability` is the largest one then. None: it is the same at
+  /// every gap.
+  std::optional<LossByDistance> by_distance = {};
 
   /// The b of independent losses: 1 / (1 - q).
   double independent_burst() const { return 1.0 / (1.0 - probability); }
@@ -27,7 +31,8 @@ struct LossModel {
   /// The smallest mean burst of any chain with this probability: max(1, q / (1 - q)).
   double least_burst() const { return std::max(1.0, probability / (1.0 - probability)); }
 
-  /// Whether the losses are independent: random without a mean burst, or with that of independent losses.
+  /// Whether the losses are independent of each other and of the positions: random without a mean burst, or with that
+  /// of independent losses.
   bool is_independent() const;
 
   /// Probability of a loss after a loss, 1 - 1 / b, and after an arrival, q / (b (1 - q)); both are q for independent

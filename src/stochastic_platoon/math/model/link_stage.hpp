@@ -18,6 +18,12 @@ public:
   /// positions [m], which pass unchanged.
   virtual void start(std::uint64_t first_realization, std::size_t count, const double* positions) = 0;
 
+  /// Whether step() depends on the gap to the predecessor: see_gaps() precedes every step k >= 0 then.
+  virtual bool depends_on_gap() const { return false; }
+
+  /// The gaps of the same realizations at step k - 1 [m], in front of step k.
+  virtual void see_gaps(std::size_t /*count*/, const double* /*gaps*/) {}
+
   /// Step k >= 0 of the same realizations.
   virtual void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) = 0;
 };

@@ -72,6 +72,10 @@ void PacketLoss::start(std::uint64_t first_realization, std::size_t count, const
   for (std::size_t r = 0; r < count; ++r) entry_[r] = static_cast<std::uint32_t>(entries * chance_[r]);
 }
 
+void PacketLoss::see_gaps(std::size_t count, const double* gaps) {
+  loss_.by_distance->probabilities(gaps, count, chance_.data());
+}
+
 void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
   std::array<double, kTile> uniforms, predicted;
   const std::size_t n = used_.size(), oldest = n > 0 ? (newest_ + n - 1) % n : 0;
@@ -91,7 +95,7 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
     }
     if (loss_.trace) {
       lose_as_recorded(*loss_.trace, guess, size, &entry_[r], positions + r);
-    } else if (loss_.mean_burst) {
+    } else if (loss_.mean_burst || loss_.by_distance) {
       detail::lose(uniforms.data(), guess, loss_.after_loss(), loss_.after_arrival(), size, &chance_[r], positions + r);
     } else {
       detail::lose_independently(uniforms.data(), guess, loss_.probability, size, positions + r);

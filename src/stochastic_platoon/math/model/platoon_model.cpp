@@ -69,6 +69,7 @@ PlatoonModel with_loss(PlatoonModel model, double probability) {
     loss.probability = probability;
     loss.mean_burst.reset();
     loss.trace.reset();
+    loss.by_distance.reset();
   }
   return model;
 }
@@ -130,6 +131,10 @@ bool has_feed_forward(const PlatoonModel& model) {
 
 bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t followers) {
   return sender < followers && vehicle(model, sender + 1).feed_forward.has_value();
+}
+
+bool depends_on_gap(const PlatoonModel& model) {
+  return any_link(model, [](const LinkModel& link) { return link.loses() && link.loss->by_distance; });
 }
 
 bool has_normal_errors(const PlatoonModel& model) {

@@ -130,6 +130,9 @@ bool has_feed_forward(const PlatoonModel& model);
 /// Whether vehicle i = 0 .. followers - 1 has a follower that feeds its input forward.
 bool sends_input(const PlatoonModel& model, std::size_t vehicle, std::size_t followers);
 
+/// Whether a link of the string loses by the gap.
+bool depends_on_gap(const PlatoonModel& model);
+
 /// Whether all errors are normal, which losses and quantisation prevent.
 bool has_normal_errors(const PlatoonModel& model);
 

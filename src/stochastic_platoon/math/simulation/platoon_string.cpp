@@ -6,9 +6,9 @@ namespace platoon {
 
 PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers, std::size_t before)
     : leader_(model),
-      before_(before),
-      predecessor_(kStepsAtOnce + before),
-      own_(kStepsAtOnce + before),
+      before_(std::max(before, depends_on_gap(model) ? std::size_t{2} : std::size_t{1})),
+      predecessor_(kStepsAtOnce + before_),
+      own_(kStepsAtOnce + before_),
       predecessor_inputs_(kStepsAtOnce + 1),
       own_inputs_(kStepsAtOnce + 1) {
   for (std::uint32_t i = 1; i <= followers; ++i) {
@@ -66,8 +66,9 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
       for (std::size_t j = 1; j <= here; ++j) {
         const std::int64_t k = from + static_cast<std::int64_t>(j) - 1;
         const std::size_t at = before_ - 1 + j;  // of step k
-        links_[i - 1].transmit(k - 1, first, predecessor_[at - 1].data(), count, received_.data());
-        if (radio) radio->transmit(k - 1, first, predecessor_inputs_[j - 1].data(), count, heard_.data());
+        const LinkEnds before = before_ > 1 ? LinkEnds{predecessor_[at - 2].data(), own_[at - 2].data()} : LinkEnds{};
+        links_[i - 1].transmit(k - 1, first, predecessor_[at - 1].data(), count, received_.data(), before);
+        if (radio) radio->transmit(k - 1, first, predecessor_inputs_[j - 1].data(), count, heard_.data(), before);
         followers_[i - 1].step(received_.data(), own_[at].data(), radio ? heard_.data() : nullptr,
                                sends(i) ? own_inputs_[j].data() : nullptr);
         SignalPositions positions{predecessor_[at].data(), {}, count};

@@ -53,8 +53,9 @@ std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t se
     for (std::size_t k = 0; k < count; ++k) {
       const std::int64_t sent_at = static_cast<std::int64_t>(k) - 1;
       double received, heard = 0.0, position, input = 0.0;
-      link.transmit(sent_at, realization, &predecessor.position[k], 1, &received);
-      if (hears) radio.front().transmit(sent_at, realization, &predecessor.input[k], 1, &heard);
+      const LinkEnds before = k > 0 ? LinkEnds{&predecessor.position[k - 1], &of.position[k - 1]} : LinkEnds{};
+      link.transmit(sent_at, realization, &predecessor.position[k], 1, &received, before);
+      if (hears) radio.front().transmit(sent_at, realization, &predecessor.input[k], 1, &heard, before);
       follower.step(&received, &position, hears ? &heard : nullptr, is_heard ? &input : nullptr);
       of.position.push_back(position);
       of.received.push_back(received);

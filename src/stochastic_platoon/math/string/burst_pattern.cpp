@@ -98,6 +98,7 @@ bool has_bursts(const PlatoonModel& model) {
 }
 
 std::optional<std::string> no_burst_theory(const PlatoonModel& model) {
+  if (depends_on_gap(model)) return "losses depend on the gap";
   const LossModel* recorded = nullptr;
   any_link(model, [&](const LinkModel& link) {
     if (link.loses() && link.loss->trace) recorded = &*link.loss;

@@ -11,86 +11,141 @@ namespace platoon {
 
 using stochastic_platoon::Position;
 
-namespace {
-
-// For each follower from first to last whether it has a radio.
-std::vector<bool> radios_of(const Configuration& configuration, std::uint32_t first, std::uint32_t last) {
-  std::vector<bool> radios;
-  for (std::uint32_t i = first; i <= last; ++i)
-    radios.push_back(vehicle(configuration.model, i).feed_forward.has_value());
-  return radios;
-}
-
-}  // namespace
-
 Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
                  const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded)
     : superseded_(std::move(superseded)),
       run_(configuration.run),
       first_(first),
-      radios_(radios_of(configuration, first, last)),
+      last_(last),
+      kinds_(kinds_of(configuration, first, last)),
       membership_(platoon, "channel", 0, [this](const Configuration& joined) { begin(joined); }),
+      platoon_(platoon),
       messages_(messages),
       told_(std::move(told)) {
   if (const std::string reason = slow_noise(); !reason.empty()) ROS_WARN_STREAM_ONCE(reason);
-  const auto add = [&](std::uint32_t follower, bool radio, const std::string& from, const std::string& to) {
-    wires_.push_back({follower, radio, std::nullopt, std::nullopt,
-                      PositionInput(membership_, platoon.resolveName(from), " (channel)"),
-                      platoon.advertise<Position>(to, kUnboundedQueue), ros::Subscriber()});
-  };
-  for (std::uint32_t i = first; i <= last; ++i) {
-    add(i, false, position_topic(i - 1), predecessor_position_topic(i));
-    if (radios_[i - first]) add(i, true, input_topic(i - 1), predecessor_input_topic(i));
-  }
+  for (const Kind& kind : kinds_) wires_.push_back(wire(kind));
   membership_.join(configuration);
   for (Wire& wire : wires_) {
-    const boost::function<void(const PositionEvent&)> receive = [this, &wire](const PositionEvent& event) {
-      transmit(wire, event);
+    const std::uint32_t i = wire.kind.follower;
+    const std::string from = wire.kind.radio ? input_topic(i - 1) : position_topic(i - 1);
+    if (!wire.own) {
+      hear(wire.sent, from, [this, &wire](const PositionEvent& event) { transmit(wire, *event.getMessage(), {}); });
+      continue;
+    }
+    const auto move_on = [this, &wire] {
+      using Ends = const Position*;
+      wire.waiting.visit(membership_.run(), [this, &wire](const Position& sent, Ends predecessor, Ends own) {
+        transmit(wire, sent,
+                 own == nullptr ? LinkEnds{} : LinkEnds{predecessor->position.data(), own->position.data()});
+      });
     };
-    const std::string from = wire.radio ? input_topic(wire.follower - 1) : position_topic(wire.follower - 1);
-    wire.sent = platoon.subscribe<Position, const PositionEvent&>(from, kUnboundedQueue, receive, ros::VoidConstPtr(),
-                                                                  no_delay());
+    hear(wire.sent, from, [&wire, move_on](const PositionEvent& event) {
+      wire.waiting.add_sent(event.getMessage());
+      if (!wire.predecessor) wire.waiting.add_predecessor(event.getMessage());
+      move_on();
+    });
+    hear(*wire.own, position_topic(i), [&wire, move_on](const PositionEvent& event) {
+      wire.waiting.add_own(event.getMessage());
+      move_on();
+    });
+    if (!wire.predecessor) continue;
+    hear(*wire.predecessor, position_topic(i - 1), [&wire, move_on](const PositionEvent& event) {
+      wire.waiting.add_predecessor(event.getMessage());
+      move_on();
+    });
   }
+}
+
+std::vector<Channel::Kind> Channel::kinds_of(const Configuration& configuration, std::uint32_t first,
+                                             std::uint32_t last) {
+  const auto by_gap = [](const LinkModel& link) { return link.loses() && link.loss->by_distance; };
+  std::vector<Kind> kinds;
+  for (std::uint32_t i = first; i <= last; ++i) {
+    const VehicleModel& of = vehicle(configuration.model, i);
+    kinds.push_back({i, false, by_gap(of.link)});
+    if (of.feed_forward) kinds.push_back({i, true, by_gap(of.feed_forward->link)});
+  }
+  return kinds;
+}
+
+Channel::Stream Channel::stream(const std::string& topic, std::uint32_t first_loss) {
+  return {PositionInput(membership_, platoon_.resolveName(topic), " (channel)"), first_loss, std::nullopt,
+          ros::Subscriber()};
+}
+
+Channel::Wire Channel::wire(const Kind& kind) {
+  const std::uint32_t i = kind.follower;
+  Wire wire{kind,
+            std::nullopt,
+            stream(kind.radio ? input_topic(i - 1) : position_topic(i - 1), i),
+            platoon_.advertise<Position>(kind.radio ? predecessor_input_topic(i) : predecessor_position_topic(i),
+                                         kUnboundedQueue),
+            std::nullopt,
+            std::nullopt};
+  if (kind.depends_on_gap) wire.own.emplace(stream(position_topic(i), i + 1));
+  if (kind.depends_on_gap && kind.radio) wire.predecessor.emplace(stream(position_topic(i - 1), i));
+  return wire;
+}
+
+void Channel::hear(Stream& stream, const std::string& topic, std::function<void(const PositionEvent&)> take) {
+  const boost::function<void(const PositionEvent&)> receive = [this, &stream, take](const PositionEvent& event) {
+    if (takes(stream, event)) take(event);
+  };
+  stream.subscriber = platoon_.subscribe<Position, const PositionEvent&>(topic, kUnboundedQueue, receive,
+                                                                         ros::VoidConstPtr(), no_delay());
+}
+
+template <class AnyWire, class Visit>
+void Channel::for_each_stream(AnyWire& wire, const Visit& visit) {
+  visit(wire.sent);
+  if (wire.own) visit(*wire.own);
+  if (wire.predecessor) visit(*wire.predecessor);
 }
 
 void Channel::begin(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
-  const auto last = first_ + static_cast<std::uint32_t>(radios_.size()) - 1;
   if (run.followers != run_.followers || run.batch != run_.batch || run.record != run_.record ||
-      radios_of(configuration, first_, last) != radios_) {
+      !(kinds_of(configuration, first_, last_) == kinds_)) {
     over_ = true;
     return superseded_(configuration);
   }
   run_ = run;
   told_->set_rate(run.rate);
   for (Wire& wire : wires_) {
-    wire.link.emplace(wire.radio ? Link::radio(configuration.model, run.seed, wire.follower)
-                                 : Link(configuration.model, run.seed, wire.follower));
-    wire.order.reset();
-    if (wire.link->keeps_state()) wire.order.emplace(run.schedule());
+    wire.link.emplace(wire.kind.radio ? Link::radio(configuration.model, run.seed, wire.kind.follower)
+                                      : Link(configuration.model, run.seed, wire.kind.follower));
+    wire.waiting = {};
+    for_each_stream(wire, [&wire, &run](Stream& stream) {
+      stream.order.reset();
+      if (wire.link->keeps_state()) stream.order.emplace(run.schedule());
+    });
   }
 }
 
 VitalSigns::Sources Channel::sources() const {
   VitalSigns::Sources all;
-  for (const Wire& wire : wires_) all.emplace_back(&wire.input.activity(), &wire.input.drops());
+  for (const Wire& wire : wires_) {
+    for_each_stream(
+        wire, [&all](const Stream& stream) { all.emplace_back(&stream.input.activity(), &stream.input.drops()); });
+  }
   return all;
 }
 
-void Channel::transmit(Wire& wire, const PositionEvent& event) {
-  const Position::ConstPtr message = event.getMessage();
-  const MessageId id = id_of(*message);
-  if (!wire.input.admits(event) || over_) return;
-  if (wire.order) {
-    if (!wire.input.takes(descriptor_of(*message), *wire.order, wire.follower)) return;
-  } else {
-    wire.input.takes(DropReason::none, id, message->position.size());
-  }
+bool Channel::takes(Stream& stream, const PositionEvent& event) {
+  const Position& message = *event.getConstMessage();
+  if (!stream.input.admits(event) || over_) return false;
+  if (stream.order) return stream.input.takes(descriptor_of(message), *stream.order, stream.first_loss);
+  return stream.input.takes(DropReason::none, id_of(message), message.position.size());
+}
+
+void Channel::transmit(Wire& wire, const Position& message, const LinkEnds& before) {
+  const MessageId id = id_of(message);
   const auto received = messages_.take();
-  received->header = message->header;
-  set_id(message->run, id, *received);
-  wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), message->position, received->position);
-  if (!wire.radio && told_->wanted()) told_->take(wire.follower - 1, *received);
+  received->header = message.header;
+  set_id(message.run, id, *received);
+  wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), message.position, received->position,
+                      before);
+  if (!wire.kind.radio && told_->wanted()) told_->take(wire.kind.follower - 1, *received);
   publish(wire.received, received);
 }
 

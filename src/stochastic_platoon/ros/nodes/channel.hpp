@@ -5,8 +5,10 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/math/model/link.hpp"
@@ -17,6 +19,7 @@
 #include "stochastic_platoon/ros/transport/run_membership.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/delivery/gap_pairs.hpp"
 #include "stochastic_platoon/run/delivery/message_order.hpp"
 
 namespace platoon {
@@ -26,13 +29,16 @@ namespace platoon {
 /// state takes its messages in turn, as a vehicle does: after a restart it requests a repetition from the leader and
 /// waits for a step -1. Like a vehicle, the component may outlive runs.
 ///
+/// Where losses depend on the gap, the message of step k waits for the positions of both ends at step k - 1, so that no
+/// vehicle waits for itself.
+///
 /// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = first .. last; likewise
 /// vehicle_<i-1>/input and vehicle_<i>/predecessor_input of a vehicle with a radio. All stochastic_platoon/Position.
 class Channel {
 public:
   /// `told` takes the positions that the followers receive, stream i - 1 for follower i. `superseded` is called with
   /// the configuration that replaces the present one, if the number of followers, the batch size, the recording or the
-  /// vehicles with radios differ.
+  /// topics differ that the links need.
   Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
           const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded);
 
@@ -40,24 +46,52 @@ public:
   VitalSigns::Sources sources() const;
 
 private:
-  struct Wire {
+  /// What a wire transmits.
+  struct Kind {
     std::uint32_t follower;
-    bool radio;  ///< transmits inputs, not positions
-    std::optional<Link> link;
-    std::optional<MessageOrder> order;  ///< of a link that keeps state
-    PositionInput input;
-    ros::Publisher received;
-    ros::Subscriber sent;
+    bool radio;           ///< inputs, not positions
+    bool depends_on_gap;  ///< its losses do: it hears both ends of the link, too
   };
+  friend bool operator==(const Kind& one, const Kind& other) {
+    return one.follower == other.follower && one.radio == other.radio && one.depends_on_gap == other.depends_on_gap;
+  }
+
+  /// A topic that a wire hears.
+  struct Stream {
+    PositionInput input;
+    std::uint32_t first_loss;           ///< see PositionInput::takes()
+    std::optional<MessageOrder> order;  ///< of a link that keeps state
+    ros::Subscriber subscriber;
+  };
+
+  struct Wire {
+    Kind kind;
+    std::optional<Link> link;
+    Stream sent;
+    ros::Publisher received;
+    std::optional<Stream> own, predecessor;                         ///< positions of the ends, where they are needed
+    GapPairs<stochastic_platoon::Position::ConstPtr> waiting = {};  ///< of them and of what is sent
+  };
+
+  static std::vector<Kind> kinds_of(const Configuration& configuration, std::uint32_t first, std::uint32_t last);
+  Wire wire(const Kind& kind);
+  Stream stream(const std::string& topic, std::uint32_t first_loss);
+  /// Subscribes: `take` gets the messages in turn.
+  void hear(Stream& stream, const std::string& topic, std::function<void(const PositionEvent&)> take);
+  /// Calls visit(stream) with every topic that a wire hears.
+  template <class AnyWire, class Visit>
+  static void for_each_stream(AnyWire& wire, const Visit& visit);
   void begin(const Configuration& configuration);
-  void transmit(Wire& wire, const PositionEvent& event);
+  bool takes(Stream& stream, const PositionEvent& event);
+  void transmit(Wire& wire, const stochastic_platoon::Position& message, const LinkEnds& before);
 
   RunMembership::Join superseded_;
   RunOptions run_;
-  std::uint32_t first_;
-  std::vector<bool> radios_;  ///< whether follower first_, first_ + 1, ... has a radio
+  std::uint32_t first_, last_;
+  std::vector<Kind> kinds_;  ///< of the wires
   std::atomic<bool> over_{false};
   RunMembership membership_;
+  ros::NodeHandle platoon_;
   MessagePool messages_;
   std::shared_ptr<Snapshots> told_;
   std::vector<Wire> wires_;  ///< never resized after construction: the callbacks point into it

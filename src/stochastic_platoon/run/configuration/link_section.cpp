@@ -74,15 +74,38 @@ LossTrace trace_of(const std::string& file, const std::string& column) {
   }
 }
 
+// Rejects keys that exclude the given one.
+void require_alone(Section& section, const std::string& key, const std::vector<std::string>& others) {
+  for (const std::string& other : others) {
+    if (other != key && section.has(other)) section.reject(other, "given", "absent beside " + key);
+  }
+}
+
+void read_by_distance(Section& section, LossModel& loss) {
+  require_alone(section, "by_distance", {"probability", "trace", "runs"});
+  const std::size_t before = section.problems();
+  const Eigen::MatrixXd table = section.matrix("by_distance");
+  if (section.problems() > before) return;
+  if (table.cols() != 2)
+    return section.reject("by_distance", std::to_string(table.cols()) + " numbers in a row",
+                          "rows of two: gap, probability");
+  std::vector<LossByDistance::Point> points;
+  for (Eigen::Index j = 0; j < table.rows(); ++j) points.push_back({table(j, 0), table(j, 1)});
+  try {
+    loss = LossModel{0.0, {}, loss.predictor, {}, LossByDistance(std::move(points))};
+  } catch (const std::invalid_argument& error) {
+    return section.report(std::string("by_distance: ") + error.what());
+  }
+  loss.probability = loss.by_distance->largest();
+}
+
 // The recorded losses and what describes them; a mean burst of nothing lost would be no number.
 void read_trace(Section& section, LossModel& loss) {
   const bool is_file = section.has("trace");
   const std::string key = is_file ? "trace" : "runs", text = section.text(key);
   const std::string column = section.has("column") ? section.text("column") : "received";
-  for (const char* other : {"probability", "mean_burst"}) {
-    if (section.has(other)) section.reject(other, "given", "absent beside " + key);
-  }
-  if (is_file && section.has("runs")) section.reject("runs", "given", "absent beside trace");
+  require_alone(section, key, {"probability", "mean_burst", "runs"});
+  loss.by_distance.reset();
   try {
     loss.trace = std::make_shared<LossTrace>(is_file ? trace_of(text, column) : LossTrace::of_runs(text));
   } catch (const std::invalid_argument& error) {
@@ -118,14 +141,19 @@ void check_growth(Section& section, const LossModel& loss) {
 LossModel read_loss(Section section, const std::optional<LossModel>& base, bool allow_unstable, LinkedSignal signal) {
   const std::size_t before = section.problems();
   LossModel loss = base.value_or(LossModel());
-  if (section.has("trace") || section.has("runs")) {
+  if (section.has("by_distance")) {
+    read_by_distance(section, loss);
+  } else if (section.has("trace") || section.has("runs")) {
     read_trace(section, loss);
   } else if (!base || section.has("probability")) {
     loss.probability = section.number("probability", kLossProbability);
     if (loss.trace) loss.mean_burst.reset();
     loss.trace.reset();
+    loss.by_distance.reset();
   }
-  if (!loss.trace && section.has("mean_burst")) loss.mean_burst = section.number("mean_burst", kPositive);
+  if (loss.by_distance && section.has("mean_burst")) require_alone(section, "by_distance", {"mean_burst"});
+  if (!loss.trace && !loss.by_distance && section.has("mean_burst"))
+    loss.mean_burst = section.number("mean_burst", kPositive);
   if (!loss.trace && loss.mean_burst && section.problems() == before) check_burst(section, loss);
   if (section.has("on_loss")) loss.predictor = read_predictor(section, signal);
   section.reject_unknown_keys();
@@ -139,6 +167,10 @@ nlohmann::json to_json(const LossModel& loss) {
   if (loss.predictor.empty()) document["on_loss"] = "zero";
   if (loss.trace) {
     document["runs"] = loss.trace->runs();
+    return document;
+  }
+  if (loss.by_distance) {
+    document["by_distance"] = loss.by_distance->points();
     return document;
   }
   document["probability"] = loss.probability;

@@ -112,9 +112,9 @@ Inherited inherited_by(Section& type, const VehicleModel& base) {
   Section channel = type.section("channel");
   if (!channel.has("loss")) return inherited;
   Section loss = channel.section("loss");
-  const bool is_recorded = loss.has("trace") || loss.has("runs");
-  inherited.loss_probability = !is_recorded && !loss.has("probability");
-  inherited.mean_burst = !is_recorded && !loss.has("mean_burst");
+  const bool has_own = loss.has("trace") || loss.has("runs") || loss.has("by_distance");
+  inherited.loss_probability = !has_own && !loss.has("probability");
+  inherited.mean_burst = !has_own && !loss.has("mean_burst");
   return inherited;
 }
 

@@ -15,7 +15,7 @@ const std::vector<Setting>& settings() {
        "",
        "loss probability of the link (of the radio, if there is one), from 0 to below 1; empty: the model file's",
        "channel/loss/probability",
-       {"channel/loss/trace", "channel/loss/column", "channel/loss/runs"}},
+       {"channel/loss/trace", "channel/loss/column", "channel/loss/runs", "channel/loss/by_distance"}},
       {"mean_burst", "", "mean number of losses in a row on the same link, 1 or more; empty: the model file's",
        "channel/loss/mean_burst"},
       {"delay", "", "delay of the link in whole steps, 0 or more; empty: the model file's", "channel/delay"},

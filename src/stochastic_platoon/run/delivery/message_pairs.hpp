@@ -17,6 +17,12 @@ public:
   /// Calls visit(position, input) with every pair that is complete. `run`: the present run.
   template <class Visit>
   void visit(std::uint64_t run, const Visit& visit) {
+    visit_pointers(run, [&visit](const Pointer& position, const Pointer& input) { visit(*position, *input); });
+  }
+
+  /// The same with pointers, for a visitor that keeps the messages.
+  template <class Visit>
+  void visit_pointers(std::uint64_t run, const Visit& visit) {
     while (!positions_.empty() && !inputs_.empty()) {
       const Pointer position = positions_.front(), input = inputs_.front();
       const bool same_run = position->run == input->run;
@@ -24,7 +30,7 @@ public:
       const bool position_is_older = same_run ? position->attempt < input->attempt : position->run != run;
       if (is_pair || position_is_older) positions_.pop_front();
       if (is_pair || !position_is_older) inputs_.pop_front();
-      if (is_pair) visit(*position, *input);
+      if (is_pair) visit(position, input);
     }
   }
 

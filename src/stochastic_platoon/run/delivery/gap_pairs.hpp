@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "stochastic_platoon/run/delivery/batch_schedule.hpp"
+#include "stochastic_platoon/run/delivery/message_pairs.hpp"
+
+namespace platoon {
+
+/// Pairs the messages that a link sends with the positions of its two ends one step earlier, for losses that depend on
+/// the gap. All three topics are added in turn, as MessagePairs requires. The message of step -1 needs no ends.
+/// Pointer: to a message with the fields run, attempt, first_realization, step and position.
+template <class Pointer>
+class GapPairs {
+public:
+  void add_sent(const Pointer& message) {
+    // What an older attempt still holds back would hold back this one, for which the vehicle behind it waits.
+    while (!sent_.empty() && (sent_.front()->run != message->run || sent_.front()->attempt != message->attempt))
+      sent_.pop_front();
+    sent_.push_back(message);
+  }
+  void add_predecessor(const Pointer& message) { ends_.add_position(message); }
+  void add_own(const Pointer& message) { ends_.add_input(message); }
+
+  /// Calls visit(sent, predecessor, own) with every message that can be sent; the latter two are null at step -1.
+  /// `run`: the present run.
+  template <class Visit>
+  void visit(std::uint64_t run, const Visit& visit) {
+    ends_.visit_pointers(run, [this](const Pointer& predecessor, const Pointer& own) {
+      earlier_.push_back({predecessor, own});
+    });
+    while (!sent_.empty()) {
+      const Pointer sent = sent_.front();
+      if (sent->step == kInitialStep) {
+        sent_.pop_front();
+        visit(*sent, nullptr, nullptr);
+        continue;
+      }
+      if (earlier_.empty()) return;
+      const Pair before = earlier_.front();
+      const auto order = compared(*sent, *before.own, run);
+      if (order <= 0) sent_.pop_front();
+      if (order >= 0) earlier_.pop_front();
+      if (order == 0) visit(*sent, &*before.predecessor, &*before.own);
+    }
+  }
+
+private:
+  struct Pair {
+    Pointer predecessor, own;
+  };
+
+  // Below 0: what is sent finds no ends any more; above 0: nothing is sent for these ends any more; 0: they fit.
+  template <class Message>
+  static int compared(const Message& sent, const Message& before, std::uint64_t run) {
+    if (sent.run != before.run) return before.run == run ? -1 : 1;
+    if (sent.attempt != before.attempt) return sent.attempt < before.attempt ? -1 : 1;
+    if (sent.first_realization != before.first_realization)
+      return sent.first_realization < before.first_realization ? -1 : 1;
+    return sent.step < before.step + 1 ? -1 : sent.step > before.step + 1 ? 1 : 0;
+  }
+
+  MessagePairs<Pointer> ends_;
+  std::deque<Pair> earlier_;
+  std::deque<Pointer> sent_;
+};
+
+}  // namespace platoon
