@@ -2,6 +2,7 @@
 """Recordings in the place of a model: drives that vehicle 0 follows, with exact means, and losses of a link; in every hosting to the
 bit."""
 
+import collections
 import csv
 import json
 import math
@@ -150,6 +151,23 @@ class Recorded(LaunchTest):
         self.launch(model=model, output=self.output, **settings).wait()
         self.assertTrue(live_platoon.completed_summary(self.output))
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.statistics(lossy))
+
+    def test_ages_are_counted_as_the_links_of_the_run_lose(self):
+        model = self.model_with(channel={"loss": {"probability": 0.4, "mean_burst": 2.5}})
+        settings = dict(model=model, followers=2, steps=60, realizations=6)
+        with open(os.path.join(self.monte_carlo("all", **settings), "ages.csv")) as file:
+            rows = [(int(row["vehicle"]), int(row["age"]), int(row["count"])) for row in csv.DictReader(file)]
+        counted = collections.Counter()
+        for realization in range(6):
+            folder = self.monte_carlo("of-%d" % realization, "--trajectories", only=realization, **settings)
+            with open(os.path.join(folder, "trajectories.csv")) as file:
+                of = {(int(row["vehicle"]), int(row["step"])): row for row in csv.DictReader(file)}
+            for i in (1, 2):
+                age = 0
+                for k in range(59):  # noise makes every arrival another value
+                    age = age + 1 if of[i, k]["received_position"] == of[i, k - 1]["received_position"] else 0
+                    counted[i, age] += 1
+        self.assertEqual({(i, age): count for i, age, count in rows if count > 0}, dict(counted))
 
     # Below a gap of 2.5 m everything is lost but a chance of 1e-12, beyond it nothing: each loss follows from the gap one step earlier.
     def test_losses_follow_from_the_gap_of_the_step_before(self):

@@ -37,13 +37,12 @@ Link::Link(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver
 }
 
 Link Link::radio(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver) {
-  constexpr std::uint32_t kRadio = 1u << 23;
   const std::optional<FeedForward>& given = vehicle(model, receiver).feed_forward;
   if (!given) throw std::logic_error("vehicle_" + std::to_string(receiver) + " has no radio");
   LinkModel link = given->link;
   if (link.delay < 1) throw std::invalid_argument("delay of a radio: 0: must be >= 1");
   --link.delay;
-  Link radio(stages_of(link, given->noise_variance, seed, receiver + kRadio));
+  Link radio(stages_of(link, given->noise_variance, seed, receiver + kRadioReceiver));
   radio.length_ = vehicle(model, receiver - 1).length;
   return radio;
 }

@@ -12,6 +12,9 @@
 
 namespace platoon {
 
+/// The draws of the radio into vehicle i are those of a receiver i + kRadioReceiver.
+constexpr std::uint32_t kRadioReceiver = 1u << 23;
+
 /// The positions of both ends of a link one step earlier, per realization [m].
 struct LinkEnds {
   const double* predecessor = nullptr;  ///< y_{i-1}(k-1)
@@ -29,8 +32,7 @@ public:
   /// receiver is i >= 1. Throws std::invalid_argument if the constructor of a stage does.
   Link(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver);
 
-  /// The radio into vehicle i, which transmits v(k) = u(k-1) of its predecessor (see FeedForward). Its draws are those
-  /// of a receiver i + 2^23.
+  /// The radio into vehicle i, which transmits v(k) = u(k-1) of its predecessor (see FeedForward).
   static Link radio(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver);
 
   /// A link of these stages, in this order.

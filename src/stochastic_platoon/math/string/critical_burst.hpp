@@ -12,7 +12,7 @@ namespace platoon {
 struct CriticalBurst {
   double from;  ///< smallest mean burst that the chains of all these links have [steps]
   double to;    ///< largest one searched
-  /// The platoon is string stable for every smaller mean burst, to 1e-12 relative; none if it is unstable at `from` or
+  /// The platoon is string stable for every smaller mean burst, to 1e-9 relative; none if it is unstable at `from` or
   /// stable at every sample.
   std::optional<double> critical;
   bool stable;                     ///< at `from`

@@ -10,6 +10,7 @@
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/run/report/age_analysis.hpp"
 #include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
 
@@ -83,6 +84,7 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
                  const SignalRequest& signals) {
   Analysis analysis{};
   analysis.signals.request = signals;
+  analysis.followers = followers;
   analysis.theory = theory_of(model);
   const VehicleModel& own = model.default_vehicle();
   analysis.integral_defect = integral_defect(own.loop, own.headway);
@@ -121,7 +123,7 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   text += ": ";
   if (analysis.theory == Theory::none)
     return text + "no theory, as " + reason_without_theory(model) + ": monte_carlo measures what they do\n" +
-           report(model, analysis.signals);
+           age_report(model) + report(model, analysis.signals);
   text += stability.reason + "\n";
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
           (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
@@ -129,7 +131,8 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
               ? "peak of |T|: none, as the errors do not settle\n"
               : formatted("peak of |%s| = %.9g at w = %.6g rad/sample\n", has_feed_forward(model) ? "Gamma" : "T",
                           stability.peak_gain, stability.peak_frequency);
-  text += headway_lines(model, analysis) + loss_lines(model, analysis) + burst_lines(model, analysis);
+  text +=
+      headway_lines(model, analysis) + loss_lines(model, analysis) + burst_lines(model, analysis) + age_report(model);
   const std::vector<double>& stationary = analysis.stationary_variance;
   text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
           figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
@@ -186,7 +189,8 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
     nlohmann::json document = {{"headway", own.headway},
                                {"noise_variance", own.noise_variance},
                                {"theory", to_string(analysis.theory)},
-                               {"rounding", number(analysis.rounding)}};
+                               {"rounding", number(analysis.rounding)},
+                               {"age_of_information", ages_to_json(model, analysis.followers)}};
     add_to_json(analysis.signals, document);
     return document;
   }
@@ -245,6 +249,7 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
       {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
       {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
       {"stable_loss_probabilities", losses},
+      {"age_of_information", ages_to_json(model, analysis.followers)},
       {"stationary_mean", numbers(analysis.stationary_mean)},
       {"stationary_variance", numbers(analysis.stationary_variance)},
       {"stationary_variance_by_input", by_input},

@@ -23,6 +23,7 @@ namespace platoon {
 /// All results of the theory for a platoon (paper, sections 4 and 5). Without a theory (losses in bursts by radio) only
 /// `theory`, `rounding` and `integral_defect` are set.
 struct Analysis {
+  std::size_t followers = 0;
   StringStability stability;
   std::optional<StableHeadways> headways;   ///< none if the closed loop was given directly and fits one headway
   std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN if there is none

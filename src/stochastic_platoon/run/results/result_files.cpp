@@ -3,11 +3,13 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/checksum.hpp"
+#include "stochastic_platoon/run/results/age_results.hpp"
 #include "stochastic_platoon/run/results/amplification_results.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
@@ -127,6 +129,7 @@ Tables tables_of(const Configuration& configuration, const Prediction& predictio
   if (!result.signals.empty() && configuration.run.has_amplification())
     tables["amplification"] = amplification_csv(configuration, prediction, result);
   if (!result.gaps.empty()) tables["gaps"] = gaps_csv(configuration, prediction, result);
+  if (std::string ages = ages_csv(configuration, result); !ages.empty()) tables["ages"] = std::move(ages);
   return tables;
 }
 

@@ -6,9 +6,10 @@
 
 namespace platoon {
 
-/// Writes output/statistics.csv, signals.csv, gaps.csv and amplification.csv as far as the run has their signals, and
-/// summary.json, which contains the provenance() of all, each atomically. The summary's "crc32" holds the checksum() of
-/// each, its own computed with "00000000" in its place, so that readers detect damage. Throws std::runtime_error.
+/// Writes output/statistics.csv, signals.csv, gaps.csv and amplification.csv as far as the run has their signals,
+/// ages.csv if a link loses, and summary.json, which contains the provenance() of all, each atomically. The summary's
+/// "crc32" holds the checksum() of each, its own computed with "00000000" in its place, so that readers detect damage.
+/// Throws std::runtime_error.
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
 
 /// Name of summary.json until statistics.csv is there: with it, a statistics.csv without summary.json is what a killed

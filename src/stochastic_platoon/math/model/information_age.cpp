@@ -1,0 +1,74 @@
+#include "stochastic_platoon/math/model/information_age.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/model/packet_loss.hpp"
+
+namespace platoon {
+
+namespace {
+
+void require_chain(const LossModel& loss) {
+  if (loss.trace || loss.by_distance)
+    throw std::invalid_argument("ages of a link: its losses must be independent or in bursts");
+}
+
+double stationary(const LossModel& loss, std::int64_t n) {
+  const double arrival = 1.0 - loss.probability;
+  return n == 0 ? arrival : arrival * loss.after_arrival() * std::pow(loss.after_loss(), static_cast<double>(n - 1));
+}
+
+}  // namespace
+
+std::vector<double> age_probabilities(const LossModel& loss) {
+  require_chain(loss);
+  constexpr double kRest = 1e-12;
+  constexpr std::int64_t kMost = 100000;
+  std::vector<double> probabilities{stationary(loss, 0)};
+  double rest = loss.probability;  // q b^n: everything from age n + 1 on
+  for (std::int64_t n = 1; rest >= kRest && n < kMost; ++n, rest *= loss.after_loss())
+    probabilities.push_back(stationary(loss, n));
+  return probabilities;
+}
+
+double mean_age(const LossModel& loss) {
+  require_chain(loss);
+  return loss.probability * loss.mean_burst.value_or(loss.independent_burst());
+}
+
+double expected_age_share(const LossModel& loss, std::int64_t n, std::int64_t steps) {
+  require_chain(loss);
+  if (n > steps) return 0.0;
+  const double since_start = n == 0 ? 0.0 : loss.probability * std::pow(loss.after_loss(), static_cast<double>(n - 1));
+  return (static_cast<double>(steps - n) * stationary(loss, n) + since_start) / static_cast<double>(steps);
+}
+
+// A link that holds, and is sent the number of each step, gives the step of the latest arrival.
+std::vector<std::uint64_t> count_ages(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver,
+                                      std::uint64_t realizations, std::int64_t steps) {
+  if (loss.by_distance) throw std::invalid_argument("ages of a link: losses by the distance depend on the run");
+  LossModel holding = loss;
+  holding.predictor = {1.0};
+  PacketLoss link(holding, seed, receiver);
+  std::vector<std::uint64_t> counts(1);
+  for (std::uint64_t first = 0; first < realizations; first += kTile) {
+    const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(kTile, realizations - first));
+    std::vector<double> latest(size, -1.0);
+    link.start(first, size, latest.data());
+    for (std::int64_t k = 0; k < steps; ++k) {
+      const auto now = static_cast<double>(k);
+      std::fill(latest.begin(), latest.end(), now);
+      link.step(k, first, size, latest.data());
+      for (const double arrival : latest) {
+        const auto age = static_cast<std::size_t>(now - arrival);
+        if (age >= counts.size()) counts.resize(age + 1);
+        ++counts[age];
+      }
+    }
+  }
+  return counts;
+}
+
+}  // namespace platoon

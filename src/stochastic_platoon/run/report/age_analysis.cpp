@@ -1,0 +1,52 @@
+#include "stochastic_platoon/run/report/age_analysis.hpp"
+
+#include <vector>
+
+#include "stochastic_platoon/math/model/information_age.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+
+namespace platoon {
+
+namespace {
+
+bool has_distribution(const LinkModel& link) {
+  return link.loses() && !link.loss->trace && !link.loss->by_distance;
+}
+
+nlohmann::json probabilities_of(const LinkModel& link) {
+  if (!link.loses()) return {1.0};
+  if (!has_distribution(link)) return nullptr;
+  return age_probabilities(*link.loss);
+}
+
+}  // namespace
+
+std::string age_report(const PlatoonModel& model) {
+  std::optional<LossModel> oldest;
+  any_link(model, [&oldest](const LinkModel& link) {
+    if (has_distribution(link) && (!oldest || mean_age(*link.loss) > mean_age(*oldest))) oldest = link.loss;
+    return false;
+  });
+  if (!oldest) return "";
+  double rest = oldest->probability;
+  std::size_t age = 0;
+  for (; rest > 1e-6 && age < 1000000; ++age) rest *= oldest->after_loss();
+  return formatted(
+      "Age of information: %.6g steps since the last arrival on average, at most %zu in all but 1e-6 of the steps\n",
+      mean_age(*oldest), age);
+}
+
+nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers) {
+  if (!any_link(model, [](const LinkModel& link) { return link.loses(); })) return nullptr;
+  nlohmann::json ages = {{"position", nlohmann::json::array()}};
+  if (has_feed_forward(model)) ages["input"] = nlohmann::json::array();
+  for (std::size_t i = 1; i <= followers; ++i) {
+    const VehicleModel& of = vehicle(model, i);
+    ages["position"].push_back(probabilities_of(of.link));
+    if (!ages.contains("input")) continue;
+    ages["input"].push_back(of.feed_forward ? probabilities_of(of.feed_forward->link) : nlohmann::json());
+  }
+  return ages;
+}
+
+}  // namespace platoon

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+
+namespace platoon {
+
+/// A line of the report: the largest mean age of information among the links, and the age that one step in a million
+/// exceeds. Empty if no link has random losses.
+std::string age_report(const PlatoonModel& model);
+
+/// By signal ("position", "input") a list over followers of age_probabilities(): [1] without losses, null without a
+/// distribution of the theory. Null if no link of the string loses.
+nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers);
+
+}  // namespace platoon
