@@ -151,6 +151,8 @@ class Recorded(LaunchTest):
         self.launch(model=model, output=self.output, **settings).wait()
         self.assertTrue(live_platoon.completed_summary(self.output))
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.statistics(lossy))
+        with open(os.path.join(self.output, "ages.csv")) as live, open(os.path.join(lossy, "ages.csv")) as own:
+            self.assertEqual(live.read(), own.read())
 
     def test_ages_are_counted_as_the_links_of_the_run_lose(self):
         model = self.model_with(channel={"loss": {"probability": 0.4, "mean_burst": 2.5}})
