@@ -150,7 +150,8 @@ int main(int argc, char** argv) {
       {"trajectories", "writes trajectories.csv: every position, input and signal of that realization"}};
   std::map<std::string, std::string> help = own_help;
   help["steps"] = "steps per realization, 1 or more (100)";
-  help["batch"] = "realizations that a thread computes at once (" + std::string(platoon::kMonteCarloBatch) + ")";
+  help["batch"] = "realizations that a thread computes at once (" + std::string(platoon::kMonteCarloBatch) + ", with signals " +
+                  platoon::kMonteCarloBatchWithSignals + ")";
   help["output"] = "folder for the results";
   help["burn_in"] = "steps that amplification.csv leaves out (none)";
   std::map<std::string, std::string> settings =
@@ -175,7 +176,7 @@ int main(int argc, char** argv) {
     std::optional<platoon::RecordedResults> recorded;
     if (own.count("repeat") > 0) recorded = repeated(own["repeat"], settings);
     settings.emplace("model", platoon::paper_model_file());
-    settings.emplace("batch", platoon::kMonteCarloBatch);
+    platoon::add_monte_carlo_batch(settings);
     platoon::Configuration configuration =
         recorded ? recorded->configuration : platoon::parse_configuration(platoon::configuration_document(settings));
     configuration.run.hosting = platoon::Hosting::monte_carlo;

@@ -27,7 +27,7 @@ public:
 
 private:
   // Steps that a vehicle advances before its follower, so that its state stays in the L1 cache.
-  static constexpr std::int64_t kStepsAtOnce = 32;
+  static constexpr std::int64_t kStepsAtOnce = 16;
 
   LeaderVehicle leader_;
   std::vector<FollowerVehicle> followers_;

@@ -52,4 +52,10 @@ const std::vector<Setting>& settings() {
   return all;
 }
 
+void add_monte_carlo_batch(std::map<std::string, std::string>& given) {
+  const auto signals = given.find("signals");
+  const bool with_signals = signals != given.end() && !signals->second.empty();
+  given.emplace("batch", with_signals ? kMonteCarloBatchWithSignals : kMonteCarloBatch);
+}
+
 }  // namespace platoon

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,11 @@ struct Setting {
 /// All settings except `model`, the name of the model file.
 const std::vector<Setting>& settings();
 
-/// Default batch of a Monte Carlo: the data of a vehicle for so many realizations fits the second level cache.
-constexpr char kMonteCarloBatch[] = "512";
+/// Default batches of a Monte Carlo: the data of a vehicle for so many realizations fits the second level cache, and
+/// what every batch costs is spread over more of them where signals cost it more.
+constexpr char kMonteCarloBatch[] = "512", kMonteCarloBatchWithSignals[] = "1024";
+
+/// Adds the default batch of a Monte Carlo to the given settings, unless they have one.
+void add_monte_carlo_batch(std::map<std::string, std::string>& given);
 
 }  // namespace platoon

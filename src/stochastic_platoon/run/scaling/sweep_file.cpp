@@ -188,7 +188,7 @@ Sweep read_sweep(const std::string& file, const std::map<std::string, std::strin
   }
   if (shared.count("leader") > 0) shared["leader"] = beside(file, shared["leader"]);
   for (const auto& entry : given) shared[entry.first] = entry.second;
-  shared.emplace("batch", kMonteCarloBatch);
+  add_monte_carlo_batch(shared);
   const bool varies = document.has("vary") && node["vary"].IsMap();
   Section vary = document.section("vary");
   if (varies) sweep.axes = read_axes(node["vary"], file, vary);
