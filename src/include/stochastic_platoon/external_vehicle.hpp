@@ -35,8 +35,8 @@ VehicleSettings vehicle_settings(const ros::NodeHandle& platoon, std::size_t ind
 /// On its predecessor's step k, as received, it publishes its own step k, and then moves on to k + 1. With a radio it
 /// waits for the predecessor's input of the same step, too.
 ///
-/// Subscribes: vehicle_<i>/predecessor_position. Publishes: vehicle_<i>/position. With MoveByRadio also
-/// vehicle_<i>/predecessor_input and vehicle_<i>/input. All stochastic_platoon/Position.
+/// Subscribes: `vehicle_<i>/predecessor_position`. Publishes: `vehicle_<i>/position`. With MoveByRadio also
+/// `vehicle_<i>/predecessor_input` and `vehicle_<i>/input`. All stochastic_platoon/Position.
 class ExternalVehicle {
 public:
   /// Step -1 of a batch: forgets everything, and writes the initial positions y(-1) [m]; the vector has the batch's

@@ -51,14 +51,17 @@ std::vector<std::complex<long double>> poles_of(const ClosedLoop& loop);
 /// rho(A) of the loop defined by plant and controller, or by A, B and C; 1 - rho(A) is as accurate as rho(A).
 double spectral_radius(const ClosedLoop& loop);
 
-/// |T(1) - 1| + |dT/dz(1) + h| / (1 + h): the deviation of the given loop from double integral action. For plant and
-/// controller it is rounding; for A, B and C it depends on the digits they are written with.
+/// The deviation of the given loop from double integral action,
+/// \f[ |T(1) - 1| + |T'(1) + h| / (1 + h). \f]
+/// For plant and controller it is rounding; for A, B and C it depends on the digits they are written with.
 double integral_defect(const ClosedLoop& loop, double headway);
 
-/// T = K G / (1 + K G H) with H = (1 + h) - h / z, in lowest terms, realized in observable canonical form. Poles of
-/// plant and controller that are at z = 1 to the rounding of their coefficients are placed there exactly. A headway
-/// filter divides K by H: T = K G / (H (1 + K G)). `before`: the loop of the same design at another headway, whose
-/// poles are reused where they do not depend on it.
+/// The closed loop of plant G and controller K,
+/// \f[ T = \frac{K G}{1 + K G H}, \qquad H = (1 + h) - h / z, \f]
+/// in lowest terms, realized in observable canonical form. Poles of plant and controller that are at z = 1 to the
+/// rounding of their coefficients are placed there exactly. A headway filter divides K by H:
+/// \f$ T = K G / (H (1 + K G)) \f$. `before`: the loop of the same design at another headway, whose poles are reused
+/// where they do not depend on it.
 ///
 /// Throws std::invalid_argument if T is not strictly proper, if G K is zero, if T has more than kHighestOrder poles, or
 /// if a coefficient of T is not finite.
@@ -69,7 +72,7 @@ ClosedLoop close_loop(const LoopDesign& design, double headway, const ClosedLoop
 /// than kHighestOrder states.
 ClosedLoop closed_loop_from(const StateSpace& realization);
 
-/// S(z) = 1 - H(z) T(z), not reduced (paper, section 3).
+/// The sensitivity \f$ S(z) = 1 - H(z) T(z) \f$, not reduced (paper, section 3).
 TransferFunction sensitivity(const TransferFunction& transfer, double headway);
 
 /// The assumptions that the loop violates, one sentence each; empty for a loop that can run. The assumptions are:

@@ -10,7 +10,7 @@ namespace platoon {
 
 /// Coloured noise: position + sqrt(P_d) W(z) g, with g the standard normal white noise of AwgnChannel from k = 0 on and
 /// W initially at rest. W runs in transposed direct form II,
-///     d = b_0 g + v_1,   v_j <- b_j g - a_j d + v_{j+1},   v_{n+1} = 0.
+/// \f[ d = b_0 g + v_1, \qquad v_j \gets b_j g - a_j d + v_{j+1}, \qquad v_{n+1} = 0. \f]
 class ColouredNoise : public LinkStage {
 public:
   /// noise_variance is P_d [m^2], receiver i >= 1. Throws std::invalid_argument unless P_d is finite and >= 0 and W is

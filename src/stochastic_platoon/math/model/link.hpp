@@ -22,7 +22,9 @@ struct LinkEnds {
 };
 
 /// The link into vehicle i, which transmits the positions of its predecessor:
+///
 ///     quantise -> + noise -> delay -> loss
+///
 /// (see LinkModel). At step -1 every stage passes the position on and fills its registers with it.
 ///
 /// Every draw is a pure function of (seed, purpose, i, k, r). A link with stages that keep state requires the steps of

@@ -43,7 +43,7 @@ struct LossModel {
 
 /// Spectral radius of the second moments of the position r(k) that a follower uses, under losses alone. The variance of
 /// r(k) settles if it is below 1. For independent losses this holds exactly if
-///     F = 1 / (1 - q L) is stable and p q ||L F||_2^2 < 1,
+/// \f[ F = 1 / (1 - q L) \mbox{ is stable and } p q \|L F\|_2^2 < 1, \f]
 /// with L = c_1 z^-1 + c_2 z^-2 + ..., p = 1 - q.
 ///
 /// For modes 0 (arrived) and 1 (lost) of the chain and the matrices A_0, A_1 of the registers, it is the spectral
@@ -55,6 +55,7 @@ double second_moment_radius(const LossModel& loss);
 double loss_feedback(const LossModel& loss);
 
 /// The link into one follower, without its noise variance:
+///
 ///     quantise -> + noise d = W g -> delay of m steps -> loss.
 struct LinkModel {
   TransferFunction noise_filter{Polynomial::Ones(1), Polynomial::Ones(1)};  ///< W(z), stable and proper

@@ -17,7 +17,9 @@ struct ContinuousPlant {
   double input_delay = 0.0;  ///< [s], >= 0
 };
 
-/// A car whose acceleration follows its control input: 1 / (s^2 (lag s + 1)) e^(-input_delay s). lag >= 0 [s].
+/// A car whose acceleration follows its control input,
+/// \f[ G(s) = \frac{e^{-\tau s}}{s^2 (\lambda s + 1)}, \f]
+/// with the lag lambda >= 0 [s] of its actuator and the input delay tau [s].
 ContinuousPlant car_with_actuator_lag(double lag, double input_delay);
 
 /// K(z) = kp + kd (1 - 1/z) / T_s + ki T_s / (1 - 1/z).

@@ -11,7 +11,7 @@ namespace platoon {
 struct LoopDesign;
 
 /// A strictly proper fraction and its direct term by powers of s = z - 1, in observable canonical form:
-///     x_j(k+1) = x_j(k) + x_{j+1}(k) - a_j x_0(k) + b_j u(k),   y = x_0 + direct u.
+/// \f[ x_j(k+1) = x_j(k) + x_{j+1}(k) - a_j x_0(k) + b_j u(k), \qquad y = x_0 + direct \: u. \f]
 /// The coefficients of slow poles are small here, and those of integrators are 0: rounding does not move them.
 template <class Scalar>
 struct BasicDeltaFilter {
@@ -22,8 +22,10 @@ struct BasicDeltaFilter {
 };
 
 /// A vehicle as it is built: plant G behind an input delay, controller K, and their spacing policy.
+///
 ///     e = u^ - y - h (y - y(k-1)),   c = K e + F v,   u = c or, with a headway filter, (c + h u(k-1)) / (1 + h),
 ///     y = G z^-delay u
+///
 /// with v the predecessor's input as received, if the vehicle feeds it forward by a gain F.
 /// T(1) = 1 and dT/dz(1) = -h hold whatever the rounding of the coefficients.
 template <class Scalar>

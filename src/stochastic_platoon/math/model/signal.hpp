@@ -12,6 +12,7 @@ namespace platoon {
 
 /// A quantity of follower i that is linear in its position y_i and in that of its predecessor, with the backward
 /// difference D y(k) = y(k) - y(k-1) and y_i(k) = y_i(-1) for k < -1:
+///
 ///     s_i(k) = [y_{i-1}(k) - y_i(k) - offset] + factor D^order y_i(k),   the bracket only if the signal is relative.
 struct Signal {
   bool relative;
@@ -43,8 +44,8 @@ struct SignalPositions {
   std::vector<double> of(const Signal& signal) const;
 };
 
-/// zeta_i(k) = y_{i-1}(k) - y_i(k) - delta - h [y_i(k) - y_i(k-1)] [m], paper eq. (error1), including the distance
-/// delta.
+/// The tracking error [m], paper eq. (error1), including the distance delta:
+/// \f[ \zeta_i(k) = y_{i-1}(k) - y_i(k) - \delta - h [y_i(k) - y_i(k-1)]. \f]
 Signal tracking_error(double headway, double standstill_distance);
 
 /// The same for follower i >= 1, with its own headway and distance.

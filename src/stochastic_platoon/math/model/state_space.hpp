@@ -11,8 +11,8 @@ namespace platoon {
 
 struct ExactFraction;
 
-/// x(k+1) = A x(k) + B u(k), y(k) = C x(k): the closed loop T of one vehicle, paper eq. (ith-closedloop).
-///
+/// The closed loop T of one vehicle, paper eq. (ith-closedloop):
+/// \f[ x(k+1) = A x(k) + B u(k), \qquad y(k) = C x(k). \f]
 /// A is n x n, B is n x 1, C is 1 x n, n >= 1. Throws std::invalid_argument if the shapes do not match or an entry is
 /// not finite.
 class StateSpace {

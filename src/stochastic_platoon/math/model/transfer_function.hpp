@@ -46,7 +46,7 @@ struct Reduction {
 /// decomposition is below 10 `tolerance` times the first, for N and D scaled to unit norm.
 Reduction reduce(const TransferFunction& fraction, double tolerance = 1e-13);
 
-/// H(z) = (1 + h) - h / z, the feedback path of the constant headway policy (paper, section 3). h in sample
+/// \f$ H(z) = (1 + h) - h / z \f$, the feedback path of the constant headway policy (paper, section 3). h in sample
 /// periods.
 TransferFunction headway_policy(double headway);
 

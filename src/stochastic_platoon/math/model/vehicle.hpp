@@ -17,8 +17,7 @@ namespace platoon {
 /// (ith-closedloop).
 ///
 /// The observable canonical form, which plant and controller give, is a shift register,
-///     x_j(k+1) = a_j y(k) + x_{j+1}(k) + b_j u(k), j = 0 .. n - 2,
-///     x_{n-1}(k+1) = a_{n-1} y(k) + b_{n-1} u(k),   y = x_0:
+/// \f[ x_j(k+1) = a_j y(k) + x_{j+1}(k) + b_j u(k), \qquad x_n = 0, \qquad y = x_0, \qquad j = 0, \ldots, n - 1: \f]
 /// x_j(k+1) overwrites x_{j+1}(k), and x_{n-1}(k+1) overwrites y(k), so one pass over the state computes the step.
 /// Other realizations are computed with their matrices.
 ///

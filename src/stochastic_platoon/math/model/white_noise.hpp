@@ -27,12 +27,11 @@ struct DrawName {
 /// Philox4x32-10 with key = seed and counter = (block number, step, vehicle + 2^24 purpose). Block b gives two words w1
 /// = (c0, c1) and w2 = (c2, c3), the first half above the second, and serves realizations 2b and 2b + 1. The 52 low
 /// bits of the words give uniform u1 in (0, 1] and u2 in [0, 1), the leading bits give the signs:
-///     g(2b)     = +- sqrt(-2 ln u1) cos(pi/2 u2),
-///     g(2b + 1) = +- sqrt(-2 ln u1) sin(pi/2 u2)                                          (Box and Muller, 1958).
-/// ln, cos and sin are polynomials of fused multiply-adds in IEEE arithmetic and give the same bits on every machine.
-/// Their largest errors over 10^8 arguments are 1.45, 1.28 and 1.50 units in the last place, that of g is 4.2 2^-53
-/// sqrt(-2 ln u1) (test/benchmark/noise_accuracy). |g| <= sqrt(104 ln 2) = 8.49. Reference: J. Salmon et al., Parallel
-/// random numbers: as easy as 1, 2, 3, SC 2011.
+/// \f[ g(2b) = \pm \sqrt{-2 \ln u_1} \cos(\pi u_2 / 2), \qquad g(2b + 1) = \pm \sqrt{-2 \ln u_1} \sin(\pi u_2 / 2) \f]
+/// (Box and Muller, 1958). ln, cos and sin are polynomials of fused multiply-adds in IEEE arithmetic and give the same
+/// bits on every machine. Their largest errors over 10^8 arguments are 1.45, 1.28 and 1.50 units in the last place,
+/// that of g is 4.2 2^-53 sqrt(-2 ln u1) (test/benchmark/noise_accuracy). |g| <= sqrt(104 ln 2) = 8.49. Reference: J.
+/// Salmon et al., Parallel random numbers: as easy as 1, 2, 3, SC 2011.
 class WhiteNoise {
 public:
   explicit WhiteNoise(std::uint64_t seed) : seed_(seed) {}

@@ -10,7 +10,7 @@
 namespace platoon {
 
 /// Sums of causal convolutions of nonnegative sequences:
-///     sum_j sum_{l <= k} a_j(k - l) b_j(l),   k = 0 .. steps - 1.
+/// \f[ \sum_j \sum_{l \le k} a_j(k - l) b_j(l), \qquad k = 0, \ldots, steps - 1. \f]
 /// Computed by fast Fourier transforms of twice the length if their rounding leaves twelve digits, and directly
 /// otherwise. O(steps log steps) per sequence, O(steps) per product.
 ///

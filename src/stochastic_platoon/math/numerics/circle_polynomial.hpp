@@ -48,7 +48,7 @@ CirclePolynomial taylor(const Polynomial& p, Centre centre);
 CirclePolynomial recentred(CirclePolynomial b);
 
 /// |P(e^{jw})|^2 as a polynomial in t, from the Taylor coefficients b_j of P about the centre:
-///     sum_i b_i^2 (2t)^i + sum_{i<j} b_i b_j (2t)^i s_{j-i}(t),
+/// \f[ \sum_i b_i^2 (2t)^i + \sum_{i<j} b_i b_j (2t)^i s_{j-i}(t), \f]
 /// with u = z - c and s_k = u^k + conj(u)^k = (u + conj u) s_{k-1} - |u|^2 s_{k-2}; both factors are +-2 t.
 CirclePolynomial squared_modulus(const CirclePolynomial& b, Centre centre);
 

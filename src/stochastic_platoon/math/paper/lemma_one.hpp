@@ -15,7 +15,7 @@ namespace platoon {
 
 /// Mean and covariance of xi(0) at the start of the platoon. At step -1 follower i is at p_i = mean + noise in the
 /// formation's coordinates, x_i(-1) = x p_i with x the unit equilibrium, x_0(-1) = 0, without noise:
-///     xi_i(0) = (h x - (1+h) A x) p_i + (A x - (1+h) B) p_{i-1} + B p_{i-2},   p_0 = p_{-1} = 0.
+/// \f[ \xi_i(0) = (h x - (1+h) A x) p_i + (A x - (1+h) B) p_{i-1} + B p_{i-2}, \qquad p_0 = p_{-1} = 0. \f]
 struct InitialString {
   Eigen::MatrixXd response;    ///< nN x N: xi(0) = response p
   Eigen::VectorXd mean;        ///< nN x 1 [m]
@@ -28,10 +28,12 @@ InitialString initial_string(const PlatoonModel& model, std::size_t followers);
 /// Eqs. (means_all) and (variance_all) for k = 0 .. steps-1. Throws as error_moments does.
 ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
-/// Upsilon = B_a P B_a' + B_b P B_b' + A B_a P B_b' + B_b P B_a' A' with P = noise_variance I, shape nN x nN.
+/// The covariance of the noise in the states, shape nN x nN, with P = noise_variance I:
+/// \f[ \Upsilon = B_a P B_a' + B_b P B_b' + A B_a P B_b' + B_b P B_a' A'. \f]
 Eigen::MatrixXd noise_covariance(const StringMatrices& string, double noise_variance);
 
-/// Stationary covariance of zeta, N x N [m^2]: vec^-1((C x C) (I - A x A)^-1 vec(Upsilon)), x the Kronecker product.
+/// Stationary covariance of zeta, N x N [m^2], with Upsilon by noise_covariance():
+/// \f[ vec^{-1}((C \otimes C) (I - A \otimes A)^{-1} vec(\Upsilon)). \f]
 /// Throws std::invalid_argument if rho(A) >= 1.
 Eigen::MatrixXd stationary_covariance_by_vec(const StringMatrices& string, double noise_variance);
 

@@ -10,7 +10,8 @@ namespace platoon {
 /// 1.
 double resolvent_peak(const StateSpace& system);
 
-/// Sum over m = 0 .. followers-1 of ||T^m R||_2^2: the energy in zeta_N per state of xi_1, ..., xi_N of a string.
+/// The energy in zeta_N per state of xi_1, ..., xi_N of a string of N = `followers`,
+/// \f[ \sum_{m=0}^{N-1} \|T^m R\|_2^2. \f]
 /// Throws std::invalid_argument if rho(A) >= 1 or followers < 1.
 double resolvent_energy(const StateSpace& system, std::size_t followers);
 

@@ -8,7 +8,7 @@
 namespace platoon {
 
 /// The whole string in the states xi_i(k) = x_{i-1}(k) - x_i(k) - h [x_i(k) - x_i(k-1)], paper eq. (ss_sys_all):
-///     xi(k+1) = A xi(k) + B_o zeta_0(k) + B_a d(k) + B_b d(k-1),   zeta(k) = C xi(k).
+/// \f[ \xi(k+1) = A \xi(k) + B_o \zeta_0(k) + B_a d(k) + B_b d(k-1), \qquad \zeta(k) = C \xi(k). \f]
 /// Dense, for reference and tests: N vehicles of order n take O((nN)^2) memory.
 struct StringMatrices {
   Eigen::MatrixXd a;    ///< nN x nN, block lower bidiagonal: A on the diagonal, B C below

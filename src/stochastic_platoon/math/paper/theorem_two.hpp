@@ -10,8 +10,7 @@ namespace platoon {
 
 /// The bounds of Theorem 2 (teo:Lpmean_Lqvariance_all), evaluated for the inputs of this platoon. They hold for every
 /// follower of a string of this length, or of any length if stated:
-///     || mu_{zeta_i} ||_{L_2}     <= alpha_1 + beta_1,
-///     || P_{zeta_i} ||_{L_infinity} <= alpha_2 + beta_2.
+/// \f[ \|\mu_{\zeta_i}\|_{L_2} \le \alpha_1 + \beta_1, \qquad \|P_{\zeta_i}\|_{L_\infty} \le \alpha_2 + \beta_2. \f]
 struct TheoremTwoBounds {
   double leader_norm;         ///< ||zeta_0||_{L_2} [m], over the given steps
   double initial_mean;        ///< ||mu_xi(0)||_2
@@ -35,8 +34,9 @@ struct TheoremTwoBounds {
 /// ||C||_2 lacks the square that its property (a) gives.
 TheoremTwoBounds theorem_two_bounds(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
-/// max_i rho(sum_k A'^k C' eta_i' eta_i C A^k)^{1/2} over the string's A and C, paper eq. (beta1_leader): the largest
-/// ratio of the L_2 norm of a mean to ||mu_xi(0)||_2. It grows with i, so i = N is decisive. Dense, O((nN)^3).
+/// The largest ratio of the L_2 norm of a mean to ||mu_xi(0)||_2, paper eq. (beta1_leader), over the string's A and C:
+/// \f[ \max_i \rho(\sum_k A'^k C' \eta_i' \eta_i C A^k)^{1/2}. \f]
+/// It grows with i, so i = N is decisive. Dense, O((nN)^3).
 ///
 /// Throws std::invalid_argument if rho(A) >= 1 or followers < 1.
 double initial_mean_gain(const StateSpace& vehicle, double headway, std::size_t followers);
@@ -58,10 +58,11 @@ struct GainEnclosure {
 /// initial_covariance_gain does.
 GainEnclosure initial_covariance_gain_within(const StateSpace& vehicle, std::size_t followers, double operations);
 
-/// sup over k and i <= followers of ||eta_i C A^k||_2^2 over the string's A and C: the largest ratio of a variance due
-/// to P_xi(0) to sigma_max(P_xi(0)). The paper takes k = 0, ||C||_2^2, arguing that rho(A^k P A'^k) is largest there,
-/// which is not true in general. Computed from the responses T^m C (zI - A)^-1 in O(followers steps), with enough steps
-/// for the remaining energy to be below the largest value found.
+/// The largest ratio of a variance due to P_xi(0) to sigma_max(P_xi(0)), over the string's A and C,
+/// \f[ \sup_{k, i \le N} \|\eta_i C A^k\|_2^2. \f]
+/// The paper takes k = 0, ||C||_2^2, arguing that rho(A^k P A'^k) is largest there, which is not true in general.
+/// Computed from the responses T^m C (zI - A)^-1 in O(followers steps), with enough steps for the remaining energy to
+/// be below the largest value found.
 ///
 /// Throws std::invalid_argument if rho(A) >= 1 or followers < 1.
 double initial_covariance_gain(const StateSpace& vehicle, std::size_t followers);

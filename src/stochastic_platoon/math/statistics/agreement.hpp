@@ -35,7 +35,9 @@ struct IndependentShare {
 /// If `fourth_moment` m_4 [m^4] is given, the values may have any distribution with this fourth moment, however skewed,
 /// and any number n. With d = x - mean of the theory, or d = (x - mean)^2 - v, D = E d^2, which is v or m_4 - v^2, and
 /// y = (sum d^2 + 2 n D) / 3,
+///
 ///     P((sum d)^2 / (y + b) > 2 ln(1 / a) + ln((y + b) / b)) <= a    for every b > 0,
+///
 /// as E exp(l sum d - l^2 y / 2) <= 1 for every l (B. Delyon, Electronic J. Probability 14, 2009), averaged over normal
 /// l of variance 1 / b (V. de la Pena, M. Klass, T. L. Lai, Annals of Probability 32, 2004). The measured sum d^2 keeps
 /// a rare event in the sample from counting too much, and the known D keeps a missing rare event from counting too

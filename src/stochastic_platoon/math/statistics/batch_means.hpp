@@ -13,7 +13,7 @@ namespace platoon {
 ///
 /// The sequence is cut into kMostBatches / 2 to kMostBatches batches of equal length L, a power of 2; whenever all are
 /// full, neighbours are joined. With the batch means' variance c_0 and covariance c_1 of neighbours,
-///     n Var(mean of n values) = L max(c_0, c_0 + 2 c_1),
+/// \f[ n Var(\bar x_n) = L \max(c_0, c_0 + 2 c_1), \qquad \bar x_n \mbox{ the mean of } n \mbox{ values,} \f]
 /// and the same with the squared deviations for the variance. Its relative standard error is some 20 %.
 class BatchMeans {
 public:

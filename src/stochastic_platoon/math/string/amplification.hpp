@@ -48,12 +48,13 @@ SignalRows with_leader(const PlatoonModel& model, const std::string& name, const
                        std::int64_t steps);
 
 /// Amplification of the speeds along the string, one entry per vehicle 0 .. N, over the steps k = from .. steps - 1.
-/// With m_i(k) the mean speed of vehicle i and m~_i(k) = m_i(k) - (average of m_i over these steps),
+/// With m_i(k) the mean speed of vehicle i less its average over these steps, and v_i(k) its variance_of_mean, the
+/// members l2_ratio and linf_ratio are
+/// \f[ \frac{\|m_i\|_2}{\|m_{i-1}\|_2}, \qquad \|m_i\|_2^2 = \sum_k (m_i(k)^2 - v_i(k)), \f]
+/// \f[ \frac{\|m_i\|_\infty}{\|m_{i-1}\|_\infty}, \qquad \|m_i\|_\infty = \max_k |m_i(k)|, \f]
+/// and head to tail the same with vehicle 0 in place of i-1. Further
 ///
-///     l2_ratio    ||m~_i||_2 / ||m~_{i-1}||_2,        ||m~||_2^2 = sum_k m~(k)^2 - variance_of_mean(k)
-///     linf_ratio  ||m~_i||_inf / ||m~_{i-1}||_inf,    ||m~||_inf = max_k |m~(k)|
-///     head to tail: the same with vehicle 0 in place of i-1
-///     rms_mean_speed           ||m~_i||_2 / sqrt(steps - from)
+///     rms_mean_speed           ||m_i||_2 / sqrt(steps - from)
 ///     rms_acceleration^2       average over k of mean^2 + variance of the acceleration, noise included
 ///     rms_mean_acceleration^2  average over k of mean^2 - variance_of_mean, of the mean motion alone
 ///

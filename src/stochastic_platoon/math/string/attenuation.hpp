@@ -13,9 +13,9 @@ struct GainFactor {
   long double count = 1.0L;
 };
 
-/// The attenuation a(w) = -ln prod |T_i(e^{jw})|^(2 n_i) of a product of factors with T_i(1) = 1, as a function of t =
-/// 1 - cos w in [0, 2]:
-///     a(t) = sum_i n_i (sum over poles of ln |1 - u t| - sum over zeros of ln |1 - u t|),   u = -2 (1 + s) / s^2.
+/// The attenuation \f$ a(w) = -\ln \prod_i |T_i(e^{jw})|^{2 n_i} \f$ of a product of factors with T_i(1) = 1, as a
+/// function of t = 1 - cos w in [0, 2]:
+/// \f[ a(t) = \sum_i n_i (\sum_{poles} \ln |1 - u t| - \sum_{zeros} \ln |1 - u t|), \qquad u = -2 (1 + s) / s^2. \f]
 /// The product is never multiplied out, so each vehicle's factor keeps its digits. Poles and zeros at z = 0 have
 /// modulus 1 on the circle and drop out.
 class Attenuation {

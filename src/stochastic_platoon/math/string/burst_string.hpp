@@ -11,9 +11,9 @@ namespace platoon {
 /// Stationary theory of a platoon whose positions are lost in bursts, homogeneous or patterned; links with independent
 /// losses or without losses may be among them. With < > the mean over the circle, Phi_i the spectrum of y_i about its
 /// mean, Phi_0 = 0, N_d the spectrum of the noise of link i, v metres per step, and T_L, u, g as in BurstLink,
-///     G_i = < g(w, nu) |u|^2 (Phi_{i-1} + N_d) > + v^2 (c_1 + 2 c_2 + ...)^2 g(w, 0),
-///     Phi_i = |T^|^2 Phi_{i-1} + |T|^2 (|T_L|^2 N_d + G_i),   T^ = T_L z^-m T,
-///     P_i = < |1 - H T^|^2 Phi_{i-1} + |H|^2 |T|^2 (|T_L|^2 N_d + G_i) >.
+/// \f[ \Phi_i = |\hat T|^2 \Phi_{i-1} + |T|^2 (|T_L|^2 N_d + G_i), \qquad \hat T = T_L z^{-m} T, \f]
+/// \f[ P_i = \langle |1 - H \hat T|^2 \Phi_{i-1} + |H|^2 |T|^2 (|T_L|^2 N_d + G_i) \rangle, \f]
+/// \f[ G_i = \langle g(w, \nu) |u|^2 (\Phi_{i-1} + N_d) \rangle + v^2 (c_1 + 2 c_2 + \ldots)^2 g(w, 0). \f]
 ///
 /// All functions throw std::invalid_argument for a string with radios and for losses that strictly alternate with
 /// arrivals: see no_burst_theory().
@@ -29,7 +29,9 @@ std::vector<double> burst_stationary_means(const PlatoonModel& model, std::size_
 /// It is string stable exactly if, in addition, |prod T^| < 1 over one pattern for all w > 0 and the loss gain is
 /// below 1: the spectral radius of the operator from the drives f_l = |u_l|^2 Phi of the losses at every place l of the
 /// pattern to those that they cause at every place, over all repetitions,
+///
 ///     f_j' = |u_j|^2 sum_l (product of |T^|^2 between l and j) |T_l|^2 < g_l(w, nu) f_l > / (1 - prod |T^|^2).
+///
 /// For independent losses it is the loss gain of linked_string_stability(). `limit_variance` is the largest of the
 /// pattern's limits.
 StringStability burst_string_stability(const PlatoonModel& model);

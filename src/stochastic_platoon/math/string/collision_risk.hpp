@@ -18,8 +18,9 @@ struct CollisionRisk {
   std::optional<double> limit_probability, limit_rate, limit_required_distance;
 };
 
-/// Per follower an upper bound of P(g(k) < 0 for a k of the run), given the moments of its gaps at steps 0, ..., steps
-/// - 1: P(g(0) < 0) + sum over k >= 1 of P(g(k-1) >= 0, g(k) < 0), and at most 1.
+/// Per follower an upper bound, at most 1, of the probability of a collision in the run, given the moments of its gaps
+/// at steps 0, ..., steps - 1:
+/// \f[ P(\min_k g(k) < 0) \le P(g(0) < 0) + \sum_{k \ge 1} P(g(k-1) \ge 0, g(k) < 0). \f]
 std::vector<double> collision_bounds(const SignalMoments& gaps, std::size_t steps);
 
 /// Collisions of a platoon, given the moments of its gaps.

@@ -13,8 +13,10 @@ namespace platoon {
 
 /// A vehicle on the unit circle from plant G and controller K, with one or two inputs. With W = 1 / (G K) and H =
 /// (1 + h) - h / z, from the received position and, by feed-forward F, from the received input to the own position:
+///
 ///     N_position = 1 / (H (1 + W)),   N_input = F G W / (H (1 + W))    behind a headway filter,
 ///     N_position = 1 / (H + W),       N_input = F G W / (H + W)        without one (paper, section 3).
+///
 /// Coefficients of T by powers of z - 1 lose a digit for every two or three steps of input delay; here the delay stays
 /// a power of z, and the double integrators of G K make W small where |T| is near 1.
 class DesignedGain {

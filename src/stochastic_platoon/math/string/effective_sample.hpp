@@ -14,9 +14,11 @@ namespace platoon {
 ///
 /// For n successive values of a stationary normal error of mean 0 with covariance matrix S, S_tu = R(t - u), and 1 the
 /// vector of n ones, exactly for every n:
+///
 ///     n^2 E mean^2 = 1'S1 = sum (n - |t|) R(t),
 ///     (n - 1) E s^2 = n P - 1'S1 / n,
 ///     (n - 1)^2 var s^2 = 2 (tr S^2 - 2 1'S^2 1 / n + (1'S1 / n)^2),     tr S^2 = sum (n - |t|) R(t)^2,
+///
 /// sums over |t| < n. From twice the correlation length on, each sum is linear in n, and its coefficients are stored.
 /// To leading order in 1 / n the effective numbers are n P / Phi(0) and n P^2 / < Phi^2 >, with the spectrum Phi (M. B.
 /// Priestley, Spectral Analysis and Time Series, 1981, section 5.3); if Phi(0) is far below P, they are far too large.

@@ -28,12 +28,13 @@ private:
 
 /// Exact mean and variance of every tracking error, as in Lemma 1 (lem:mean_square_all), from the structure of the
 /// string. By eq. (mu_z_recursive_all) and S = 1 - HT, the response of zeta_{j+m} to the noise d_j is
-///     g_0 = -HT,   g_m = S T^m for m >= 1,
+/// \f[ g_0 = -H T, \qquad g_m = S T^m, \; m \ge 1, \f]
 /// and to the initial position p_j, with w(k) = C A^{k+1} x the free motion from x(-1) = x p_j, x the unit equilibrium,
-///     a_0 = -H w,  a_m = S T^{m-1} w for m >= 1 (sequences that begin at step -1).
-/// With P_d the noise variance, mu and V mean and variance of the initial positions, and zeta_0 the leader's error,
-///     mean(i, k) = (T^i zeta_0)(k) + mu sum_{m<i} a_m(k),
-///     variance(i, k) = sum_{m<i} (P_d sum_{l<=k} g_m(l)^2 + V a_m(k)^2).
+/// \f[ a_0 = -H w, \qquad a_m = S T^{m-1} w, \; m \ge 1, \f]
+/// sequences that begin at step -1. With P_d the noise variance, mu and V mean and variance of the initial positions,
+/// and zeta_0 the leader's error, mean and variance of zeta_i(k) are
+/// \f[ E \zeta_i(k) = (T^i \zeta_0)(k) + \mu \sum_{m<i} a_m(k), \f]
+/// \f[ P_{\zeta_i}(k) = \sum_{m<i} (P_d \sum_{l \le k} g_m(l)^2 + V a_m(k)^2). \f]
 /// Behind a recorded leader the means are mean_errors_behind_recorded_leader() and the variances the same. The
 /// standstill distance cancels. For a platoon other than the paper's this function returns linked_error_moments().
 ///

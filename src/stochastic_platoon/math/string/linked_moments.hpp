@@ -10,8 +10,9 @@ namespace platoon {
 /// The means pass from vehicle to vehicle: e(k) = s(k) - (L r)(k), r(k) = (L r)(k) + p e(k), with r at and before step
 /// -1 the position of step -1. About the means the platoon is linear and driven by white noises: g and the dither of
 /// every link, and its w(k) = (theta(k) - p) e(k), uncorrelated with all others, of variance p q E e(k)^2. With g_ij,
-/// f_ij the responses of zeta_i and e_i to a source of link j,
-///     variance(i, k) = sum_j sum_{l<=k} g_ij(k-l)^2 v_j(l),   E e_i(k)^2 = mean^2 + sum_j sum_l f_ij(k-l)^2 v_j(l),
+/// f_ij the responses of zeta_i and e_i to a source of link j and variance v_j, and P_i(k) the variance of zeta_i(k),
+/// \f[ P_i(k) = \sum_j \sum_{l \le k} g_{ij}(k-l)^2 v_j(l), \f]
+/// \f[ E e_i(k)^2 = (E e_i(k))^2 + \sum_j \sum_{l \le k} f_{ij}(k-l)^2 v_j(l), \f]
 /// link by link along the string; initial positions are sources at step -1.
 ///
 /// The sums over l for the losses are convolutions by fast Fourier transform if its rounding leaves twelve digits of
@@ -20,7 +21,9 @@ namespace platoon {
 ///
 /// `fourth_cumulants`, if given, receives E (zeta - E zeta)^4 - 3 variance^2 of every cell [m^4] to first order, as if
 /// the w(k) were independent:
+///
 ///     sum_j sum_{l<=k} g_ij(k-l)^4 c_j(l),   c_j = p q (1 - 3 p q) E e_j^4 - 3 (p q E e_j^2)^2 >= 0,
+///
 /// with E e_j^4 of a normal e_j plus the contribution of the links before, computed in the same way. This is complete
 /// for rare losses; for frequent losses it omits the effect of consecutive losses.
 ///

@@ -14,9 +14,9 @@ namespace platoon {
 /// the circle, Phi_i the spectrum of y_i about its mean, Phi_0 = 0, and the notation of LinkedVehicleValue, with sums
 /// over the links l of follower i and Psi_l the spectrum of what link l is sent, Phi_{i-1} for the position and
 /// Phi_{i-1} / |G_{i-1}|^2 for the predecessor's input:
-///     sigma_l^2 = kappa ( <|(1-L) F|^2 (Psi_l + N_d)> + ebar^2 )
-///     Phi_i = |T^|^2 Phi_{i-1} + sum ( p^2 |N F|^2 N_d + |N F|^2 sigma_l^2 )
-///     P_i = < |1 - H T^|^2 Phi_{i-1} + |H|^2 sum ( ... ) >
+/// \f[ \sigma_l^2 = \kappa (\langle |(1-L) F|^2 (\Psi_l + N_d) \rangle + \bar e^2), \f]
+/// \f[ \Phi_i = |\hat T|^2 \Phi_{i-1} + \sum_l (p^2 |N F|^2 N_d + |N F|^2 \sigma_l^2), \f]
+/// \f[ P_i = \langle |1 - H \hat T|^2 \Phi_{i-1} + |H|^2 \sum_l (p^2 |N F|^2 N_d + |N F|^2 \sigma_l^2) \rangle, \f]
 /// each with the T, h and links of follower i; ebar = v (c_1 + 2 c_2 + ...) / p at v metres per step for the position.
 
 /// Stationary variances P_1, ..., P_N [m^2]; infinity if they leave the range of double. NaN throughout if a vehicle or
@@ -40,7 +40,9 @@ std::vector<double> stationary_means(const PlatoonModel& model, std::size_t foll
 /// It is string stable exactly if, in addition, |prod T^| < 1 over one pattern for all w > 0, decided as in
 /// string_stability(), and the spectral radius of the pattern's matrix of loss gains is below 1. Entry (j, l) of this
 /// matrix is the contribution of the variance of w_l, over all repetitions, to that of w_j:
+///
 ///     kappa_j < |(1-L_j) F_j|^2 (product of |T^|^2 between l and j) |T_l F_l|^2 / (1 - prod |T^|^2) >.
+///
 /// `limit_variance` is the largest of the pattern's limits.
 StringStability linked_string_stability(const PlatoonModel& model);
 

@@ -11,8 +11,10 @@ namespace platoon {
 ///
 /// T is realized in observable canonical form in Newton's basis phi_0 = 1, phi_{j+1} = (z - lambda_j) phi_j; the first
 /// nodes lambda are 1 and the last are 0:
+///
 ///     v_j(k+1) = lambda_{n-1-j} v_j(k) + v_{j+1}(k) - d_{n-1-j} v_0(k) + c_{n-1-j} u(k),  j = 0 .. n-1,  v_n = 0,
 ///     y = v_0,   with N = sum c_j phi_j and D = phi_n + sum d_j phi_j.
+///
 /// Slow poles cancel in powers of z, and the poles of a delay in powers of z - 1. All nodes are 1 if the terms are at
 /// most 100 times D on the unit circle; otherwise the number of nodes at 1 minimizes the terms relative to D.
 class LoopResponse {

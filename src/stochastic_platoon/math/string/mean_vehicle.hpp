@@ -9,7 +9,7 @@
 namespace platoon {
 
 /// A follower and the links into it as operators on means, with losses replaced by their mean effect:
-///     r(k) = (L r)(k) + p e(k),   e(k) = s(k) - (L r)(k).
+/// \f[ r(k) = (L r)(k) + p e(k), \qquad e(k) = s(k) - (L r)(k). \f]
 ///
 /// Sequences of what is sent start at step -1; innovation and error sequences start at step 0.
 class MeanVehicle {

@@ -10,7 +10,7 @@ namespace platoon {
 
 /// Steps after which the transient of the start has decayed to 1e-6 at follower N; none if a vehicle of the string is
 /// unstable:
-///     k = sum_i (n_i + m_i) + (N + sqrt(2 N L) + L) / -ln rho,   L = ln 1e6,
+/// \f[ k = \sum_i (n_i + m_i) + \frac{N + \sqrt{2 N L} + L}{-\ln \rho}, \qquad L = \ln 10^6, \f]
 /// the quantile of a sum of N exponential delays with the slowest decay (B. Laurent and P. Massart, Ann. Statist. 28,
 /// 2000, lemma 1). rho is the largest modulus of a pole of the closed loops, predictors and noise filters in the
 /// string, n_i the order of loop i, m_i the delay of link i. For losses in bursts it is at least the square root of

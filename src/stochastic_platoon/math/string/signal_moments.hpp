@@ -19,8 +19,9 @@ struct SignalMoments {
 /// Exact moments of the signals of these names (see signal_kinds()), from the first step on, in the order of the names.
 ///
 /// About their means the positions respond to white noises on every link, present from step 0 on, and to the initial
-/// positions. With f_ij the response of s_i to source j of variance v_j,
-///     variance(i, k) = sum_j v_j sum_{l<=k} f_ij(l)^2,   covariance(i, k) = sum_j v_j sum_{l<=k} f_ij(l-1) f_ij(l)
+/// positions. With f_ij the response of s_i to source j of variance v_j, variance and covariance with the step before
+/// are
+/// \f[ \sum_j v_j \sum_{l \le k} f_{ij}(l)^2, \qquad \sum_j v_j \sum_{l \le k} f_{ij}(l-1) f_{ij}(l) \f]
 /// for noises, f_ij(-1) = 0, and the last term of each sum alone for initial positions. O(followers steps) time per
 /// vehicle of the pattern. 1e-11 relative; for a mean relative to the positions times the signal's factor.
 ///

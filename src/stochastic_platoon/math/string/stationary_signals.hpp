@@ -28,8 +28,9 @@ struct StationarySignal {
 ///
 /// With < > the mean over the circle, Phi_i the spectrum of y_i about its mean, N_i the spectrum that the noises of
 /// follower i add, and t = 1 - cos w,
-///     Phi_i = |T^|^2 Phi_{i-1} + N_i,   Phi_0 = 0,
-///     variance = < |1 - T^|^2 Phi_{i-1} + N_i > of the gap, < (2 t / T_s^2)^n Phi_i > of the n-th derivative,
+/// \f[ \Phi_i = |\hat T|^2 \Phi_{i-1} + N_i, \qquad \Phi_0 = 0. \f]
+/// The variances of the gap and of the n-th derivative are
+/// \f[ \langle |1 - \hat T|^2 \Phi_{i-1} + N_i \rangle, \qquad \langle (2 t / T_s^2)^n \Phi_i \rangle, \f]
 /// with the T^ of follower i, and `change` with a further factor 2 t. At v metres per step the gap has the mean
 /// delta_i + h_i v + (mean of the tracking error) - (length of vehicle i-1).
 ///

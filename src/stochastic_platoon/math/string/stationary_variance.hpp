@@ -8,7 +8,7 @@
 namespace platoon {
 
 /// Stationary variances P_1, ..., P_N [m^2] of the tracking errors, paper corollary cor:stationary_all and eq. (pzeta):
-///     P_1 = ||HT||_2^2 P_d,   P_i = P_{i-1} + ||S T^{i-1}||_2^2 P_d,
+/// \f[ P_1 = \|H T\|_2^2 P_d, \qquad P_i = P_{i-1} + \|S T^{i-1}\|_2^2 P_d, \f]
 /// by quadrature over the unit circle, refined until it settles; 1e-12 relative. For a string unstable platoon they
 /// grow without bound, to infinity if they leave the range of double.
 ///

@@ -30,14 +30,16 @@ struct StringStability {
 /// reason. True if |prod T| < 1 for all w > 0.
 bool judge_gain(const PatternGain& gain, const std::string& name, StringStability& verdict);
 
-/// Decides paper eq. (scalability_all), |T(e^{jw})| < 1 for all w > 0, without a grid: by the global minimum of -ln
-/// |T|^2 with its zero at w = 0 divided out (PatternGain). The verdict is undecided if the digits of T's coefficients
-/// do not distinguish this minimum from zero.
+/// Decides paper eq. (scalability_all),
+/// \f[ |T(e^{jw})| < 1 \mbox{ for all } w > 0, \f]
+/// without a grid: by the global minimum of -ln |T|^2 with its zero at w = 0 divided out (PatternGain). The verdict is
+/// undecided if the digits of T's coefficients do not distinguish this minimum from zero.
 ///
-/// The limit is (||S/M||_2^2 - 1) P_d of corollary cor:stationary_all, computed as P_d times the mean over the circle
-/// of |HT|^2 + |T|^2 |S|^2 / (1 - |T|^2). It exists for every string stable platoon. One exceptional kind satisfies |T|
-/// < 1 for all w > 0 but is not string stable: if 1 - |T|^2 is flatter at w = 0 than |S|^2 (order w^6 over w^4), the
-/// variances grow without limit.
+/// The limit of corollary cor:stationary_all is, with < > the mean over the circle,
+/// \f[ (\|S/M\|_2^2 - 1) P_d = P_d \langle |H T|^2 + |T|^2 |S|^2 / (1 - |T|^2) \rangle, \f]
+/// and the right side is what is computed. It exists for every string stable platoon. One exceptional kind satisfies
+/// |T| < 1 for all w > 0 but is not string stable: if 1 - |T|^2 is flatter at w = 0 than |S|^2 (order w^6 over w^4),
+/// the variances grow without limit.
 ///
 /// For a platoon other than the paper's this function returns linked_string_stability(), or burst_string_stability()
 /// for losses in bursts.

@@ -27,8 +27,8 @@ struct BrokenClause : std::runtime_error {
 /// The predecessor of one vehicle, with leader, channel and monitor: sends it positions and judges each answer by the
 /// vehicle contract. Throws BrokenClause.
 ///
-/// Sets the parameter `configuration`, as a launch would. Subscribes: vehicle_<i>/position. Publishes:
-/// vehicle_<i>/predecessor_position and, to a vehicle with a radio, vehicle_<i>/predecessor_input. All
+/// Sets the parameter `configuration`, as a launch would. Subscribes: `vehicle_<i>/position`. Publishes:
+/// `vehicle_<i>/predecessor_position` and, to a vehicle with a radio, `vehicle_<i>/predecessor_input`. All
 /// stochastic_platoon/Position.
 class SimulatedPredecessor {
 public:

@@ -32,8 +32,9 @@ namespace platoon {
 /// Where losses depend on the gap, the message of step k waits for the positions of both ends at step k - 1, so that no
 /// vehicle waits for itself.
 ///
-/// Subscribes: vehicle_<i-1>/position. Publishes: vehicle_<i>/predecessor_position, i = first .. last; likewise
-/// vehicle_<i-1>/input and vehicle_<i>/predecessor_input of a vehicle with a radio. All stochastic_platoon/Position.
+/// Subscribes: `vehicle_<i-1>/position`. Publishes: `vehicle_<i>/predecessor_position`, i = first .. last; likewise
+/// `vehicle_<i-1>/input` and `vehicle_<i>/predecessor_input` of a vehicle with a radio. All
+/// stochastic_platoon/Position.
 class Channel {
 public:
   /// `told` takes the positions that the followers receive, stream i - 1 for follower i. `superseded` is called with

@@ -28,8 +28,8 @@ namespace platoon {
 ///
 /// With a radio it waits for the predecessor's input of the same step, too. Its own input u(k) is part of step k + 1.
 ///
-/// Subscribes: vehicle_<i>/predecessor_position; with a radio vehicle_<i>/predecessor_input. Publishes:
-/// vehicle_<i>/position; to a follower with a radio vehicle_<i>/input. All stochastic_platoon/Position.
+/// Subscribes: `vehicle_<i>/predecessor_position`; with a radio `vehicle_<i>/predecessor_input`. Publishes:
+/// `vehicle_<i>/position`; to a follower with a radio `vehicle_<i>/input`. All stochastic_platoon/Position.
 class Follower {
 public:
   using Joined = std::function<void(const Configuration&)>;

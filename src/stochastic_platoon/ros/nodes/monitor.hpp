@@ -36,7 +36,7 @@ namespace platoon {
 /// Several threads may receive positions: a message is checked and counted under a lock, its errors are computed
 /// without it (see RunStatistics). Only the timer's thread accesses files and the terminal, and never under the lock.
 ///
-/// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), i = 0 .. N; progress (stochastic_platoon/Progress,
+/// Subscribes: `vehicle_<i>/position` (stochastic_platoon/Position), i = 0 .. N; progress (stochastic_platoon/Progress,
 /// of other components). Publishes: progress, snapshot (stochastic_platoon/Snapshot), and the topics of
 /// StatisticsPublisher. Service: change_run (see RunChange).
 class Monitor {

@@ -24,9 +24,10 @@ namespace platoon {
 /// Write errors pause the recording, and the platoon with it. The recorder logs this once, retries after growing
 /// pauses, and continues after the whole batches of the file, as a restarted recorder does.
 ///
-/// Subscribes: vehicle_<i>/position, vehicle_<i>/predecessor_position, and with radios vehicle_<i>/input and
-/// vehicle_<i>/predecessor_input (stochastic_platoon/Position), error_statistics (stochastic_platoon/ErrorStatistics),
-/// progress (of other components). Publishes: progress (stochastic_platoon/Progress).
+/// Subscribes: `vehicle_<i>/position`, `vehicle_<i>/predecessor_position`, and with radios `vehicle_<i>/input` and
+/// `vehicle_<i>/predecessor_input` (stochastic_platoon/Position), error_statistics
+/// (stochastic_platoon/ErrorStatistics), progress (of other components). Publishes: progress
+/// (stochastic_platoon/Progress).
 class Recorder {
 public:
   /// Throws ConfigurationError as RunRecording does. `superseded` is called with the configuration that replaces the

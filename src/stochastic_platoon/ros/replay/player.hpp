@@ -33,7 +33,7 @@ struct PlayerOptions {
 /// message is held back until the whole recording is verified: a replay of a damaged bag never completes, and ends with
 /// a BagError.
 ///
-/// Subscribes: progress (stochastic_platoon/Progress). Publishes: vehicle_<i>/position (stochastic_platoon/Position).
+/// Subscribes: progress (stochastic_platoon/Progress). Publishes: `vehicle_<i>/position` (stochastic_platoon/Position).
 /// Service: ~pause_playback (std_srvs/SetBool), as in rosbag play.
 class Player {
 public:

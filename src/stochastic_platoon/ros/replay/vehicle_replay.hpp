@@ -25,9 +25,9 @@ namespace platoon {
 /// a link may be up at one end only, and a vehicle may be killed. The replay ends with a verdict or, after `patience`
 /// without a new answer, with the reason why there is none.
 ///
-/// Subscribes: vehicle_<i>/position (stochastic_platoon/Position), progress (stochastic_platoon/Progress: messages that
-/// the vehicle has missed). Publishes: vehicle_<i>/predecessor_position and, with a radio,
-/// vehicle_<i>/predecessor_input (stochastic_platoon/Position).
+/// Subscribes: `vehicle_<i>/position` (stochastic_platoon/Position), progress (stochastic_platoon/Progress: messages
+/// that the vehicle has missed). Publishes: `vehicle_<i>/predecessor_position` and, with a radio,
+/// `vehicle_<i>/predecessor_input` (stochastic_platoon/Position).
 class VehicleReplay {
 public:
   /// `patience` [s] > 0.

@@ -9,9 +9,11 @@
 namespace platoon {
 
 /// Reads plant and controller of a vehicle, each in one of its forms:
-///     plant: {numerator, denominator}, {continuous: {numerator, denominator, input_delay}} or {actuator_lag,
-///     input_delay}
+///
+///     plant: {numerator, denominator}, {continuous: {numerator, denominator, input_delay}}
+///            or {actuator_lag, input_delay}
 ///     controller: {numerator, denominator} or {kp, kd, ki}, with divide_by_one_plus_headway or headway_filter
+///
 /// A key that is absent is as in `base`; without `base` both are required. Reports all problems; after a problem the
 /// result is a placeholder.
 LoopDesign read_design(Section& vehicle, const std::optional<LoopDesign>& base, double sample_period);

@@ -14,8 +14,10 @@ struct GivenInputs {
 };
 
 /// Reads the key `inputs` of a vehicle, which replaces the inputs of `vehicle`:
+///
 ///     - {signal: position, from: predecessor, noise_variance, channel}
 ///     - {signal: input, from: predecessor, gain, noise_variance, channel: {delay, ...}}
+///
 /// The first is required; its noise_variance and channel may stand at the vehicle instead. Reports all problems.
 GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unstable);
 

@@ -77,8 +77,10 @@ private:
 };
 
 /// Standard errors of the cell's mean [m] and variance [m^2], the same in reports, summaries, sweeps and messages:
+///
 ///     mean      sqrt(v / n),
 ///     variance  sqrt(2 / (n - 1)) v for normal errors, else sqrt((m_4 - v^2) / n),
+///
 /// with v the theoretical variance if there is a theory, else the measured one, and m_4 the cell's fourth moment;
 /// without it, with the measured variance and fourth moment. Averages over time multiply n and n - 1 by the share; NaN
 /// if the share is unknown. A measured share has no `expected`: it gives standard errors, but no score.

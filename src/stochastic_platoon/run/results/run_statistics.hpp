@@ -18,9 +18,11 @@ namespace platoon {
 /// the run's ErrorAverages.
 ///
 /// A message passes three steps:
+///
 ///     receive()  judges it and returns the work that is due,
 ///     compute()  does that work: it is pure, and the only part that takes long,
 ///     settle()   counts the result, and commits the batch that it completes.
+///
 /// Several threads may do so, each for its own vehicles: receive() and settle() under one lock, compute() without a
 /// lock.
 class RunStatistics {
