@@ -10,7 +10,7 @@ platoon_packages=(
   python3-rosbag python3-rospy python3-std-msgs python3-std-srvs
 )
 platoon_test_packages=(
-  catkin-lint catkin-tools chromium chromium-driver clang-format-14 fonts-dejavu-core iproute2 munge parallel rviz slurm-wlm xvfb
+  catkin-lint catkin-tools chromium chromium-driver clang-format-14 doxygen fonts-dejavu-core iproute2 libjs-mathjax munge parallel rviz slurm-wlm xvfb
   libgtest-dev librandom123-dev librostest-dev python3-mpmath python3-rostest python3-selenium librosbag-dev
 )
 
