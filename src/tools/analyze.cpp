@@ -13,12 +13,9 @@
 #include <mutex>
 #include <thread>
 
-#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/string/burst_moments.hpp"
-#include "stochastic_platoon/math/string/burst_pattern.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
-#include "stochastic_platoon/run/configuration/section.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/spaced.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/report/analysis.hpp"
@@ -105,38 +102,6 @@ std::vector<platoon::SweepPoint> run_sweep(const platoon::PlatoonModel& model,
   return platoon::sweep(model, axes);
 }
 
-// Reports all wrong values at once.
-platoon::SignalRequest signal_request(const std::map<std::string, std::string>& own) {
-  platoon::SignalRequest request;
-  std::vector<std::string> problems;
-  if (own.count("signals") > 0) {
-    try {
-      request.names = platoon::signal_names(own.at("signals"));
-    } catch (const std::invalid_argument& error) {
-      problems.emplace_back(error.what());
-    }
-  }
-  if (own.count("collision_probability") > 0) {
-    YAML::Node node;
-    node["collision_probability"] = own.at("collision_probability");
-    const platoon::Allowed allowed{"a number above 0 and below 0.5", 0.0, std::nan(""), platoon::kLargest, 0.5};
-    request.collision_probability = platoon::Section(node, "", problems).number("collision_probability", allowed);
-  }
-  if (!problems.empty()) throw platoon::ConfigurationError(problems);
-  return request;
-}
-
-// The first step of the amplification.
-std::int64_t burn_in_of(platoon::RunOptions run, const platoon::SignalRequest& signals) {
-  run.signals = signals.names;
-  if (run.burn_in > 0 && !run.has_amplification()) {
-    throw platoon::ConfigurationError(
-        {platoon::formatted("burn-in: %lld: must go with --signals speed, and be at most steps - 2 = %lld",
-                            static_cast<long long>(run.burn_in), static_cast<long long>(run.steps - 2))});
-  }
-  return run.burn_in;
-}
-
 // "-" for a missing value, as for an unstable vehicle.
 std::string column(double value) {
   return std::isnan(value) ? "           -" : platoon::formatted(" %11.9g", value);
@@ -189,30 +154,19 @@ int main(int argc, char** argv) {
       throw platoon::ConfigurationError({std::string(option) + ": given: must go with --sweep-headway" +
                                          (option == std::string("csv") ? ", --sweep-loss or --sweep-burst" : "")});
     }
-    platoon::SignalRequest signals = signal_request(own);
+    const platoon::SignalRequest signals = platoon::signal_request(own["signals"], own["collision_probability"]);
     settings.emplace("model", platoon::paper_model_file());
     std::cout << settings["model"] << "\n";
     const platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));
-    if (configuration.run.averaging() == platoon::Averaging::over_time)
-      throw platoon::ConfigurationError({"steps: 0: must be at least 1 here"});
-    signals.burn_in = burn_in_of(configuration.run, signals);
     const platoon::PlatoonModel& model = configuration.model;
-    if (platoon::theory_of(model) == platoon::Theory::exact && platoon::has_bursts(model) &&
-        !platoon::has_feasible_burst_moments(configuration.run.followers, configuration.run.steps)) {
-      throw platoon::ConfigurationError({platoon::formatted(
-          "steps: %lld: must be at most %.0f with losses in bursts, and followers x steps^2 at most %.0e",
-          static_cast<long long>(configuration.run.steps), platoon::kMostBurstSteps, platoon::kMostBurstCells)});
-    }
     std::vector<platoon::SweepPoint> points;
     platoon::Analysis analysis{};
     {
       StageDisplay display;
       display.begins("sweep");
       points = run_sweep(model, own);
-      analysis = platoon::analyze(
-          model, configuration.run.followers, configuration.run.steps,
-          [&display](const char* stage) { display.begins(stage); }, signals);
+      analysis = platoon::analyze(configuration, signals, [&display](const char* stage) { display.begins(stage); });
     }
     std::cout << platoon::report(model, analysis);
     nlohmann::json document = platoon::to_json(model, analysis);

@@ -23,6 +23,7 @@
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/launch_arguments.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"

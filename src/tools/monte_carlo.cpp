@@ -12,14 +12,15 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
-#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/results/trajectories_csv.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
+#include "stochastic_platoon/run/scaling/whole_run.hpp"
 #include "tools/settings.hpp"
 
 namespace {
@@ -38,55 +39,65 @@ void request_stop(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
-// Of the whole run. Unless it is complete, its checkpoint stays beside the results.
-void write_results(platoon::Configuration configuration, const platoon::Prediction& prediction,
-                   const platoon::Checkpoint& checkpoint, bool complete) {
-  const std::string output = configuration.run.output;
-  configuration.run.launch_id.clear();
-  platoon::RunResult result;
-  result.complete = complete;
-  result.tally = checkpoint.tally;
-  result.take(checkpoint.totals, platoon::cells_of(configuration));
-  platoon::write_results(configuration, prediction, result);
-  std::cout << platoon::report(configuration, prediction, result) << "Results: " << output
-            << "/statistics.csv and summary.json\n";
-  if (!complete) return;
-  std::filesystem::remove(platoon::checkpoint_file(output));
-  std::filesystem::remove(platoon::previous_checkpoint_file(output));
+// Shows the progress of a number of realizations, and takes orders to stop.
+class Display {
+public:
+  Display(const platoon::RunOptions& run, std::uint64_t realizations)
+      : display_(realizations, "realizations", static_cast<double>(run.followers) * static_cast<double>(run.steps),
+                 "vehicle-steps") {}
+
+  void connect(platoon::ShardSettings& settings) {
+    settings.progress = [this](std::uint64_t done) { display_.update(done, now()); };
+    settings.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
+    settings.stop = [] { return stop_requested.load(); };
+  }
+
+  void finish() { display_.finish(); }
+
+private:
+  platoon::ProgressDisplay display_;
+};
+
+// Returns whether all realizations are done.
+bool reported(const std::string& name, std::uint64_t done, std::uint64_t of) {
+  if (done < of) {
+    std::cout << name << ": stopped after " << done << " of " << of << " realizations: the same command continues\n";
+  }
+  return done == of;
 }
 
-// Returns whether the whole run or its shard is complete.
-bool run(platoon::Configuration configuration, const std::optional<std::string>& shard,
-         platoon::ShardSettings settings) {
+// Returns whether the run is complete.
+bool run_whole(const platoon::Configuration& configuration, platoon::ShardSettings settings) {
+  Display display(configuration.run, configuration.run.realizations);
+  display.connect(settings);
+  const platoon::WholeRun run = platoon::compute_run(configuration, settings);
+  display.finish();
+  if (run.result.realizations > 0) {
+    std::cout << platoon::report(configuration, run.prediction, run.result) << "Results: " << configuration.run.output
+              << "/statistics.csv and summary.json\n";
+  }
+  return reported("monte_carlo", run.result.realizations, configuration.run.realizations);
+}
+
+// Returns whether the shard is complete.
+bool run_shard(platoon::Configuration configuration, const std::string& text, platoon::ShardSettings settings) {
   platoon::RunOptions& options = configuration.run;
-  const platoon::Shard part = platoon::parse_shard(shard.value_or("0/1"), options.realizations);
-  const std::string name = shard ? platoon::name_of(part) : "monte_carlo";
-  // A restarted run keeps its name, so that it takes over its folder and its lock.
+  const platoon::ShardRun shard{configuration, platoon::parse_shard(text, options.realizations)};
+  const std::string name = platoon::name_of(shard.shard);
+  // A restarted shard keeps its name, so that it takes over its folder and its lock.
   options.launch_id = name;
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(options);
-  const std::optional<platoon::Prediction> prediction =
-      shard ? std::nullopt : std::optional(platoon::predict(configuration));
-  const platoon::RealizationRange range = platoon::range_of(part, options.realizations);
-  platoon::ProgressDisplay display(range.size(), "realizations",
-                                   static_cast<double>(options.followers) * static_cast<double>(options.steps),
-                                   "vehicle-steps");
-  settings.progress = [&display](std::uint64_t done) { display.update(done, now()); };
-  settings.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
-  settings.stop = [] { return stop_requested.load(); };
-  const auto [checkpoint, computed] = platoon::compute_shard({configuration, part}, settings);
+  const platoon::RealizationRange range = shard.range();
+  Display display(options, range.size());
+  display.connect(settings);
+  const auto [checkpoint, computed] = platoon::compute_shard({configuration, shard.shard}, settings);
   display.finish();
   const std::uint64_t done = checkpoint.totals.count();
-  const bool complete = done == range.size();
-  if (prediction && done > 0) write_results(configuration, *prediction, checkpoint, complete);
-  if (shard && complete) {
+  if (done == range.size()) {
     std::cout << name << ": complete: realizations " << range.first << " to " << range.end - 1 << " of "
               << options.realizations << ", " << computed << " of them computed now: " << options.output << "\n";
   }
-  if (!complete) {
-    std::cout << name << ": stopped after " << done << " of " << range.size()
-              << " realizations: the same command continues\n";
-  }
-  return complete;
+  return reported(name, done, range.size());
 }
 
 /// The configuration that the summary of a run states, with another output folder. Throws ConfigurationError if it
@@ -150,8 +161,8 @@ int main(int argc, char** argv) {
       {"trajectories", "writes trajectories.csv: every position, input and signal of that realization"}};
   std::map<std::string, std::string> help = own_help;
   help["steps"] = "steps per realization, 1 or more (100)";
-  help["batch"] = "realizations that a thread computes at once (" + std::string(platoon::kMonteCarloBatch) + ", with signals " +
-                  platoon::kMonteCarloBatchWithSignals + ")";
+  help["batch"] = "realizations that a thread computes at once (" + std::string(platoon::kMonteCarloBatch) +
+                  ", with signals " + platoon::kMonteCarloBatchWithSignals + ")";
   help["output"] = "folder for the results";
   help["burn_in"] = "steps that amplification.csv leaves out (none)";
   std::map<std::string, std::string> settings =
@@ -193,7 +204,7 @@ int main(int argc, char** argv) {
     }
     if (recorded && shard) throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
     platoon::log_slow_noise(argv[0]);
-    if (!run(configuration, shard, how)) return kInterrupted;
+    if (!(shard ? run_shard(configuration, *shard, how) : run_whole(configuration, how))) return kInterrupted;
     if (recorded) require_equal(*recorded, configuration.run.output, own["repeat"]);
     return 0;
   } catch (const std::exception& error) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <boost/program_options.hpp>
 #include <cstdlib>
-#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <thread>
@@ -12,6 +11,7 @@
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 
 namespace platoon {
@@ -28,13 +28,6 @@ std::string help_of(const std::string& name) {
     if (name == setting.name) return setting.help + (value.empty() ? "" : " (" + value + ")");
   }
   throw std::logic_error(name + ": is no setting");
-}
-
-// A shipped file of this folder by its bare name, unless a file of this name is in the working folder.
-std::string shipped_file(const std::string& name, const std::string& folder) {
-  const bool is_bare = !name.empty() && name.find('/') == std::string::npos;
-  const std::string shipped = package_folder() + "/" + folder + "/" + name;
-  return is_bare && !std::filesystem::exists(name) && std::filesystem::exists(shipped) ? shipped : name;
 }
 
 // Settings have the names of launch arguments; options have hyphens, as usual on a command line.
@@ -118,17 +111,6 @@ double seconds_of(const std::string& option, const std::string& text) {
   const double seconds = Section(node, "", problems).number(option, kPositive);
   if (!problems.empty()) throw ConfigurationError(problems);
   return seconds;
-}
-
-std::string package_folder() {
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
-  const std::filesystem::path installed = program.parent_path() / "../../share/stochastic_platoon";
-  if (std::filesystem::exists(installed / "config/paper.yaml")) return installed.lexically_normal().string();
-  return PLATOON_SOURCE_DIR;
-}
-
-std::string paper_model_file() {
-  return package_folder() + "/config/paper.yaml";
 }
 
 }  // namespace platoon

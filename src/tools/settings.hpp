@@ -32,11 +32,4 @@ double seconds_of(const std::string& option, const std::string& text);
 /// Logs that the noise is slow on this machine, and why.
 void log_slow_noise(const char* program);
 
-/// The folder of this package's launch files and models: in the install space if the program runs there, else the
-/// source folder.
-std::string package_folder();
-
-/// The paper's example as shipped with this program.
-std::string paper_model_file();
-
 }  // namespace platoon

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "stochastic_platoon/run/configuration/section.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"

@@ -230,6 +230,20 @@ void resolve_traces(const std::filesystem::path& folder, const YAML::Node& vehic
   for (const YAML::Node& input : value_at(vehicle, "inputs")) of_link(input);
 }
 
+// The document of a model and the given settings, with the defaults of the others.
+YAML::Node document_of(const YAML::Node& model, const std::map<std::string, std::string>& given) {
+  YAML::Node document;
+  document["version"] = kVersion;
+  document["model"] = model;
+  for (const Setting& setting : settings()) {
+    const auto value = given.find(setting.name);
+    put(setting, value == given.end() ? setting.default_value : value->second, document);
+  }
+  return document;
+}
+
+}  // namespace
+
 YAML::Node load_model(const std::string& file) {
   YAML::Node model = load_yaml(file);
   const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
@@ -239,18 +253,14 @@ YAML::Node load_model(const std::string& file) {
   return model;
 }
 
-}  // namespace
-
 YAML::Node configuration_document(const std::map<std::string, std::string>& given) {
   require_known(given);
-  YAML::Node document;
-  document["version"] = kVersion;
-  document["model"] = load_model(given.count("model") > 0 ? given.at("model") : "");
-  for (const Setting& setting : settings()) {
-    const auto value = given.find(setting.name);
-    put(setting, value == given.end() ? setting.default_value : value->second, document);
-  }
-  return document;
+  return document_of(load_model(given.count("model") > 0 ? given.at("model") : ""), given);
+}
+
+YAML::Node configuration_document(const YAML::Node& model, const std::map<std::string, std::string>& given) {
+  require_known(given);
+  return document_of(YAML::Clone(model), given);
 }
 
 YAML::Node configuration_document(const Configuration& base, const std::map<std::string, std::string>& given) {
@@ -266,7 +276,7 @@ YAML::Node configuration_document(const Configuration& base, const std::map<std:
 
 void override_value(YAML::Node& document, const std::string& name, const YAML::Node& value) {
   for (const Setting& setting : settings()) {
-    if (name != setting.name) continue;
+    if (name != setting.name && (setting.model_key == nullptr || name != setting.model_key)) continue;
     // A mapping is the section of this name.
     if (value.IsMap() && std::count(setting.replaces.begin(), setting.replaces.end(), name) > 0) break;
     if (setting.model_key == nullptr) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/burst_moments.hpp"
 #include "stochastic_platoon/math/string/burst_pattern.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
@@ -112,6 +113,33 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
   analysis.bursts = critical_mean_burst(model);
   analysis.signals = analyze_signals(model, signals, followers, steps, analysis.stability.string_stable, begins);
   return analysis;
+}
+
+namespace {
+
+// The first step of the amplification.
+std::int64_t burn_in_of(RunOptions run, const SignalRequest& signals) {
+  run.signals = signals.names;
+  if (run.burn_in > 0 && !run.has_amplification()) {
+    throw ConfigurationError({formatted("burn-in: %lld: must go with --signals speed, and be at most steps - 2 = %lld",
+                                        static_cast<long long>(run.burn_in), static_cast<long long>(run.steps - 2))});
+  }
+  return run.burn_in;
+}
+
+}  // namespace
+
+Analysis analyze(const Configuration& configuration, SignalRequest signals, const StageObserver& begins) {
+  const PlatoonModel& model = configuration.model;
+  const RunOptions& run = configuration.run;
+  if (run.averaging() == Averaging::over_time) throw ConfigurationError({"steps: 0: must be at least 1 here"});
+  signals.burn_in = burn_in_of(run, signals);
+  if (theory_of(model) == Theory::exact && has_bursts(model) && !has_feasible_burst_moments(run.followers, run.steps)) {
+    throw ConfigurationError(
+        {formatted("steps: %lld: must be at most %.0f with losses in bursts, and followers x steps^2 at most %.0e",
+                   static_cast<long long>(run.steps), kMostBurstSteps, kMostBurstCells)});
+  }
+  return analyze(model, run.followers, run.steps, begins, signals);
 }
 
 std::string report(const PlatoonModel& model, const Analysis& analysis) {

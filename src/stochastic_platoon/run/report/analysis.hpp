@@ -48,6 +48,11 @@ Analysis analyze(
     const PlatoonModel& model, std::size_t followers, std::int64_t steps,
     const StageObserver& begins = [](const char*) {}, const SignalRequest& signals = {});
 
+/// The analysis of a configuration's platoon over its steps. Throws ConfigurationError for an endless run, for a
+/// burn-in without amplification, and for more steps than the theory of losses in bursts can be computed for.
+Analysis analyze(
+    const Configuration& configuration, SignalRequest signals = {}, const StageObserver& begins = [](const char*) {});
+
 /// Text report: the verdict first, then the reasons.
 std::string report(const PlatoonModel& model, const Analysis& analysis);
 

@@ -5,6 +5,8 @@
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
 
@@ -68,6 +70,24 @@ std::string amplification_line(const SignalAnalysis& analysis) {
 }
 
 }  // namespace
+
+SignalRequest signal_request(const std::string& names, const std::string& collision_probability) {
+  SignalRequest request;
+  std::vector<std::string> problems;
+  try {
+    request.names = signal_names(names);
+  } catch (const std::invalid_argument& error) {
+    problems.emplace_back(error.what());
+  }
+  if (!collision_probability.empty()) {
+    YAML::Node node;
+    node["collision_probability"] = collision_probability;
+    const Allowed allowed{"a number above 0 and below 0.5", 0.0, std::nan(""), kLargest, 0.5};
+    request.collision_probability = Section(node, "", problems).number("collision_probability", allowed);
+  }
+  if (!problems.empty()) throw ConfigurationError(problems);
+  return request;
+}
 
 std::vector<std::string> SignalRequest::all_names() const {
   std::vector<std::string> all = names;

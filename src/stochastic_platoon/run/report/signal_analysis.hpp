@@ -22,6 +22,10 @@ struct SignalRequest {
   std::vector<std::string> all_names() const;
 };
 
+/// Reads a request from texts: names separated by commas, and a number or nothing. Throws ConfigurationError with all
+/// problems.
+SignalRequest signal_request(const std::string& names, const std::string& collision_probability);
+
 /// The theory of the requested signals. Empty if errors are not normal.
 struct SignalAnalysis {
   SignalRequest request;

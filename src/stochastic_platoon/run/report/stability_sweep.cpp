@@ -25,9 +25,23 @@ StringStability stability_of(const PlatoonModel& model) {
   return unknown;
 }
 
+// Throws unless all values are finite and satisfy the condition that `allowed` states.
+template <typename Condition>
+void require_all(const char* name, const std::vector<double>& values, const char* allowed, const Condition& condition) {
+  for (const double value : values) {
+    if (!std::isfinite(value) || !condition(value))
+      throw std::invalid_argument(formatted("%s: %g: must be %s", name, value, allowed));
+  }
+}
+
 }  // namespace
 
 std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) {
+  const auto above_zero = [](double value) { return value > 0.0; };
+  require_all("headway", axes.headways, "a finite number > 0", above_zero);
+  require_all("gain", axes.gains, "a finite number > 0", above_zero);
+  require_all("loss", axes.losses, "from 0 to below 1", [](double value) { return value >= 0.0 && value < 1.0; });
+  require_all("mean_burst", axes.bursts, "a finite number >= 1", [](double value) { return value >= 1.0; });
   if (!model.default_vehicle().design && !(axes.headways.empty() && axes.gains.empty())) {
     throw std::invalid_argument("closed_loop: given: must be plant and controller for a sweep over headways");
   }

@@ -1,9 +1,10 @@
 #include "stochastic_platoon/run/results/result_files.hpp"
 
 #include <cmath>
-#include <map>
-#include <nlohmann/json.hpp>
+#include <filesystem>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
@@ -120,25 +121,27 @@ std::size_t place_of_checksum(const std::string& text) {
   return found == std::string::npos ? found : found + own.size();
 }
 
-// The files beside the summary, by name without ending.
-using Tables = std::map<std::string, std::string>;
+using Files = std::map<std::string, std::string>;  // contents by name
 
-Tables tables_of(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
-  Tables tables{{"statistics", statistics_csv(configuration, prediction, result)}};
-  if (!result.signals.empty()) tables["signals"] = signals_csv(configuration, prediction, result);
+Files tables_of(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
+  Files tables{{"statistics.csv", statistics_csv(configuration, prediction, result)}};
+  if (!result.signals.empty()) tables["signals.csv"] = signals_csv(configuration, prediction, result);
   if (!result.signals.empty() && configuration.run.has_amplification())
-    tables["amplification"] = amplification_csv(configuration, prediction, result);
-  if (!result.gaps.empty()) tables["gaps"] = gaps_csv(configuration, prediction, result);
-  if (std::string ages = ages_csv(configuration, result); !ages.empty()) tables["ages"] = std::move(ages);
+    tables["amplification.csv"] = amplification_csv(configuration, prediction, result);
+  if (!result.gaps.empty()) tables["gaps.csv"] = gaps_csv(configuration, prediction, result);
+  if (std::string ages = ages_csv(configuration, result); !ages.empty()) tables["ages.csv"] = std::move(ages);
   return tables;
 }
 
-std::string summary_text(nlohmann::json summary, const Tables& tables) {
+std::string summary_text(nlohmann::json summary, const Files& tables) {
   summary["crc32"] = {{"summary", kNoChecksum}};
-  for (const auto& [name, content] : tables) summary["crc32"][name] = checksum(content);
+  for (const auto& [name, content] : tables)
+    summary["crc32"][std::filesystem::path(name).stem().string()] = checksum(content);
   std::string text = summary.dump(2) + "\n";
   return text.replace(place_of_checksum(text), kNoChecksum.size(), checksum(text));
 }
+
+constexpr char kSummary[] = "summary.json";
 
 }  // namespace
 
@@ -154,15 +157,46 @@ bool is_whole_summary(const std::string& text) {
   return text.substr(place, kNoChecksum.size()) == checksum(without);
 }
 
-void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
-  const std::string& output = configuration.run.output;
-  const Tables tables = tables_of(configuration, prediction, result);
+Files result_files(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
+  Files files = tables_of(configuration, prediction, result);
   nlohmann::json summary = summary_json(configuration, prediction, result);
   summary.update(provenance(configuration));
   if (!result.gaps.empty()) summary["smallest_gap"] = smallest_gap_json(result);
-  write_atomically(unfinished_summary_file(output), summary_text(std::move(summary), tables));
-  for (const auto& [name, content] : tables) write_atomically(output + "/" + name + ".csv", content);
-  sync_and_rename(unfinished_summary_file(output), output + "/summary.json");
+  std::string text = summary_text(std::move(summary), files);
+  files[kSummary] = std::move(text);
+  return files;
+}
+
+void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
+  const std::string& output = configuration.run.output;
+  Files files = result_files(configuration, prediction, result);
+  write_atomically(unfinished_summary_file(output), files.extract(kSummary).mapped());
+  for (const auto& [name, content] : files) write_atomically(output + "/" + name, content);
+  sync_and_rename(unfinished_summary_file(output), output + "/" + kSummary);
+}
+
+ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder) {
+  const std::string file = folder + "/" + kSummary;
+  const auto require_undamaged = [](bool is_undamaged, const std::string& name) {
+    if (!is_undamaged) throw std::invalid_argument(name + ": is not as it was written: damaged, or changed by hand");
+  };
+  const std::string text = read(kSummary);
+  ResultTables results;
+  try {
+    results.summary = nlohmann::json::parse(text);
+  } catch (const nlohmann::json::exception& error) {
+    throw std::invalid_argument(file + ": not JSON: " + error.what());
+  }
+  if (!results.summary.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
+  if (!results.summary.contains("crc32")) throw std::invalid_argument(file + ": crc32 is missing");
+  require_undamaged(is_whole_summary(text), file);
+  for (const auto& [name, sum] : results.summary["crc32"].items()) {
+    if (name == "summary") continue;
+    const std::string table = read(name + ".csv"), table_file = folder + "/" + name + ".csv";
+    require_undamaged(sum == checksum(table), table_file);
+    results.tables[name] = parse_csv(table, table_file);
+  }
+  return results;
 }
 
 }  // namespace platoon

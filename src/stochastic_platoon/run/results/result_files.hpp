@@ -1,7 +1,11 @@
 #pragma once
 
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "stochastic_platoon/run/io/csv_table.hpp"
 #include "stochastic_platoon/run/results/run_result.hpp"
 
 namespace platoon {
@@ -11,6 +15,20 @@ namespace platoon {
 /// "crc32" holds the checksum() of each, its own computed with "00000000" in its place, so that readers detect damage.
 /// Throws std::runtime_error.
 void write_results(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
+
+/// The same files without writing them: contents by name ("statistics.csv").
+std::map<std::string, std::string> result_files(const Configuration& configuration, const Prediction& prediction,
+                                                const RunResult& result);
+
+/// Results as tables.
+struct ResultTables {
+  nlohmann::json summary;
+  std::map<std::string, CsvTable> tables;  ///< by name without ending ("statistics")
+};
+
+/// Reads the files of a result. `read` returns the content of a file by its name; `folder` names them in messages.
+/// Throws std::invalid_argument if one is not as it was written, and whatever `read` throws.
+ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder);
 
 /// Name of summary.json until statistics.csv is there: with it, a statistics.csv without summary.json is what a killed
 /// write_results() left.

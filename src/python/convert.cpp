@@ -1,0 +1,120 @@
+#include "python/convert.hpp"
+
+#include <cmath>
+#include <system_error>
+#include <variant>
+
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+
+namespace platoon::python {
+
+namespace {
+
+bool is_number(const nlohmann::json& value) {
+  return value.is_number() || value.is_null();
+}
+
+// Whether it is a list of numbers with at least one.
+bool is_row(const nlohmann::json& value) {
+  if (!value.is_array() || value.empty()) return false;
+  for (const nlohmann::json& element : value) {
+    if (!is_number(element)) return false;
+  }
+  return true;
+}
+
+bool is_matrix(const nlohmann::json& value) {
+  if (!value.is_array() || value.empty()) return false;
+  for (const nlohmann::json& row : value) {
+    if (!is_row(row) || row.size() != value.front().size()) return false;
+  }
+  return true;
+}
+
+void append(const nlohmann::json& row, std::vector<double>& values) {
+  for (const nlohmann::json& element : row) values.push_back(element.is_null() ? std::nan("") : element.get<double>());
+}
+
+py::object object_of(const nlohmann::json& value, bool with_arrays) {
+  switch (value.type()) {
+    case nlohmann::json::value_t::null:
+      return py::none();
+    case nlohmann::json::value_t::boolean:
+      return py::bool_(value.get<bool>());
+    case nlohmann::json::value_t::number_integer:
+      return py::int_(value.get<std::int64_t>());
+    case nlohmann::json::value_t::number_unsigned:
+      return py::int_(value.get<std::uint64_t>());
+    case nlohmann::json::value_t::number_float:
+      return py::float_(value.get<double>());
+    case nlohmann::json::value_t::string:
+      return py::str(value.get<std::string>());
+    case nlohmann::json::value_t::object: {
+      py::dict object;
+      for (const auto& [key, element] : value.items()) object[py::str(key)] = object_of(element, with_arrays);
+      return std::move(object);
+    }
+    default:
+      break;
+  }
+  std::vector<double> values;
+  if (with_arrays && (is_row(value) || value.empty())) {
+    append(value, values);
+    return array_of(std::move(values));
+  }
+  if (with_arrays && is_matrix(value)) {
+    for (const nlohmann::json& row : value) append(row, values);
+    const auto rows = static_cast<py::ssize_t>(value.size());
+    return array_of(std::move(values)).reshape({rows, py::ssize_t{-1}});
+  }
+  py::list list;
+  for (const nlohmann::json& element : value) list.append(object_of(element, with_arrays));
+  return std::move(list);
+}
+
+}  // namespace
+
+py::object object_of(const nlohmann::json& value) {
+  return object_of(value, true);
+}
+
+py::object plain_object_of(const nlohmann::json& value) {
+  return object_of(value, false);
+}
+
+py::dict dict_of(CsvTable table) {
+  py::dict columns;
+  for (std::size_t j = 0; j < table.names.size(); ++j) {
+    py::object column;
+    if (auto* numbers = std::get_if<std::vector<double>>(&table.columns[j])) {
+      column = array_of(std::move(*numbers));
+    } else {
+      py::list texts;
+      for (const std::string& text : std::get<std::vector<std::string>>(table.columns[j])) texts.append(py::str(text));
+      column = std::move(texts);
+    }
+    columns[py::str(table.names[j])] = column;
+  }
+  return columns;
+}
+
+py::tuple tuple_of(ResultTables results) {
+  py::dict tables;
+  for (auto& [name, table] : results.tables) tables[py::str(name)] = dict_of(std::move(table));
+  return py::make_tuple(plain_object_of(results.summary), tables);
+}
+
+void register_exceptions() {
+  py::register_local_exception_translator([](std::exception_ptr raised) {
+    try {
+      if (raised) std::rethrow_exception(raised);
+    } catch (const ConfigurationError& error) {
+      PyErr_SetString(PyExc_ValueError, error.what());
+    } catch (const std::system_error& error) {
+      const bool is_missing = error.code() == std::errc::no_such_file_or_directory;
+      PyErr_SetString(is_missing ? PyExc_FileNotFoundError : PyExc_OSError, error.what());
+    }
+  });
+}
+
+}  // namespace platoon::python

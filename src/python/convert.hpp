@@ -1,0 +1,42 @@
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "stochastic_platoon/run/results/result_files.hpp"
+
+namespace platoon::python {
+
+namespace py = pybind11;
+
+/// The values as an array of one dimension that owns them: nothing is copied.
+template <typename T>
+py::array_t<T> array_of(std::vector<T> values) {
+  auto* kept = new std::vector<T>(std::move(values));
+  const py::capsule owner(kept, [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); });
+  return py::array_t<T>(static_cast<py::ssize_t>(kept->size()), kept->data(), owner);
+}
+
+/// A JSON value in Python: lists of numbers, of one or two dimensions, become arrays of float with NaN for null;
+/// everything else is what json.loads returns.
+py::object object_of(const nlohmann::json& value);
+
+/// What json.loads returns.
+py::object plain_object_of(const nlohmann::json& value);
+
+/// {name: array of float, or list of str}.
+py::dict dict_of(CsvTable table);
+
+/// (summary, {name: table}).
+py::tuple tuple_of(ResultTables results);
+
+/// Raises the Python exceptions that correspond to this package's: ValueError for what a caller gave, FileNotFoundError
+/// and OSError for files, with the same texts.
+void register_exceptions();
+
+}  // namespace platoon::python

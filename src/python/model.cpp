@@ -1,0 +1,57 @@
+#include "python/model.hpp"
+
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
+
+namespace platoon::python {
+
+namespace {
+
+YAML::Node document_of(const std::string& text, const std::string& name) {
+  try {
+    return YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError({name + ": must be YAML: " + error.what()});
+  }
+}
+
+// A setting of a run is no part of a model.
+void require_model_key(const std::string& name) {
+  for (const Setting& setting : settings()) {
+    if (name == setting.name && setting.model_key == nullptr)
+      throw ConfigurationError({name + ": belongs to a run: must be a key of the model file"});
+  }
+}
+
+}  // namespace
+
+Model Model::load(const std::string& file) {
+  const std::string found = shipped_file(file, "config");
+  if (!std::filesystem::exists(found)) throw std::system_error(ENOENT, std::generic_category(), "model: " + file);
+  return Model(load_model(found));
+}
+
+Model Model::parse(const std::string& text) {
+  return Model(document_of(text, "model"));
+}
+
+Model Model::replaced(const std::map<std::string, std::string>& changes) const {
+  YAML::Node document;
+  document["model"] = YAML::Clone(document_);
+  for (const auto& [name, value] : changes) {
+    require_model_key(name);
+    override_value(document, name, document_of(value, name));
+  }
+  return Model(document["model"]);
+}
+
+Configuration Model::configuration(const std::map<std::string, std::string>& settings) const {
+  return parse_configuration(configuration_document(document_, settings));
+}
+
+}  // namespace platoon::python

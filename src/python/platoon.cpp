@@ -1,0 +1,190 @@
+// The extension module stochastic_platoon._platoon: models, theory and Monte Carlo, without ROS. The package around it,
+// in the folder stochastic_platoon, gives it names, types and documentation.
+
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+#include <exception>
+#include <optional>
+#include <thread>
+
+#include "python/convert.hpp"
+#include "python/model.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
+#include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
+#include "stochastic_platoon/run/report/analysis.hpp"
+#include "stochastic_platoon/run/report/stability_sweep.hpp"
+#include "stochastic_platoon/run/results/run_report.hpp"
+#include "stochastic_platoon/run/results/trajectories_csv.hpp"
+#include "stochastic_platoon/run/scaling/whole_run.hpp"
+
+namespace platoon::python {
+
+namespace {
+
+using Settings = std::map<std::string, std::string>;
+
+/// What Python does during a computation without the interpreter's lock: the caller's callback and Ctrl-C. What they
+/// raise stops the computation and is raised at its end.
+class Interruptions {
+public:
+  explicit Interruptions(std::function<void(std::uint64_t)> callback) : callback_(std::move(callback)) {}
+
+  void look(std::uint64_t done) {
+    if (raised_) return;
+    const py::gil_scoped_acquire lock;
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (callback_) callback_(done);
+    } catch (...) {
+      raised_ = std::current_exception();
+    }
+  }
+
+  bool stopped() const { return raised_ != nullptr; }
+
+  void rethrow() const {
+    if (raised_) std::rethrow_exception(raised_);
+  }
+
+private:
+  std::function<void(std::uint64_t)> callback_;
+  std::exception_ptr raised_;
+};
+
+py::tuple analyze_model(const Model& model, const Settings& settings, const std::string& signals,
+                        const std::string& collision_probability) {
+  const Configuration configuration = model.configuration(settings);
+  const SignalRequest request = signal_request(signals, collision_probability);
+  nlohmann::json document;
+  std::string text;
+  {
+    const py::gil_scoped_release unlocked;
+    const Analysis analysis = analyze(configuration, request);
+    document = to_json(configuration.model, analysis);
+    text = report(configuration.model, analysis);
+  }
+  return py::make_tuple(object_of(document), text);
+}
+
+py::dict stability_map(const Model& model, const SweepAxes& axes) {
+  const PlatoonModel own = model.model();
+  CsvTable table;
+  {
+    const py::gil_scoped_release unlocked;
+    table = parse_csv(to_csv(sweep(own, axes)), "map");
+  }
+  return dict_of(std::move(table));
+}
+
+py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads, double checkpoint_seconds,
+                         std::function<void(std::uint64_t)> progress, std::function<void(std::string)> warn) {
+  add_monte_carlo_batch(settings);
+  Configuration configuration = model.configuration(settings);
+  configuration.run.hosting = Hosting::monte_carlo;
+  if (configuration.run.averaging() == Averaging::over_time)
+    throw ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
+  Interruptions interruptions(std::move(progress));
+  ShardSettings how;
+  how.threads = threads > 0 ? threads : std::max(std::thread::hardware_concurrency(), 1u);
+  how.checkpoint_seconds = checkpoint_seconds;
+  how.progress = [&](std::uint64_t done) { interruptions.look(done); };
+  how.stop = [&] { return interruptions.stopped(); };
+  how.warn = [&](const std::string& text) {
+    const py::gil_scoped_acquire lock;
+    warn(text);
+  };
+  std::string text;
+  ResultTables tables;
+  {
+    const py::gil_scoped_release unlocked;
+    const WholeRun run = compute_run(configuration, how);
+    if (!interruptions.stopped()) {
+      const auto files = result_files(configuration, run.prediction, run.result);
+      tables = parse_results([&](const std::string& name) { return files.at(name); }, "monte_carlo");
+      text = report(configuration, run.prediction, run.result);
+    }
+  }
+  interruptions.rethrow();
+  py::tuple result = tuple_of(std::move(tables));
+  return py::make_tuple(result[0], result[1], text);
+}
+
+py::dict trajectories_of(const Model& model, const Settings& settings, std::uint64_t realization) {
+  const Configuration configuration = model.configuration(settings);
+  CsvTable table;
+  {
+    const py::gil_scoped_release unlocked;
+    table = parse_csv(trajectories_csv(configuration, realization), "trajectories");
+  }
+  return dict_of(std::move(table));
+}
+
+py::object json_of(const std::string& file) {
+  const nlohmann::json document = nlohmann::json::parse(read_file(file), nullptr, false);
+  if (document.is_discarded()) throw std::invalid_argument(file + ": not JSON");
+  if (!document.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
+  return object_of(document);
+}
+
+py::dict vehicle_of(const Model& model, std::size_t index) {
+  const VehicleModel& of = vehicle(model.model(), index);
+  const LinkModel& link = varied_link(of);
+  nlohmann::json document = to_json(of.loop.realization);
+  document["time_headway"] = of.headway;
+  document["standstill_distance"] = of.standstill_distance;
+  document["vehicle_length"] = of.length;
+  document["noise_variance"] = of.noise_variance;
+  document["place"] = place_in_formation(model.model(), index);
+  document["loss_probability"] = link.loss ? nlohmann::json(link.loss->probability) : nlohmann::json();
+  return object_of(document);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_platoon, module) {
+  register_exceptions();
+  module.attr("version") = kVersion;
+  module.def("shipped_file", &shipped_file, py::arg("name"), py::arg("folder"));
+  module.def("signal_names", [] {
+    std::vector<std::string> names;
+    for (const SignalKind& kind : signal_kinds()) names.emplace_back(kind.name);
+    return names;
+  });
+
+  py::class_<Model>(module, "Model")
+      .def_static("load", &Model::load, py::arg("file"))
+      .def_static("parse", &Model::parse, py::arg("text"))
+      .def("replaced", &Model::replaced, py::arg("changes"))
+      .def("document", [](const Model& model) { return plain_object_of(model.document()); })
+      .def("text", [](const Model& model) { return model.document().dump(); })
+      .def("vehicle", &vehicle_of, py::arg("index"))
+      .def_property_readonly("sample_period", [](const Model& model) { return model.model().sample_period; })
+      .def_property_readonly("is_homogeneous", [](const Model& model) { return is_homogeneous(model.model()); });
+
+  py::class_<SweepAxes>(module, "SweepAxes")
+      .def(py::init<std::vector<double>, std::vector<double>, std::vector<double>, std::vector<double>>(),
+           py::arg("headway"), py::arg("gain"), py::arg("loss"), py::arg("mean_burst"));
+
+  module.def("parse_configuration", [](const std::string& text) {
+    const Configuration configuration = parse_configuration(text);
+    const nlohmann::json document = to_json(configuration);
+    return py::make_tuple(Model::parse(document["model"].dump()), plain_object_of(document["run"]));
+  });
+  module.def("analyze", &analyze_model, py::arg("model"), py::arg("settings"), py::arg("signals"),
+             py::arg("collision_probability"));
+  module.def("stability_map", &stability_map, py::arg("model"), py::arg("axes"));
+  module.def("monte_carlo", &monte_carlo_of, py::arg("model"), py::arg("settings"), py::arg("threads"),
+             py::arg("checkpoint_seconds"), py::arg("progress"), py::arg("warn"));
+  module.def("trajectories", &trajectories_of, py::arg("model"), py::arg("settings"), py::arg("realization"));
+  module.def("read_results", [](const std::string& folder) {
+    return tuple_of(parse_results([&](const std::string& name) { return read_file(folder + "/" + name); }, folder));
+  });
+  module.def("read_table", [](const std::string& file) { return dict_of(parse_csv(read_file(file), file)); });
+  module.def("read_json", &json_of, py::arg("file"));
+}
+
+}  // namespace platoon::python

@@ -1,0 +1,124 @@
+// The extension module stochastic_platoon._recordings: recorded platoons. It is apart from _platoon, as it needs the
+// libraries of ROS, which take longer to load.
+
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <limits>
+
+#include "python/convert.hpp"
+#include "stochastic_platoon/ros/bags/bag_statistics.hpp"
+#include "stochastic_platoon/ros/bags/bag_stream.hpp"
+#include "stochastic_platoon/run/results/run_report.hpp"
+
+namespace platoon::python {
+
+namespace {
+
+BagSource source_of(std::vector<std::string> files, bool partial, bool unverified) {
+  if (files.empty()) throw std::invalid_argument("recording: no files: must be at least one bag");
+  return {std::move(files), partial ? Accept::cut : Accept::whole, unverified};
+}
+
+PlatoonTopic::Kind kind_of(const std::string& stream) {
+  for (const auto& [name, kind] : {std::pair("position", PlatoonTopic::Kind::position),
+                                   std::pair("predecessor_position", PlatoonTopic::Kind::predecessor_position),
+                                   std::pair("input", PlatoonTopic::Kind::input),
+                                   std::pair("predecessor_input", PlatoonTopic::Kind::predecessor_input)}) {
+    if (stream == name) return kind;
+  }
+  throw std::invalid_argument("stream: " + stream +
+                              ": must be position, predecessor_position, input or predecessor_input");
+}
+
+/// The values of one stream: a row per realization and a column per step from -1 on, NaN where the recording has none.
+/// An endless run has one row, which grows.
+class StreamTable {
+public:
+  explicit StreamTable(const RunOptions& run)
+      : rows_(run.realizations), columns_(static_cast<std::size_t>(run.steps) + 1), grows_(run.steps == 0) {
+    if (grows_) columns_ = 0;
+    values_.assign(rows_ * columns_, std::nan(""));
+  }
+
+  // A restarted attempt sends the same values again.
+  void take(const stochastic_platoon::Position& message) {
+    const auto column = static_cast<std::size_t>(message.step + 1);
+    const std::size_t first = message.first_realization, count = message.position.size();
+    if (message.step < -1 || first > rows_ || count > rows_ - first || (!grows_ && column >= columns_)) return;
+    if (grows_ && column >= values_.size()) values_.resize(column + 1, std::nan(""));
+    for (std::size_t j = 0; j < count; ++j) values_[(first + j) * columns_ + column] = message.position[j];
+  }
+
+  py::array_t<double> array() {
+    const auto rows = static_cast<py::ssize_t>(rows_);
+    return array_of(std::move(values_)).reshape({rows, py::ssize_t{-1}});
+  }
+
+private:
+  std::size_t rows_, columns_;
+  bool grows_;
+  std::vector<double> values_;
+};
+
+py::array_t<double> values_of(const BagSource& source, const std::string& stream, std::size_t vehicle) {
+  const PlatoonTopic::Kind kind = kind_of(stream);
+  const py::gil_scoped_release unlocked;
+  const RunOptions run = recorded_platoon(source).configuration.run;
+  const bool is_received =
+      kind == PlatoonTopic::Kind::predecessor_position || kind == PlatoonTopic::Kind::predecessor_input;
+  if (vehicle > run.followers || (vehicle == 0 && is_received)) {
+    throw std::out_of_range("vehicle: " + std::to_string(vehicle) + ": must be from " + (is_received ? "1" : "0") +
+                            " to " + std::to_string(run.followers));
+  }
+  StreamTable table(run);
+  BagStream bags(source, [&](const PlatoonTopic& topic) { return topic.kind == kind && topic.vehicle == vehicle; });
+  bool is_empty = true;
+  while (const std::optional<RecordedMessage> recorded = bags.next()) {
+    table.take(*std::get<stochastic_platoon::Position::Ptr>(recorded->content));
+    is_empty = false;
+  }
+  if (is_empty) {
+    throw std::out_of_range("stream: " + stream + " of vehicle " + std::to_string(vehicle) +
+                            ": is not in the recording");
+  }
+  const py::gil_scoped_acquire locked;
+  return table.array();
+}
+
+py::tuple results_of(const BagSource& source, const std::optional<std::vector<std::string>>& signals) {
+  ResultTables tables;
+  std::string text;
+  std::vector<std::string> findings;
+  {
+    const py::gil_scoped_release unlocked;
+    BagStatistics statistics = statistics_of_bags(source, nullptr, signals);
+    if (statistics.result.realizations == 0)
+      throw BagError(source.files.front() + ": holds no whole batch: there are no statistics");
+    Configuration& configuration = statistics.configuration;
+    configuration.run.hosting = Hosting::bag;
+    configuration.run.output.clear();
+    const Prediction prediction = predict(configuration);
+    const auto files = result_files(configuration, prediction, statistics.result);
+    tables = parse_results([&](const std::string& name) { return files.at(name); }, source.files.front());
+    text = report(configuration, prediction, statistics.result);
+    findings = statistics.findings;
+  }
+  const py::tuple result = tuple_of(std::move(tables));
+  return py::make_tuple(result[0], result[1], text, findings);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_recordings, module) {
+  register_exceptions();
+  py::register_local_exception<BagError>(module, "RecordingError", PyExc_ValueError);
+  py::class_<BagSource>(module, "Source")
+      .def(py::init(&source_of), py::arg("files"), py::arg("partial"), py::arg("unverified"));
+  module.def("configuration",
+             [](const BagSource& source) { return to_json(recorded_platoon(source).configuration).dump(); });
+  module.def("values", &values_of, py::arg("source"), py::arg("stream"), py::arg("vehicle"));
+  module.def("results", &results_of, py::arg("source"), py::arg("signals"));
+}
+
+}  // namespace platoon::python

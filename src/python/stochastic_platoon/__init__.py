@@ -1,0 +1,25 @@
+"""Vehicle platoons from a script: models, exact theory, Monte Carlo and recordings as NumPy arrays, without a ROS master.
+
+    import stochastic_platoon as sp
+
+    model = sp.Model.load("paper.yaml").replace(time_headway=3.0)
+    analysis = sp.analyze(model)
+    results = sp.monte_carlo(model, realizations=10**6)
+    print(analysis.string_stable, results.variance[-1, -1], analysis.variance[-1, -1])
+
+Errors are ValueError for a value, FileNotFoundError for a file and KeyError for a name, with the texts of the tools. The
+messages of this package's topics are in stochastic_platoon.msg.
+"""
+
+from ._platoon import version as __version__
+from .model import Configuration, Model, Vehicle
+from .recording import Recording
+from .results import Ages, Amplification, Gaps, Moments, Results
+from .simulation import Trajectories, monte_carlo, trajectories
+from .sweeps import Sweep
+from .theory import Analysis, StabilityMap, analyze, stability_map
+
+__all__ = [
+    "__version__", "Ages", "Amplification", "Analysis", "Configuration", "Gaps", "Model", "Moments", "Recording", "Results",
+    "StabilityMap", "Sweep", "Trajectories", "Vehicle", "analyze", "monte_carlo", "stability_map", "trajectories",
+]

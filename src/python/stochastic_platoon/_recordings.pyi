@@ -1,0 +1,17 @@
+from typing import Any, Dict, List, Optional, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .tables import Columns
+
+class RecordingError(ValueError): ...
+
+class Source:
+    def __init__(self, files: List[str], partial: bool, unverified: bool) -> None: ...
+
+def configuration(source: Source) -> str: ...
+def values(source: Source, stream: str, vehicle: int) -> NDArray[np.float64]: ...
+def results(
+    source: Source, signals: Optional[List[str]]
+) -> Tuple[Dict[str, Any], Dict[str, Columns], str, List[str]]: ...

@@ -1,0 +1,137 @@
+"""The model of a platoon: what its model file says."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
+
+import numpy as np
+
+from . import _platoon
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+PathLike = Union[str, "os.PathLike[str]"]
+
+
+def _as_json(value: Any) -> str:
+    """The value as JSON, with arrays and numbers of NumPy as what they hold."""
+    return json.dumps(value, default=lambda other: other.tolist())
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """One vehicle of a platoon. Its closed loop is x(k + 1) = A x(k) + B y_{i-1}(k), y_i(k) = C x(k)."""
+
+    A: NDArray[np.float64]  #: shape (n, n)
+    B: NDArray[np.float64]  #: shape (n,)
+    C: NDArray[np.float64]  #: shape (n,)
+    time_headway: float  #: h [sample periods]
+    standstill_distance: float  #: delta [m], to the predecessor
+    vehicle_length: float  #: [m]
+    noise_variance: float  #: P_d [m^2] of the link into it
+    loss_probability: Optional[float]  #: of that link, or of the radio if there is one; None where nothing is lost
+    place: float  #: [m] in formation, the leader at 0
+
+
+class Model:
+    """A platoon as its model file describes it (config/README.md). Models never change: replace() returns another one."""
+
+    def __init__(self, handle: _platoon.Model) -> None:
+        self._handle = handle
+
+    @classmethod
+    def load(cls, path: PathLike = "paper.yaml") -> Model:
+        """The model in a file, or the shipped one of this name, as "acc.yaml".
+
+        Raises FileNotFoundError, and ValueError with all problems of the file.
+        """
+        return cls(_platoon.Model.load(os.fspath(path)))
+
+    @classmethod
+    def parse(cls, text: str) -> Model:
+        """The model of a text in the format of the file, or in JSON. Raises ValueError with all problems."""
+        return cls(_platoon.Model.parse(text))
+
+    @classmethod
+    def from_dict(cls, document: Mapping[str, Any]) -> Model:
+        """The model of what to_dict() returns. Raises ValueError with all problems."""
+        return cls.parse(_as_json(dict(document)))
+
+    def replace(self, changes: Optional[Mapping[str, Any]] = None, **keys: Any) -> Model:
+        """The model with other values of keys of the model file; nested ones as a path: replace({"channel/delay": 2}).
+
+        The short names of launch arguments work, too: headway, loss, mean_burst, delay, leader. Raises ValueError with all
+        problems.
+        """
+        named = {name: _as_json(value) for name, value in {**(changes or {}), **keys}.items()}
+        return Model(self._handle.replaced(named))
+
+    def to_dict(self) -> Dict[str, Any]:
+        """The keys and values of the model file, with all defaults."""
+        return self._handle.document()
+
+    def vehicle(self, index: int) -> Vehicle:
+        """Vehicle `index`: 0 is the leader, followers count from 1 without end, as the string of types repeats.
+
+        Raises IndexError for a negative index.
+        """
+        if index < 0:
+            raise IndexError("vehicle: {}: must be 0 or more".format(index))
+        values = self._handle.vehicle(index)
+        return Vehicle(**dict(values, A=np.asarray(values["A"]), B=np.asarray(values["B"]), C=np.asarray(values["C"])))
+
+    @property
+    def sample_period(self) -> float:
+        """T_s [s]."""
+        return self._handle.sample_period
+
+    @property
+    def time_headway(self) -> float:
+        """h of the default vehicle [sample periods]."""
+        return self.vehicle(0).time_headway
+
+    @property
+    def time_headway_seconds(self) -> float:
+        """h of the default vehicle [s]."""
+        return self.time_headway * self.sample_period
+
+    @property
+    def noise_variance(self) -> float:
+        """P_d of the default vehicle's link [m^2]."""
+        return self.vehicle(0).noise_variance
+
+    @property
+    def is_homogeneous(self) -> bool:
+        """Whether all followers have the default type."""
+        return self._handle.is_homogeneous
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Model) and self._handle.text() == other._handle.text()
+
+    def __hash__(self) -> int:
+        return hash(self._handle.text())
+
+    def __repr__(self) -> str:
+        return "Model(time_headway={:g}, noise_variance={:g}, sample_period={:g})".format(
+            self.time_headway, self.noise_variance, self.sample_period)
+
+    def __reduce__(self) -> Tuple[Any, Tuple[str]]:
+        return Model.parse, (self._handle.text(),)
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """The model and the options of a run, as the topic and the parameter `configuration` of a running platoon hold them."""
+
+    model: Model
+    run: Dict[str, Any]  #: the launch arguments by name
+
+    @classmethod
+    def parse(cls, text: str) -> Configuration:
+        """The configuration of a JSON text. Raises ValueError with all problems, and if another version wrote it."""
+        handle, run = _platoon.parse_configuration(text)
+        return cls(Model(handle), run)

@@ -1,0 +1,265 @@
+"""The results of a run: what its folder holds."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional
+
+import numpy as np
+
+from . import _platoon
+from .model import Model, PathLike
+from .tables import Columns, Grid, numbers, texts
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Mean and variance of a signal over the realizations, or over time, beside the theory. Shape (followers, steps); NaN where
+    there is no value. Units: those of the signal, and their square."""
+
+    count: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    variance: NDArray[np.float64]
+    theoretical_mean: NDArray[np.float64]
+    theoretical_variance: NDArray[np.float64]
+
+    @classmethod
+    def _of(cls, grid: Grid) -> Moments:
+        return cls(*(grid.numbers(name) for name in ("count", "mean", "variance", "theoretical_mean", "theoretical_variance")))
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """The smallest gap of every realization. Arrays have an element per follower."""
+
+    count: NDArray[np.float64]  #: realizations
+    smallest_gap: NDArray[np.float64]  #: [m] of all realizations
+    realization: NDArray[np.float64]  #: where that one is
+    step: NDArray[np.float64]
+    collisions: NDArray[np.float64]  #: realizations with a gap below 0
+    below_safe_gap: NDArray[np.float64]  #: realizations with a gap below the model's safe_gap; NaN without one
+    theoretical_collision_bound: NDArray[np.float64]  #: probability of a collision in a realization, at most
+    bins: NDArray[np.float64]  #: [m] lower ends of the histogram's bins, ascending
+    histogram: NDArray[np.float64]  #: realizations by smallest gap, shape (followers, bins)
+
+    @classmethod
+    def _of(cls, columns: Columns, path: str) -> Gaps:
+        grid = Grid(columns, path, 1, has_steps=False)
+        names = [name for name in columns if name.startswith("bin_")]
+        if not names:
+            raise ValueError("{}: column bin_... is missing".format(path))
+        try:
+            bins = np.array([float(name[len("bin_"):]) for name in names])
+        except ValueError as error:
+            raise ValueError("{}: the name of a column bin_X: {}".format(path, error)) from None
+        order = np.argsort(bins)
+        histogram = np.array([grid.numbers(names[at]) for at in order]).T
+        count = grid.numbers("count")
+        if not np.array_equal(histogram.sum(axis=1), count):
+            raise ValueError("{}: the bins do not add up to count".format(path))
+        values = {name: grid.numbers(name) for name in (
+            "smallest_gap", "realization", "step", "collisions", "below_safe_gap", "theoretical_collision_bound")}
+        return cls(count=count, bins=bins[order], histogram=histogram, **values)
+
+
+@dataclass(frozen=True)
+class Amplification:
+    """How a manoeuvre grows along the string. `measured` and `theory` map a figure, as "l2_ratio", to an array with an element per
+    vehicle 0..N, NaN where there is none."""
+
+    measured: Dict[str, NDArray[np.float64]]
+    theory: Dict[str, NDArray[np.float64]]
+
+    @classmethod
+    def _of(cls, columns: Columns, path: str) -> Amplification:
+        grid = Grid(columns, path, 0, has_steps=False)
+        if grid.vehicles < 2:
+            raise ValueError("{}: must hold one row for each vehicle 0..N; rows are missing or double".format(path))
+        prefix = "theoretical_"
+        names = [name[len(prefix):] for name in columns if name.startswith(prefix)]
+        return cls({name: grid.numbers(name) for name in names}, {name: grid.numbers(prefix + name) for name in names})
+
+
+@dataclass(frozen=True)
+class Ages:
+    """Steps since the last message that a link delivered: a row per follower, signal and age."""
+
+    vehicle: NDArray[np.float64]
+    signal: List[str]  #: "position" or "input"
+    age: NDArray[np.float64]  #: [steps]
+    count: NDArray[np.float64]  #: messages
+    share: NDArray[np.float64]  #: of the messages of this link
+    theoretical_share: NDArray[np.float64]  #: NaN for a recorded trace
+
+    @classmethod
+    def _of(cls, columns: Columns, path: str) -> Ages:
+        return cls(numbers(columns, "vehicle", path), texts(columns, "signal", path),
+                   *(numbers(columns, name, path) for name in ("age", "count", "share", "theoretical_share")))
+
+
+class Results:
+    """Mean and variance of every tracking error, and what else a run measured.
+
+    `steps` holds the step numbers (one for averages over time). `count`, `mean` [m], `variance` [m^2], `theoretical_mean` and
+    `theoretical_variance` are arrays of shape (followers, steps): follower i is in row i - 1.
+    """
+
+    def __init__(self, summary: Dict[str, Any], tables: Mapping[str, Columns], path: str, report: Optional[str] = None) -> None:
+        #: the folder, or what stands for it in messages
+        self.path = path
+        #: summary.json
+        self.summary = summary
+        #: the report that the tools print; None for results from a folder
+        self.report = report
+        self._tables = tables
+        table = os.path.join(path, "statistics.csv")
+        grid = Grid(self.table("statistics"), table, 1)
+        self.steps = grid.steps
+        #: of the tracking errors
+        self.errors = Moments._of(grid)
+        if self._value("followers") != grid.vehicles:
+            raise ValueError("{}: followers is {}, but statistics.csv beside it has {}".format(
+                os.path.join(path, "summary.json"), self._value("followers"), grid.vehicles))
+
+    @classmethod
+    def load(cls, folder: PathLike) -> Results:
+        """The results in a folder that a monitor, monte_carlo, merge or bag_statistics wrote.
+
+        Raises FileNotFoundError, and ValueError if a file is not as it was written.
+        """
+        path = os.fspath(folder)
+        if not os.path.isdir(path):
+            if os.path.exists(path):
+                raise ValueError("{}: must be a run's folder".format(path))
+            raise FileNotFoundError("{}: no such folder".format(path))
+        summary, tables = _platoon.read_results(path)
+        return cls(summary, tables, path)
+
+    def table(self, name: str) -> Columns:
+        """The columns of a table by its file's name without ending: arrays of numbers, lists of texts. Raises KeyError."""
+        if name not in self._tables:
+            raise KeyError("{}: must be one of {}".format(name, ", ".join(sorted(self._tables))))
+        return self._tables[name]
+
+    def _value(self, key: str) -> Any:
+        value: Any = self.summary
+        for part in key.split("."):
+            if not isinstance(value, dict) or part not in value:
+                raise ValueError("{}: {} is missing".format(os.path.join(self.path, "summary.json"), key))
+            value = value[part]
+        return value
+
+    def _number(self, key: str) -> float:
+        value = self._value(key)
+        return float("nan") if value is None else float(value)
+
+    @property
+    def name(self) -> str:
+        """The name of the folder."""
+        return os.path.basename(os.path.abspath(self.path))
+
+    @property
+    def count(self) -> NDArray[np.float64]:
+        return self.errors.count
+
+    @property
+    def mean(self) -> NDArray[np.float64]:
+        return self.errors.mean
+
+    @property
+    def variance(self) -> NDArray[np.float64]:
+        return self.errors.variance
+
+    @property
+    def theoretical_mean(self) -> NDArray[np.float64]:
+        return self.errors.theoretical_mean
+
+    @property
+    def theoretical_variance(self) -> NDArray[np.float64]:
+        return self.errors.theoretical_variance
+
+    @property
+    def followers(self) -> int:
+        return int(self.mean.shape[0])
+
+    @property
+    def realizations(self) -> int:
+        return int(self._value("realizations"))
+
+    @property
+    def seed(self) -> int:
+        return int(self._value("seed"))
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run came to its end."""
+        return bool(self._value("complete"))
+
+    @property
+    def time_average(self) -> bool:
+        """Whether the moments are averages over time."""
+        return bool(self._value("time_average"))
+
+    @property
+    def standard_error_of_variance(self) -> NDArray[np.float64]:
+        """Of every follower's variance at the last step [m^2]; NaN where it is unknown."""
+        return np.array(self._value("standard_error_of_variance"), dtype=float)
+
+    @property
+    def spectral_radius(self) -> float:
+        """rho(A); NaN without a theory."""
+        return self._number("theory.spectral_radius")
+
+    @property
+    def string_stable(self) -> Optional[bool]:
+        """The verdict of the theory; None if it has none."""
+        value = self._value("theory.string_stable")
+        return None if value is None else bool(value)
+
+    @property
+    def max_abs_z(self) -> Optional[float]:
+        """The largest difference of measurement and theory over all cells, in standard errors; None without a comparison."""
+        values = [self._value("agreement." + key) for key in ("max_abs_z_mean", "max_abs_z_variance")]
+        return None if None in values else max(values)
+
+    @property
+    def sample_period(self) -> float:
+        """T_s [s]."""
+        return self._number("configuration.model.sample_period")
+
+    @property
+    def model(self) -> Model:
+        """The model of the run."""
+        return Model.from_dict(self._value("configuration.model"))
+
+    @property
+    def signals(self) -> Dict[str, Moments]:
+        """The moments of the requested signals by name, as "gap"; empty without any."""
+        if "signals" not in self._tables:
+            return {}
+        columns, path = self.table("signals"), os.path.join(self.path, "signals.csv")
+        names = texts(columns, "signal", path)
+        return {name: Moments._of(Grid(columns, path, 1, rows=np.array([of == name for of in names]))) for name in dict.fromkeys(names)}
+
+    @property
+    def gaps(self) -> Gaps:
+        """Raises KeyError unless the gap was among the signals of the run."""
+        return Gaps._of(self.table("gaps"), os.path.join(self.path, "gaps.csv"))
+
+    @property
+    def amplification(self) -> Amplification:
+        """Raises KeyError unless the speed was among the signals of the run."""
+        return Amplification._of(self.table("amplification"), os.path.join(self.path, "amplification.csv"))
+
+    @property
+    def ages(self) -> Ages:
+        """Raises KeyError if no link of the run loses."""
+        return Ages._of(self.table("ages"), os.path.join(self.path, "ages.csv"))
+
+    def __repr__(self) -> str:
+        return "Results({!r}: {} followers, {} steps, {} realizations)".format(
+            self.path, self.followers, self.steps.size, self.realizations)

@@ -1,0 +1,33 @@
+"""The results of the program `sweep`."""
+
+from __future__ import annotations
+
+import os
+from typing import List
+
+from . import _platoon
+from .model import PathLike
+from .tables import Columns, numbers
+
+
+class Sweep:
+    """A table of runs: sweep.csv, which `sweep` wrote. Columns are arrays of numbers or lists of texts."""
+
+    MEASURED = ("point", "vehicle", "step", "count", "mean", "mean_standard_error", "variance", "variance_standard_error",
+                "theoretical_mean", "theoretical_variance", "string_stable", "agrees")
+
+    def __init__(self, columns: Columns, path: str) -> None:
+        self.path = path
+        self.columns = columns
+        for name in self.MEASURED:
+            numbers(columns, name, path)
+        #: names of the parameters that vary
+        self.varied: List[str] = [name for name in columns if name not in self.MEASURED]
+        if not self.varied:
+            raise ValueError("{}: nothing varies in it".format(path))
+
+    @classmethod
+    def load(cls, path: PathLike) -> Sweep:
+        """Raises FileNotFoundError, and ValueError if it is not such a file."""
+        file = os.fspath(path)
+        return cls(_platoon.read_table(file), file)

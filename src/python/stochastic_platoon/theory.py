@@ -1,0 +1,165 @@
+"""The theory: everything that `analyze` reports, as arrays."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Mapping, Optional
+
+import numpy as np
+
+from . import _platoon
+from .model import Model, PathLike
+from .simulation import listed, run_settings
+from .tables import Columns, numbers
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+class Analysis(Mapping[str, Any]):
+    """What the theory says of a platoon. As a mapping it has the keys of `analyze --json`; lists of numbers are arrays, with NaN
+    for values that do not exist."""
+
+    def __init__(self, document: Dict[str, Any], path: str, report: Optional[str] = None) -> None:
+        #: the file, or what stands for it in messages
+        self.path = path
+        #: the report that the tool prints; None for an analysis from a file
+        self.report = report
+        self._document = document
+
+    @classmethod
+    def load(cls, path: PathLike) -> Analysis:
+        """The file that `analyze --json` wrote. Raises FileNotFoundError, and ValueError if it is not JSON."""
+        file = os.fspath(path)
+        if os.path.isdir(file):
+            raise ValueError("{}: must be a file that analyze --json wrote, not a folder".format(file))
+        return cls(_platoon.read_json(file), file)
+
+    @property
+    def name(self) -> str:
+        """The name of the file, without ending."""
+        return os.path.splitext(os.path.basename(self.path))[0]
+
+    def __getitem__(self, key: str) -> Any:
+        """The value of a key, also of a nested one: "norms.mean_l2". Raises KeyError."""
+        value: Any = self._document
+        for part in key.split("."):
+            if not isinstance(value, dict) or part not in value:
+                raise KeyError("{}: {} is missing".format(self.path, key))
+            value = value[part]
+        return value
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._document)
+
+    def __len__(self) -> int:
+        return len(self._document)
+
+    def _number(self, key: str) -> float:
+        value = self._document.get(key)
+        return float("nan") if value is None else float(value)
+
+    @property
+    def string_stable(self) -> Optional[bool]:
+        """The verdict; None if there is none."""
+        value: Optional[bool] = self._document.get("string_stable")
+        return value
+
+    @property
+    def reason(self) -> str:
+        """The reason of the verdict."""
+        return str(self._document.get("reason", ""))
+
+    @property
+    def critical_headway(self) -> float:
+        """[sample periods]; NaN if there is none."""
+        return self._number("critical_headway")
+
+    @property
+    def spectral_radius(self) -> float:
+        """rho(A)."""
+        return self._number("spectral_radius")
+
+    @property
+    def limit_variance(self) -> float:
+        """The stationary variance along an endless string [m^2]; NaN if there is none."""
+        return self._number("limit_variance")
+
+    @property
+    def stationary_variance(self) -> NDArray[np.float64]:
+        """[m^2], one per follower; NaN where it does not exist."""
+        return np.asarray(self["stationary_variance"])
+
+    @property
+    def mean(self) -> NDArray[np.float64]:
+        """Of every tracking error [m], shape (followers, steps)."""
+        return np.asarray(self["mean"])
+
+    @property
+    def variance(self) -> NDArray[np.float64]:
+        """Of every tracking error [m^2], shape (followers, steps)."""
+        return np.asarray(self["variance"])
+
+    def __repr__(self) -> str:
+        return "Analysis({!r}: {})".format(self.path, self.reason or "no theory")
+
+
+def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, signals: Iterable[str] = (),
+            collision_probability: Optional[float] = None, burn_in: Optional[int] = None) -> Analysis:
+    """The theory of a platoon of `followers` over `steps` (10 s of driving by default).
+
+    `signals`: gap, speed, acceleration, jerk. `collision_probability`: per step; adds collisions, and the standstill distance that
+    keeps to it. `burn_in`: steps that the amplification leaves out. Raises ValueError with all problems of the settings.
+    """
+    settings = run_settings(followers=followers, steps=steps, burn_in=burn_in)
+    document, report = _platoon.analyze(model._handle, settings, listed(signals),
+                                        "" if collision_probability is None else repr(float(collision_probability)))
+    return Analysis(document, "analysis", report)
+
+
+@dataclass(frozen=True)
+class StabilityMap:
+    """String stability over two of headway, gain, loss and mean_burst. The other arrays have shape (ys, xs)."""
+
+    over: str  #: what varies along xs
+    xs: NDArray[np.float64]
+    up: str  #: what varies along ys
+    ys: NDArray[np.float64]
+    spectral_radius: NDArray[np.float64]
+    peak_gain: NDArray[np.float64]
+    string_stable: NDArray[np.float64]  #: 1, 0, or NaN for no verdict
+    loss_gain: NDArray[np.float64]  #: NaN without losses
+
+    AXES = ("headway", "gain", "loss", "mean_burst")
+
+    @classmethod
+    def load(cls, path: PathLike) -> StabilityMap:
+        """The file that `analyze --sweep-... --csv` wrote. Raises FileNotFoundError, and ValueError unless two parameters vary."""
+        file = os.fspath(path)
+        return cls._of(_platoon.read_table(file), file)
+
+    @classmethod
+    def _of(cls, columns: Columns, path: str) -> StabilityMap:
+        axes = {name: numbers(columns, name, path) for name in cls.AXES if name in columns}
+        varying = [name for name, values in axes.items() if np.unique(values).size > 1]
+        values = {name: numbers(columns, name, path) for name in ("spectral_radius", "peak_gain", "string_stable")}
+        if len(varying) != 2:
+            raise ValueError("{}: {}: must be two of {}, each with two or more values".format(
+                path, " and ".join(varying) + " vary" if varying else "nothing varies", ", ".join(cls.AXES)))
+        over, up = varying
+        x, y = axes[over], axes[up]
+        xs, ys = np.unique(x), np.unique(y)
+        order = np.lexsort((x, y))
+        if not np.array_equal(x[order], np.tile(xs, ys.size)) or not np.array_equal(y[order], np.repeat(ys, xs.size)):
+            raise ValueError("{}: must hold one row for each point of a grid of {} and {}".format(path, over, up))
+        values["loss_gain"] = numbers(columns, "loss_gain", path) if "loss_gain" in columns else np.full(x.size, np.nan)
+        return cls(over, xs, up, ys, **{name: value[order].reshape(ys.size, xs.size) for name, value in values.items()})
+
+
+def stability_map(model: Model, *, headway: Iterable[float] = (), gain: Iterable[float] = (), loss: Iterable[float] = (),
+                  mean_burst: Iterable[float] = ()) -> StabilityMap:
+    """String stability over a grid of two of these parameters of the default vehicle. Raises ValueError."""
+    axes = [[float(value) for value in values] for values in (headway, gain, loss, mean_burst)]
+    table = _platoon.stability_map(model._handle, _platoon.SweepAxes(*axes))
+    return StabilityMap._of(table, "map")

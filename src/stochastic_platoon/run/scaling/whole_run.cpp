@@ -1,0 +1,59 @@
+#include "stochastic_platoon/run/scaling/whole_run.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <utility>
+
+#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
+
+namespace platoon {
+
+namespace {
+
+RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally) {
+  RunResult result;
+  result.complete = totals.count() == configuration.run.realizations;
+  result.tally = tally;
+  result.take(totals, cells_of(configuration));
+  return result;
+}
+
+RunResult compute_in_memory(const Configuration& configuration, const ShardSettings& settings) {
+  const RunOptions& run = configuration.run;
+  const auto began = std::chrono::steady_clock::now();
+  EnsembleRun work(configuration.model, {run.seed, run.followers, run.steps, run.realizations, run.batch, run.signals},
+                   {0, run.realizations});
+  complete(work, settings.threads, [&] {
+    settings.progress(work.done());
+    if (settings.stop()) work.stop();
+  });
+  const EnsembleTotals totals = work.release();
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - began;
+  return result_of(configuration, totals, {positions_expected(run, totals.count()), 1, seconds.count(), 0});
+}
+
+RunResult compute_in_folder(const Configuration& configuration, const ShardSettings& settings) {
+  const ShardResult found = compute_shard({configuration, {0, 1}}, settings);
+  return result_of(configuration, found.checkpoint.totals, found.checkpoint.tally);
+}
+
+}  // namespace
+
+WholeRun compute_run(Configuration configuration, const ShardSettings& settings) {
+  const std::string output = configuration.run.output;
+  if (output.empty()) return {predict(configuration), compute_in_memory(configuration, settings)};
+  // A restarted run keeps its name, so that it takes over its folder and its lock.
+  configuration.run.launch_id = "monte_carlo";
+  const std::unique_ptr<FolderLock> lock = lock_output(configuration.run);
+  WholeRun run{predict(configuration), compute_in_folder(configuration, settings)};
+  if (run.result.realizations == 0) return run;
+  configuration.run.launch_id.clear();
+  write_results(configuration, run.prediction, run.result);
+  if (!run.result.complete) return run;  // its checkpoint stays beside the results
+  std::filesystem::remove(checkpoint_file(output));
+  std::filesystem::remove(previous_checkpoint_file(output));
+  return run;
+}
+
+}  // namespace platoon

@@ -1,0 +1,55 @@
+#include "stochastic_platoon/run/io/csv_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace platoon {
+namespace {
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_csv(text, "table.csv");
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CsvTable, ColumnsOfNumbersHaveNanForEmptyCells) {
+  const CsvTable table = parse_csv("a,b\n1,0.1\n,1e-300\n-inf,\n", "table.csv");
+  ASSERT_EQ(table.names, (std::vector<std::string>{"a", "b"}));
+  const auto& a = std::get<std::vector<double>>(table.columns[0]);
+  const auto& b = std::get<std::vector<double>>(table.columns[1]);
+  EXPECT_EQ(a[0], 1.0);
+  EXPECT_TRUE(std::isnan(a[1]));
+  EXPECT_EQ(a[2], -HUGE_VAL);
+  EXPECT_EQ(b[0], 0.1);
+  EXPECT_EQ(b[1], 1e-300);
+  EXPECT_TRUE(std::isnan(b[2]));
+}
+
+TEST(CsvTable, ColumnsWithATextKeepTheirCellsAsWritten) {
+  const CsvTable table = parse_csv("a,\"b,\"\"c\"\"\"\r\n1.50,\"x,y\nz\"\r\n2 m,\"\"\r\n", "table.csv");
+  EXPECT_EQ(table.names[1], "b,\"c\"");
+  EXPECT_EQ(std::get<std::vector<std::string>>(table.columns[0]), (std::vector<std::string>{"1.50", "2 m"}));
+  EXPECT_EQ(std::get<std::vector<std::string>>(table.columns[1]), (std::vector<std::string>{"x,y\nz", ""}));
+}
+
+TEST(CsvTable, TheLastLineNeedsNoEnd) {
+  const CsvTable table = parse_csv("a,b\n1,2\n3,", "table.csv");
+  EXPECT_EQ(std::get<std::vector<double>>(table.columns[0]), (std::vector<double>{1.0, 3.0}));
+}
+
+TEST(CsvTable, FaultsNameTheFileAndTheLine) {
+  EXPECT_EQ(error_of(""), "table.csv: is empty");
+  EXPECT_EQ(error_of("a,b\n"), "table.csv: holds no rows, only its heading");
+  EXPECT_EQ(error_of("a,b\n1,2\n1,2,3\n"), "table.csv: line 3 has 3 values instead of 2");
+  EXPECT_EQ(error_of("a,b\n1,2\n\n"), "table.csv: line 3 has 1 values instead of 2");
+  EXPECT_EQ(error_of("a,a\n1,2\n"), "table.csv: has two columns of the same name");
+}
+
+}  // namespace
+}  // namespace platoon
