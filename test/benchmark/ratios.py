@@ -195,6 +195,12 @@ def monte_carlo(machine, *options):
         return json.load(file)["vehicle_steps_per_second"]
 
 
+def rate_of_program(machine):
+    """Vehicle-steps per second of the program monte_carlo, from its start to its end."""
+    folder = machine.fresh("monte_carlo")
+    return 2000 * MILLION / timed([live_platoon.executable("monte_carlo"), "--model", MODEL, "--realizations", str(MILLION), "--output", folder])
+
+
 def peer(program, *arguments):
     """A program for the same Monte Carlo, on one core."""
     environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
@@ -229,6 +235,8 @@ def pairs(machine):
     yield "monte_carlo", "Octave program", core, octave
     yield "one_process", "monte_carlo", one, core
     yield "processes", "NumPy program, one core", many, numpy
+    module, program = in_turn(lambda: peer("from_python.py", str(MILLION))[speed], lambda: rate_of_program(machine))
+    yield "sp.monte_carlo in Python", "monte_carlo, its start and end included", module, program
     yield from scaling.pairs(machine.folder, in_turn)
     # Three crossings of a socket for every position: to the channel, to the monitor, to the follower.
     flood, = in_turn(lambda: machine.flood(("source", 8192, 20000), ("sink", 20000))["bytes_per_second"])
