@@ -84,6 +84,14 @@ class Installed(unittest.TestCase):
         figures = self.installed("rosrun stochastic_platoon plot gain analysis.json --output gain")
         self.assertEqual(figures, "gain.png\ngain.svg\n")
 
+    def test_the_python_module_is_installed_and_finds_the_installed_models(self):
+        program = ("import stochastic_platoon as sp, stochastic_platoon._platoon as core; print(sp.__file__); "
+                   "print(core.shipped_file('acc.yaml', 'config')); print(sp.analyze(sp.Model.load('acc.yaml')).critical_headway / 100)")
+        found = self.installed('/usr/bin/python3 -c "{}"'.format(program)).split()
+        for path in found[:2]:
+            self.assertTrue(path.startswith(self.folder + "/install/"), path)
+        self.assertAlmostEqual(float(found[2]), 3.1572816, places=7)
+
     def test_a_run_of_the_graph_gives_the_bits_of_the_checkout(self):
         words = " ".join("{}:={}".format(name, value) for name, value in SETTINGS.items())
         port = live_platoon.free_port()
