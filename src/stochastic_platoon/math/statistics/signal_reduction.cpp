@@ -74,7 +74,54 @@ PLATOON_INLINE FourNodes reduce_signals(const SignalTiles& tiles, std::size_t of
   return nodes;
 }
 
+// The four quarters of a follower's realizations, which take the places of four cells.
+struct Quarters {
+  const Signal* error;
+  SignalPositions positions;
+  std::size_t size;  // of a quarter
+};
+
+// The tracking errors of a tile in every quarter.
+struct ErrorsOfQuarters {
+  const double *predecessor, *y0, *y1;
+  double offset, factor;
+  std::size_t size;
+
+  template <class Vector>
+  PLATOON_INLINE void form(std::size_t r, Vector& error) const {
+    Vector ahead, own, one;
+    load(predecessor + r, ahead);
+    load(y0 + r, own);
+    load(y1 + r, one);
+    error = ((ahead - own) - offset) + factor * (own - one);
+  }
+
+  template <class Vector>
+  PLATOON_INLINE FourOf<Vector> operator()(std::size_t j, const Vector&) const {
+    const std::size_t r = sizeof(Vector) / sizeof(double) * j;
+    Vector a, b, c, d;
+    form(r, a);
+    form(r + size, b);
+    form(r + 2 * size, c);
+    form(r + 3 * size, d);
+    return transposed(a, b, c, d);
+  }
+};
+
+template <class Vector>
+PLATOON_INLINE FourNodes reduce_errors(const Quarters& quarters, std::size_t offset, unsigned level) {
+  const SignalPositions& of = quarters.positions;
+  return reduce_tile_of_four<Vector>(
+      level, ErrorsOfQuarters{of.predecessor + offset, of.own[0] + offset, of.own[1] + offset, quarters.error->offset,
+                              quarters.error->factor, quarters.size});
+}
+
 }  // namespace
+
+PLATOON_VECTOR_CLONES
+FourNodes reduce_error_tile(const Quarters& quarters, std::size_t offset, unsigned level) {
+  return reduce_errors<Lanes>(quarters, offset, level);
+}
 
 PLATOON_VECTOR_CLONES
 FourNodes reduce_signal_tile(const SignalTiles& tiles, std::size_t offset, unsigned level, double& least) {
@@ -83,10 +130,16 @@ FourNodes reduce_signal_tile(const SignalTiles& tiles, std::size_t offset, unsig
 
 #ifdef PLATOON_WIDE
 PLATOON_WIDE
+FourNodes reduce_wide_error_tile(const Quarters& quarters, std::size_t offset, unsigned level) {
+  return reduce_errors<WideLanes>(quarters, offset, level);
+}
+
+PLATOON_WIDE
 FourNodes reduce_wide_signal_tile(const SignalTiles& tiles, std::size_t offset, unsigned level, double& least) {
   return reduce_signals<WideLanes>(tiles, offset, level, least);
 }
 #else
+constexpr auto reduce_wide_error_tile = reduce_error_tile;
 constexpr auto reduce_wide_signal_tile = reduce_signal_tile;
 #endif
 
@@ -111,15 +164,45 @@ void form(const Signal& signal, const SignalPositions& positions, std::size_t of
   signal(rest.predecessor, rest.own, count, values);
 }
 
+MomentNode joined_nodes(const MomentNode& left, const MomentNode& right, double half_count) {
+  MomentNode joined;
+  merge_equal(left.mean, left.squared_deviations, right.mean, right.squared_deviations, half_count, &joined.mean,
+              &joined.squared_deviations);
+  return joined;
+}
+
+// The node of 2^level tracking errors, level at least kLowestLaneLevel + 2: the nodes of its quarters, joined.
+MomentNode reduce_error(const Signal& error, const SignalPositions& positions, unsigned level) {
+  const detail::Quarters quarters{&error, positions, std::size_t{1} << (level - 2)};
+  const bool wide = has_wide_lanes();
+  const FourNodes nodes = reduce_four(0, level - 2, [&](std::size_t offset, unsigned tile_level) {
+    return wide ? detail::reduce_wide_error_tile(quarters, offset, tile_level)
+                : detail::reduce_error_tile(quarters, offset, tile_level);
+  });
+  const double half_count = 0.5 * static_cast<double>(quarters.size);
+  return joined_nodes(joined_nodes(nodes[0], nodes[1], half_count), joined_nodes(nodes[2], nodes[3], half_count),
+                      2.0 * half_count);
+}
+
 }  // namespace
 
 std::vector<MomentNode> reduce_signal(std::uint64_t first_realization, const Signal& signal,
                                       const SignalPositions& positions, KeptMoments kept) {
-  const auto values = [&](std::size_t offset, std::size_t size, double* buffer) {
-    form(signal, positions, offset, size, buffer);
-    return static_cast<const double*>(buffer);
-  };
-  return reduce_batch(first_realization, positions.count, values, kept);
+  const bool in_quarters = is_tracking_error(signal) && kept == KeptMoments::two;
+  std::vector<MomentNode> nodes;
+  std::size_t offset = 0;
+  for (const DyadicRange& range : dyadic_cover(first_realization, positions.count)) {
+    const SignalPositions here = positions.from(offset);
+    const auto values = [&](std::size_t from, std::size_t size, double* buffer) {
+      form(signal, here, from, size, buffer);
+      return static_cast<const double*>(buffer);
+    };
+    nodes.push_back(in_quarters && range.level >= kLowestLaneLevel + 2
+                        ? reduce_error(signal, here, range.level)
+                        : reduce_batch(range.first, range.size(), values, kept).front());
+    offset += range.size();
+  }
+  return nodes;
 }
 
 SignalReduction::SignalReduction(std::uint64_t first_realization, std::size_t count, KeptMoments kept)

@@ -9,7 +9,8 @@
 
 namespace platoon {
 
-/// Forms a signal of one follower at one step of a batch and reduces it, as reduce_batch() does with its values.
+/// Forms a signal of one follower at one step of a batch and reduces it, with the bits of reduce_batch(). The tracking
+/// error is formed and reduced in one pass, four quarters of the realizations side by side.
 std::vector<MomentNode> reduce_signal(std::uint64_t first_realization, const Signal& signal,
                                       const SignalPositions& positions, KeptMoments kept);
 

@@ -36,7 +36,7 @@ void expect_same_nodes(const std::vector<MomentNode>& found, const std::vector<M
 
 // Together and one by one, for batches at any place and of any size, the signals have the bits of their own values.
 void expect_bits_of_the_values(const FollowerSignals& signals, KeptMoments kept) {
-  for (const std::size_t count : {1, 2, 3, 5, 8, 100, 511, 512, 1500}) {
+  for (const std::size_t count : {1, 2, 3, 5, 8, 16, 100, 511, 512, 1500, 9000}) {
     std::vector<std::vector<double>> y;
     for (std::uint32_t v = 0; v < 5; ++v) y.push_back(positions(v, count));
     const SignalPositions at{y[0].data(), {y[1].data(), y[2].data(), y[3].data(), y[4].data()}, count};
@@ -56,6 +56,8 @@ void expect_bits_of_the_values(const FollowerSignals& signals, KeptMoments kept)
       EXPECT_EQ(reduction.least(), *std::min_element(first_values.begin(), first_values.end()));
       ASSERT_EQ(found.size(), signals.requested.size());
       EXPECT_EQ(errors, at.of(signals.error));
+      const auto formed = [&errors](std::size_t offset, std::size_t, double*) { return errors.data() + offset; };
+      expect_same_nodes(reduce_signal(first, signals.error, at, kept), reduce_batch(first, count, formed, kept));
       const auto without_values = SignalReduction(first, count, kept).reduce(signals, at, {});
       for (std::size_t s = 0; s < found.size(); ++s) {
         const std::vector<double> values = at.of(signals.requested[s]);
