@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 

@@ -21,6 +21,7 @@
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/ros/transport/live_publisher.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/launch_arguments.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"

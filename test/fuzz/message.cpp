@@ -10,6 +10,7 @@
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/serialized.hpp"
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/delivery/credit.hpp"
 #include "stochastic_platoon/run/delivery/stall_diagnosis.hpp"
 #include "stochastic_platoon/run/results/run_statistics.hpp"

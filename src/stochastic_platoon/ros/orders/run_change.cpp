@@ -13,6 +13,7 @@
 #include "stochastic_platoon/ros/bags/bag_writer.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 
 namespace platoon {

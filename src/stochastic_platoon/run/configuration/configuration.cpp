@@ -1,15 +1,12 @@
 #include "stochastic_platoon/run/configuration/configuration.hpp"
-#include "stochastic_platoon/run/configuration/yaml_file.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/burst_moments.hpp"
 #include "stochastic_platoon/math/string/burst_pattern.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
-#include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"
 
@@ -120,174 +117,6 @@ Configuration parse_configuration(const std::string& text) {
 
 nlohmann::json to_json(const Configuration& configuration) {
   return {{"version", kVersion}, {"model", to_json(configuration.model)}, {"run", to_json(configuration.run)}};
-}
-
-namespace {
-
-void require_known(const std::map<std::string, std::string>& given) {
-  std::set<std::string> known{"model"};
-  for (const Setting& setting : settings()) known.insert(setting.name);
-  std::string allowed;
-  for (const std::string& name : known) allowed += (allowed.empty() ? "" : ", ") + name;
-  std::vector<std::string> problems;
-  for (const auto& entry : given) {
-    if (known.count(entry.first) == 0) problems.push_back(entry.first + ": unknown setting: allowed are " + allowed);
-  }
-  const auto is_given = [&given](const char* name) { return given.count(name) > 0 && !given.at(name).empty(); };
-  if (is_given("headway") && is_given("headway_seconds"))
-    problems.emplace_back("headway_seconds: given: must be absent beside headway: one of the two");
-  if (!problems.empty()) throw ConfigurationError(problems);
-}
-
-// Sets the value at the path "a/b" and creates missing mappings. Returns false if the path leads through a value that
-// is neither a mapping nor a list of that length.
-bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
-  const std::size_t slash = path.find('/');
-  const std::string key = path.substr(0, slash);
-  const bool leaf = slash == std::string::npos;
-  if (node.IsSequence()) {
-    const bool is_index = !key.empty() && key.size() < 9 && key.find_first_not_of("0123456789") == std::string::npos;
-    if (!is_index || std::stoul(key) >= node.size()) return false;
-    if (!leaf) return put_at(path.substr(slash + 1), value, node[std::stoul(key)]);
-    node[std::stoul(key)] = YAML::Clone(value);
-    return true;
-  }
-  if (!node.IsMap() && !node.IsNull()) return false;
-  if (leaf) {
-    node[key] = YAML::Clone(value);
-    return true;
-  }
-  if (!node[key]) node[key] = YAML::Node(YAML::NodeType::Map);
-  return put_at(path.substr(slash + 1), value, node[key]);
-}
-
-// The path of a key that speaks of a link, in a model that lists its inputs: losses are those of the radio, if there is
-// one; everything else belongs to the position, whose values may stand at the vehicle.
-std::string path_of_link(const std::string& key, const YAML::Node& model) {
-  const std::string first = key.substr(0, key.find('/'));
-  if ((first != "noise_variance" && first != "channel") || !model.IsMap()) return key;
-  const YAML::Node inputs = model["inputs"];
-  if (!inputs || !inputs.IsSequence()) return key;
-  const bool of_loss = key.find("/loss") != std::string::npos;
-  std::string path = key;
-  for (std::size_t j = 0; j < inputs.size(); ++j) {
-    const YAML::Node input = inputs[j];
-    if (!input.IsMap() || !input["signal"] || !input["signal"].IsScalar()) continue;
-    const std::string signal = input["signal"].Scalar(), here = "inputs/" + std::to_string(j) + "/" + key;
-    if (signal == "input" && of_loss) return here;
-    if (signal == "position" && input[first]) path = here;
-  }
-  return path;
-}
-
-// Removes the key at the path "a/b", if there is one.
-void remove_at(const std::string& path, YAML::Node node) {
-  const std::size_t slash = path.find('/');
-  const std::string key = path.substr(0, slash);
-  if (slash == std::string::npos) {
-    if (node.IsMap()) node.remove(key);
-  } else if (node.IsSequence()) {
-    remove_at(path.substr(slash + 1), node[std::stoul(key)]);
-  } else if (node.IsMap() && node[key]) {
-    remove_at(path.substr(slash + 1), node[key]);
-  }
-}
-
-bool put_model_key(const Setting& setting, const YAML::Node& value, YAML::Node model) {
-  for (const char* key : setting.replaces) remove_at(path_of_link(key, model), model);
-  return put_at(path_of_link(setting.model_key, model), value, model);
-}
-
-void put(const Setting& setting, const std::string& value, YAML::Node& document) {
-  if (setting.model_key == nullptr) {
-    document["run"][setting.name] = value;
-  } else if (!value.empty() && document["model"].IsMap()) {
-    // A model that is not a mapping takes no override: read_model() reports it.
-    put_model_key(setting, YAML::Node(value), document["model"]);
-  }
-}
-
-}  // namespace
-
-namespace {
-
-// The value at a key; null unless the node is a mapping that has it.
-YAML::Node value_at(const YAML::Node& node, const char* key) {
-  return node.IsMap() && node[key] ? node[key] : YAML::Node();
-}
-
-// A table that the model names lies beside it.
-void resolve_table(const std::filesystem::path& folder, const YAML::Node& section, const char* key) {
-  YAML::Node file = value_at(section, key);
-  if (file.IsScalar()) file = (folder / file.Scalar()).string();
-}
-
-void resolve_traces(const std::filesystem::path& folder, const YAML::Node& vehicle) {
-  const auto of_link = [&](const YAML::Node& input) {
-    resolve_table(folder, value_at(value_at(input, "channel"), "loss"), "trace");
-  };
-  of_link(vehicle);
-  for (const YAML::Node& input : value_at(vehicle, "inputs")) of_link(input);
-}
-
-// The document of a model and the given settings, with the defaults of the others.
-YAML::Node document_of(const YAML::Node& model, const std::map<std::string, std::string>& given) {
-  YAML::Node document;
-  document["version"] = kVersion;
-  document["model"] = model;
-  for (const Setting& setting : settings()) {
-    const auto value = given.find(setting.name);
-    put(setting, value == given.end() ? setting.default_value : value->second, document);
-  }
-  return document;
-}
-
-}  // namespace
-
-YAML::Node load_model(const std::string& file) {
-  YAML::Node model = load_yaml(file);
-  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
-  resolve_table(folder, value_at(model, "leader"), "file");
-  resolve_traces(folder, model);
-  for (const auto& type : value_at(model, "vehicle_types")) resolve_traces(folder, type.second);
-  return model;
-}
-
-YAML::Node configuration_document(const std::map<std::string, std::string>& given) {
-  require_known(given);
-  return document_of(load_model(given.count("model") > 0 ? given.at("model") : ""), given);
-}
-
-YAML::Node configuration_document(const YAML::Node& model, const std::map<std::string, std::string>& given) {
-  require_known(given);
-  return document_of(YAML::Clone(model), given);
-}
-
-YAML::Node configuration_document(const Configuration& base, const std::map<std::string, std::string>& given) {
-  require_known(given);
-  YAML::Node document = YAML::Load(to_json(base).dump());
-  if (given.count("model") > 0 && !given.at("model").empty()) document["model"] = load_model(given.at("model"));
-  for (const Setting& setting : settings()) {
-    const auto value = given.find(setting.name);
-    if (value != given.end()) put(setting, value->second, document);
-  }
-  return document;
-}
-
-void override_value(YAML::Node& document, const std::string& name, const YAML::Node& value) {
-  for (const Setting& setting : settings()) {
-    if (name != setting.name && (setting.model_key == nullptr || name != setting.model_key)) continue;
-    // A mapping is the section of this name.
-    if (value.IsMap() && std::count(setting.replaces.begin(), setting.replaces.end(), name) > 0) break;
-    if (setting.model_key == nullptr) {
-      document["run"][name] = YAML::Clone(value);
-      return;
-    }
-    if (put_model_key(setting, value, document["model"])) return;
-    throw ConfigurationError({name + ": leads through what is no mapping in the model file"});
-  }
-  if (put_at(name, value, document["model"])) return;
-  throw ConfigurationError({name + ": must be a setting, or lead to a key of the model file"});
 }
 
 SignalCells cells_of(const Configuration& configuration) {

@@ -33,28 +33,6 @@ SignalCells cells_of(const Configuration& configuration);
 /// JSON for parse_configuration().
 nlohmann::json to_json(const Configuration& configuration);
 
-/// The document for parse_configuration(): the model file, named by `model`, and the given settings (see settings());
-/// all other settings keep their defaults. Throws ConfigurationError if the file cannot be read or a setting is
-/// unknown.
-YAML::Node configuration_document(const std::map<std::string, std::string>& given);
-
-/// The same for the model of a document (see load_model()); `model` is then no setting.
-YAML::Node configuration_document(const YAML::Node& model, const std::map<std::string, std::string>& given);
-
-/// The document of a model file, with the paths of the tables that it names. Throws ConfigurationError if it cannot be
-/// read.
-YAML::Node load_model(const std::string& file);
-
-/// The document of a configuration with the given settings changed; a non-empty `model` names another model file.
-/// Throws as above.
-YAML::Node configuration_document(const Configuration& base, const std::map<std::string, std::string>& given);
-
-/// Sets one value of a document. `name` is a setting, or a path into the model file (channel/delay;
-/// controller/numerator/0 is the first entry of a list); a key with a setting of its own is set as that setting is.
-/// Throws ConfigurationError if the path leads through a value that is neither a mapping nor a list of that length;
-/// parse_configuration() checks whether the key exists.
-void override_value(YAML::Node& document, const std::string& name, const YAML::Node& value);
-
 /// The run's identity: a 64 bit digest (FNV-1a) of the configuration with its launch and this package's version, never
 /// 0. Every message carries it.
 std::uint64_t run_identity(const Configuration& configuration);

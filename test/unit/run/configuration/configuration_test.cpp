@@ -1,4 +1,5 @@
 #include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/model_file.hpp"
 #include "unit/run/configuration/model_text.hpp"
 #include "unit/temporary_folder.hpp"

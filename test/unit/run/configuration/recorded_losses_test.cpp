@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
 #include "unit/temporary_folder.hpp"
