@@ -83,33 +83,18 @@ void judge(const BurstPattern& pattern, double speed, StringStability& verdict) 
   const PatternGain gain = pattern.gain();
   if (!judge_gain(gain, gain_name, verdict)) return;
   if (grows_at_zero(pattern, gain)) {
-    verdict.reason = formatted(
-        "not string stable: 1 - %s^2 vanishes so fast at w = 0 that the variances grow without bound", gain_name);
+    verdict.reason = reason_of_growth_at_zero(gain_name);
     return;
   }
   const double loss_gain = burst_loss_gain(pattern);
   verdict.loss_gain = loss_gain;
-  if (std::abs(loss_gain - 1.0) <= kLossGainDoubt) {
-    verdict.undecided = true;
-    verdict.reason = formatted(
-        "undecided: the loss gain is 1 to %.0e, so that rounding decides whether the variance that losses add grows along the string",
-        kLossGainDoubt);
-    return;
-  }
-  if (!(loss_gain < 1.0)) {
-    verdict.reason = formatted(
-        "not string stable: the loss gain is %s, above 1: the variance that losses in bursts add grows along the string",
-        beside_one(loss_gain).c_str());
-    return;
-  }
+  if (!judge_losses(loss_gain, kLossGainDoubt, "losses in bursts", verdict)) return;
   verdict.string_stable = true;
   const std::vector<double> limits =
       settled_values_of_endless(pattern, [speed](const BurstSpectra& spectra) { return limits_by(spectra, speed); });
   verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
-  verdict.reason = formatted("string stable: rho(A) = %s is below 1, %s is below 1 for all w > 0",
-                             beside_one(verdict.spectral_radius).c_str(), gain_name);
-  if (pattern.has_losses())
-    verdict.reason += formatted(", and the loss gain is %s, below 1", beside_one(loss_gain).c_str());
+  verdict.reason = reason_of_stability(verdict.spectral_radius, gain_name,
+                                       pattern.has_losses() ? std::optional<double>(loss_gain) : std::nullopt);
 }
 
 }  // namespace

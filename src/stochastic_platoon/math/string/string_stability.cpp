@@ -65,6 +65,32 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
   return false;
 }
 
+bool judge_losses(double loss_gain, double doubt, const std::string& losses, StringStability& verdict) {
+  verdict.undecided = std::abs(loss_gain - 1.0) <= doubt;
+  if (verdict.undecided) {
+    verdict.reason = formatted(
+        "undecided: the loss gain is 1 to %.0e, so that rounding decides whether the variance that losses add grows along the string",
+        doubt);
+    return false;
+  }
+  if (loss_gain < 1.0) return true;
+  verdict.reason = "not string stable: the loss gain is " + beside_one(loss_gain) + ", above 1: the variance that " +
+                   losses + " add grows along the string";
+  return false;
+}
+
+std::string reason_of_stability(double spectral_radius, const std::string& name, std::optional<double> loss_gain) {
+  const std::string radius = beside_one(spectral_radius);
+  return loss_gain ? "string stable: rho(A) = " + radius + " is below 1, " + name +
+                         " is below 1 for all w > 0, and the loss gain is " + beside_one(*loss_gain) + ", below 1"
+                   : "string stable: rho(A) = " + radius + " is below 1 and " + name + " is below 1 for all w > 0";
+}
+
+std::string reason_of_growth_at_zero(const std::string& name) {
+  return "not string stable: " + name + " < 1 for all w > 0, but 1 - " + name +
+         "^2 vanishes so fast at w = 0 that the variances grow without bound";
+}
+
 StringStability string_stability(const PlatoonModel& model) {
   if (has_bursts(model)) return burst_string_stability(model);
   if (!is_papers(model) || model.default_vehicle().loop.parts) return linked_string_stability(model);
@@ -79,14 +105,12 @@ StringStability string_stability(const PlatoonModel& model) {
   const PatternGain gain({rated_factor(model.default_vehicle().loop)});
   if (!judge_gain(gain, "|T|", verdict)) return verdict;
   if (spectrum.margin_zeros() > spectrum.sensitivity_zeros()) {
-    verdict.reason =
-        "not string stable: |T| < 1 for all w > 0, but 1 - |T|^2 vanishes so fast at w = 0 that the variances grow without bound";
+    verdict.reason = reason_of_growth_at_zero("|T|");
     return verdict;
   }
   verdict.string_stable = true;
   verdict.limit_variance = mean_limit_spectrum(spectrum, gain) * model.default_vehicle().noise_variance;
-  verdict.reason =
-      "string stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is below 1 and |T| is below 1 for all w > 0";
+  verdict.reason = reason_of_stability(verdict.spectral_radius, "|T|");
   if (model.default_vehicle().link.loss) verdict.loss_gain = 0.0;  // loss probability 0
   return verdict;
 }

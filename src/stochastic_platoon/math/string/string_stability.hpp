@@ -30,6 +30,16 @@ struct StringStability {
 /// reason. True if |prod T| < 1 for all w > 0.
 bool judge_gain(const PatternGain& gain, const std::string& name, StringStability& verdict);
 
+/// Judges what losses add to the variance of a string that judge_gain() accepts: sets the reason of a negative verdict.
+/// `doubt`: the accuracy of the loss gain. `losses`: their name in it. True if the loss gain is below 1.
+bool judge_losses(double loss_gain, double doubt, const std::string& losses, StringStability& verdict);
+
+/// Reason of a positive verdict; `loss_gain`: that of a string with losses.
+std::string reason_of_stability(double spectral_radius, const std::string& name, std::optional<double> loss_gain = {});
+
+/// Reason of a negative verdict where 1 - |prod T|^2 vanishes faster at w = 0 than what it divides.
+std::string reason_of_growth_at_zero(const std::string& name);
+
 /// Decides paper eq. (scalability_all),
 /// \f[ |T(e^{jw})| < 1 \mbox{ for all } w > 0, \f]
 /// without a grid: by the global minimum of -ln |T|^2 with its zero at w = 0 divided out (PatternGain). The verdict is
