@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The tutorial (launch/examples/README.md): its scripts print the numbers of the text and draw its pictures. Its Python runs, and
-each value in a comment is the value of its line."""
+"""The tutorial (launch/examples/README.md): its scripts print the numbers of the text and draw its pictures. The Python of this and
+of the first README runs, and each value in a comment is the value of its line."""
 
 import ast
 import glob
@@ -173,6 +173,11 @@ class CodeBlocks(unittest.TestCase):
     def test_those_of_the_tutorial_run_and_have_the_values_of_their_comments(self):
         self.run_blocks("launch", "examples", "README.md")
         self.assertGreaterEqual(self.checked, 18)
+
+    def test_that_of_the_first_readme_runs_and_has_the_values_of_its_comments(self):
+        shutil.copy(os.path.join(PACKAGE, "test", "data", "small.bag"), os.path.join(self.folder, "run.bag"))
+        self.run_blocks("README.md")
+        self.assertGreaterEqual(self.checked, 3)
 
 
 if __name__ == "__main__":
