@@ -92,6 +92,11 @@ class Installed(unittest.TestCase):
             self.assertTrue(path.startswith(self.folder + "/install/"), path)
         self.assertAlmostEqual(float(found[2]), 3.1572816, places=7)
 
+    def test_the_tutorial_runs_and_finds_the_shipped_drive(self):
+        self.assertIn("critical headway: 2.800 sample periods", self.installed("rosrun stochastic_platoon tutorial_1_paper.py tutorial"))
+        self.assertIn("theory 0.9620", self.installed("rosrun stochastic_platoon tutorial_5_drive.py tutorial"))
+        self.assertEqual(sorted(os.listdir(os.path.join(self.folder, "tutorial"))), ["tutorial_1_paper.png", "tutorial_5_drive.png"])
+
     def test_a_run_of_the_graph_gives_the_bits_of_the_checkout(self):
         words = " ".join("{}:={}".format(name, value) for name, value in SETTINGS.items())
         port = live_platoon.free_port()
