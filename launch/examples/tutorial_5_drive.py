@@ -6,7 +6,6 @@ import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
-import rospkg
 import stochastic_platoon as sp
 
 folder = sys.argv[1] if len(sys.argv) > 1 else "."
@@ -14,8 +13,7 @@ os.makedirs(folder, exist_ok=True)
 plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#e4e4e4"})
 figure, (speed, gaps, amplification) = plt.subplots(1, 3, figsize=(9.5, 3.4), constrained_layout=True)
 
-shipped = os.path.join(rospkg.RosPack().get_path("stochastic_platoon"), "config", "leaders")
-city = os.path.join(shipped, "city.csv")  # or a table of your own
+city = sp.shipped_file("city.csv", "config/leaders")  # or a table of your own
 car = sp.Model.load("acc.yaml").replace({  # the car of tutorial_2_car.py, behind this leader
     "plant/actuator_lag": 0.3, "plant/input_delay": 0.2, "controller/kp": 0.45, "controller/kd": 1.0,
     "standstill_distance": 3.0, "sample_period": 0.05, "leader": city})

@@ -29,6 +29,13 @@ void require_model_key(const std::string& name) {
   }
 }
 
+// A shipped drive by its bare name, as on the command line.
+YAML::Node value_of(const std::string& name, const std::string& text) {
+  const YAML::Node value = document_of(text, name);
+  const bool is_drive = (name == "leader" || name == "leader/file") && value.IsScalar();
+  return is_drive ? YAML::Node(shipped_file(value.Scalar(), "config/leaders")) : value;
+}
+
 }  // namespace
 
 Model Model::load(const std::string& file) {
@@ -46,7 +53,7 @@ Model Model::replaced(const std::map<std::string, std::string>& changes) const {
   document["model"] = YAML::Clone(document_);
   for (const auto& [name, value] : changes) {
     require_model_key(name);
-    override_value(document, name, document_of(value, name));
+    override_value(document, name, value_of(name, value));
   }
   return Model(document["model"]);
 }

@@ -82,6 +82,12 @@ class Models(InFolder):
         self.assertEqual(sp.Model.load("acc.yaml").replace(time_headway=40.0).time_headway_seconds, 0.4)
         self.assertEqual(model.replace({"controller/numerator/0": 1.0}).to_dict()["controller"]["numerator"], [1.0, 0.0])
 
+    def test_a_shipped_drive_leads_by_its_name(self):
+        model = sp.Model.load().replace(leader="city.csv")
+        self.assertGreater(len(model.to_dict()["leader"]["positions"]), 1000)
+        self.assertEqual(sp.shipped_file("city.csv", "config/leaders"), live_platoon.shared("config", "leaders", "city.csv"))
+        self.assertRaisesText(ValueError, "nowhere.csv", sp.Model.load().replace, leader="nowhere.csv")
+
     def test_a_vehicle_has_its_loop_and_its_place(self):
         model = sp.Model.load()
         vehicle = model.vehicle(3)

@@ -12,7 +12,7 @@ messages of this package's topics are in stochastic_platoon.msg.
 """
 
 from ._platoon import version as __version__
-from .model import Configuration, Model, Vehicle
+from .model import Configuration, Model, Vehicle, shipped_file
 from .recording import Recording
 from .results import Ages, Amplification, Gaps, Moments, Results
 from .simulation import Trajectories, monte_carlo, trajectories
@@ -21,5 +21,6 @@ from .theory import Analysis, StabilityMap, analyze, stability_map
 
 __all__ = [
     "__version__", "Ages", "Amplification", "Analysis", "Configuration", "Gaps", "Model", "Moments", "Recording", "Results",
-    "StabilityMap", "Sweep", "Trajectories", "Vehicle", "analyze", "monte_carlo", "stability_map", "trajectories",
+    "StabilityMap", "Sweep", "Trajectories", "Vehicle", "analyze", "monte_carlo", "shipped_file", "stability_map",
+    "trajectories",
 ]

@@ -135,3 +135,9 @@ class Configuration:
         """The configuration of a JSON text. Raises ValueError with all problems, and if another version wrote it."""
         handle, run = _platoon.parse_configuration(text)
         return cls(Model(handle), run)
+
+
+def shipped_file(name: str, folder: str = "config") -> str:
+    """The path of a file that this package ships, as "acc.yaml", or "city.csv" in the folder "config/leaders"; `name` itself if there
+    is none, or a file of this name in the working folder."""
+    return _platoon.shipped_file(name, folder)
