@@ -29,6 +29,10 @@ TEST(Version, HeadsTheChangelog) {
   EXPECT_EQ(version_in("CHANGELOG.rst", "\n"), kVersion);
 }
 
+TEST(Version, IsThatOfTheCitation) {
+  EXPECT_EQ(version_in("README.md", "theory\\*, version "), kVersion);
+}
+
 }  // namespace
 
 }  // namespace platoon
