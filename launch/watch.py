@@ -5,13 +5,20 @@ Prints only the run's progress (on one line of a terminal) and its table. The ou
 FOLDER.log; if the run does not complete, it is printed as well, and the status is 1.
 """
 
-import json
+from __future__ import annotations
+
 import os
 import re
 import shutil
 import subprocess
 import sys
 import time
+from typing import TextIO
+
+try:
+    import stochastic_platoon as sp
+except ImportError as error:
+    sys.exit("watch.py: {}: . devel/setup.bash first".format(error))
 
 PROGRESS = re.compile(r"\[[#.]+\] +[0-9]+ %")
 TABLE_BEGINS = re.compile(r"Platoon of ")
@@ -21,24 +28,24 @@ INTERRUPTED = 130  # exit status after Ctrl-C
 
 
 class Screen:
-    def __init__(self):
+    def __init__(self) -> None:
         self.terminal = sys.stdout.isatty()
         self.progress_shown = False
         self.in_table = False
 
-    def progress(self, line):
+    def progress(self, line: str) -> None:
         if self.terminal:
             print("\r" + line[:shutil.get_terminal_size().columns - 1] + "\033[K", end="", flush=True)
         else:
             print(line, flush=True)
         self.progress_shown = True
 
-    def end_progress(self):
+    def end_progress(self) -> None:
         if self.terminal and self.progress_shown:
             print()
         self.progress_shown = False
 
-    def show(self, line):
+    def show(self, line: str) -> None:
         """Prints a line of the log if it is progress or part of the table."""
         if PROGRESS.match(line):
             self.progress(line)
@@ -49,7 +56,7 @@ class Screen:
             print(line, flush=True)
 
 
-def follow(log, process, screen):
+def follow(log: TextIO, process: subprocess.Popen[bytes], screen: Screen) -> None:
     """Shows the lines of the growing log until the process has ended and the whole log is read."""
     unfinished = ""
     while True:
@@ -63,15 +70,14 @@ def follow(log, process, screen):
         time.sleep(0.05)
 
 
-def is_complete(folder):
+def is_complete(folder: str) -> bool:
     try:
-        with open(os.path.join(folder, "summary.json")) as file:
-            return json.load(file)["complete"]
+        return sp.Results.load(folder).complete
     except OSError:
         return False
 
 
-def main(folder, *arguments):
+def main(folder: str, *arguments: str) -> int:
     os.makedirs(os.path.dirname(folder), exist_ok=True)
     log_name = folder + ".log"
     screen = Screen()

@@ -1,27 +1,31 @@
 #!/usr/bin/python3
 """An external follower, here the paper's: rosrun stochastic_platoon rospy_follower.py 3 is vehicle 3 of a launch with external:=3."""
 
-import json
+from __future__ import annotations
+
 import sys
+from typing import Any, Tuple
 
 import numpy as np
 import rospy
+import stochastic_platoon as sp
 from rospy.numpy_msg import numpy_msg
 from stochastic_platoon.msg import Position
 
 
-def batch(message):
+def batch(message: Any) -> Tuple[int, int]:
     return message.attempt, message.first_realization
 
 
 class Follower:
-    def __init__(self, index):
+    def __init__(self, index: int) -> None:
         topic = "platoon/vehicle_{}/".format(index)
-        self.index, self.latest = index, None  # the latest message that was answered
+        self.index = index
+        self.latest: Any = None  # the latest message that was answered
         self.out = rospy.Publisher(topic + "position", numpy_msg(Position), queue_size=0, tcp_nodelay=True)
         rospy.Subscriber(topic + "predecessor_position", numpy_msg(Position), self.receive, queue_size=None, tcp_nodelay=True)
 
-    def receive(self, message):
+    def receive(self, message: Any) -> None:
         latest = self.latest
         if message.step == -1:  # a batch begins: reset
             if latest and message.run == latest.run and batch(message) <= batch(latest):
@@ -34,16 +38,13 @@ class Follower:
         self.out.publish(message)
         self.move(received)
 
-    def start(self, size):
-        model = json.loads(rospy.get_param("platoon/configuration"))["model"]
-        string, types = model.get("string", ["default"]), dict(model.get("vehicle_types", {}), default={})
-        vehicles = [dict(model, **types[string[i % len(string)]]) for i in range(self.index)]  # 1 .. index
-        self.h, self.delta = vehicles[-1]["time_headway"], vehicles[-1]["standstill_distance"]
-        place = -sum(vehicle["standstill_distance"] for vehicle in vehicles)
-        self.y = self.y_before = np.full(size, place)  # y(k), y(k - 1): at rest
+    def start(self, size: int) -> None:
+        own = sp.Configuration.parse(rospy.get_param("platoon/configuration")).model.vehicle(self.index)
+        self.h, self.delta = own.time_headway, own.standstill_distance
+        self.y = self.y_before = np.full(size, own.place)  # y(k), y(k - 1): at rest
         self.u = np.zeros(size)
 
-    def move(self, received):
+    def move(self, received: Any) -> None:
         zeta = received - self.y - self.delta - self.h * (self.y - self.y_before)  # eq. (error1)
         y_next = 2.0 * self.y - self.y_before + self.u                             # G(z) = 1 / (z - 1)^2, from u(k - 1)
         self.u = -0.89 * self.u + 1.35 / (1.0 + self.h) * zeta                     # K(z) = 1.35 z / (z + 0.89) / (1 + h)

@@ -2,29 +2,33 @@
 """An external follower with radar and radio, the car of config/cacc.yaml: rosrun stochastic_platoon rospy_radio_follower.py 3 is
 vehicle 3 of a launch with model:=cacc.yaml external:=3."""
 
+from __future__ import annotations
+
 import collections
-import json
 import math
 import sys
 import threading
+from typing import Any, Deque, Tuple
 
 import numpy as np
 import rospy
+import stochastic_platoon as sp
 from rospy.numpy_msg import numpy_msg
 from stochastic_platoon.msg import Position
 
 
-def name(message):
+def name(message: Any) -> Tuple[int, int, int, int]:
     return message.run, message.attempt, message.first_realization, message.step
 
 
 class Stream:
     """The messages of one topic in their order; others are ignored."""
 
-    def __init__(self):
-        self.latest, self.waiting = None, collections.deque()
+    def __init__(self) -> None:
+        self.latest: Any = None
+        self.waiting: Deque[Any] = collections.deque()
 
-    def take(self, message):
+    def take(self, message: Any) -> None:
         run, attempt, first, step = name(message)
         latest = self.latest
         if step == -1:
@@ -37,14 +41,14 @@ class Stream:
 
 
 class Follower:
-    def __init__(self, index):
+    def __init__(self, index: int) -> None:
         topic = "platoon/vehicle_{}/".format(index)
         self.index, self.lock, self.streams = index, threading.Lock(), [Stream(), Stream()]
         self.position, self.input = (rospy.Publisher(topic + of, numpy_msg(Position), queue_size=0, tcp_nodelay=True) for of in ("position", "input"))
         for of, stream in zip(("predecessor_position", "predecessor_input"), self.streams):
             rospy.Subscriber(topic + of, numpy_msg(Position), self.receive, stream, queue_size=None, tcp_nodelay=True)
 
-    def receive(self, message, stream):
+    def receive(self, message: Any, stream: Stream) -> None:
         with self.lock:
             stream.take(message)
             positions, inputs = (of.waiting for of in self.streams)
@@ -55,7 +59,7 @@ class Follower:
                 else:
                     min(positions, inputs, key=lambda of: (of[0].run == stream.latest[0], of[0].attempt)).popleft()
 
-    def answer(self, received, heard):
+    def answer(self, received: Any, heard: Any) -> None:
         if received.step == -1:
             self.start(len(received.position))
         position, message = received.position, received  # answers with the same message and its own values at this step
@@ -64,21 +68,19 @@ class Follower:
             publisher.publish(message)
         self.move(position, heard.position)
 
-    def start(self, size):
-        model = json.loads(rospy.get_param("platoon/configuration"))["model"]
-        string, types = model.get("string", ["default"]), dict(model.get("vehicle_types", {}), default={})
-        vehicles = [dict(model, **types[string[i % len(string)]]) for i in range(self.index)]  # 1 .. index
-        own, self.period = vehicles[-1], model["sample_period"]
-        self.h, self.delta, self.controller = own["time_headway"], own["standstill_distance"], own["controller"]
-        self.gain = next(of["gain"] for of in own["inputs"] if of["signal"] == "input")
-        plant = own["plant"]["continuous"]
+    def start(self, size: int) -> None:
+        model = sp.Configuration.parse(rospy.get_param("platoon/configuration")).model
+        own, keys, self.period = model.vehicle(self.index), model.vehicle_to_dict(self.index), model.sample_period
+        self.h, self.delta, self.controller = own.time_headway, own.standstill_distance, keys["controller"]
+        self.gain = next(of["gain"] for of in keys["inputs"] if of["signal"] == "input")
+        plant = keys["plant"]["continuous"]
         self.lag = plant["denominator"][-4] if len(plant["denominator"]) > 3 else 0.0
         delay = round(plant["input_delay"] / self.period)  # in whole sample periods
-        self.y = self.y_before = np.full(size, -sum(vehicle["standstill_distance"] for vehicle in vehicles))
+        self.y = self.y_before = np.full(size, own.place)
         self.v, self.a, self.u, self.e = (np.zeros(size) for _ in range(4))  # at rest; u(k - 1), e(k - 1)
         self.line = collections.deque([self.u] * delay)
 
-    def move(self, received, heard):
+    def move(self, received: Any, heard: Any) -> None:
         e = received - self.y - self.delta - self.h * (self.y - self.y_before)
         command = self.controller["kp"] * e + self.controller["kd"] * (e - self.e) / self.period + self.gain * heard
         self.u, self.e = (command + self.h * self.u) / (1.0 + self.h), e  # behind the headway filter 1 / H

@@ -25,10 +25,9 @@ analysis = sp.analyze(car)
 print("your car: critical headway {:.3f} s".format(analysis["critical_headway_seconds"]))
 
 
-def critical_headway(model):
+def critical_headway(model: sp.Model) -> float:
     """The critical headway [s]; NaN where no headway is string stable."""
-    value = sp.analyze(model, followers=1, steps=1)["critical_headway_seconds"]
-    return np.nan if value is None else value
+    return sp.analyze(model, followers=1, steps=1).number("critical_headway_seconds")
 
 
 delays = np.arange(0, 0.801, 0.05)

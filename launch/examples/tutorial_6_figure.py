@@ -3,6 +3,7 @@
 
 import os
 import sys
+from typing import Any, List
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -19,7 +20,7 @@ plt.rcParams.update({
     "pdf.fonttype": 42, "svg.fonttype": "none"})  # text stays text: journals reject Type 3 fonts
 figure, columns = plt.subplots(1, 2, figsize=(7.16, 2.4), constrained_layout=True)  # [inch]: two columns of the IEEE
 
-rows = []
+rows: List[Any] = []
 for axes, letter, h in zip(columns, "ab", (3.2, 2.4)):
     run = os.path.join(folder, "run_h{}".format(h))  # computed once; delete the folder to compute it anew
     if not os.path.exists(run):

@@ -124,7 +124,13 @@ py::dict trajectories_of(const Model& model, const Settings& settings, std::uint
 }
 
 py::object json_of(const std::string& file) {
-  const nlohmann::json document = nlohmann::json::parse(read_file(file), nullptr, false);
+  // The conversion to Python objects is recursive.
+  constexpr int kDeepest = 100;
+  const auto require_shallow = [&file](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    if (depth > kDeepest) throw std::invalid_argument(file + ": nested too deep: must be at most 100 levels");
+    return true;
+  };
+  const nlohmann::json document = nlohmann::json::parse(read_file(file), require_shallow, false);
   if (document.is_discarded()) throw std::invalid_argument(file + ": not JSON");
   if (!document.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
   return object_of(document);

@@ -9,6 +9,8 @@ import sys
 import threading
 import unittest
 
+import stochastic_platoon as sp
+
 import live_platoon
 from browser import Browser
 
@@ -127,7 +129,7 @@ class Fed(unittest.TestCase):
         self.check_driving(500)
 
     def test_the_headway_of_a_car_by_lag_and_gains_is_set_in_seconds(self):
-        self.begin(5, time_headway=350.0, sample_period=0.01, controller={"kp": 0.2, "kd": 0.7})
+        self.begin(5, **sp.Model.load("acc.yaml").to_dict())
         self.drive(range(BURN_IN, BURN_IN + 20), stable_headways=[50.0, 35000.0])
         self.open()
         self.text_comes("output[for=headway]", "3.5 = 350 samples")

@@ -96,6 +96,14 @@ class Models(InFolder):
         self.assertAlmostEqual(float(vehicle.C @ np.linalg.solve(np.eye(vehicle.B.size) - vehicle.A, vehicle.B)), 1.0, places=12)
         self.assertEqual(sp.Model.load("paper_at_rest.yaml").vehicle(3).place, -3 * sp.Model.load("paper_at_rest.yaml").vehicle(0).standstill_distance)
         self.assertRaises(IndexError, model.vehicle, -1)
+        self.assertRaises(IndexError, model.vehicle_to_dict, -1)
+
+    def test_the_keys_of_a_vehicle_are_those_of_its_type(self):
+        model = sp.Model.load("mixed.yaml")
+        for index in range(7):
+            vehicle, keys = model.vehicle(index), model.vehicle_to_dict(index)
+            self.assertEqual((keys["time_headway"], keys["standstill_distance"]), (vehicle.time_headway, vehicle.standstill_distance))
+            self.assertEqual(keys["controller"], model.to_dict()["controller"])
 
     def test_bad_models_raise_with_the_texts_of_the_tools(self):
         model = sp.Model.load()
@@ -148,6 +156,16 @@ class Theory(InFolder):
         self.assertEqual(analysis["transfer"]["numerator"].dtype, float)
         self.assertRaisesText(KeyError, "norms.median is missing", lambda: analysis["norms.median"])
         self.assertAlmostEqual(analysis.critical_headway, 2.8, places=9)
+        self.assertEqual((analysis.number("critical_headway"), analysis.numbers("norms.mean_l2").size), (analysis.critical_headway, 20))
+        self.assertRaisesText(ValueError, "norms must be a number or null", analysis.number, "norms")
+        self.assertRaisesText(ValueError, "reason must be a list of numbers", analysis.numbers, "reason")
+
+    def test_an_analysis_over_the_headway_has_its_limits_in_seconds(self):
+        program("analyze", sweep_headway="2:4:3", json=self.path("swept.json"))
+        headways, limits = sp.Analysis.load(self.path("swept.json")).limits_over_headway
+        np.testing.assert_allclose(headways, [0.2, 0.3, 0.4])
+        self.assertTrue(np.isnan(limits[0]) and limits[1] > limits[2] > 0.0)
+        self.assertIsNone(sp.analyze(sp.Model.load()).limits_over_headway)
 
     def test_bad_settings_raise_with_the_texts_of_the_tools(self):
         model = sp.Model.load()
@@ -259,6 +277,10 @@ class Simulation(InFolder):
         self.assertEqual(computed["position"].shape, (5, 31))
         for quantity in sp.Trajectories.QUANTITIES:
             np.testing.assert_array_equal(computed[quantity], loaded[quantity])
+        part = computed.between(5, 8)
+        np.testing.assert_array_equal(part["gap"], computed["gap"][:, 6:10])
+        self.assertEqual((list(part.steps), part.name), ([5.0, 6.0, 7.0, 8.0], "realization 17"))
+        self.assertRaisesText(ValueError, "rows are missing", computed.between, 40, 50)
         self.assertRaisesText(KeyError, "colour: must be one of position", lambda: computed["colour"])
         self.assertRaisesText(ValueError, "only: 3000: must be below", sp.trajectories, sp.Model.load(), 3000, **self.SETTINGS)
 
@@ -290,7 +312,8 @@ class ResultFiles(InFolder):
         self.assertRaisesText(FileNotFoundError, "summary.json", sp.Results.load, self.folder)
         self.assertRaisesText(ValueError, "must be a run's folder", sp.Results.load, os.path.join(self.run_folder, "summary.json"))
         results = sp.Results.load(self.run_folder)
-        self.assertRaisesText(KeyError, "gaps: must be one of statistics", lambda: results.gaps)
+        self.assertRaisesText(KeyError, "gaps.csv: no such file: run with signals:=gap", lambda: results.gaps)
+        self.assertRaisesText(KeyError, "has no table gaps: must be one of statistics", results.table, "gaps")
         self.assertEqual(results.signals, {})
 
     def test_tables_with_quotes_and_texts_are_read(self):

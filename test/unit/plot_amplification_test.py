@@ -1,17 +1,17 @@
 #!/usr/bin/python3
 """Tests of `plot amplification` on files made here: figures, every documented error."""
 
-import json
 import os
 import sys
 import unittest
 
 import numpy as np
+import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
 from plot_test import PlotTest, plot, transfer  # noqa: E402
 
-FIGURES = plot.amplification.FIGURES
+FIGURES = list(sp.Amplification.FIGURES)
 
 
 def gain(headway):
@@ -33,15 +33,9 @@ def table(followers=3, headway=3.2, theory=True, noise=0.5):
 
 class AmplificationTest(PlotTest):
     def make_amplification(self, name="run", text=None, followers=3, **options):
-        os.mkdir(self.path(name))
-        self.write(table(followers, **options) if text is None else text, name, "amplification.csv")
-        summary = {"complete": True, "followers": followers, "steps": 400, "realizations": 1000, "theory": {"string_stable": True},
-                   "configuration": {"run": {"burn_in": 200}, "model": {"sample_period": 0.1}},
-                   "crc32": {"amplification": self.checksum(name, "amplification.csv"), "summary": "00000000"}}
-        self.write(json.dumps(summary), name, "summary.json")
-        own = self.checksum(name, "summary.json")
-        self.write(json.dumps(summary).replace('"summary": "00000000"', '"summary": "{}"'.format(own)), name, "summary.json")
-        return self.path(name)
+        text = table(followers, **options) if text is None else text
+        return self.make_run(name, self.rows(followers), followers, steps=400, realizations=1000, tables={"amplification.csv": text},
+                             configuration={"run": {"burn_in": 200}, "model": {"sample_period": 0.1}})
 
 
 class Amplification(AmplificationTest):
@@ -55,21 +49,21 @@ class Amplification(AmplificationTest):
         self.assert_draws("amplification", self.make_amplification(theory=False))
 
     def test_the_acceleration_has_a_panel_if_it_was_measured(self):
-        run = plot.amplification.read_amplification(self.make_amplification())
+        run = sp.Results.load(self.make_amplification())
         self.assertEqual(len(plot.amplification.draw([run], []).axes), 3)
         for name in ("rms_acceleration", "rms_mean_acceleration"):
-            run.measured[name][:], run.theory[name][:] = np.nan, np.nan
+            run.amplification.measured[name][:], run.amplification.theory[name][:] = np.nan, np.nan
         self.assertEqual(len(plot.amplification.draw([run], []).axes), 2)
 
     def test_curves_are_the_figures_of_the_file(self):
-        run = plot.amplification.read_amplification(self.make_amplification())
+        run = sp.Results.load(self.make_amplification())
         ratio, tail, acceleration = plot.amplification.draw([run], []).axes
         drawn = [line.get_xydata().tolist() for line in ratio.lines]
         self.assertIn([[i, gain(3.2)] for i in (1, 2, 3)], drawn)
         np.testing.assert_allclose(tail.lines[0].get_ydata(), gain(3.2) ** np.arange(1, 4))
         np.testing.assert_allclose(tail.lines[1].get_ydata(), 1.01 * gain(3.2) ** np.arange(1, 4))
         self.assertEqual(acceleration.lines[0].get_xdata().tolist(), [0, 1, 2, 3])
-        self.assertEqual(run.seconds, (20.0, 40.0))
+        self.assertEqual(run.amplification.seconds, (20.0, 40.0))
 
 
 class AmplificationErrors(AmplificationTest):

@@ -2,12 +2,12 @@
 """Tests of `plot gaps` and `plot trajectories` on small simulations of the paper's platoon: numbers, figures, every documented error."""
 
 import json
-import os
 import sys
 import unittest
 from statistics import NormalDist
 
 import numpy as np
+import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
 from plot_test import PlotTest, plot  # noqa: E402
@@ -60,18 +60,10 @@ class GapTest(PlotTest):
         return "\n".join(lines) + "\n"
 
     def make_gaps(self, name="gaps", text=None, followers=3, realizations=200, safe_gap=None, bounds=None, summary_followers=None, **options):
-        os.mkdir(self.path(name))
         if text is None:
             text = self.gap_table(*smallest_gaps(followers, 30, realizations, **options), bounds=bounds, safe_gap=safe_gap)
-        self.write(text, name, "gaps.csv")
-        summary = {"complete": True, "followers": summary_followers or followers, "seed": 7, "realizations": realizations,
-                   "theory": {"spectral_radius": 0.5, "string_stable": True},
-                   "configuration": {"model": {} if safe_gap is None else {"safe_gap": safe_gap}},
-                   "crc32": {"gaps": self.checksum(name, "gaps.csv"), "summary": "00000000"}}
-        self.write(json.dumps(summary), name, "summary.json")
-        own = self.checksum(name, "summary.json")
-        self.write(json.dumps(summary).replace('"summary": "00000000"', '"summary": "{}"'.format(own)), name, "summary.json")
-        return self.path(name)
+        return self.make_run(name, followers=summary_followers or followers, realizations=realizations, tables={"gaps.csv": text},
+                             configuration={"model": {} if safe_gap is None else {"safe_gap": safe_gap}})
 
     def make_collisions(self, followers=3, name="analysis.json", **changes):
         probability = [NormalDist().cdf(-STANDSTILL / SIGMA / np.sqrt(1.0 + 4.2 * i / (i + 1))) for i in range(followers)]
@@ -118,7 +110,7 @@ class Gaps(GapTest):
         self.assert_draws("gaps", self.make_gaps(followers=300, realizations=20))
 
     def test_a_string_without_collisions_is_drawn_on_a_logarithmic_axis(self):
-        run = plot.gaps.read_gaps(self.make_gaps(standstill=50.0, bounds=[0.0, 1e-300, 1e-200]))
+        run = sp.Results.load(self.make_gaps(standstill=50.0, bounds=[0.0, 1e-300, 1e-200]))
         axes = plot.gaps.draw(run, None, []).axes[1]
         self.assertEqual(axes.get_yscale(), "log")
         low, high = axes.get_ylim()
@@ -126,23 +118,23 @@ class Gaps(GapTest):
 
     def test_gaps_far_above_0_are_drawn_without_the_line_of_collisions(self):
         for standstill, lowest in ((2.0, False), (5000.0, True)):
-            run = plot.gaps.read_gaps(self.make_gaps("at-{:g}".format(standstill), standstill=standstill))
+            run = sp.Results.load(self.make_gaps("at-{:g}".format(standstill), standstill=standstill))
             self.assertEqual(plot.gaps.draw(run, None, []).axes[0].get_ylim()[0] > 4000.0, lowest)
 
     def test_the_file_is_read_in_any_order_of_rows(self):
         text = self.gap_table(*smallest_gaps(3, 30, 200), bounds=[0.1, 0.2, 0.3])
         heading, *rows = text.splitlines()
-        forward = plot.gaps.read_gaps(self.make_gaps("a", text))
-        backward = plot.gaps.read_gaps(self.make_gaps("b", "\n".join([heading] + rows[::-1]) + "\n"))
-        for name in ("smallest", "realization", "step", "collisions", "bound", "histogram"):
+        forward = sp.Results.load(self.make_gaps("a", text)).gaps
+        backward = sp.Results.load(self.make_gaps("b", "\n".join([heading] + rows[::-1]) + "\n")).gaps
+        for name in ("smallest_gap", "realization", "step", "collisions", "theoretical_collision_bound", "histogram"):
             np.testing.assert_array_equal(getattr(forward, name), getattr(backward, name), name)
 
     def test_quantiles_are_within_a_bin_of_those_of_the_realizations(self):
         smallest, steps_of = smallest_gaps(4, 30, 500)
-        run = plot.gaps.read_gaps(self.make_gaps(text=self.gap_table(smallest, steps_of), followers=4, realizations=500))
+        gaps = sp.Results.load(self.make_gaps(text=self.gap_table(smallest, steps_of), followers=4, realizations=500)).gaps
         for share in (0.01, 0.25, 0.5, 0.99):
-            np.testing.assert_allclose(plot.gaps.quantile(run, share), np.quantile(smallest, share, axis=1), atol=WIDTH)
-        np.testing.assert_array_equal(plot.gaps.quantile(run, 0.0) >= run.smallest, True)
+            np.testing.assert_allclose(plot.gaps.quantile(gaps, share), np.quantile(smallest, share, axis=1), atol=WIDTH)
+        np.testing.assert_array_equal(plot.gaps.quantile(gaps, 0.0) >= gaps.smallest_gap, True)
 
     def test_error_bars_are_wilsons_interval(self):
         # 3 of 100: (0.03 + 0.02 -+ 2 sqrt(0.03 * 0.97 / 100 + 0.0001)) / 1.04
@@ -151,12 +143,13 @@ class Gaps(GapTest):
         self.assertAlmostEqual(high[1], 4.0 / 104.0)
 
     def test_the_worst_gap_is_named_and_marked(self):
-        run = plot.gaps.read_gaps(self.make_gaps(realizations=1000))
+        run = sp.Results.load(self.make_gaps(realizations=1000))
         axes = plot.gaps.draw(run, None, []).axes[0]
-        worst = int(np.argmin(run.smallest))
+        gaps = run.gaps
+        worst = int(np.argmin(gaps.smallest_gap))
         self.assertIn("{:.3g} m: follower {}, realization {:.0f}, step {:.0f}".format(
-            -run.smallest[worst], worst + 1, run.realization[worst], run.step[worst]), axes.get_title().replace("\u2009", ""))
-        self.assertIn([worst + 1.0, run.smallest[worst]], [line.get_xydata()[0].tolist() for line in axes.lines])
+            -gaps.smallest_gap[worst], worst + 1, gaps.realization[worst], gaps.step[worst]), axes.get_title().replace("\u2009", ""))
+        self.assertIn([worst + 1.0, gaps.smallest_gap[worst]], [line.get_xydata()[0].tolist() for line in axes.lines])
 
 
 class GapErrors(GapTest):
@@ -172,8 +165,8 @@ class GapErrors(GapTest):
             damaged[at] ^= 1 << at % 8
             with open(self.path("gaps", "gaps.csv"), "wb") as file:
                 file.write(damaged)
-            with self.assertRaises(plot.inputs.InputError, msg="byte {}".format(at)):
-                plot.gaps.read_gaps(run)
+            with self.assertRaises(ValueError, msg="byte {}".format(at)):
+                sp.Results.load(run)
 
     def test_rows_and_columns_that_are_missing(self):
         heading, first, *rows = self.gap_table(*smallest_gaps(3, 30, 200)).splitlines()
@@ -205,14 +198,14 @@ class Trajectories(GapTest):
         self.assert_draws("trajectories", self.make_trajectories(300))
 
     def test_the_smallest_gap_is_that_of_the_window(self):
-        realization = plot.trajectories.read_realization(self.make_trajectories(steps=200))
-        worst, at = plot.trajectories.nearest(realization)
-        self.assertEqual(realization.gap[worst, at], np.nanmin(realization.gap))
+        realization = sp.Trajectories.load(self.make_trajectories(steps=200))
+        worst, at = plot.trajectories.nearest(realization["gap"])
+        self.assertEqual(realization["gap"][worst, at], np.nanmin(realization["gap"]))
         near = plot.trajectories.around(realization, 100)
         self.assertEqual((near.steps[0], near.steps[-1]), (80, 120))
-        np.testing.assert_array_equal(near.gap, realization.gap[:, 81:122])
-        self.assertIn("smallest gap {} m, follower {}".format(plot.style.signed(np.nanmin(near.gap)), plot.trajectories.nearest(near)[0]),
-                      plot.trajectories.draw(near, [])._suptitle.get_text())
+        np.testing.assert_array_equal(near["gap"], realization["gap"][:, 81:122])
+        words = "smallest gap {} m, follower {}".format(plot.style.signed(np.nanmin(near["gap"])), plot.trajectories.nearest(near["gap"])[0])
+        self.assertIn(words, plot.trajectories.draw(near, [])._suptitle.get_text())
 
     def test_the_worst_pair_is_drawn_in_any_string(self):
         self.assertEqual(list(plot.trajectories.drawn(4, 2)), [0, 1, 2, 3])
@@ -221,7 +214,7 @@ class Trajectories(GapTest):
         self.assertTrue({233, 234} <= set(shown) and len(shown) <= 19)
 
     def test_refuses_what_is_no_realization(self):
-        self.assert_refuses("trajectories", self.path("none.csv"), saying=["none.csv: no such file"])
+        self.assert_refuses("trajectories", self.path("none.csv"), saying=["none.csv: No such file"])
         path = self.make_trajectories()
         self.assert_refuses("trajectories", path, "--around", "30", saying=["--around: 30: must be a step of", "from -1 to 29"])
         with open(path) as file:

@@ -16,6 +16,7 @@ import xml.dom.minidom
 import zlib
 
 import numpy as np
+import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "tools")
@@ -57,18 +58,26 @@ class PlotTest(unittest.TestCase):
         return ["{},{},{},{},{},{},{}".format(i, k, COUNT, 0.1 * i * k, 1.0 + i + 0.1 * k, 0.1 * i * k, 1.0 + i)
                 for i in range(1, followers + 1) for k in range(steps)]
 
-    def make_run(self, name="run", rows=None, followers=3, steps=4, heading=HEADING, **changes):
+    def make_run(self, name="run", rows=None, followers=3, steps=4, heading=HEADING, tables={}, **changes):
+        """A folder with statistics.csv, further tables (name: text), and summary.json."""
         os.mkdir(self.path(name))
+        for table, text in tables.items():
+            self.write(text, name, table)
         rows = self.rows(followers, steps) if rows is None else rows
         self.write("\n".join([heading] + rows) + "\n", name, "statistics.csv")
         summary = {"complete": True, "followers": followers, "steps": steps, "time_average": False,
                    "realizations": COUNT, "seed": 7, "theory": {"spectral_radius": 0.5, "string_stable": True},
-                   "standard_error_of_variance": [0.25 * i for i in range(1, followers + 1)],
-                   "crc32": {"statistics": self.checksum(name, "statistics.csv"), "summary": "00000000"}}
+                   "standard_error_of_variance": [0.25 * i for i in range(1, followers + 1)]}
         summary.update(changes)
-        self.write(json.dumps(summary), name, "summary.json")
+        return self.write_summary(name, summary)
+
+    def write_summary(self, name, summary):
+        """Writes the summary of the tables in a run's folder, with their checksums."""
+        tables = {table[:-len(".csv")]: self.checksum(name, table) for table in os.listdir(self.path(name)) if table.endswith(".csv")}
+        text = json.dumps(dict(summary, crc32=dict(tables, summary="00000000")), indent=2) + "\n"
+        self.write(text, name, "summary.json")
         own = self.checksum(name, "summary.json")
-        self.write(json.dumps(summary).replace('"summary": "00000000"', '"summary": "{}"'.format(own)), name, "summary.json")
+        self.write(text.replace('"summary": "00000000"', '"summary": "{}"'.format(own)), name, "summary.json")
         return self.path(name)
 
     def checksum(self, *names):
@@ -167,7 +176,7 @@ class Figures(PlotTest):
                 rows.append("{},1.35,{},0.5,{},{},{}".format(headway, loss, 1.0 + loss, "nan" if loss > 0.2 else loss,
                                                              int(loss < 0.2)))
         path = self.write("\n".join(rows) + "\n", "losses.csv")
-        stability = plot.inputs.read_map(path)
+        stability = sp.StabilityMap.load(path)
         self.assertEqual((stability.over, stability.up), ("headway", "loss"))
         self.assertEqual(stability.ys.tolist(), [0.0, 0.1, 0.3])
         self.assert_draws("map", path)
@@ -179,7 +188,7 @@ class Figures(PlotTest):
                 exists = burst >= loss / (1.0 - loss)
                 rows.append("3.2,1.35,{},{},{}".format(loss, burst, "0.5,1,{},{}".format(loss * burst, int(loss * burst < 1)) if exists else ",,,"))
         path = self.write("\n".join(rows) + "\n", "bursts.csv")
-        stability = plot.inputs.read_map(path)
+        stability = sp.StabilityMap.load(path)
         self.assertEqual((stability.over, stability.up), ("loss", "mean_burst"))
         self.assertEqual(stability.loss_gain[:, 0].tolist(), [0.1, 0.15000000000000002, 0.2, 0.4])
         self.assertTrue(np.isnan(stability.spectral_radius[0, 2]))
@@ -234,15 +243,14 @@ class Figures(PlotTest):
 class Numbers(PlotTest):
     def test_the_peak_of_the_gain_is_where_the_analysis_has_it(self):
         path = self.make_analysis(transfer=transfer(2.4), peak_gain=1.1588996213, peak_frequency=0.610896)
-        loop = plot.gain.read_loop(plot.inputs.read_analysis(path))
-        figure = plot.gain.draw([loop], [])
+        figure = plot.gain.draw([sp.Analysis.load(path)], [])
         self.assertEqual(figure.axes[0].get_lines()[1].get_xydata().tolist(), [[0.610896, 1.1588996213]])
         # The curve has its maximum there, within the square of its grid width.
         curve = figure.axes[0].get_lines()[0]
         self.assertAlmostEqual(max(curve.get_ydata()), 1.1588996213, 6)
 
     def test_curves_hold_the_files_values(self):
-        run = plot.inputs.read_run(self.make_run(rows=list(reversed(self.rows()))))
+        run = sp.Results.load(self.make_run(rows=list(reversed(self.rows()))))
         figure = plot.tracking_errors.draw([run], [])
         lines = figure.axes[0].get_lines()
         np.testing.assert_allclose(lines[4].get_xdata(), [0, 1, 2, 3])
@@ -251,33 +259,33 @@ class Numbers(PlotTest):
         np.testing.assert_allclose(figure.axes[1].get_lines()[5].get_ydata(), [4.0] * 4)
 
     def test_the_title_says_name_verdict_realizations_and_seed(self):
-        run = plot.inputs.read_run(self.make_run("h24", complete=False, realizations=1000000,
+        run = sp.Results.load(self.make_run("h24", complete=False, realizations=1000000,
                                                  theory={"spectral_radius": 0.6, "string_stable": False}))
         self.assertEqual(plot.tracking_errors.title(run, "h24"),
                          "h24, not string stable\n1\u2009000\u2009000 realizations, seed 7, incomplete run")
 
     def test_measured_norms_are_those_of_the_file(self):
-        case, = plot.norms.read_cases([self.make_run()])
+        case, = plot.norms.cases_of([sp.Results.load(self.make_run())], [])
         variance = np.array([2.0, 2.1, 2.2, 2.3])
         square = (0.1 ** 2 + 0.2 ** 2 + 0.3 ** 2) - variance.sum() / COUNT  # without the bias from sampling
-        self.assertAlmostEqual(case.measured_mean.value[0], np.sqrt(square))
-        self.assertAlmostEqual(case.measured_variance.value[0], 2.3)
+        self.assertAlmostEqual(case.mean.measured.value[0], np.sqrt(square))
+        self.assertAlmostEqual(case.variance.measured.value[0], 2.3)
         # 2.4977: the normal quantile of 1 - 0.05 / (2 * 4), simultaneous for all four steps
-        self.assertAlmostEqual(case.measured_variance.half_width[0], 2.4977 * 2.3 * np.sqrt(2.0 / (COUNT - 1)), 4)
-        self.assertAlmostEqual(case.own_mean[0], np.sqrt(0.14))
+        self.assertAlmostEqual(case.variance.measured.half_width[0], 2.4977 * 2.3 * np.sqrt(2.0 / (COUNT - 1)), 4)
+        self.assertAlmostEqual(case.mean.own[0], np.sqrt(0.14))
 
     def test_error_bars_of_the_string_are_two_standard_errors(self):
-        analysis = plot.inputs.read_analysis(self.make_analysis())
-        run = plot.inputs.read_run(self.make_run())
-        figure = plot.string_variance.draw(plot.string_variance.pair([analysis], [run]), [])
+        analysis = sp.Analysis.load(self.make_analysis())
+        run = sp.Results.load(self.make_run())
+        figure = plot.string_variance.draw([analysis], [run], [])
         for i, bar in enumerate(figure.axes[0].containers[0].lines[2][0].get_segments(), 1):
             self.assertAlmostEqual(bar[1][1] - bar[0][1], 4.0 * 0.25 * i)
 
     def test_the_string_has_its_limits_over_the_headway_beside_it(self):
         points = [{"headway": 20.0, "limit_variance": None}, {"headway": 30.0, "limit_variance": 5.0}, {"headway": 40.0, "limit_variance": 4.0}]
-        swept = plot.inputs.read_analysis(self.make_analysis("a.json", sweep=points, sample_period=0.01))
-        plain = plot.inputs.read_analysis(self.make_analysis("b.json"))
-        figure = plot.string_variance.draw(plot.string_variance.pair([swept, plain], []), [])
+        swept = sp.Analysis.load(self.make_analysis("a.json", sweep=points, sample_period=0.01))
+        plain = sp.Analysis.load(self.make_analysis("b.json"))
+        figure = plot.string_variance.draw([swept, plain], [], [])
         self.assertEqual(len(figure.axes), 2)
         line, = figure.axes[1].lines
         np.testing.assert_allclose(line.get_xdata(), [0.2, 0.3, 0.4])
@@ -309,7 +317,7 @@ class Sweeps(PlotTest):
 
     def test_draws_a_curve_over_what_takes_the_most_values(self):
         self.assert_draws("sweep", self.grid())
-        tails = plot.sweep.read_tails(self.path("sweep.csv"))
+        tails = plot.sweep.tails_of(sp.Sweep.load(self.path("sweep.csv")))
         self.assertEqual(tails.over, "headway")
         self.assertEqual([curve.name for curve in tails.curves], ["loss = 0", "loss = 0.1"])
         self.assertEqual(list(tails.curves[1].at), [2.4, 3.2, 4.0])
@@ -318,7 +326,7 @@ class Sweeps(PlotTest):
 
     def test_draws_over_what_is_asked_for(self):
         self.grid()
-        self.assertEqual(len(plot.sweep.read_tails(self.path("sweep.csv"), "loss").curves), 3)
+        self.assertEqual(len(plot.sweep.tails_of(sp.Sweep.load(self.path("sweep.csv")), "loss").curves), 3)
         self.assert_draws("sweep", self.path("sweep.csv"), "--over", "loss")
 
     def test_draws_what_has_no_theory_and_one_point(self):
@@ -326,20 +334,23 @@ class Sweeps(PlotTest):
 
     def test_paired_axes_are_one_curve(self):
         self.make_sweep(*[self.row(i, 0.01 * i, 2.4 + 0.1 * i) for i in range(20)])
-        self.assertEqual(len(plot.sweep.read_tails(self.path("sweep.csv")).curves), 1)
+        self.assertEqual(len(plot.sweep.tails_of(sp.Sweep.load(self.path("sweep.csv"))).curves), 1)
 
     def test_names_curves_by_rounded_numbers(self):
         path = self.make_sweep(*[self.row(i, 0.09999999999999992, 2.4 + i) for i in range(3)])
-        self.assertEqual([curve.name for curve in plot.sweep.read_tails(path).curves], ["loss = 0.1"])
+        self.assertEqual([curve.name for curve in plot.sweep.tails_of(sp.Sweep.load(path)).curves], ["loss = 0.1"])
 
     def test_refuses_what_is_no_sweep(self):
-        self.assert_refuses("sweep", self.path("none"), saying=["no such file"])
-        self.assert_refuses("sweep", self.make_sweep(heading=""), saying=["is empty"])
-        self.assert_refuses("sweep", self.make_sweep(heading=SWEEP.replace("agrees", "x")), saying=["column agrees is missing"])
-        self.assert_refuses("sweep", self.make_sweep(heading=SWEEP.replace("loss,headway,", "")), saying=["nothing varies in it"])
+        self.assert_refuses("sweep", self.path("none"), saying=["No such file"])
+        self.assert_refuses("sweep", self.write("", "sweep.csv"), saying=["is empty"])
+        row = self.row(0, 0, 3)
+        self.assert_refuses("sweep", self.make_sweep(row, heading=SWEEP.replace("agrees", "x")), saying=["column agrees is missing"])
+        self.assert_refuses("sweep", self.make_sweep(row.replace("0,0,3,", "0,"), heading=SWEEP.replace("loss,headway,", "")),
+                            saying=["nothing varies in it"])
         self.assert_refuses("sweep", self.make_sweep(), saying=["holds no rows"])
         self.assert_refuses("sweep", self.make_sweep("1,2"), saying=["line 2 has 2 values instead of 14"])
-        self.assert_refuses("sweep", self.make_sweep(self.row(0, 0, 3, variance="much")), saying=["line 2: variance is much: must be a number"])
+        self.assert_refuses("sweep", self.make_sweep(self.row(0, 0, 3, variance="much")),
+                            saying=["line 2: variance: much: must be a number"])
         self.assert_refuses("sweep", self.make_sweep(self.row(0, "a", "[1 2]")), saying=["no number varies in it: loss, headway"])
         self.assert_refuses("sweep", self.make_sweep(self.row(0, 0, 3, variance="nan")), saying=["variance is NaN everywhere"])
         self.assert_refuses("sweep", self.grid(), "--over", "delay", saying=["--over: delay: must be what varies in", "loss, headway"])
@@ -352,7 +363,7 @@ class Sweeps(PlotTest):
 class Errors(PlotTest):
     def test_a_run_folder_that_is_missing(self):
         self.assert_refuses("errors", self.path("none"), saying=[self.path("none"), "no such folder"])
-        self.assert_refuses("norms", self.path("none"), saying=[self.path("none"), "no such file or folder"])
+        self.assert_refuses("norms", self.path("none"), saying=[self.path("none"), "No such file or directory"])
 
     def test_a_file_in_place_of_a_run_folder(self):
         self.assert_refuses("errors", self.make_analysis(), saying=["analysis.json", "must be a run's folder"])
@@ -364,7 +375,7 @@ class Errors(PlotTest):
         for name in ("statistics.csv", "summary.json"):
             run = self.make_run(name + "-less")
             os.remove(os.path.join(run, name))
-            self.assert_refuses("errors", run, saying=[os.path.join(run, name), "no such file"])
+            self.assert_refuses("errors", run, saying=[os.path.join(run, name), "No such file"])
 
     def test_a_missing_column(self):
         self.assert_run_refused("statistics.csv", "column theoretical_mean is missing",
@@ -373,7 +384,13 @@ class Errors(PlotTest):
     def test_an_empty_file(self):
         run = self.make_run()
         self.write("", "run", "statistics.csv")
-        self.assert_refuses("errors", run, saying=[os.path.join(run, "statistics.csv"), "is empty"])
+        self.assert_refuses("errors", run, saying=[os.path.join(run, "statistics.csv"), "is not as it was written"])
+        self.assert_refuses("map", self.write("", "map.csv"), saying=["map.csv: is empty"])
+
+    def test_a_file_that_is_no_text(self):
+        with open(self.path("map.csv"), "wb") as file:
+            file.write(b"headway,gain,\xff\n1,2,3\n")
+        self.assert_refuses("map", self.path("map.csv"), saying=["map.csv: must be text"])
 
     def test_a_file_without_rows(self):
         self.assert_run_refused("statistics.csv", "holds no rows", rows=[])
@@ -383,7 +400,7 @@ class Errors(PlotTest):
                                 rows=self.rows()[:-1] + ["3,3,1"])
 
     def test_a_value_that_is_no_number(self):
-        self.assert_run_refused("statistics.csv", "line 3: could not convert string to float: 'much'",
+        self.assert_run_refused("statistics.csv", "line 3: count: much: must be a number",
                                 rows=self.rows()[:1] + ["1,1,much,0,0,0,0"] + self.rows()[2:])
 
     def test_a_step_that_is_missing(self):
@@ -413,7 +430,7 @@ class Errors(PlotTest):
 
     def test_a_byte_that_was_changed_in_either_file(self):
         run = self.make_run(followers=2, steps=2)
-        plot.inputs.read_run(run)
+        sp.Results.load(run)
         for name in ("statistics.csv", "summary.json"):
             written = self.read(os.path.join("run", name))
             for at in range(len(written)):
@@ -421,8 +438,8 @@ class Errors(PlotTest):
                 damaged[at] ^= 1 << at % 8
                 with open(self.path("run", name), "wb") as file:
                     file.write(damaged)
-                with self.assertRaises(plot.inputs.InputError, msg="{} byte {}".format(name, at)):
-                    plot.inputs.read_run(run)
+                with self.assertRaises(ValueError, msg="{} byte {}".format(name, at)):
+                    sp.Results.load(run)
             with open(self.path("run", name), "wb") as file:
                 file.write(written)
 
@@ -463,6 +480,10 @@ class Errors(PlotTest):
         path = self.make_analysis(stationary_variance=2.0)
         self.assert_refuses("string", path, saying=[path, "stationary_variance must be a list of numbers"])
 
+    def test_an_analysis_that_is_nested_without_end(self):
+        path = self.write('{"transfer": ' + "[" * 100000 + "]" * 100000 + "}", "deep.json")
+        self.assert_refuses("gain", path, saying=[path, "nested too deep"])
+
     def test_an_analysis_of_nothing_but_null(self):
         path = self.make_analysis(stationary_variance=[None, None, None])
         self.assert_refuses("string", path, saying=[path, "stationary_variance is NaN everywhere"])
@@ -496,16 +517,24 @@ class Errors(PlotTest):
         self.assert_draws("errors", self.make_run())
         before = self.read("figure.png")
         self.write("", "run", "statistics.csv")
-        self.assert_refuses("errors", self.path("run"), saying=["is empty"])
+        self.assert_refuses("errors", self.path("run"), saying=["is not as it was written"])
         self.assertEqual(self.read("figure.png"), before)
 
     def test_a_disk_that_is_full_leaves_the_figures_of_before(self):
         good, bad = self.path("a.png"), self.path("b" * 300)  # a name too long for the file system
         self.write("before", "a.png")
-        with self.assertRaisesRegex(plot.inputs.InputError, "cannot be written"):
+        with self.assertRaisesRegex(OSError, "cannot be written"):
             plot.style.write_all({good: b"after", bad: b"after"})
         self.assertEqual(self.read("a.png"), b"before")
         self.assertEqual(os.listdir(self.folder), ["a.png"])
+
+    def test_without_the_environment_the_programs_name_what_to_do(self):
+        bare = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        for name in ("plot", "watch", "dashboard", "recorded_drive"):
+            done = subprocess.run([os.path.join(TOOLS, name), "--version"], env=bare, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  universal_newlines=True)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, "^{}: No module named 'stochastic_platoon': \\. devel/setup.bash first.*\n$".format(name))
 
     def test_the_program_ends_with_code_1_and_one_line(self):
         done = subprocess.run([os.path.join(TOOLS, "plot"), "errors", self.path("none")], cwd=self.folder,

@@ -15,6 +15,8 @@ import tracemalloc
 import types
 import unittest
 
+import stochastic_platoon as sp
+
 sys.dont_write_bytecode = True
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "tools")
 sys.path.insert(0, TOOLS)
@@ -22,6 +24,9 @@ sys.path.insert(0, TOOLS)
 from watching import server, state, table  # noqa: E402
 
 NAN = math.nan
+RUN = {"realizations": 1000, "batch": 100, "rate": 0.0, "seed": 1, "hosting": "processes", "output": "/tmp/run", "burn_in": 200,
+       "resume": False, "first_realization": 0, "record": "", "record_split_mb": 0, "record_compression": "none", "launch_id": "1",
+       "window": 16, "stall_timeout": 2.0}
 
 
 def message(**fields):
@@ -29,10 +34,8 @@ def message(**fields):
 
 
 def configuration(followers=3, steps=4, **model):
-    model = dict({"time_headway": 3.2, "noise_variance": 0.6, "standstill_distance": 0.0, "sample_period": 0.1}, **model)
-    run = {"followers": followers, "steps": steps, "realizations": 1000, "rate": 0.0, "seed": 1, "hosting": "processes",
-           "burn_in": 200, "output": "/tmp/run"}
-    return message(data=json.dumps({"model": model, "run": run}))
+    document = dict(sp.Model.load("paper.yaml").to_dict(), **model)
+    return message(data=json.dumps({"version": sp.__version__, "model": document, "run": dict(RUN, followers=followers, steps=steps)}))
 
 
 def overview(followers=3, step=(0, 1, 2, 3), **changes):
@@ -59,12 +62,20 @@ def snapshot(step, followers=3, realization=0, run=1):
 
 class Configuration(unittest.TestCase):
     def test_a_radio_is_described_and_its_loss_is_the_one_to_change(self):
-        inputs = [{"signal": "position"}, {"signal": "input", "channel": {"delay": 2, "loss": {"probability": 0.1, "on_loss": "zero"}}}]
-        found = state.described(configuration(inputs=inputs, controller={"kp": 0.2, "kd": 0.7}).data)
+        found = state.described(configuration(**sp.Model.load("cacc.yaml").replace(loss=0.1).to_dict()).data)
         self.assertEqual(found["link"], "additive noise, radio with additive noise, delay 2, loss 0.1")
         self.assertEqual(found["loss"], 0.1)
         self.assertTrue(found["headway_in_seconds"])
         self.assertFalse(state.described(configuration().data)["headway_in_seconds"])
+
+    def test_losses_by_distance_have_no_probability_to_change(self):
+        found = state.described(configuration(**sp.Model.load("by_distance.yaml").to_dict()).data)
+        self.assertEqual((found["link"], found["loss"]), ("additive noise, losses by distance", None))
+
+    def test_a_platoon_of_another_version_is_named(self):
+        known = state.PlatoonState()
+        known.take_configuration(message(data=configuration().data.replace(sp.__version__, "0.1.9")))
+        self.assertIn("version: 0.1.9: must be " + sp.__version__, " ".join(table.table(known.document(), 24)))
 
 
 class State(unittest.TestCase):

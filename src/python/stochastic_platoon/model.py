@@ -22,6 +22,12 @@ def _as_json(value: Any) -> str:
     return json.dumps(value, default=lambda other: other.tolist())
 
 
+def _checked(index: int) -> int:
+    if index < 0:
+        raise IndexError("vehicle: {}: must be 0 or more".format(index))
+    return index
+
+
 @dataclass(frozen=True)
 class Vehicle:
     """One vehicle of a platoon. Its closed loop is x(k + 1) = A x(k) + B y_{i-1}(k), y_i(k) = C x(k)."""
@@ -79,10 +85,17 @@ class Model:
 
         Raises IndexError for a negative index.
         """
-        if index < 0:
-            raise IndexError("vehicle: {}: must be 0 or more".format(index))
-        values = self._handle.vehicle(index)
+        values = self._handle.vehicle(_checked(index))
         return Vehicle(**dict(values, A=np.asarray(values["A"]), B=np.asarray(values["B"]), C=np.asarray(values["C"])))
+
+    def vehicle_to_dict(self, index: int) -> Dict[str, Any]:
+        """The keys and values of the model file for vehicle `index`: those of its type in place of the default ones.
+
+        Raises IndexError for a negative index.
+        """
+        document = self.to_dict()
+        string, types = document.get("string", ["default"]), document.get("vehicle_types", {})
+        return {**document, **(types.get(string[(index - 1) % len(string)], {}) if _checked(index) > 0 else {})}
 
     @property
     def sample_period(self) -> float:

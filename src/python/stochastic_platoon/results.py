@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
@@ -45,25 +46,25 @@ class Gaps:
     theoretical_collision_bound: NDArray[np.float64]  #: probability of a collision in a realization, at most
     bins: NDArray[np.float64]  #: [m] lower ends of the histogram's bins, ascending
     histogram: NDArray[np.float64]  #: realizations by smallest gap, shape (followers, bins)
+    safe_gap: float  #: [m] of the model; NaN without one
 
     @classmethod
-    def _of(cls, columns: Columns, path: str) -> Gaps:
-        grid = Grid(columns, path, 1, has_steps=False)
-        names = [name for name in columns if name.startswith("bin_")]
+    def _of(cls, grid: Grid, safe_gap: Optional[float]) -> Gaps:
+        names = [name for name in grid.columns if name.startswith("bin_")]
         if not names:
-            raise ValueError("{}: column bin_... is missing".format(path))
+            raise ValueError("{}: column bin_... is missing".format(grid.path))
         try:
             bins = np.array([float(name[len("bin_"):]) for name in names])
         except ValueError as error:
-            raise ValueError("{}: the name of a column bin_X: {}".format(path, error)) from None
+            raise ValueError("{}: the name of a column bin_X: {}".format(grid.path, error)) from None
         order = np.argsort(bins)
         histogram = np.array([grid.numbers(names[at]) for at in order]).T
         count = grid.numbers("count")
         if not np.array_equal(histogram.sum(axis=1), count):
-            raise ValueError("{}: the bins do not add up to count".format(path))
+            raise ValueError("{}: the bins do not add up to count".format(grid.path))
         values = {name: grid.numbers(name) for name in (
             "smallest_gap", "realization", "step", "collisions", "below_safe_gap", "theoretical_collision_bound")}
-        return cls(count=count, bins=bins[order], histogram=histogram, **values)
+        return cls(count=count, bins=bins[order], histogram=histogram, safe_gap=float("nan") if safe_gap is None else safe_gap, **values)
 
 
 @dataclass(frozen=True)
@@ -73,15 +74,16 @@ class Amplification:
 
     measured: Dict[str, NDArray[np.float64]]
     theory: Dict[str, NDArray[np.float64]]
+    seconds: Tuple[float, float]  #: the part of the run that they are of
+
+    FIGURES = ("l2_ratio", "linf_ratio", "l2_head_to_tail", "linf_head_to_tail", "rms_mean_speed", "rms_acceleration",
+               "rms_mean_acceleration")
 
     @classmethod
-    def _of(cls, columns: Columns, path: str) -> Amplification:
-        grid = Grid(columns, path, 0, has_steps=False)
-        if grid.vehicles < 2:
-            raise ValueError("{}: must hold one row for each vehicle 0..N; rows are missing or double".format(path))
+    def _of(cls, grid: Grid, seconds: Tuple[float, float]) -> Amplification:
         prefix = "theoretical_"
-        names = [name[len(prefix):] for name in columns if name.startswith(prefix)]
-        return cls({name: grid.numbers(name) for name in names}, {name: grid.numbers(prefix + name) for name in names})
+        names = dict.fromkeys([*cls.FIGURES, *(name[len(prefix):] for name in grid.columns if name.startswith(prefix))])
+        return cls({name: grid.numbers(name) for name in names}, {name: grid.numbers(prefix + name) for name in names}, seconds)
 
 
 @dataclass(frozen=True)
@@ -121,9 +123,7 @@ class Results:
         self.steps = grid.steps
         #: of the tracking errors
         self.errors = Moments._of(grid)
-        if self._value("followers") != grid.vehicles:
-            raise ValueError("{}: followers is {}, but statistics.csv beside it has {}".format(
-                os.path.join(path, "summary.json"), self._value("followers"), grid.vehicles))
+        self._require_followers("statistics", grid.vehicles)
 
     @classmethod
     def load(cls, folder: PathLike) -> Results:
@@ -142,8 +142,22 @@ class Results:
     def table(self, name: str) -> Columns:
         """The columns of a table by its file's name without ending: arrays of numbers, lists of texts. Raises KeyError."""
         if name not in self._tables:
-            raise KeyError("{}: must be one of {}".format(name, ", ".join(sorted(self._tables))))
+            raise KeyError("{}: has no table {}: must be one of {}".format(self.path, name, ", ".join(sorted(self._tables))))
         return self._tables[name]
+
+    def _require_followers(self, table: str, followers: int) -> None:
+        if self._value("followers") != followers:
+            raise ValueError("{}: followers is {}, but {}.csv beside it has {}".format(
+                os.path.join(self.path, "summary.json"), self._value("followers"), table, followers))
+
+    def _vehicles(self, table: str, first: int, signals: str) -> Grid:
+        """A table that only runs with these signals have, with one row for each vehicle."""
+        path = os.path.join(self.path, table + ".csv")
+        if table not in self._tables:
+            raise KeyError("{}: no such file: run with signals:={} (monte_carlo --signals)".format(path, signals))
+        grid = Grid(self._tables[table], path, first, has_steps=False)
+        self._require_followers(table, grid.vehicles + first - 1)
+        return grid
 
     def _value(self, key: str) -> Any:
         value: Any = self.summary
@@ -245,15 +259,17 @@ class Results:
         names = texts(columns, "signal", path)
         return {name: Moments._of(Grid(columns, path, 1, rows=np.array([of == name for of in names]))) for name in dict.fromkeys(names)}
 
-    @property
+    @cached_property
     def gaps(self) -> Gaps:
         """Raises KeyError unless the gap was among the signals of the run."""
-        return Gaps._of(self.table("gaps"), os.path.join(self.path, "gaps.csv"))
+        return Gaps._of(self._vehicles("gaps", 1, "gap"), self._value("configuration.model").get("safe_gap"))
 
-    @property
+    @cached_property
     def amplification(self) -> Amplification:
         """Raises KeyError unless the speed was among the signals of the run."""
-        return Amplification._of(self.table("amplification"), os.path.join(self.path, "amplification.csv"))
+        grid = self._vehicles("amplification", 0, "speed,acceleration")
+        first, last = (self._number(key) * self.sample_period for key in ("configuration.run.burn_in", "steps"))
+        return Amplification._of(grid, (first, last))
 
     @property
     def ages(self) -> Ages:

@@ -11,7 +11,7 @@ import numpy as np
 from . import _platoon
 from .model import Model, PathLike
 from .results import Results
-from .tables import Columns, Grid
+from .tables import Columns, Grid, numbers, read_table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -60,11 +60,11 @@ class Trajectories:
 
     QUANTITIES = ("position", "received_position", "input", "received_input", "tracking_error", "gap", "speed", "acceleration", "jerk")
 
-    def __init__(self, columns: Columns, path: str) -> None:
+    def __init__(self, columns: Columns, path: str, name: str, rows: Optional[NDArray[np.bool_]] = None) -> None:
         self.path = path
-        self._grid = Grid(columns, path, 0)
-        if self._grid.vehicles < 2:
-            raise ValueError("{}: must hold one row for each vehicle 0..N and step; rows are missing or double".format(path))
+        #: the name of the file's folder
+        self.name = name
+        self._grid = Grid(columns, path, 0, rows=rows)
         #: step numbers
         self.steps = self._grid.steps
         #: [s]
@@ -75,7 +75,12 @@ class Trajectories:
         """The trajectories.csv that `monte_carlo --only R --trajectories` wrote, or its folder. Raises FileNotFoundError, and
         ValueError if it is not such a file."""
         file = os.path.join(path, "trajectories.csv") if os.path.isdir(path) else os.fspath(path)
-        return cls(_platoon.read_table(file), file)
+        return cls(read_table(file), file, os.path.basename(os.path.dirname(os.path.abspath(file))))
+
+    def between(self, first: float, last: float) -> Trajectories:
+        """The same from step `first` to step `last`. Raises ValueError if it has no step there."""
+        step = numbers(self._grid.columns, "step", self.path)
+        return Trajectories(self._grid.columns, self.path, self.name, (first <= step) & (step <= last))
 
     def __getitem__(self, quantity: str) -> NDArray[np.float64]:
         """A quantity, as "gap" [m]. Raises KeyError."""
@@ -90,4 +95,5 @@ def trajectories(model: Model, realization: int, *, realizations: int = 10000, f
     if realization < 0:
         raise ValueError("realization: {}: must be 0 or more".format(realization))
     settings = run_settings(followers=followers, steps=steps, realizations=realizations, seed=seed)
-    return Trajectories(_platoon.trajectories(model._handle, settings, realization), "realization {}".format(realization))
+    name = "realization {}".format(realization)
+    return Trajectories(_platoon.trajectories(model._handle, settings, realization), name, name)

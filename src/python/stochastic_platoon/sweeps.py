@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import List
+from typing import TYPE_CHECKING, List
 
-from . import _platoon
 from .model import PathLike
-from .tables import Columns, numbers
+from .tables import Columns, numbers, read_table
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class Sweep:
@@ -20,7 +23,7 @@ class Sweep:
         self.path = path
         self.columns = columns
         for name in self.MEASURED:
-            numbers(columns, name, path)
+            self.numbers(name)
         #: names of the parameters that vary
         self.varied: List[str] = [name for name in columns if name not in self.MEASURED]
         if not self.varied:
@@ -30,4 +33,8 @@ class Sweep:
     def load(cls, path: PathLike) -> Sweep:
         """Raises FileNotFoundError, and ValueError if it is not such a file."""
         file = os.fspath(path)
-        return cls(_platoon.read_table(file), file)
+        return cls(read_table(file), file)
+
+    def numbers(self, name: str) -> NDArray[np.float64]:
+        """A column of numbers. Raises ValueError if it is missing, or with the line of a cell that is no number."""
+        return numbers(self.columns, name, self.path)

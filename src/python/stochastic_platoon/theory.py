@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Mapping, Optional
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Mapping, Optional, Tuple
 
 import numpy as np
 
 from . import _platoon
 from .model import Model, PathLike
 from .simulation import listed, run_settings
-from .tables import Columns, numbers
+from .tables import Columns, numbers, read_table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -56,9 +56,22 @@ class Analysis(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self._document)
 
-    def _number(self, key: str) -> float:
-        value = self._document.get(key)
+    def number(self, key: str) -> float:
+        """The number at a key, NaN if it does not exist. Raises KeyError, and ValueError for anything else."""
+        value = self[key]
+        if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
+            raise ValueError("{}: {} must be a number or null".format(self.path, key))
         return float("nan") if value is None else float(value)
+
+    def numbers(self, key: str) -> NDArray[np.float64]:
+        """The numbers at a key, with NaN for those that do not exist. Raises KeyError, and ValueError for anything else."""
+        value = self[key]
+        if not isinstance(value, np.ndarray) or value.size == 0:
+            raise ValueError("{}: {} must be a list of numbers, not empty".format(self.path, key))
+        return value
+
+    def _number(self, key: str) -> float:
+        return self.number(key) if key in self._document else float("nan")
 
     @property
     def string_stable(self) -> Optional[bool]:
@@ -89,17 +102,26 @@ class Analysis(Mapping[str, Any]):
     @property
     def stationary_variance(self) -> NDArray[np.float64]:
         """[m^2], one per follower; NaN where it does not exist."""
-        return np.asarray(self["stationary_variance"])
+        return self.numbers("stationary_variance")
 
     @property
     def mean(self) -> NDArray[np.float64]:
         """Of every tracking error [m], shape (followers, steps)."""
-        return np.asarray(self["mean"])
+        return self.numbers("mean")
 
     @property
     def variance(self) -> NDArray[np.float64]:
         """Of every tracking error [m^2], shape (followers, steps)."""
-        return np.asarray(self["variance"])
+        return self.numbers("variance")
+
+    @property
+    def limits_over_headway(self) -> Optional[Tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Headways [s] and the limit variance at each [m^2], NaN where there is none; None without `analyze --sweep-headway`."""
+        if "sweep" not in self._document:
+            return None
+        points = [Analysis(point, self.path) for point in self["sweep"]]
+        headways, limits = (np.array([point.number(key) for point in points]) for key in ("headway", "limit_variance"))
+        return headways * self.number("sample_period"), limits
 
     def __repr__(self) -> str:
         return "Analysis({!r}: {})".format(self.path, self.reason or "no theory")
@@ -130,6 +152,7 @@ class StabilityMap:
     peak_gain: NDArray[np.float64]
     string_stable: NDArray[np.float64]  #: 1, 0, or NaN for no verdict
     loss_gain: NDArray[np.float64]  #: NaN without losses
+    path: str  #: the file, or what stands for it in messages
 
     AXES = ("headway", "gain", "loss", "mean_burst")
 
@@ -137,7 +160,7 @@ class StabilityMap:
     def load(cls, path: PathLike) -> StabilityMap:
         """The file that `analyze --sweep-... --csv` wrote. Raises FileNotFoundError, and ValueError unless two parameters vary."""
         file = os.fspath(path)
-        return cls._of(_platoon.read_table(file), file)
+        return cls._of(read_table(file), file)
 
     @classmethod
     def _of(cls, columns: Columns, path: str) -> StabilityMap:
@@ -154,7 +177,7 @@ class StabilityMap:
         if not np.array_equal(x[order], np.tile(xs, ys.size)) or not np.array_equal(y[order], np.repeat(ys, xs.size)):
             raise ValueError("{}: must hold one row for each point of a grid of {} and {}".format(path, over, up))
         values["loss_gain"] = numbers(columns, "loss_gain", path) if "loss_gain" in columns else np.full(x.size, np.nan)
-        return cls(over, xs, up, ys, **{name: value[order].reshape(ys.size, xs.size) for name, value in values.items()})
+        return cls(over, xs, up, ys, **{name: value[order].reshape(ys.size, xs.size) for name, value in values.items()}, path=path)
 
 
 def stability_map(model: Model, *, headway: Iterable[float] = (), gain: Iterable[float] = (), loss: Iterable[float] = (),

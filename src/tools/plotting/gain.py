@@ -1,46 +1,46 @@
 """The gain |T(e^{jw})| from a vehicle to its follower, and the line |T| = 1 that bounds it for string stability."""
 
-from collections import namedtuple
+from __future__ import annotations
+
+from typing import Sequence, Tuple
 
 import numpy as np
+import stochastic_platoon as sp
+from matplotlib.figure import Figure
 
 from plotting import style
-from plotting.inputs import InputError, number, numbers
+from plotting.values import Array, drawable, drawable_numbers
 
 HIGHEST = 100.0  # top of the axis; a loop near instability has a higher peak
 
-# Coefficients of T in descending powers of z; its peak gain and the frequency of the peak [rad/sample].
-Loop = namedtuple("Loop", "name numerator denominator peak_gain peak_frequency")
 
-
-def read_loop(analysis):
-    numerator, denominator = (numbers(analysis.path, analysis.document, "transfer." + key)
-                              for key in ("numerator", "denominator"))
+def transfer_of(analysis: sp.Analysis) -> Tuple[Array, Array]:
+    """Numerator and denominator of T: coefficients in descending powers of z."""
+    numerator, denominator = (drawable_numbers(analysis, "transfer." + key) for key in ("numerator", "denominator"))
     if not np.isfinite(np.concatenate((numerator, denominator))).all() or not denominator.any():
-        raise InputError("{}: transfer must hold finite coefficients, and a denominator that is not zero"
-                         .format(analysis.path))
-    peak = [number(analysis.path, analysis.document, key) for key in ("peak_gain", "peak_frequency")]
-    return Loop(analysis.name, numerator, denominator, *peak)
+        raise ValueError("{}: transfer must hold finite coefficients, and a denominator that is not zero".format(analysis.path))
+    return numerator, denominator
 
 
-def gain(loop, frequency):
+def gain(numerator: Array, denominator: Array, frequency: Array) -> Array:
     z = np.exp(1j * frequency)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.abs(np.polyval(loop.numerator, z) / np.polyval(loop.denominator, z))
+        return np.asarray(np.abs(np.polyval(numerator, z) / np.polyval(denominator, z)))
 
 
-def draw(loops, titles):
-    names = style.names_of(titles, loops)
+def draw(analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
+    names = style.names_of(titles, analyses)
     figure, axes = style.new_figure(1, 1, 6.0, 3.8)
     axes = axes[0, 0]
     frequency = np.linspace(0.0, np.pi, 4001)
     top = 1.0
-    for at, (loop, name) in enumerate(zip(loops, names)):
+    for at, (analysis, name) in enumerate(zip(analyses, names)):
         colour = style.PALETTE[at % len(style.PALETTE)]
-        where, height = loop.peak_frequency, loop.peak_gain
+        numerator, denominator = transfer_of(analysis)
+        where, height = (float(drawable(np.array(analysis.number(key)))) for key in ("peak_frequency", "peak_gain"))
         top = max(top, min(height, HIGHEST))
-        stable = np.all(np.abs(np.roots(loop.denominator)) < 1.0)
-        axes.plot(frequency, gain(loop, frequency), color=colour, linewidth=1.8,
+        stable = np.all(np.abs(np.roots(denominator)) < 1.0)
+        axes.plot(frequency, gain(numerator, denominator, frequency), color=colour, linewidth=1.8,
                   label=("{}: peak {:.4g} at $\\omega = {:.3g}$".format(name, height, where) if stable
                          else "{}: the loop is unstable".format(name)))
         axes.plot([where], [height], style.MARKERS[at % len(style.MARKERS)], color=colour, markersize=6,

@@ -1,136 +1,152 @@
 """Norms of the tracking errors along the string against their bounds (the paper's fig:boundary_norms)."""
 
-import os
-from collections import namedtuple
+from __future__ import annotations
+
 from statistics import NormalDist
+from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
+import stochastic_platoon as sp
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from plotting import style
-from plotting.inputs import InputError, number, numbers, read_analysis, read_run, require_same_platoon, truth_if_any
-
-# The content of one column of the figure; arrays have an element per follower, missing entries are None.
-Case = namedtuple("Case", "name verdict followers measured_mean measured_variance mean variance "
-                          "own_mean own_variance has_bounds mean_bound variance_bound")
-
-# A norm along the string, with the half width of its confidence interval or None.
-Measured = namedtuple("Measured", "value half_width")
+from plotting.values import LARGEST, Array, drawable_errors, drawable_numbers, require_same_platoon
 
 CONFIDENCE = 0.95  # probability that the variances of all steps of a follower lie within their intervals
 SETTLED = 0.01  # relative; if a run's own theory differs more from the analysis, it is drawn as well
 
 
-def read_cases(paths):
-    """Run folders and analyses, in any order: the first folder goes with the first analysis, and so on."""
-    runs, analyses = [], []
-    for path in paths:
-        if not os.path.exists(path):
-            raise InputError("{}: no such file or folder".format(path))
-        if os.path.isdir(path):
-            runs.append(read_run(path))
-        else:
-            analyses.append(read_analysis(path))
+class Measured(NamedTuple):
+    """A norm along the string, with the half width of its confidence interval."""
+
+    value: Array
+    half_width: Optional[Array]
+
+
+class Norm(NamedTuple):
+    """A norm along the string: arrays with an element per follower. A run has `measured` and its `own` theory, an analysis has
+    `theory` and `bound`, NaN if none exists."""
+
+    measured: Optional[Measured] = None
+    own: Optional[Array] = None
+    theory: Optional[Array] = None
+    bound: Optional[float] = None
+
+
+class Case(NamedTuple):
+    """The content of one column of the figure."""
+
+    name: str
+    verdict: str
+    followers: int
+    mean: Norm
+    variance: Norm
+
+
+def cases_of(runs: Sequence[sp.Results], analyses: Sequence[sp.Analysis]) -> List[Case]:
+    """The first run with the first analysis, and so on; or only one kind."""
     if runs and analyses and len(runs) != len(analyses):
-        raise InputError("{}: {} runs and {} analyses cannot be paired: give as many of each, or only one kind"
-                         .format(paths[-1], len(runs), len(analyses)))
-    for run in runs:
-        if run.time_average:
-            raise InputError("{}: holds time averages: norms over the steps need a run of an ensemble"
-                             .format(run.path))
-        if run.spectral_radius >= 1.0:
-            raise InputError("{}: is of an unstable loop, spectral radius {:.6g}: its norms are infinite"
-                             .format(run.path, run.spectral_radius))
-    count = max(len(runs), len(analyses))
-    return [case(run, analysis) for run, analysis in zip(runs or [None] * count, analyses or [None] * count)]
+        raise ValueError("{}: {} runs and {} analyses cannot be paired: give as many of each, or only one kind".format(
+            analyses[-1].path, len(runs), len(analyses)))
+    of_runs, of_analyses = [case_of_run(run) for run in runs], [case_of_analysis(analysis) for analysis in analyses]
+    for run, analysis, case in zip(runs, analyses, of_analyses):
+        require_same_platoon(run, analysis, case.followers)
+    return [joined(one, other) for one, other in zip(of_runs, of_analyses)] or of_runs or of_analyses
 
 
-def case(run, analysis):
-    values = dict.fromkeys(Case._fields)
-    values["has_bounds"] = analysis is not None
-    if run:
-        values.update(name=run.name, followers=run.mean.shape[0], verdict=style.verdict(run.string_stable),
-                      measured_mean=measured_l2_norm(run), measured_variance=measured_supremum(run),
-                      own_mean=l2_norm(run.theoretical_mean), own_variance=supremum(run.theoretical_variance))
-    if analysis:
-        path, document = analysis.path, analysis.document
-        mean, variance = (numbers(path, document, "norms." + key) for key in ("mean_l2", "variance_linf"))
-        if mean.size != variance.size:
-            raise InputError("{}: norms.mean_l2 has {} followers, but norms.variance_linf has {}"
-                             .format(path, mean.size, variance.size))
-        if run:
-            require_same_platoon(run, analysis, mean.size)
-        values.update(name=values["name"] or analysis.name, followers=mean.size, mean=mean, variance=variance,
-                      verdict=style.verdict(truth_if_any(path, document, "string_stable")),
-                      mean_bound=number(path, document, "norms.mean_bound"),
-                      variance_bound=number(path, document, "norms.variance_bound"))
-    return Case(**values)
+def case_of_run(run: sp.Results) -> Case:
+    if run.time_average:
+        raise ValueError("{}: holds time averages: norms over the steps need a run of an ensemble".format(run.path))
+    if run.spectral_radius >= 1.0:
+        raise ValueError("{}: is of an unstable loop, spectral radius {:.6g}: its norms are infinite".format(run.path, run.spectral_radius))
+    errors = drawable_errors(run)
+    return Case(run.name, style.verdict(run.string_stable), run.followers,
+                Norm(measured_l2_norm(errors), l2_norm(errors.theoretical_mean)),
+                Norm(measured_supremum(errors), supremum(errors.theoretical_variance)))
 
 
-def l2_norm(curves):
-    return np.sqrt(np.nansum(curves ** 2, axis=1))
+def case_of_analysis(analysis: sp.Analysis) -> Case:
+    mean, variance = (drawable_numbers(analysis, "norms." + key) for key in ("mean_l2", "variance_linf"))
+    if mean.size != variance.size:
+        raise ValueError("{}: norms.mean_l2 has {} followers, but norms.variance_linf has {}".format(
+            analysis.path, mean.size, variance.size))
+    return Case(analysis.name, style.verdict(analysis.string_stable), mean.size,
+                Norm(theory=mean, bound=analysis.number("norms.mean_bound")),
+                Norm(theory=variance, bound=analysis.number("norms.variance_bound")))
 
 
-def supremum(curves):
-    return np.max(np.where(np.isnan(curves), 0.0, curves), axis=1)
+def joined(run: Case, analysis: Case) -> Case:
+    """Measurements of a run, verdict and bounds of an analysis."""
+    mean, variance = (of._replace(measured=measured.measured, own=measured.own)
+                      for of, measured in ((analysis.mean, run.mean), (analysis.variance, run.variance)))
+    return analysis._replace(name=run.name, mean=mean, variance=variance)
 
 
-def measured_l2_norm(run):
+def l2_norm(curves: Array) -> Array:
+    return np.asarray(np.sqrt(np.nansum(curves ** 2, axis=1)))
+
+
+def supremum(curves: Array) -> Array:
+    return np.asarray(np.max(np.where(np.isnan(curves), 0.0, curves), axis=1))
+
+
+def measured_l2_norm(errors: sp.Moments) -> Measured:
     """The l2 norm of the means from an unbiased estimate of its square: sampling adds variance/count to every squared mean."""
-    square = np.nansum(run.mean ** 2 - run.variance / run.count, axis=1)
+    square = np.nansum(errors.mean ** 2 - errors.variance / errors.count, axis=1)
     return Measured(np.sqrt(np.maximum(square, 0.0)), None)
 
 
-def measured_supremum(run):
+def measured_supremum(errors: sp.Moments) -> Measured:
     """The supremum of the variances with its confidence interval.
 
     The largest of many estimates is biased upwards; the interval covers all steps of a follower at once (Bonferroni).
     """
-    quantile = NormalDist().inv_cdf(1.0 - 0.5 * (1.0 - CONFIDENCE) / run.steps.size)
-    return Measured(supremum(run.variance),
-                    quantile * supremum(style.standard_error_of_variance(run.variance, run.count)))
+    quantile = NormalDist().inv_cdf(1.0 - 0.5 * (1.0 - CONFIDENCE) / errors.variance.shape[1])
+    return Measured(supremum(errors.variance), quantile * supremum(style.standard_error_of_variance(errors.variance, errors.count)))
 
 
-def draw(cases, titles):
+def draw(cases: Sequence[Case], titles: Sequence[str]) -> Figure:
     names = style.names_of(titles, cases)
     figure, axes = style.new_figure(2, len(cases), 1.2 + 3.8 * len(cases), 5.4)
     for column, (shown, name) in enumerate(zip(cases, names)):
         top, bottom = axes[:, column]
         top.set_title(style.column_title(column, len(cases), "{}, {}".format(name, shown.verdict)))
-        draw_theory(top, shown.mean, shown.own_mean)
-        draw_theory(bottom, shown.variance, shown.own_variance)
-        draw_bound(top, shown, shown.mean_bound, (0, (5, 2.5)))
-        draw_bound(bottom, shown, shown.variance_bound, "-")
-        if shown.measured_mean:
-            draw_measured(top, shown.measured_mean, "white")
-            draw_measured(bottom, shown.measured_variance, style.PALETTE[0])
-        choose_scale(top, shown.mean if shown.own_mean is None else shown.own_mean)
-        choose_scale(bottom, shown.variance if shown.own_variance is None else shown.own_variance)
-        for axis in (top, bottom):
-            axis.legend()
+        draw_norm(top, shown.mean, (0, (5, 2.5)), "white")
+        draw_norm(bottom, shown.variance, "-", style.PALETTE[0])
         top.set_ylabel("$\\Vert\\mu_{\\zeta_i}\\Vert_{\\mathcal{L}_2}$ [m]")
         bottom.set_ylabel("$\\Vert P_{\\zeta_i}\\Vert_{\\mathcal{L}_\\infty}$ [m$^2$]")
         style.follower_axis(bottom, shown.followers)
     return figure
 
 
-def draw_bound(axes, shown, bound, line):
-    if shown.has_bounds and np.isfinite(bound):
-        axes.axhline(bound, color=style.BOUND, linewidth=1.4, linestyle=line, label="bound")
-    elif shown.has_bounds:
+def draw_norm(axes: Axes, norm: Norm, line: style.Line, face: str) -> None:
+    theories = list(theories_of(norm))
+    for values, look, label in theories:
+        axes.plot(np.arange(1, values.size + 1), values, color=style.INK, linewidth=0.9, linestyle=look, label=label,
+                  marker="_" if values.size == 1 else "")
+    if norm.bound is not None and norm.bound < LARGEST:
+        axes.axhline(norm.bound, color=style.BOUND, linewidth=1.4, linestyle=line, label="bound")
+    elif norm.bound is not None:
         axes.plot([], [], " ", label="no bound exists")
+    if norm.measured:
+        draw_measured(axes, norm.measured, face)
+    choose_scale(axes, theories[-1][0])
+    axes.legend()
 
 
-def draw_theory(axes, theory, own):
-    """Draws the norms of the analysis, and those of the run's own theory if there is no analysis or if they differ from it."""
-    norms = [(own if theory is None else theory, "-", "theory")]
-    if theory is not None and own is not None and not np.allclose(own, theory, rtol=SETTLED, atol=0.0):
-        norms.append((own, ":", "theory over the run's steps"))
-    for norm, line, label in norms:
-        axes.plot(np.arange(1, norm.size + 1), norm, color=style.INK, linewidth=0.9, linestyle=line, label=label,
-                  marker="_" if norm.size == 1 else "")
+def theories_of(norm: Norm) -> Iterator[Tuple[Array, str, str]]:
+    """The norms of the analysis, and those of the run's own theory if there is no analysis or if they differ from it: each with
+    its line and label."""
+    if norm.theory is not None:
+        yield norm.theory, "-", "theory"
+    if norm.own is not None and norm.theory is None:
+        yield norm.own, "-", "theory"
+    if norm.own is not None and norm.theory is not None and not np.allclose(norm.own, norm.theory, rtol=SETTLED, atol=0.0):
+        yield norm.own, ":", "theory over the run's steps"
 
 
-def draw_measured(axes, measured, face):
+def draw_measured(axes: Axes, measured: Measured, face: str) -> None:
     at = style.thinned(measured.value.size, style.MANY)
     label, bars = "measured", None
     if measured.half_width is not None:
@@ -139,7 +155,7 @@ def draw_measured(axes, measured, face):
                   markersize=4.5, elinewidth=1.0, capsize=2.5, label=label)
 
 
-def choose_scale(axes, norm):
+def choose_scale(axes: Axes, norm: Array) -> None:
     """Sets a linear axis from zero, or a logarithmic one if the followers' norms are far apart."""
     if style.spread(norm[:, np.newaxis]) > style.WIDE_RANGE:
         style.logarithmic(axes)

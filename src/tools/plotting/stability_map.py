@@ -1,13 +1,21 @@
 """String stability over two of headway, gain, loss probability and mean burst: the peak of |T|, or over losses and bursts the loss
 gain, and the regions without a verdict."""
 
+from __future__ import annotations
+
+from dataclasses import replace
+
 import numpy as np
+import stochastic_platoon as sp
+from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter
 
 from plotting import style
+from plotting.values import Array, drawable, require_some
 
 # Headway and gain of the paper's numerical example, and the side and alignment of the label.
 PAPER_POINTS = ((3.2, 1.35, 1, "left"), (2.4, 1.35, -1, "right"))
@@ -19,13 +27,17 @@ LABELS = {"headway": "time headway $h$ [sample periods]", "gain": "controller ga
 PEAK_TICKS = [1, 1.2, 1.5, 2, 3, 5, 10]
 
 
-def edges(centres):
+def edges(centres: Array) -> Array:
     """The edges of the cells around the centres of a grid."""
     middle = 0.5 * (centres[1:] + centres[:-1])
-    return np.concatenate(([2 * centres[0] - middle[0]], middle, [2 * centres[-1] - middle[-1]]))
+    return np.concatenate((2 * centres[:1] - middle[:1], middle, 2 * centres[-1:] - middle[-1:]))
 
 
-def draw(stability):
+def draw(given: sp.StabilityMap) -> Figure:
+    values = {name: drawable(getattr(given, name)) for name in ("spectral_radius", "peak_gain", "string_stable", "loss_gain")}
+    for name in ("spectral_radius", "peak_gain", "string_stable"):
+        require_some(given.path, name, values[name])
+    stability = replace(given, **values)
     figure, axes = style.new_figure(1, 1, 6.4, 4.6)
     axes = axes[0, 0]
     axes.grid(False)
@@ -34,7 +46,7 @@ def draw(stability):
     else:
         draw_loss_gains(figure, axes, stability)
     if np.nanmax(stability.spectral_radius) > 1.0:
-        axes.contourf(stability.xs, stability.ys, np.ma.masked_invalid(stability.spectral_radius),
+        axes.contourf(stability.xs, stability.ys, stability.spectral_radius,
                       levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
     # Not mean square stable: no finite variance exists. No chain of losses: not even a loop.
     impossible = np.isnan(stability.spectral_radius)
@@ -65,11 +77,11 @@ def draw(stability):
     return figure
 
 
-def draw_peaks(figure, axes, stability):
+def draw_peaks(figure: Figure, axes: Axes, stability: sp.StabilityMap) -> None:
     # The peak grows without bound towards rho = 1: cells beyond that border take the last colour, and the hatching
     # on top of them gives a smooth border.
     unstable = stability.spectral_radius >= 1.0
-    peaks = np.ma.masked_invalid(np.where(unstable, 2.0 * HIGHEST_PEAK, np.maximum(stability.peak_gain, 1.0)))
+    peaks = np.where(unstable, 2.0 * HIGHEST_PEAK, np.maximum(stability.peak_gain, 1.0))
     mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), peaks, cmap="YlOrBr",
                            norm=LogNorm(1.0, HIGHEST_PEAK), rasterized=True)
     bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02, ticks=FixedLocator(PEAK_TICKS),
@@ -78,15 +90,15 @@ def draw_peaks(figure, axes, stability):
     bar.set_label("peak gain $\\max_\\omega |T(e^{j\\omega})|$")
 
 
-def draw_loss_gains(figure, axes, stability):
+def draw_loss_gains(figure: Figure, axes: Axes, stability: sp.StabilityMap) -> None:
     # Where |T^| exceeds 1 there is no loss gain: these cells take the last colour.
     gains = np.where(np.isnan(stability.loss_gain) & (stability.peak_gain > 1.0), 2.0 * HIGHEST_LOSS_GAIN, stability.loss_gain)
-    mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), np.ma.masked_invalid(gains), cmap="YlOrBr",
+    mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), gains, cmap="YlOrBr",
                            norm=Normalize(0.0, HIGHEST_LOSS_GAIN), rasterized=True)
     figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02).set_label("loss gain")
 
 
-def draw_border(axes, stability):
+def draw_border(axes: Axes, stability: sp.StabilityMap) -> None:
     if stability.string_stable.min() > 0.5 or stability.string_stable.max() < 0.5:
         return
     contour = axes.contour(stability.xs, stability.ys, stability.string_stable, levels=[0.5],
@@ -95,7 +107,7 @@ def draw_border(axes, stability):
         axes.plot(*smoothed(line).T, color=BORDER, linewidth=1.8)
 
 
-def smoothed(line):
+def smoothed(line: Array) -> Array:
     """A contour line of a grid without its staircase: points move by less than a cell, the ends stay."""
     closed = len(line) > 2 and np.array_equal(line[0], line[-1])
     for _ in range(min(30, len(line) // 4)):
@@ -108,7 +120,7 @@ def smoothed(line):
     return line
 
 
-def mark_paper_points(axes, stability):
+def mark_paper_points(axes: Axes, stability: sp.StabilityMap) -> None:
     for headway, gain, side, alignment in PAPER_POINTS:
         if stability.xs[0] <= headway <= stability.xs[-1] \
                 and stability.ys[0] <= gain <= stability.ys[-1]:

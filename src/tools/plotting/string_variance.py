@@ -1,46 +1,44 @@
 """Stationary variance along the string with its limit (Corollary 1), and measured variances; beside it the limit over the headway
 if an analysis swept it."""
 
-from collections import namedtuple
+from __future__ import annotations
+
+from itertools import zip_longest
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
+import stochastic_platoon as sp
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from plotting import style
-from plotting.inputs import InputError, number, numbers, require_same_platoon
+from plotting.values import LARGEST, Array, drawable, drawable_errors, drawable_numbers, require_same_platoon
 
 SETTLED = 0.01  # relative; if the theory of the last step differs more from the stationary variance, both are drawn
 ROOM_FOR_LEGEND = 1.8  # factor of a logarithmic axis for an entry
 WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logarithmic axis
 
-Case = namedtuple("Case", "name stationary limit run swept")
+
+class Case(NamedTuple):
+    name: str
+    stationary: Array
+    limit: float
+    run: Optional[sp.Results]
+    swept: Optional[Tuple[Array, Array]]
 
 
-def pair(analyses, runs):
-    """The cases of the figure: the first run with the first analysis, and so on."""
-    if runs and len(runs) != len(analyses):
-        raise InputError("--run: must be one for each of the {} analyses, not {}".format(len(analyses), len(runs)))
-    return [case(analysis, run) for analysis, run in zip(analyses, runs or [None] * len(analyses))]
-
-
-def case(analysis, run):
-    stationary = numbers(analysis.path, analysis.document, "stationary_variance")
+def case(analysis: sp.Analysis, run: Optional[sp.Results]) -> Case:
+    stationary = drawable_numbers(analysis, "stationary_variance")
     if run:
         require_same_platoon(run, analysis, stationary.size)
-    return Case(analysis.name, stationary, number(analysis.path, analysis.document, "limit_variance"), run, limits_over_headway(analysis))
+    return Case(analysis.name, stationary, analysis.limit_variance, run, analysis.limits_over_headway)
 
 
-def limits_over_headway(analysis):
-    """Headways [s] and limits [m^2], NaN where there is none, of an analysis with --sweep-headway; None without a sweep."""
-    points = analysis.document.get("sweep")
-    if points is None:
-        return None
-    period = number(analysis.path, analysis.document, "sample_period")
-    table = [[number(analysis.path, point, key) for key in ("headway", "limit_variance")] for point in points]
-    headways, limits = np.array(table, float).reshape(-1, 2).T
-    return headways * period, limits
-
-
-def draw(cases, titles):
+def draw(analyses: Sequence[sp.Analysis], runs: Sequence[sp.Results], titles: Sequence[str]) -> Figure:
+    """Draws the first run with the first analysis, and so on; there may be no run."""
+    if runs and len(runs) != len(analyses):
+        raise ValueError("--run: must be one for each of the {} analyses, not {}".format(len(analyses), len(runs)))
+    cases = [case(analysis, run) for analysis, run in zip_longest(analyses, runs)]
     names = style.names_of(titles, cases)
     swept = any(shown.swept for shown in cases)
     figure, axes = style.new_figure(1, 2 if swept else 1, 11.4 if swept else 6.2, 4.2)
@@ -52,7 +50,7 @@ def draw(cases, titles):
         colour = style.PALETTE[at % len(style.PALETTE)]
         legend += draw_theory(axes, shown, name, colour)
         if shown.run:
-            legend += draw_measured(axes, shown, name, colour, style.MARKERS[at % len(style.MARKERS)])
+            legend += draw_measured(axes, shown.run, shown.stationary, name, colour, style.MARKERS[at % len(style.MARKERS)])
     if style.spread(np.concatenate([shown.stationary for shown in cases])[:, np.newaxis]) > WIDE_RANGE:
         style.logarithmic(axes)
         axes.set_ylim(top=ROOM_FOR_LEGEND ** len(legend) * axes.get_ylim()[1])
@@ -62,22 +60,23 @@ def draw(cases, titles):
     return figure
 
 
-def draw_limits(axes, cases, names):
+def draw_limits(axes: Axes, cases: Sequence[Case], names: Sequence[str]) -> None:
     for at, (shown, name) in enumerate(zip(cases, names)):
         if shown.swept:
-            axes.plot(*shown.swept, color=style.PALETTE[at % len(style.PALETTE)], linewidth=1.3, label=name)
+            headways, limits = shown.swept
+            axes.plot(headways, drawable(limits), color=style.PALETTE[at % len(style.PALETTE)], linewidth=1.3, label=name)
     style.logarithmic(axes)
     axes.set_xlabel("time headway $h$ [s]")
     axes.set_ylabel("limit of the variance along the string [m$^2$]")
     axes.legend()
 
 
-def draw_theory(axes, shown, name, colour):
+def draw_theory(axes: Axes, shown: Case, name: str, colour: str) -> List[Any]:
     """Draws the stationary variances and their limit; returns the legend entries."""
-    has_limit = np.isfinite(shown.limit)
+    has_limit = shown.limit < LARGEST
     followers = np.arange(1, shown.stationary.size + 1)
     label = "{}: stationary, theory{}".format(name, "" if has_limit else " (no limit)")
-    legend = axes.plot(followers, shown.stationary, color=colour, linewidth=1.3, label=label,
+    legend: List[Any] = axes.plot(followers, shown.stationary, color=colour, linewidth=1.3, label=label,
                        marker="." if followers.size == 1 else "")
     if has_limit:
         legend.append(axes.axhline(shown.limit, color=colour, linewidth=1.0, linestyle=(0, (5, 2.5)),
@@ -85,22 +84,22 @@ def draw_theory(axes, shown, name, colour):
     return legend
 
 
-def draw_measured(axes, shown, name, colour, marker):
+def draw_measured(axes: Axes, run: sp.Results, stationary: Array, name: str, colour: str, marker: str) -> List[Any]:
     """Draws the variances of the run's last step; returns the legend entries."""
-    run = shown.run
-    at = style.thinned(run.mean.shape[0], style.MANY)
-    variance = run.variance[at, -1]
+    measured = drawable_errors(run)
+    at = style.thinned(run.followers, style.MANY)
+    variance = measured.variance[at, -1]
     last = style.spaced(int(run.steps[-1]))
     look = {"color": colour, "markersize": 4.5, "markerfacecolor": "white"}
-    errors = style.bars(run.standard_error_of_variance[at])
+    errors = style.bars(drawable(run.standard_error_of_variance)[at])
     what = ("time average up to step {}" if run.time_average else "measured at step {}").format(last)
     legend = [axes.errorbar(
         at + 1, variance, yerr=errors, fmt=marker, capsize=2.5, elinewidth=1.0,
         label="{}: {}{}".format(name, what, ", $\\pm${} standard errors".format(style.SHOWN_ERRORS) if errors is not None else ""), **look)]
     if run.time_average:
         return legend
-    theory = run.theoretical_variance[:, -1]
-    if not np.allclose(theory, shown.stationary, rtol=SETTLED, atol=0.0, equal_nan=True):
+    theory = measured.theoretical_variance[:, -1]
+    if not np.allclose(theory, stationary, rtol=SETTLED, atol=0.0, equal_nan=True):
         legend += axes.plot(np.arange(1, theory.size + 1), theory, color=colour, linewidth=1.3, linestyle=":",
                             label="{}: theory at step {}, not yet stationary".format(name, last))
     return legend

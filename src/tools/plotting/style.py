@@ -1,8 +1,11 @@
 """The common style of all figures, and their output files."""
 
+from __future__ import annotations
+
 import io
 import os
 import textwrap
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Protocol, Sequence, Tuple, Union
 
 import matplotlib
 
@@ -10,12 +13,22 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402 - the backend must be chosen first
 import numpy as np  # noqa: E402
+from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
+from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.mathtext import MathTextParser  # noqa: E402
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter  # noqa: E402
 
-from plotting.inputs import InputError  # noqa: E402
+from plotting.values import Array  # noqa: E402
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    AxesGrid = NDArray[np.object_]
+    Indices = NDArray[np.int_]
+
+Line = Union[str, Tuple[float, Tuple[float, ...]]]  # a line style
 
 # Okabe and Ito's colours, which colour-blind readers can distinguish.
 PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
@@ -35,12 +48,17 @@ FAR = 3.0  # gaps farther above 0 than so many times their range are drawn witho
 WIDE_RANGE = 1000.0  # curves that differ by more than this factor need a logarithmic axis
 
 
-def bars(standard_errors):
+class Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+def bars(standard_errors: Array) -> Optional[Array]:
     """yerr for these standard errors; None if all are NaN, for which matplotlib would warn."""
     return SHOWN_ERRORS * standard_errors if np.isfinite(standard_errors).any() else None
 
 
-def apply():
+def apply() -> None:
     """Sets the style, independent of the user's matplotlib settings."""
     matplotlib.rcdefaults()
     matplotlib.rcParams.update({
@@ -55,46 +73,46 @@ def apply():
     })
 
 
-def new_figure(rows, columns, width, height):
+def new_figure(rows: int, columns: int, width: float, height: float) -> Any:
     """A figure and its axes as an array (rows, columns)."""
     return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, sharex="col",
                         constrained_layout=True)
 
 
-def column_title(column, columns, text):
+def column_title(column: int, columns: int, text: str) -> str:
     """The text in lines that fit a column, with a letter in front if there are several columns."""
     text = "({}) {}".format(chr(ord("a") + column), text) if columns > 1 else text
     return "\n".join(line if "$" in line.replace("\\$", "") else textwrap.fill(line, LINE)
                      for line in text.split("\n"))
 
 
-def verdict(string_stable):
+def verdict(string_stable: Optional[bool]) -> str:
     return {None: "no verdict", True: "string stable", False: "not string stable"}[string_stable]
 
 
-def follower_ticks(followers):
+def follower_ticks(followers: int) -> List[float]:
     """First, last and round numbers between them, without those so close to the ends that the labels would touch."""
     between = MaxNLocator(nbins=5, steps=[1, 2, 5, 10], integer=True).tick_values(1, followers)
     room = 0.05 * followers
     return [1] * (followers > 1) + [t for t in between if 1 + room < t < followers - room] + [followers]
 
 
-def follower_axis(axes, followers):
+def follower_axis(axes: Axes, followers: int) -> None:
     axes.set_xlabel("follower $i$")
     axes.set_xticks(follower_ticks(followers))
     pad = 0.5 if followers < 30 else 0.02 * followers
     axes.set_xlim(1 - pad, followers + pad)
 
 
-def spread(curves):
+def spread(curves: Array) -> float:
     """Ratio of the largest to the smallest peak of the curves (rows of an array); 1 if all are zero."""
     magnitude = np.where(np.isfinite(curves), np.abs(curves), 0.0)
     peaks = magnitude.max(axis=1)
     peaks = peaks[peaks > 0.0]
-    return peaks.max() / peaks.min() if peaks.size else 1.0
+    return float(peaks.max() / peaks.min()) if peaks.size else 1.0
 
 
-def logarithmic(axes):
+def logarithmic(axes: Axes) -> None:
     """Sets a logarithmic y axis; labels are plain numbers if these are few and short."""
     axes.set_yscale("log")
     low, high = axes.get_ylim()
@@ -104,26 +122,27 @@ def logarithmic(axes):
         axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def thinned(size, most):
+def thinned(size: int, most: int) -> Indices:
     """At most `most` evenly spaced indices of range(size), including both ends."""
-    return np.unique(np.round(np.linspace(0, size - 1, min(size, most))).astype(int))
+    indices: Indices = np.unique(np.round(np.linspace(0, size - 1, min(size, most))).astype(int))
+    return indices
 
 
-def standard_error_of_variance(variance, count):
+def standard_error_of_variance(variance: Array, count: Array) -> Array:
     """The standard error of the unbiased variance of `count` independent Gaussian samples."""
-    return variance * np.sqrt(2.0 / np.maximum(count - 1.0, 1.0))
+    return np.asarray(variance * np.sqrt(2.0 / np.maximum(count - 1.0, 1.0)))
 
 
-def legend_entry(**line):
+def legend_entry(**line: Any) -> Line2D:
     return Line2D([], [], **line)
 
 
-def legend_below(axes, **options):
+def legend_below(axes: Axes, **options: Any) -> None:
     """A legend below the axes, where it hides no data."""
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncol=2, frameon=False, columnspacing=1.6, **options)
 
 
-def mark_collisions(axes):
+def mark_collisions(axes: Axes) -> None:
     """Draws the line gap = 0 and shades the collisions below it, unless all gaps are far above it."""
     low, high = axes.get_ylim()
     if low > FAR * (high - low):
@@ -134,43 +153,43 @@ def mark_collisions(axes):
     axes.set_ylim(low, high)
 
 
-def signed(value):
+def signed(value: float) -> str:
     """The value to three digits, with a minus sign as on the axes."""
     return "{:.3g}".format(value).replace("-", "\u2212")
 
 
-def spaced(integer):
+def spaced(integer: int) -> str:
     """The integer with thin spaces between groups of three digits: 1 000 000."""
     return "{:,}".format(integer).replace(",", "\u2009")
 
 
-def names_of(titles, cases):
+def names_of(titles: Sequence[str], cases: Sequence[Named]) -> List[str]:
     """The titles if given, otherwise the names of the cases."""
     if not titles:
         return [case.name.replace("$", "\\$") for case in cases]
     if len(titles) != len(cases):
-        raise InputError("--titles: must be one for each of the {} inputs, not {}".format(len(cases), len(titles)))
+        raise ValueError("--titles: must be one for each of the {} inputs, not {}".format(len(cases), len(titles)))
     for title in titles:
         try:
             MathTextParser("path").parse(title)
         except ValueError as error:
-            raise InputError("--titles: {}: {}".format(title, str(error).strip().splitlines()[-1]))
+            raise ValueError("--titles: {}: {}".format(title, str(error).strip().splitlines()[-1]))
     return list(titles)
 
 
-def require_writable(stem):
-    """Raises InputError if no figure can be written there, before any work is done."""
+def require_writable(stem: str) -> None:
+    """Raises ValueError if no figure can be written there, before any work is done."""
     folder = os.path.dirname(stem) or "."
     if not os.path.isdir(folder):
-        raise InputError("{}: no such folder to write to".format(folder))
+        raise ValueError("{}: no such folder to write to".format(folder))
     if not os.path.basename(stem):
-        raise InputError("--output: {!r} must be a path to a file, without extension".format(stem))
+        raise ValueError("--output: {!r} must be a path to a file, without extension".format(stem))
     for kind in KINDS:
         if os.path.isdir(stem + "." + kind):
-            raise InputError("{}.{}: is a folder, no figure can be written there".format(stem, kind))
+            raise ValueError("{}.{}: is a folder, no figure can be written there".format(stem, kind))
 
 
-def save(figure, stem):
+def save(figure: Figure, stem: str) -> List[str]:
     """Writes stem.png and stem.svg, each completely or not at all; returns their paths."""
     contents = {}
     for kind in KINDS:
@@ -183,7 +202,7 @@ def save(figure, stem):
     return list(contents)
 
 
-def write_all(contents):
+def write_all(contents: Dict[str, bytes]) -> None:
     """Writes all files under temporary names, then renames them."""
     temporary = {path: "{}.{}.tmp".format(path, os.getpid()) for path in contents}
     try:
@@ -193,7 +212,7 @@ def write_all(contents):
         for path in contents:
             os.replace(temporary[path], path)
     except OSError as error:
-        raise InputError("{}: cannot be written: {}".format(path, error.strerror))
+        raise OSError("{}: cannot be written: {}".format(path, error.strerror)) from None
     finally:
         for name in temporary.values():
             if os.path.exists(name):

@@ -1,106 +1,91 @@
 """Variance of the last vehicle over a swept parameter: measured with standard errors, theory as lines."""
 
-import csv
-import io
-from collections import namedtuple
+from __future__ import annotations
+
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
+import stochastic_platoon as sp
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from plotting import style
-from plotting.inputs import InputError, drawable, read_text
+from plotting.values import Array, drawable
 
 WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logarithmic axis
-MEASURED = ["variance", "variance_standard_error", "theoretical_variance", "string_stable"]
-COLUMNS = ["point", "vehicle", "step", "count", "mean", "mean_standard_error", "variance", "variance_standard_error",
-           "theoretical_mean", "theoretical_variance", "string_stable", "agrees"]
-
-# The last vehicles of a sweep: the parameter on the horizontal axis, and for each curve its name and arrays over it.
-Tails = namedtuple("Tails", "over curves")
-Curve = namedtuple("Curve", "name at variance variance_standard_error theoretical_variance string_stable")
 
 
-def number_of(path, line, name, text):
-    try:
-        return float(text) if text else float("nan")
-    except ValueError:
-        raise InputError("{}: line {}: {} is {}: must be a number".format(path, line, name, text))
+class Curve(NamedTuple):
+    """Arrays over the parameter on the horizontal axis, which is `at`."""
+
+    name: str
+    at: Array
+    variance: Array
+    variance_standard_error: Array
+    theoretical_variance: Array
+    string_stable: Array
 
 
-def read_rows(path):
-    """The names of the varied parameters, and for each point the row of the last vehicle at its last step."""
-    lines = list(csv.reader(io.StringIO(read_text(path))))
-    heading = lines[0] if lines else []
-    missing = [name for name in COLUMNS if name not in heading]
-    if missing:
-        raise InputError("{}: {}".format(path, "column {} is missing".format(missing[0]) if heading else "is empty"))
-    varied = [name for name in heading if name not in COLUMNS]
-    if not varied:
-        raise InputError("{}: nothing varies in it".format(path))
-    last = {}
-    for at, row in enumerate(lines[1:], 2):
-        if len(row) != len(heading):
-            raise InputError("{}: line {} has {} values instead of {}".format(path, at, len(row), len(heading)))
-        named = dict(zip(heading, row), line=at)
-        place = [number_of(path, at, name, named[name]) for name in ("vehicle", "step")]
-        if named["point"] not in last or place >= last[named["point"]][0]:
-            last[named["point"]] = (place, named)
-    if not last:
-        raise InputError("{}: holds no rows, only its heading".format(path))
-    return varied, [row for _, row in last.values()]
+class Tails(NamedTuple):
+    """The last vehicles of a sweep: the parameter on the horizontal axis, and the curves over it."""
+
+    over: str
+    curves: List[Curve]
 
 
-def is_number(text):
-    try:
-        return np.isfinite(float(text))
-    except ValueError:
-        return False
+def last_rows(sweep: sp.Sweep) -> style.Indices:
+    """For each point the row of the last vehicle at its last step."""
+    point, vehicle, step = (sweep.numbers(name) for name in ("point", "vehicle", "step"))
+    order = np.lexsort((step, vehicle, point))
+    rows: style.Indices = order[np.append(np.diff(point[order]) != 0.0, True)]
+    return rows
 
 
-def chosen_axis(path, varied, rows, over):
+def chosen_axis(sweep: sp.Sweep, over: Optional[str]) -> str:
     """The parameter `over` if given, otherwise the numeric parameter with the most values."""
     if over:
-        if over not in varied:
-            raise InputError("--over: {}: must be what varies in {}: {}".format(over, path, ", ".join(varied)))
-        for row in rows:
-            number_of(path, row["line"], over, row[over] or "nothing")
+        if over not in sweep.varied:
+            raise ValueError("--over: {}: must be what varies in {}: {}".format(over, sweep.path, ", ".join(sweep.varied)))
         return over
-    numeric = [name for name in varied if all(is_number(row[name]) for row in rows)]
-    if not numeric:
-        raise InputError("{}: no number varies in it: {}".format(path, ", ".join(varied)))
-    return max(numeric, key=lambda name: len({row[name] for row in rows}))
+    columns = {name: sweep.columns[name] for name in sweep.varied}
+    sizes = {name: np.unique(column).size for name, column in columns.items()
+             if isinstance(column, np.ndarray) and np.isfinite(column).all()}
+    if not sizes:
+        raise ValueError("{}: no number varies in it: {}".format(sweep.path, ", ".join(sweep.varied)))
+    return max(sizes, key=lambda name: sizes[name])
 
 
-def read_tails(path, over=None):
-    varied, rows = read_rows(path)
-    over = chosen_axis(path, varied, rows, over)
+def tails_of(sweep: sp.Sweep, over: Optional[str] = None) -> Tails:
+    over = chosen_axis(sweep, over)
+    rows, at = last_rows(sweep), sweep.numbers(over)
     # Paired axes move together: a parameter with a different value at every point of the axis does not define curves.
-    others = [name for name in varied if name != over]
-    groups = {}
+    others = [name for name in sweep.varied if name != over]
+    groups: Dict[Tuple[str, ...], List[int]] = {}
     for row in rows:
-        groups.setdefault(tuple(row[name] for name in others), []).append(row)
+        groups.setdefault(tuple(str(sweep.columns[name][row]) for name in others), []).append(row)
     if len(groups) == len(rows) and len(rows) > len(style.PALETTE):
-        groups, others = {(): rows}, []
+        groups, others = {(): list(rows)}, []
     if len(groups) > len(style.PALETTE):
-        raise InputError("{}: {} curves over {}: must be at most {}: sweep less, or --over another".format(
-            path, len(groups), over, len(style.PALETTE)))
+        raise ValueError("{}: {} curves over {}: must be at most {}: sweep less, or --over another".format(
+            sweep.path, len(groups), over, len(style.PALETTE)))
     curves = []
-    for values, group in groups.items():
-        group.sort(key=lambda row: float(row[over]))
-        at = np.array([float(row[over]) for row in group])
-        columns = {name: drawable(np.array([number_of(path, row["line"], name, row[name]) for row in group]))
-                   for name in MEASURED}
-        name = ", ".join("{} = {}".format(label, "{:g}".format(float(value)) if is_number(value) else value)
-                         for label, value in zip(others, values))
-        curves.append(Curve(name, at, **columns))
+    for group in groups.values():
+        group.sort(key=lambda row: float(at[row]))
+        name = ", ".join("{} = {}".format(other, shown(sweep.columns[other][group[0]])) for other in others)
+        curves.append(Curve(name, at[group], **{name: drawable(sweep.numbers(name)[group]) for name in Curve._fields[2:]}))
     if not any(np.isfinite(curve.variance).any() for curve in curves):
-        raise InputError("{}: variance is NaN everywhere: nothing to draw".format(path))
+        raise ValueError("{}: variance is NaN everywhere: nothing to draw".format(sweep.path))
     return Tails(over, curves)
 
 
-def draw(tails):
+def shown(value: Any) -> str:
+    return value if isinstance(value, str) else "{:g}".format(value)
+
+
+def draw(tails: Tails) -> Figure:
     figure, axes = style.new_figure(1, 1, 6.2, 4.2)
     axes = axes[0, 0]
-    legend = []
+    legend: List[Any] = []
     for at, curve in enumerate(tails.curves):
         legend += draw_curve(axes, curve, style.PALETTE[at], style.MARKERS[at % len(style.MARKERS)])
     if style.spread(np.concatenate([curve.variance for curve in tails.curves])[:, np.newaxis]) > WIDE_RANGE:
@@ -120,10 +105,10 @@ def draw(tails):
     return figure
 
 
-def draw_curve(axes, curve, colour, marker):
+def draw_curve(axes: Axes, curve: Curve, colour: str, marker: str) -> List[Any]:
     """Draws the theory and the measurements of a curve; returns the legend entries."""
     prefix = curve.name.replace("$", "\\$") + ": " if curve.name else ""
-    legend = []
+    legend: List[Any] = []
     if np.isfinite(curve.theoretical_variance).any():
         legend += axes.plot(curve.at, curve.theoretical_variance, color=colour, linewidth=1.3, label=prefix + "theory")
     many = curve.at.size > style.MANY

@@ -3,27 +3,34 @@
 The paper's figures for zero and for non-zero initial conditions (fig:all_zero_ic, fig:all_dif_ic).
 """
 
+from __future__ import annotations
+
+from typing import Sequence
+
 import numpy as np
+import stochastic_platoon as sp
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from plotting import style
-from plotting.inputs import InputError
+from plotting.values import Array, drawable, drawable_errors
 
 MOST_CURVES = 40  # longer strings show only some followers
 CURVES_OF_MANY = 16
 CROWDED = 300  # more steps than this are drawn with finer lines, rasterized in the SVG
 
 
-def draw(runs, titles):
+def draw(runs: Sequence[sp.Results], titles: Sequence[str]) -> Figure:
     if len({run.time_average for run in runs}) > 1:
         average = next(run for run in runs if run.time_average)
-        raise InputError("{}: holds time averages; they do not go into one figure with ensemble statistics"
+        raise ValueError("{}: holds time averages; they do not go into one figure with ensemble statistics"
                          .format(average.path))
     names = style.names_of(titles, runs)
     figure, axes = style.new_figure(2, len(runs), 1.2 + 4.0 * len(runs), 5.6)
-    followers = max(run.mean.shape[0] for run in runs)
+    followers = max(run.followers for run in runs)
     colours = ScalarMappable(Normalize(1, max(followers, 2)), style.FOLLOWERS)
     colours.set_array([])
     for column, (run, name) in enumerate(zip(runs, names)):
@@ -38,39 +45,39 @@ def draw(runs, titles):
     return figure
 
 
-def add_colour_bar(figure, axes, colours, followers):
+def add_colour_bar(figure: Figure, axes: style.AxesGrid, colours: ScalarMappable, followers: int) -> None:
     bar = figure.colorbar(colours, ax=list(axes.flat), location="top", aspect=60, fraction=0.05, pad=0.02)
     bar.set_label("follower $i$")
     bar.set_ticks(style.follower_ticks(followers))
     bar.outline.set_visible(False)
 
 
-def title(run, name):
+def title(run: sp.Results, name: str) -> str:
     second = "{} realization{}, seed {}".format(style.spaced(run.realizations), "s" * (run.realizations != 1),
                                                run.seed)
     if run.time_average:
         second = "average over time up to step {}, seed {}".format(style.spaced(int(run.steps[-1])), run.seed)
-    elif drawn(run).size < run.mean.shape[0]:
-        second += ", {} of {} followers drawn".format(drawn(run).size, run.mean.shape[0])
+    elif drawn(run).size < run.followers:
+        second += ", {} of {} followers drawn".format(drawn(run).size, run.followers)
     if not run.complete:
         second += ", incomplete run"
     return "{}, {}\n{}".format(name, style.verdict(run.string_stable), second)
 
 
-def drawn(run):
+def drawn(run: sp.Results) -> style.Indices:
     """Rows of the followers whose curves are drawn."""
-    followers = run.mean.shape[0]
-    return style.thinned(followers, followers if followers <= MOST_CURVES else CURVES_OF_MANY)
+    return style.thinned(run.followers, run.followers if run.followers <= MOST_CURVES else CURVES_OF_MANY)
 
 
-def draw_over_steps(axes, run, colours):
-    draw_curves(axes[0], run, run.mean, run.theoretical_mean, colours, "mean of $\\zeta_i(k)$", "m")
-    draw_curves(axes[1], run, run.variance, run.theoretical_variance, colours, "variance of $\\zeta_i(k)$", "m$^2$")
+def draw_over_steps(axes: style.AxesGrid, run: sp.Results, colours: ScalarMappable) -> None:
+    errors = drawable_errors(run)
+    draw_curves(axes[0], run, errors.mean, errors.theoretical_mean, colours, "mean of $\\zeta_i(k)$", "m")
+    draw_curves(axes[1], run, errors.variance, errors.theoretical_variance, colours, "variance of $\\zeta_i(k)$", "m$^2$")
     axes[1].set_xlabel("step $k$")
     axes[1].xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))
 
 
-def draw_curves(axes, run, measured, theory, colours, quantity, unit):
+def draw_curves(axes: Axes, run: sp.Results, measured: Array, theory: Array, colours: ScalarMappable, quantity: str, unit: str) -> None:
     """Draws measured curves broad and coloured, and theory thin and dark on top of them."""
     wide = style.spread(measured) > style.WIDE_RANGE or run.spectral_radius >= 1.0
     if wide:
@@ -89,19 +96,19 @@ def draw_curves(axes, run, measured, theory, colours, quantity, unit):
         style.logarithmic(axes)
 
 
-def draw_time_average(axes, run, colours):
-    followers = run.mean.shape[0]
-    i = np.arange(1, followers + 1)
-    shown = style.thinned(followers, style.MANY)
+def draw_time_average(axes: style.AxesGrid, run: sp.Results, _: ScalarMappable) -> None:
+    average = drawable_errors(run)
+    i = np.arange(1, run.followers + 1)
+    shown = style.thinned(run.followers, style.MANY)
     for axis, measured, theory, errors, quantity in (
-            (axes[0], run.mean, run.theoretical_mean, None, "mean of $\\zeta_i$ over time [m]"),
-            (axes[1], run.variance, run.theoretical_variance, style.bars(run.standard_error_of_variance[shown]),
+            (axes[0], average.mean, average.theoretical_mean, None, "mean of $\\zeta_i$ over time [m]"),
+            (axes[1], average.variance, average.theoretical_variance, style.bars(drawable(run.standard_error_of_variance)[shown]),
              "variance of $\\zeta_i$ over time [m$^2$]")):
         axis.plot(i, theory[:, 0], color=style.INK, linewidth=1.0, label="theory, stationary")
         axis.errorbar(i[shown], measured[shown, 0], yerr=errors, fmt="o",
                       color=style.PALETTE[0], markersize=4.5, capsize=2.5, elinewidth=1.0, label="measured")
         axis.set_ylabel(quantity)
-    if style.spread(run.variance) > style.WIDE_RANGE:
+    if style.spread(average.variance) > style.WIDE_RANGE:
         style.logarithmic(axes[1])
     axes[0].legend()
-    style.follower_axis(axes[1], followers)
+    style.follower_axis(axes[1], run.followers)

@@ -1,6 +1,9 @@
 """Commands that a page may send to the platoon: manoeuvres of the leader, and another headway, noise or loss."""
 
+from __future__ import annotations
+
 import math
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import rospy
 from std_msgs.msg import Float64
@@ -12,7 +15,7 @@ PATIENCE = 1.0  # [s] until a service must be available
 FASTEST = 1000.0  # [m/s] largest speed that a leader accepts (Manoeuvre::kLargestSpeed)
 
 
-def number_of(content, key):
+def number_of(content: Dict[str, Any], key: str) -> float:
     """The finite number under the key, NaN if it is missing. Raises ValueError for any other value."""
     value = content.get(key)
     if value is None:
@@ -25,7 +28,7 @@ def number_of(content, key):
     raise ValueError("{}: {}: must be a finite number".format(key, shortened(value)))
 
 
-def shortened(value):
+def shortened(value: object) -> str:
     text = str(value)
     return text if len(text) <= 40 else text[:40] + "..."
 
@@ -33,11 +36,11 @@ def shortened(value):
 class Commands:
     """Carries out commands. `configuration` returns the present run's (see state.described), None before the first."""
 
-    def __init__(self, configuration):
+    def __init__(self, configuration: Callable[[], Optional[Dict[str, Any]]]) -> None:
         self.configuration = configuration
         self.speed = rospy.Publisher("leader/speed", Float64, queue_size=1)
 
-    def obey(self, content):
+    def obey(self, content: Dict[str, Any]) -> Tuple[bool, str]:
         """(success, message) of a command like {"command": "brake"}, {"command": "speed", "speed": 20.0} or
         {"command": "change", "headway": 2.4}."""
         command = content.get("command")
@@ -53,7 +56,7 @@ class Commands:
         except ValueError as error:
             return False, str(error)
 
-    def set_speed(self, speed):
+    def set_speed(self, speed: float) -> Tuple[bool, str]:
         if math.isnan(speed):
             return False, "speed: missing: must be a finite number"
         if abs(speed) > FASTEST:
@@ -70,7 +73,7 @@ class Commands:
         self.speed.publish(speed)
         return True, "speed {:g} m/s".format(speed)
 
-    def call(self, name, parameter=None):
+    def call(self, name: str, parameter: Optional[Dict[str, float]] = None) -> Tuple[bool, str]:
         """Calls a service that reads the parameter of the same name, if any."""
         try:
             rospy.wait_for_service(name, PATIENCE)

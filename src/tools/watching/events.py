@@ -1,7 +1,10 @@
 """The log of a platoon's events: runs and their changes, attempts, manoeuvres, stalls, orders."""
 
+from __future__ import annotations
+
 import collections
 import time
+from typing import Any, Callable, Deque, Dict, Optional
 
 MOST = 100  # events
 # The fields of a configuration that a change of the run may alter, with their names and units.
@@ -9,32 +12,34 @@ CHANGES = (("followers", "followers", ""), ("headway", "headway", " sample perio
            ("loss", "loss", ""), ("link", "link", ""))
 
 
-def is_paused(overview):
+def is_paused(overview: Any) -> bool:
     """Whether averages over time exclude the present errors of some follower."""
-    return overview.time_average and overview.attempt > 0 and overview.step[-1] < overview.counted_from
+    return bool(overview.time_average and overview.attempt > 0 and overview.step[-1] < overview.counted_from)
 
 
-def shown(value, unit):
+def shown(value: Any, unit: str) -> str:
     return "none" if value is None else (value if isinstance(value, str) else "{:g}".format(value)) + unit
 
 
 class EventLog:
     """The latest events, each with its time [s since 1970], kind, text, and step if it has one."""
 
-    def __init__(self, clock=time.time):
-        self.clock, self.events, self.news = clock, collections.deque(maxlen=MOST), False
-        self.first = self.restarted = None  # attempt and realizations of the latest restart
+    def __init__(self, clock: Callable[[], float] = time.time) -> None:
+        self.clock, self.news = clock, False
+        self.events: Deque[Dict[str, Any]] = collections.deque(maxlen=MOST)
+        self.first: Optional[int] = None  # attempt and realizations of the latest restart
+        self.restarted: Optional[int] = None
 
-    def add(self, kind, text, step=None):
+    def add(self, kind: str, text: str, step: Optional[int] = None) -> None:
         self.events.append({"time": self.clock(), "kind": kind, "step": step, "text": text})
         self.news = True
 
-    def take_news(self):
+    def take_news(self) -> bool:
         """Whether there are new events since the last call."""
         news, self.news = self.news, False
         return news
 
-    def add_run(self, before, now):
+    def add_run(self, before: Optional[Dict[str, Any]], now: Dict[str, Any]) -> None:
         """Another configuration: see state.described()."""
         changes = [(name, None if before is None else before[key], now[key], unit) for key, name, unit in CHANGES
                    if before is None or before[key] != now[key]]
@@ -42,9 +47,9 @@ class EventLog:
             name + " " + ("" if before is None else shown(old, unit) + " -> ") + shown(new, unit) for name, old, new, unit in changes
             if before is not None or new is not None) if changes else "another run with the same configuration")
 
-    def add_changes(self, before, now):
+    def add_changes(self, before: Any, now: Any) -> bool:
         """What distinguishes two successive overviews of a run; `before` may be None. Returns whether the run has begun again."""
-        began_again = before is not None and 0 < before.attempt < now.attempt
+        began_again = bool(before is not None and 0 < before.attempt < now.attempt)
         if began_again:
             self.add_restart(before, now)
         elif before is None or not before.attempt:
@@ -61,7 +66,7 @@ class EventLog:
             self.add("run", "complete")
         return began_again
 
-    def add_restart(self, before, now):
+    def add_restart(self, before: Any, now: Any) -> None:
         """A stalled platoon begins again every few seconds: its attempts in a row are one event."""
         step = before.step[-1] if now.time_average else None
         latest = self.events[-1] if self.events else {}

@@ -1,8 +1,11 @@
 """Feeds a PlatoonState from the condensed topics of a platoon."""
 
+from __future__ import annotations
+
 import threading
 import time
 import types
+from typing import Any, Callable
 
 import rosgraph
 import rospy
@@ -10,10 +13,12 @@ from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import String
 from stochastic_platoon.msg import Overview, Snapshot
 
+from .state import PlatoonState
+
 POLL = 1.0  # [s]
 
 
-def report_start(state, namespace):
+def report_start(state: PlatoonState, namespace: str) -> None:
     """Reports the start from the master: the monitor starts last, half a minute behind the first of 500 followers."""
     master = rosgraph.Master(rospy.get_name())
     while not rospy.is_shutdown() and not state.began:
@@ -28,12 +33,12 @@ def report_start(state, namespace):
         rospy.rostime.wallsleep(POLL)
 
 
-def listen(state, namespace="", snapshots=True):
+def listen(state: PlatoonState, namespace: str = "", snapshots: bool = True) -> None:
     """Subscribes the state to the topics of a namespace such as "/platoon/", by default this node's own.
 
     Short queues drop old messages, so memory stays bounded.
     """
-    def subscribe(topic, kind, callback, queue_size=1):
+    def subscribe(topic: str, kind: Any, callback: Callable[[Any], None], queue_size: int = 1) -> None:
         rospy.Subscriber(topic if topic.startswith("/") else namespace + topic, kind, callback, queue_size=queue_size, tcp_nodelay=True)
 
     subscribe("configuration", String, state.take_configuration)

@@ -1,5 +1,7 @@
 """Serves the page over HTTP with the standard library, and its updates as server-sent events."""
 
+from __future__ import annotations
+
 import collections
 import errno
 import http.server
@@ -10,6 +12,9 @@ import socket
 import threading
 import time
 import urllib.parse
+from typing import Any, Callable, Dict, List, OrderedDict, Optional, Set, Tuple, Type
+
+from .state import PlatoonState
 
 MOST_PAGES = 32         # open at the same time
 HEARTBEAT = 2.0         # [s] between comment lines on an idle stream
@@ -20,24 +25,24 @@ NOTHING_LEFT = {errno.EMFILE: "no file descriptor is free", errno.ENFILE: "the s
 KINDS_OF_FILE = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
 
 
-def encoded(content):
+def encoded(content: Any) -> bytes:
     return json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
 
 
 class Stream:
     """Events not yet sent to one page: only the latest of each kind, so a slow page takes bounded memory."""
 
-    def __init__(self):
-        self.waiting = collections.OrderedDict()
+    def __init__(self) -> None:
+        self.waiting: OrderedDict[str, bytes] = collections.OrderedDict()
         self.condition = threading.Condition()
 
-    def put(self, kind, data):
+    def put(self, kind: str, data: bytes) -> None:
         with self.condition:
             self.waiting.pop(kind, None)
             self.waiting[kind] = data
             self.condition.notify()
 
-    def take(self, timeout):
+    def take(self, timeout: float) -> List[Tuple[str, bytes]]:
         """The waiting events as a list of (kind, data); empty after the timeout [s]."""
         with self.condition:
             if not self.waiting:
@@ -50,10 +55,11 @@ class Stream:
 class Streams:
     """The streams of all open pages. Each event is encoded once for all of them, and not at all while no page is open."""
 
-    def __init__(self, give):
-        self.give, self.lock, self.streams = give, threading.Lock(), []
+    def __init__(self, give: Callable[[str], Any]) -> None:
+        self.give, self.lock = give, threading.Lock()
+        self.streams: List[Stream] = []
 
-    def open(self, kinds):
+    def open(self, kinds: Tuple[str, ...]) -> Optional[Stream]:
         """The stream of a new page, filled with the present content of all kinds; None if too many pages are open."""
         stream = Stream()
         with self.lock:
@@ -64,11 +70,11 @@ class Streams:
             stream.put(kind, encoded(self.give(kind)))
         return stream
 
-    def close(self, stream):
+    def close(self, stream: Stream) -> None:
         with self.lock:
             self.streams.remove(stream)
 
-    def send(self, kind):
+    def send(self, kind: str) -> None:
         with self.lock:
             streams = list(self.streams)
         if streams:
@@ -77,7 +83,7 @@ class Streams:
                 stream.put(kind, data)
 
 
-def host_of(authority):
+def host_of(authority: str) -> str:
     """The host in "host:port" in lower case; empty if there is none."""
     try:
         return (urllib.parse.urlsplit("//" + authority).hostname or "").lower()
@@ -85,7 +91,7 @@ def host_of(authority):
         return ""
 
 
-def names_this_machine(host, own_names):
+def names_this_machine(host: str, own_names: Set[str]) -> bool:
     """Whether a Host header is an IP address or one of the server's own names.
 
     Prevents DNS rebinding: a foreign page has its own name in Host even if that name resolves to this machine.
@@ -98,14 +104,15 @@ def names_this_machine(host, own_names):
 
 
 class Handler(http.server.BaseHTTPRequestHandler):
+    server: PageServer
     server_version = "platoon"
     sys_version = ""
     timeout = 30.0  # [s] for a page that does not read, or does not finish its request
 
-    def log_message(self, *_):
+    def log_message(self, *_: Any) -> None:
         pass  # requests are not logged
 
-    def answer(self, status, content, kind="application/json"):
+    def answer(self, status: int, content: bytes, kind: str = "application/json") -> None:
         self.send_response(status)
         self.send_header("Content-Type", kind + "; charset=utf-8")
         self.send_header("Content-Length", str(len(content)))
@@ -114,23 +121,23 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if self.command != "HEAD":
             self.wfile.write(content)
 
-    def send_common_headers(self):
+    def send_common_headers(self) -> None:
         self.send_header("Cache-Control", "no-store")
         self.send_header("X-Content-Type-Options", "nosniff")
         self.send_header("X-Frame-Options", "DENY")
         self.send_header("Content-Security-Policy", "default-src 'self'; img-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'")
 
-    def refuse(self, status, why):
+    def refuse(self, status: int, why: str) -> None:
         self.answer(status, encoded({"success": False, "message": why}))
 
-    def of_this_machine(self):
+    def of_this_machine(self) -> bool:
         """Whether the Host header names this server; if not, answers with status 421."""
         if names_this_machine(host_of(self.headers.get("Host", "")), self.server.names):
             return True
         self.refuse(421, "this page is not served under that name: use localhost or the machine's address")
         return False
 
-    def do_GET(self):
+    def do_GET(self) -> None:
         if not self.of_this_machine():
             return
         path = urllib.parse.urlsplit(self.path).path
@@ -146,7 +153,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     do_HEAD = do_GET
 
-    def do_POST(self):
+    def do_POST(self) -> None:
         if not self.of_this_machine():
             return
         # Browsers send the page's Origin; only this server's own page has the same address in Origin and Host.
@@ -172,7 +179,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.answer(500, encoded({"success": False, "message": "{}: {}".format(type(error).__name__, error)[:200]}))
         self.answer(200 if success else 409, encoded({"success": success, "message": message}))
 
-    def stream(self):
+    def stream(self) -> None:
         stream = self.server.streams.open(self.server.state.KINDS + ("strip",))
         if stream is None:
             return self.refuse(503, "{} pages are open already: close one".format(MOST_PAGES))
@@ -197,7 +204,7 @@ class PageServer(http.server.ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, host, port, state, obey, folder):
+    def __init__(self, host: str, port: int, state: PlatoonState, obey: Callable[[Dict[str, Any]], Tuple[bool, str]], folder: str) -> None:
         self.host, self.state, self.obey = host, state, obey
         self.names = {"localhost", host.lower(), socket.gethostname().lower()}
         self.streams = Streams(state.give)
@@ -212,7 +219,7 @@ class PageServer(http.server.ThreadingHTTPServer):
         self.keep_spare()
         super().__init__(address[:2], Handler)  # closes the server if the port is in use
 
-    def get_request(self):
+    def get_request(self) -> Tuple[socket.socket, Any]:
         """The next connection. If the system has no descriptor for it, the server answers 503 with the spare one and pauses:
         otherwise the connection stays pending and serve_forever retries it in a busy loop."""
         try:
@@ -223,7 +230,7 @@ class PageServer(http.server.ThreadingHTTPServer):
                 time.sleep(PAUSE)
             raise
 
-    def refuse_one(self, why):
+    def refuse_one(self, why: str) -> None:
         self.spare.close()
         try:
             connection, _ = self.socket.accept()
@@ -239,20 +246,20 @@ class PageServer(http.server.ThreadingHTTPServer):
         finally:
             self.keep_spare()
 
-    def keep_spare(self):
+    def keep_spare(self) -> None:
         try:
             self.spare = open(os.devnull, "rb")
         except OSError:
             pass  # retried at the next refusal
 
-    def server_close(self):
+    def server_close(self) -> None:
         self.spare.close()
         super().server_close()
 
-    def handle_error(self, request, client_address):
+    def handle_error(self, *_: Any) -> None:
         pass  # a page disconnected during a request
 
     @property
-    def url(self):
+    def url(self) -> str:
         host = "[{}]".format(self.host) if ":" in self.host else self.host
         return "http://{}:{}".format(host, self.server_port)

@@ -3,10 +3,14 @@
 This module does not import ROS: the state takes messages, or objects with the same fields, and returns JSON values.
 """
 
+from __future__ import annotations
+
 import collections
-import json
 import math
 import threading
+from typing import Any, Callable, Deque, Dict, Iterable, List, Optional, Sequence, Set, Tuple
+
+import stochastic_platoon as sp
 
 from . import gaps
 from .events import EventLog, is_paused
@@ -18,46 +22,48 @@ MOST_CURVES = 40     # as in the figures of `plot`: longer strings show only som
 CURVES_OF_MANY = 16
 
 
-def finite(value):
+def finite(value: float) -> Optional[float]:
     """The number, or None if JSON cannot hold it (NaN, infinity)."""
     return value if math.isfinite(value) else None
 
 
-def numbers(values):
+def numbers(values: Iterable[float]) -> List[Optional[float]]:
     return [value if math.isfinite(value) else None for value in values]
 
 
-def rounded(values):
+def rounded(values: Iterable[float]) -> List[Optional[float]]:
     """The values to six digits, more than a screen resolves, None for NaN or infinity: for curves and colours."""
     return [float("{:.6g}".format(value)) if math.isfinite(value) else None for value in values]
 
 
-def drawn_followers(followers):
+def drawn_followers(followers: int) -> List[int]:
     """Numbers of the followers whose curves are drawn: all, or an evenly spaced subset that includes both ends."""
     if followers <= MOST_CURVES:
         return list(range(1, followers + 1))
     return [1 + round(j * (followers - 1) / (CURVES_OF_MANY - 1)) for j in range(CURVES_OF_MANY)]
 
 
-def channel_words(channel, unit):
+def channel_words(channel: Dict[str, Any], unit: str) -> List[str]:
     words = ["additive noise" if not channel.get("noise_filter") else "coloured noise"]
     if channel.get("quantisation_step"):
         words.append("quantised to {:g} {}".format(channel["quantisation_step"], unit))
     if channel.get("delay"):
         words.append("delay {}".format(channel["delay"]))
-    loss = channel.get("loss")
-    if loss:
+    loss = channel.get("loss", {})
+    if "probability" in loss:
         burst = ", bursts of {:g}".format(loss["mean_burst"]) if loss.get("mean_burst") else ""
         words.append("loss {:g}{}".format(loss["probability"], burst))
+    elif loss:
+        words.append("losses by distance" if "by_distance" in loss else "recorded losses")
     return words
 
 
-def radio_of(model):
+def radio_of(model: Dict[str, Any]) -> Optional[Dict[str, Any]]:
     """The default vehicle's input by radio; None without one."""
     return next((of for of in model.get("inputs", []) if of["signal"] == "input"), None)
 
 
-def link_of(model):
+def link_of(model: Dict[str, Any]) -> str:
     """The default vehicle's links in words."""
     words, radio = channel_words(model.get("channel", {}), "m"), radio_of(model)
     if radio:
@@ -67,26 +73,25 @@ def link_of(model):
     return ", ".join(words)
 
 
-def in_seconds(model):
+def in_seconds(model: Dict[str, Any]) -> bool:
     """Whether the model is written in an engineer's units: lag and delay in s, or gains in 1/s^2 and 1/s."""
     return "continuous" in model.get("plant", {}) or "kp" in model.get("controller", {})
 
 
-def described(text):
-    """The fields of a configuration (JSON text) that the page shows."""
-    document = json.loads(text)
-    model, run = document["model"], document["run"]
-    loss = (radio_of(model) or model).get("channel", {}).get("loss")
+def described(text: str) -> Dict[str, Any]:
+    """The fields of a configuration that the page shows. Raises ValueError if another version wrote it."""
+    configuration = sp.Configuration.parse(text)
+    vehicle, model, run = configuration.model.vehicle(0), configuration.model.to_dict(), configuration.run
     return {"followers": run["followers"], "steps": run["steps"], "realizations_wanted": run["realizations"],
             "rate_wanted": run["rate"], "seed": run["seed"], "hosting": run["hosting"], "endless": run["steps"] == 0,
-            "burn_in": run["burn_in"], "headway": model["time_headway"], "headway_in_seconds": in_seconds(model),
-            "noise_variance": model["noise_variance"],
-            "loss": loss["probability"] if loss else None, "link": link_of(model),
-            "standstill_distance": model["standstill_distance"], "sample_period": model["sample_period"],
+            "burn_in": run["burn_in"], "headway": vehicle.time_headway, "headway_in_seconds": in_seconds(model),
+            "noise_variance": vehicle.noise_variance,
+            "loss": (radio_of(model) or model).get("channel", {}).get("loss", {}).get("probability"), "link": link_of(model),
+            "standstill_distance": vehicle.standstill_distance, "sample_period": configuration.model.sample_period,
             "output": run["output"], "external": [int(i) for i in run.get("external", "").split(",") if i]}
 
 
-def start_of(topics, followers, external):
+def start_of(topics: Set[str], followers: int, external: Sequence[int]) -> str:
     """What a platoon waits for before its first step, in words."""
     missing = [i for i in range(followers + 1) if "vehicle_{}/position".format(i) not in topics]
     if not missing:
@@ -100,68 +105,75 @@ class PlatoonState:
 
     KINDS = ("configuration", "statistics", "curves", "snapshot", "told", "health", "log")
 
-    def __init__(self, changed=lambda kind: None, namespace="platoon"):
+    def __init__(self, changed: Callable[[str], None] = lambda kind: None, namespace: str = "platoon") -> None:
         self.lock = threading.RLock()
         self.changed, self.namespace = changed, namespace
-        self.text = None
-        self.culprit, self.retries = None, 0
-        self.start = None  # what the platoon waits for before its first step
+        self.text: Optional[str] = None
+        self.culprit: Optional[str] = None
+        self.retries = 0
+        self.start: Optional[str] = None  # what the platoon waits for before its first step
         self.log = EventLog()
-        self.early = None  # (overview, arrival time) of a run whose configuration has not arrived yet
-        self.over = None   # the run before
+        self.early: Optional[Tuple[Any, float]] = None  # (overview, arrival time) of a run whose configuration has not arrived yet
+        self.over: Optional[int] = None  # the run before
         self.begin(None)
 
-    def begin(self, configuration):
+    def begin(self, configuration: Optional[Dict[str, Any]]) -> None:
         """Starts another run and discards everything of the one before."""
         self.configuration = configuration
-        self.run = None  # the run named in this configuration's overviews
-        self.overview = None
-        self.began = None  # the latest overview of an attempt
+        self.run: Optional[int] = None  # the run named in this configuration's overviews
+        self.overview: Any = None
+        self.began: Any = None  # the latest overview of an attempt
         self.restarts = 0
         self.rate = Rate()
         self.history = ThinnedHistory(COLUMNS)
-        self.strip = collections.deque(maxlen=STRIP)
-        self.told = self.snapshot = None
+        self.strip: Deque[Tuple[int, int, List[Optional[float]]]] = collections.deque(maxlen=STRIP)
+        self.told: Optional[Dict[str, Any]] = None
+        self.snapshot: Optional[Dict[str, Any]] = None
 
-    def tell(self, *kinds):
+    def tell(self, *kinds: str) -> None:
         """Reports changes of these kinds, and of the log."""
         for kind in kinds + (("log",) if self.log.take_news() else ()):
             self.changed(kind)
 
-    def take_configuration(self, message):
+    def take_configuration(self, message: Any) -> None:
         text = message.data.strip()  # the parameter ends with a newline, the topic's text does not
         with self.lock:
             if text == self.text:
                 return
-            before, now = self.configuration, described(text)
-            if self.text is None or now != before or self.run is not None:
-                self.log.add_run(before, now)
-            self.over = self.run
-            self.begin(now)
+            try:
+                self.begin_described(described(text))
+            except ValueError as error:
+                self.start = "the configuration cannot be read: {}".format(error)
             self.text = text
-            early, self.early = self.early, None
-            if early:
-                self.add_overview(*early)
         self.tell(*self.KINDS[:-1])
 
-    def take_overview(self, message, now):
+    def begin_described(self, now: Dict[str, Any]) -> None:
+        if self.text is None or now != self.configuration or self.run is not None:
+            self.log.add_run(self.configuration, now)
+        self.over = self.run
+        self.begin(now)
+        early, self.early = self.early, None
+        if early:
+            self.add_overview(*early)
+
+    def take_overview(self, message: Any, now: float) -> None:
         with self.lock:
             if message.run == self.over:
                 return  # a late one
-            other = self.configuration is None or (self.run is not None and message.run != self.run)
+            known = self.configuration
             # Each topic has its own connection: an overview may arrive before its configuration. A second overview of another run
             # means that the present run is over.
-            if other and (self.configuration is None or self.early is None or self.early[0].run != message.run):
-                self.early = (message, now)
-                return
-            if other:
-                self.begin(self.configuration)
-                self.log.add_run(self.configuration, self.configuration)
+            if known is None or (self.run is not None and message.run != self.run):
+                if known is None or self.early is None or self.early[0].run != message.run:
+                    self.early = (message, now)
+                    return
+                self.begin(known)
+                self.log.add_run(known, known)
             self.early = None
             self.add_overview(message, now)
         self.tell("statistics", "curves", "health")
 
-    def add_overview(self, message, now):
+    def add_overview(self, message: Any, now: float) -> None:
         self.run, self.overview = message.run, message
         known = self.began and (self.began.attempt, self.began.step[-1])
         # A monitor that was started again has no attempt yet, or the one before.
@@ -175,12 +187,12 @@ class PlatoonState:
         if endless and any(map(math.isfinite, message.mean)):
             self.history.add(message.step[-1], (self.of_drawn(message.mean), self.of_drawn(message.variance)))
 
-    def take_told(self, message):
+    def take_told(self, message: Any) -> None:
         with self.lock:
             self.told = {"realization": message.realization, "step": message.step, "position": numbers(message.position)}
         self.changed("told")
 
-    def take_snapshot(self, message):
+    def take_snapshot(self, message: Any) -> None:
         with self.lock:
             errors = rounded(message.tracking_error)
             self.snapshot = {"realization": message.realization, "step": message.step, "position": numbers(message.position),
@@ -189,7 +201,7 @@ class PlatoonState:
                 self.strip.append((message.realization, message.step, errors))
         self.changed("snapshot")
 
-    def take_diagnostics(self, message):
+    def take_diagnostics(self, message: Any) -> None:
         """Takes the status of this platoon's monitor from a diagnostic_msgs/DiagnosticArray and ignores all others."""
         for status in message.status:
             values = {entry.key: entry.value for entry in status.values}
@@ -202,53 +214,53 @@ class PlatoonState:
                     self.log.add("stall", "the platoon stands still: " + self.culprit if self.culprit else "the platoon moves again")
             self.tell("health")
 
-    def take_topics(self, topics):
+    def take_topics(self, topics: Set[str]) -> None:
         """Takes the names of the published topics in the platoon's namespace: before the first step they show what is missing."""
         with self.lock:
             if self.configuration and not self.began:
                 self.start = start_of(topics, self.configuration["followers"], self.configuration["external"])
         self.tell("health")
 
-    def take_order(self, text):
+    def take_order(self, text: str) -> None:
         with self.lock:
             self.log.add("order", text)
         self.tell()
 
-    def of_drawn(self, values):
+    def of_drawn(self, values: Sequence[float]) -> List[float]:
         """The values of the drawn followers."""
         return [values[i - 1] for i in drawn_followers(len(values))]
 
     # The content of events.
 
-    def give(self, kind):
+    def give(self, kind: str) -> Any:
         """The content of an event; None if there is none yet."""
         with self.lock:
             return getattr(self, "give_" + kind)()
 
-    def give_configuration(self):
+    def give_configuration(self) -> Optional[Dict[str, Any]]:
         return self.configuration
 
-    def give_snapshot(self):
+    def give_snapshot(self) -> Optional[Dict[str, Any]]:
         return self.snapshot
 
-    def give_told(self):
+    def give_told(self) -> Optional[Dict[str, Any]]:
         return self.told
 
-    def give_health(self):
+    def give_health(self) -> Dict[str, Any]:
         return {"culprit": self.culprit, "retries": self.retries, "start": self.start}
 
-    def give_log(self):
+    def give_log(self) -> List[Dict[str, Any]]:
         return list(self.log.events)
 
-    def give_strip(self):
+    def give_strip(self) -> List[Dict[str, Any]]:
         return [{"realization": r, "step": k, "tracking_error": errors} for r, k, errors in self.strip]
 
-    def last_column(self, values):
+    def last_column(self, values: Sequence[float]) -> List[Optional[float]]:
         return numbers(values[len(self.overview.step) - 1::len(self.overview.step)])
 
-    def give_statistics(self):
+    def give_statistics(self) -> Optional[Dict[str, Any]]:
         of = self.overview
-        if of is None:
+        if of is None or self.configuration is None:
             return None
         scores = [score for score in (of.max_abs_z_mean, of.max_abs_z_variance) if not math.isnan(score)]
         per_second, followers = self.rate.per_second(), len(of.stationary_variance)
@@ -272,7 +284,7 @@ class PlatoonState:
                 "vehicle_steps_per_second": None if per_second is None or of.complete else per_second * work,
                 "seconds_left": left, "wall_seconds": of.wall_seconds, **gaps.of_overview(of)}
 
-    def give_curves(self):
+    def give_curves(self) -> Optional[Dict[str, Any]]:
         """Mean and variance over k of the drawn followers, measured and theoretical: lists (drawn followers) of lists (steps)."""
         of = self.overview
         if of is None:
@@ -290,10 +302,10 @@ class PlatoonState:
                      for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")},
                     followers=followers, step=list(of.step))
 
-    def document(self):
+    def document(self) -> Dict[str, Any]:
         """The content of /state.json."""
         with self.lock:
-            nothing = {"followers": None, "step": None, "realizations": None, "mean": [], "variance": [],
+            nothing: Dict[str, Any] = {"followers": None, "step": None, "realizations": None, "mean": [], "variance": [],
                        "theoretical_variance": [], "string_stable": None, "limit_variance": None, "max_abs_z": None, **gaps.nowhere()}
             return {**nothing, **(self.give_configuration() or {}), **(self.give_statistics() or {}), **self.give_health(),
                     "events": self.give_log()}

@@ -1,16 +1,20 @@
 """A running platoon as a table on a terminal: follower, mean, variance, standard error, theory, z."""
 
+from __future__ import annotations
+
+from typing import Any, Dict, List, Optional
+
 from . import gaps
 
 HEADING = "follower       mean [m]   variance [m^2]   standard error   theory [m^2]         z"
 AROUND = 8  # lines other than the followers' rows
 
 
-def cell(value, width, form):
+def cell(value: Optional[float], width: int, form: str) -> str:
     return "{:>{}}".format("-" if value is None else format(value, form), width)
 
 
-def shown(followers, lines):
+def shown(followers: int, lines: int) -> List[int]:
     """Numbers of the followers that fit into so many lines: all, or both ends of the string with 0 for a line of dots between."""
     if followers <= lines:
         return list(range(1, followers + 1))
@@ -18,7 +22,7 @@ def shown(followers, lines):
     return list(range(1, half + 1)) + [0] + list(range(followers - half + 1, followers + 1))
 
 
-def heading(state):
+def heading(state: Dict[str, Any]) -> List[str]:
     if state["followers"] is None:
         return [state["start"] or "Waiting for a platoon's monitor"]
     period = state["sample_period"]
@@ -48,7 +52,7 @@ def heading(state):
     return [first, "Theory: {}{}".format(state["reason"], limit), second + (", complete" if state["complete"] else "")]
 
 
-def table(state, lines):
+def table(state: Dict[str, Any], lines: int) -> List[str]:
     """The lines of the table for a terminal of so many lines."""
     text = heading(state)
     if state["culprit"]:

@@ -9,19 +9,19 @@ namespace platoon {
 
 namespace {
 
-using Complex = std::complex<double>;
+using DoubleComplex = std::complex<double>;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kNodes = 16;  // per panel
 constexpr double kFar = 2.2;   // distance from a panel's middle in half lengths from which its own weights are exact
 constexpr double kNear = 1.3;  // ellipse about the panel in which the recurrence of Q_l upwards keeps its digits
-using Factors = std::array<Complex, kNodes>;
+using Factors = std::array<DoubleComplex, kNodes>;
 
-Complex product(Complex a, Complex b) {
+DoubleComplex product(DoubleComplex a, DoubleComplex b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-Complex inverse(Complex a) {
+DoubleComplex inverse(DoubleComplex a) {
   return std::conj(a) / std::norm(a);
 }
 
@@ -47,8 +47,8 @@ struct Legendre {
 };
 
 /// Q_0(z), ..., Q_15(z), z off [-1, 1].
-Factors legendre_second(Complex z) {
-  const Complex root = std::sqrt(product(z, z) - 1.0);
+Factors legendre_second(DoubleComplex z) {
+  const DoubleComplex root = std::sqrt(product(z, z) - 1.0);
   const double rho = std::max(std::abs(z + root), std::abs(z - root));
   Factors q;
   q[0] = 0.5 * std::log(product(z + 1.0, inverse(z - 1.0)));
@@ -62,8 +62,8 @@ Factors legendre_second(Complex z) {
   }
   // Downwards, the ratios Q_l / Q_{l-1} settle by rho^2 a step.
   const auto start = kNodes + static_cast<std::size_t>(20.0 / std::log(rho));
-  Complex ratio = 0.0;
-  std::array<Complex, kNodes> ratios;
+  DoubleComplex ratio = 0.0;
+  std::array<DoubleComplex, kNodes> ratios;
   for (std::size_t l = start; l > 0; --l) {
     const auto degree = static_cast<double>(l);
     ratio = degree * inverse((2.0 * degree + 1.0) * z - (degree + 1.0) * ratio);
@@ -74,10 +74,10 @@ Factors legendre_second(Complex z) {
 }
 
 /// 1 / (e^u - 1) - 1 / u for abs(u) < 2 pi.
-Complex beside_pole(Complex u) {
+DoubleComplex beside_pole(DoubleComplex u) {
   if (std::norm(u) > 0.1) return inverse(std::exp(u) - 1.0) - inverse(u);
-  const Complex square = product(u, u);
-  Complex sum = 1.0 / 47900160.0;
+  const DoubleComplex square = product(u, u);
+  DoubleComplex sum = 1.0 / 47900160.0;
   for (const double c : {-1.0 / 1209600.0, 1.0 / 30240.0, -1.0 / 720.0, 1.0 / 12.0}) sum = product(sum, square) + c;
   return product(sum, u) - 0.5;
 }
@@ -90,10 +90,10 @@ MemoryWeights::MemoryWeights(const Quadrature& rule, double memory)
 }
 
 // y / (1 - y) = 1 / (e^u - 1) with u = decay - j (nu - w), whose pole 1 / u is integrated exactly.
-std::vector<Complex> MemoryWeights::at(double w) const {
+std::vector<DoubleComplex> MemoryWeights::at(double w) const {
   static const Legendre legendre;
-  const Complex back = std::polar(1.0, -w);
-  std::vector<Complex> factors;
+  const DoubleComplex back = std::polar(1.0, -w);
+  std::vector<DoubleComplex> factors;
   factors.reserve(remembered_.size());
   for (std::size_t panel = 0; panel < rule_.middle.size(); ++panel) {
     const double half = rule_.half_length[panel], from = rule_.middle[panel] - w - turn_,
@@ -102,14 +102,14 @@ std::vector<Complex> MemoryWeights::at(double w) const {
                                         : from;
     if (offset * offset + decay_ * decay_ > kFar * kFar * half * half) {
       for (std::size_t k = 0; k < kNodes; ++k) {
-        const Complex y = product(remembered_[panel * kNodes + k], back);
+        const DoubleComplex y = product(remembered_[panel * kNodes + k], back);
         factors.push_back(product(y, inverse(1.0 - y)));
       }
       continue;
     }
-    const Factors moments = legendre_second(Complex(-offset, -decay_) / half);
+    const Factors moments = legendre_second(DoubleComplex(-offset, -decay_) / half);
     for (std::size_t k = 0; k < kNodes; ++k) {
-      Complex sum = 0.0;
+      DoubleComplex sum = 0.0;
       for (std::size_t l = 0; l < kNodes; ++l) sum += legendre.value[k][l] * moments[l];
       factors.push_back(beside_pole({decay_, -offset - half * legendre.node[k]}) - product({0.0, 1.0 / half}, sum));
     }

@@ -12,7 +12,7 @@ namespace platoon {
 
 namespace {
 
-using Complex = std::complex<double>;
+using DoubleComplex = std::complex<double>;
 
 [[noreturn]] void refuse_growth() {
   throw std::invalid_argument("on_loss: predictions whose variance grows: must be ones whose variance settles");
@@ -81,7 +81,7 @@ BurstLink::BurstLink(const LossModel& loss)
 }
 
 BurstLink::Value BurstLink::at(double frequency) const {
-  const Complex back = std::polar(1.0, -frequency);
+  const DoubleComplex back = std::polar(1.0, -frequency);
   const Eigen::PartialPivLU<Eigen::MatrixXcd> inverse(Eigen::MatrixXcd::Identity(2 * n_, 2 * n_) - back * transition_);
   Eigen::VectorXcd output = Eigen::VectorXcd::Zero(2 * n_);
   output(0) = output(n_) = 1.0;
@@ -89,7 +89,7 @@ BurstLink::Value BurstLink::at(double frequency) const {
   value.surprise = 0.0;
   for (Eigen::Index j = 0; j < n_; ++j) {  // 1 - e^{-j x} = 2 sin(x/2) (sin(x/2) + j cos(x/2))
     const double half = 0.5 * static_cast<double>(j + 1) * frequency, sine = std::sin(half);
-    value.surprise += 2.0 * predictor_(j) * sine * Complex(sine, std::cos(half));
+    value.surprise += 2.0 * predictor_(j) * sine * DoubleComplex(sine, std::cos(half));
   }
   const Eigen::VectorXcd d = inverse.solve((1.0 - arrival_) * Eigen::VectorXcd::Unit(2 * n_, n_));
   value.deviation = d(0) + d(n_);
@@ -97,13 +97,13 @@ BurstLink::Value BurstLink::at(double frequency) const {
   const Eigen::VectorXcd drive = back * (transition_.bottomRows(n_) * d);
   value.scattered = -std::conj(value.deviation) * d;
   value.scattered.tail(n_) +=
-      even_ * drive.real() + Complex(0.0, 1.0) * (odd_ * drive.imag()) + (1.0 - arrival_) * own_;
+      even_ * drive.real() + DoubleComplex(0.0, 1.0) * (odd_ * drive.imag()) + (1.0 - arrival_) * own_;
   return value;
 }
 
 double BurstLink::kernel(const Value& outward, double w, const Value& inward, double nu) const {
-  const Complex y = memory_ * std::polar(1.0, nu - w);
-  const Complex remembered = odds() * outward.deviation * std::conj(inward.deviation) * y / (1.0 - y);
+  const DoubleComplex y = memory_ * std::polar(1.0, nu - w);
+  const DoubleComplex remembered = odds() * outward.deviation * std::conj(inward.deviation) * y / (1.0 - y);
   return 2.0 * (outward.outward.cwiseProduct(inward.scattered).sum() + remembered).real() - inward.scattered(n_).real();
 }
 

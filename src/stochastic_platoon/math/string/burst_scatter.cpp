@@ -11,10 +11,10 @@ namespace platoon {
 
 namespace {
 
-using Complex = std::complex<double>;
+using DoubleComplex = std::complex<double>;
 
 /// Re(a b) without the checks of std::complex for infinities.
-double real_product(Complex a, Complex b) {
+double real_product(DoubleComplex a, DoubleComplex b) {
   return a.real() * b.real() - a.imag() * b.imag();
 }
 
@@ -52,13 +52,13 @@ void BurstScatter::add_kernel(const Eigen::ArrayXd& node, const Quadrature& rule
   const Eigen::Index count = node.size();
   kernel_.resize(count, count);
   for (Eigen::Index r = 0; r < count; ++r) {
-    const std::vector<Complex> ahead = memory.at(node(r)), behind = memory.at(-node(r));
+    const std::vector<DoubleComplex> ahead = memory.at(node(r)), behind = memory.at(-node(r));
     for (Eigen::Index c = 0; c < count; ++c) {
       const auto k = static_cast<std::size_t>(c);
-      const Complex a = ahead[k], b = behind[k], d = deviation_(c);
+      const DoubleComplex a = ahead[k], b = behind[k], d = deviation_(c);
       // conj(d) a + d conj(b)
-      const Complex sum(d.real() * (a.real() + b.real()) + d.imag() * (a.imag() + b.imag()),
-                        d.real() * (a.imag() - b.imag()) - d.imag() * (a.real() - b.real()));
+      const DoubleComplex sum(d.real() * (a.real() + b.real()) + d.imag() * (a.imag() + b.imag()),
+                              d.real() * (a.imag() - b.imag()) - d.imag() * (a.real() - b.real()));
       kernel_(c, r) = odds_ * real_product(deviation_(r), sum);
     }
   }

@@ -9,7 +9,7 @@ namespace platoon {
 
 namespace {
 
-using Complex = std::complex<double>;
+using DoubleComplex = std::complex<double>;
 
 constexpr double kPi = 3.14159265358979323846;
 
@@ -50,7 +50,7 @@ BurstSpectra::Type BurstSpectra::values_of(const BurstVehicle& vehicle,
   for (Eigen::Index k = 0; k < count; ++k) {
     const double w = node_(k);
     const LinkedVehicleValue plain = vehicle.plain().at(w);
-    Complex mean = plain.undelayed * std::polar(1.0, -std::remainder(delay * w, 2.0 * kPi));  // H T^
+    DoubleComplex mean = plain.undelayed * std::polar(1.0, -std::remainder(delay * w, 2.0 * kPi));  // H T^
     type.own(k) = plain.gain;
     type.headway(k) = plain.headway;
     type.noise(k) = plain.input[0].noise;
