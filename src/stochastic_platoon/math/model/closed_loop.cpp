@@ -48,7 +48,7 @@ public:
     return {monic(times_power_of_z(numerator_, 1)), monic(denominator)};
   }
 
-  /// Behind a headway filter only the last one depends on the headway.
+  /// With a headway filter only the last pole depends on the headway.
   std::vector<std::complex<long double>> poles(const ClosedLoop* before) const {
     std::vector<std::complex<long double>> found;
     if (filtered_ && before != nullptr && !before->poles.empty()) {
@@ -194,7 +194,7 @@ std::string missing_integral_action(const ClosedLoop& loop, const RampGain& gain
   return text.str();
 }
 
-/// Explains why the vehicles, which compute T with coefficients rounded to double, do not realize T; empty if they do.
+/// The reason why the vehicles, whose coefficients of T are rounded to double, do not realize T; empty if they do.
 std::string rounded_away(const ClosedLoop& loop, double headway) {
   const RampGain gain = ramp_gain({delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())});
   if (loop.parts) return {};  // T(1) = 1 and dT/dz(1) = -h by construction

@@ -31,8 +31,8 @@ struct ClosedLoop {
   /// Poles of T as s = z - 1, zeros and poles at z = 0 included. Empty: they follow from the coefficients.
   std::vector<std::complex<long double>> poles = {};
 
-  /// The parts by which a vehicle is computed, if its design is_by_parts(): `realization` is theirs, and `transfer` is
-  /// not reduced. Empty: it is computed by `realization`.
+  /// The parts that compute the vehicle if its design is_by_parts(): `realization` is then theirs, and `transfer` is
+  /// not reduced. Empty: `realization` computes the vehicle.
   std::optional<LoopParts> parts = {};
 };
 
@@ -53,15 +53,15 @@ double spectral_radius(const ClosedLoop& loop);
 
 /// The deviation of the given loop from double integral action,
 /// \f[ |T(1) - 1| + |T'(1) + h| / (1 + h). \f]
-/// For plant and controller it is rounding; for A, B and C it depends on the digits they are written with.
+/// Given plant and controller it is rounding alone; given A, B and C it depends on their number of digits.
 double integral_defect(const ClosedLoop& loop, double headway);
 
 /// The closed loop of plant G and controller K,
 /// \f[ T = \frac{K G}{1 + K G H}, \qquad H = (1 + h) - h / z, \f]
 /// in lowest terms, realized in observable canonical form. Poles of plant and controller that are at z = 1 to the
 /// rounding of their coefficients are placed there exactly. A headway filter divides K by H:
-/// \f$ T = K G / (H (1 + K G)) \f$. `before`: the loop of the same design at another headway, whose poles are reused
-/// where they do not depend on it.
+/// \f$ T = K G / (H (1 + K G)) \f$. `before`: the loop of the same design at another headway; its poles that do not
+/// depend on the headway are reused.
 ///
 /// Throws std::invalid_argument if T is not strictly proper, if G K is zero, if T has more than kHighestOrder poles, or
 /// if a coefficient of T is not finite.

@@ -45,7 +45,7 @@ double expected_age_share(const LossModel& loss, std::int64_t n, std::int64_t st
   return (static_cast<double>(steps - n) * stationary(loss, n) + since_start) / static_cast<double>(steps);
 }
 
-// A link that holds, and is sent the number of each step, gives the step of the latest arrival.
+// Sends the number of each step over a link that holds: the received value is the step of the latest arrival.
 std::vector<std::uint64_t> count_ages(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver,
                                       std::uint64_t realizations, std::int64_t steps) {
   if (loss.by_distance) throw std::invalid_argument("ages of a link: losses by the distance depend on the run");

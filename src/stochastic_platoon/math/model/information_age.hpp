@@ -8,21 +8,21 @@
 
 namespace platoon {
 
-/// Age of information of a link: the number n of steps since the last arrival, 0 if the value of this step arrives.
-/// Step -1 always does. A delay of the link comes on top. Random losses, independent or in bursts, have in their
-/// stationary state, with q = probability, a = after_arrival() and b = after_loss(),
+/// Age of information of a link: the number n of steps since the last arrival, 0 if the value of this step arrives. The
+/// value of step -1 always arrives. A delay of the link adds to the age. In the stationary state of random losses,
+/// independent or in bursts, with q = probability, a = after_arrival() and b = after_loss(),
 /// \f[ P(0) = 1 - q, \qquad P(n) = (1 - q) a b^{n-1}. \f]
-/// The mean is q times the mean burst. Losses by a trace or by the distance have no such distribution: `loss` must have
-/// neither.
+/// The mean is q times the mean burst. `loss` must have neither a trace nor losses by the distance, which have no such
+/// distribution.
 std::vector<double> age_probabilities(const LossModel& loss);  ///< P(0), P(1), ..., until less than 1e-12 is left
 double mean_age(const LossModel& loss);                        ///< [steps]
 
-/// Expected share of age n among steps 0 .. K - 1, K = steps, as a loss since the start dates back to step -1:
+/// Expected share of age n among steps 0 .. K - 1, K = steps, with step -1 as the last arrival before the start:
 /// \f[ [(K - n) P(n) + q b^{n-1}] / K, \qquad 1 \le n \le K. \f]
 double expected_age_share(const LossModel& loss, std::int64_t n, std::int64_t steps);
 
-/// Numbers of steps 0 .. steps - 1 of realizations 0 .. realizations - 1 with age 0, 1, ..., from the draws of the link
-/// of this receiver. Losses by the distance throw std::invalid_argument: they depend on the run.
+/// Numbers of steps with age 0, 1, ... among steps 0 .. steps - 1 of realizations 0 .. realizations - 1, from the draws
+/// of this receiver's link. Throws std::invalid_argument for losses by the distance, which depend on the run.
 std::vector<std::uint64_t> count_ages(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver,
                                       std::uint64_t realizations, std::int64_t steps);
 

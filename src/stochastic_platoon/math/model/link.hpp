@@ -12,7 +12,7 @@
 
 namespace platoon {
 
-/// The draws of the radio into vehicle i are those of a receiver i + kRadioReceiver.
+/// The radio into vehicle i draws as receiver i + kRadioReceiver.
 constexpr std::uint32_t kRadioReceiver = 1u << 23;
 
 /// The positions of both ends of a link one step earlier, per realization [m].

@@ -18,11 +18,11 @@ struct LossModel {
   double probability = 0.0;               ///< q, in [0, 1)
   std::optional<double> mean_burst = {};  ///< b >= max(1, q / (1 - q)) [steps]; none: independent losses
   std::vector<double> predictor = {1.0};  ///< c_1, c_2, ..., of sum 1: holding is [1]; empty: 0 (radios only)
-  /// The recorded losses, which probability and mean burst then only describe: entry (o + k) modulo its size decides at
-  /// step k, where every link and realization has an offset o of its own. None: a random chain.
+  /// Recorded losses; probability and mean burst then only describe them. Entry (o + k) modulo the size applies at step
+  /// k, with a separate offset o for every link and realization. None: a random chain.
   std::shared_ptr<const LossTrace> trace = {};
-  /// The loss probability by the gap at the step before; `probability` is the largest one then. None: it is the same at
-  /// every gap.
+  /// Loss probability as a function of the gap one step earlier; `probability` is then its largest value. None: the gap
+  /// has no effect.
   std::optional<LossByDistance> by_distance = {};
 
   /// The b of independent losses: 1 / (1 - q).

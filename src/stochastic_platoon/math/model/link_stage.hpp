@@ -18,10 +18,10 @@ public:
   /// positions [m], which pass unchanged.
   virtual void start(std::uint64_t first_realization, std::size_t count, const double* positions) = 0;
 
-  /// Whether step() depends on the gap to the predecessor: see_gaps() precedes every step k >= 0 then.
+  /// Whether step() depends on the gap to the predecessor. If so, see_gaps() precedes every step k >= 0.
   virtual bool depends_on_gap() const { return false; }
 
-  /// The gaps of the same realizations at step k - 1 [m], in front of step k.
+  /// Receives the gaps of the same realizations at step k - 1 [m], before step k.
   virtual void see_gaps(std::size_t /*count*/, const double* /*gaps*/) {}
 
   /// Step k >= 0 of the same realizations.

@@ -20,7 +20,7 @@ using AlignedValues = std::vector<double, boost::alignment::aligned_allocator<do
 struct ControlInputs {
   const double* heard = nullptr;  ///< the predecessor's, as received [m/s^2]; null: none
   double gain = 0.0;              ///< F, by which it is fed forward
-  double* own = nullptr;          ///< takes the own one, u(k) [m/s^2]; null: not wanted
+  double* own = nullptr;          ///< output: u(k) [m/s^2]; null: not written
 };
 
 /// One vehicle's closed loop for a batch of realizations.
@@ -40,7 +40,8 @@ public:
   virtual void output(std::vector<double>& positions) const = 0;
 };
 
-/// The computation that fits the loop. Throws std::invalid_argument if it has no equilibrium.
+/// The batch computation of the loop, by its parts if it has any, else by its realization. Throws std::invalid_argument
+/// if it has no equilibrium.
 std::unique_ptr<LoopBatch> loop_batch(const ClosedLoop& loop);
 
 }  // namespace platoon

@@ -38,8 +38,8 @@ struct ControllerGains {
 class Plant {
 public:
   Plant(const TransferFunction& sampled);
-  /// Throws std::invalid_argument unless G(s) is strictly proper and T_s > 0, the delay >= 0, both finite, and if the
-  /// delay is more than kLongestInputDelay sample periods.
+  /// Throws std::invalid_argument unless G(s) is strictly proper, T_s > 0 is finite, and the delay is between 0 and
+  /// kLongestInputDelay sample periods.
   Plant(const ContinuousPlant& continuous, double sample_period);
 
   /// As given.
@@ -65,7 +65,7 @@ public:
 
   /// Leading coefficient of the numerator, or kp.
   double gain() const;
-  /// The same controller, multiplied so that its gain() is this. Throws std::invalid_argument if the present gain is 0.
+  /// The same controller, scaled to this gain(). Throws std::invalid_argument if the present gain is 0.
   Controller with_gain(double gain) const;
 
 private:
@@ -80,12 +80,12 @@ struct LoopDesign {
   Controller controller;  ///< K(z), K(z) (1 + h) or K(z) H(z), see below
   bool divide_by_one_plus_headway = false;
   bool headway_filter = false;   ///< the controller is divided by H(z) = (1 + h) - h / z
-  bool in_radio_string = false;  ///< its own input or that of others is sent from vehicle to vehicle
+  bool in_radio_string = false;  ///< vehicles of its string send control inputs
 };
 
-/// Whether the design is written in an engineer's terms: a continuous plant, gains or a headway filter; or its string
-/// has radios, for which the canonical form of T lacks the control input. Such a vehicle is computed part by part
-/// (DesignedLoop), any other one by the canonical form of T.
+/// Whether the vehicle is computed part by part (LoopPartsBatch) instead of by the canonical form of T: the design has
+/// a continuous plant, gains or a headway filter, or its string has radios, which need the control input that the
+/// canonical form lacks.
 bool is_by_parts(const LoopDesign& design);
 
 }  // namespace platoon

@@ -60,7 +60,7 @@ Scalar advance(const BasicLoopParts<Scalar>& parts, std::vector<Scalar>& state, 
 
 template <class Scalar>
 std::vector<Scalar> unit_equilibrium(const BasicLoopParts<Scalar>& parts) {
-  Scalar u = 0;  // of G(1) u = 1
+  Scalar u = 0;  // solves G(1) u = 1
   if (parts.plant.a.back() != 0) u = parts.plant.a.back() / parts.plant.b.back();
   std::vector<Scalar> state{1};
   for (std::size_t j = 0; j + 1 < parts.plant.order(); ++j) state.push_back(parts.plant.a[j] - parts.plant.b[j] * u);

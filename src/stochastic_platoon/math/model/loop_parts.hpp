@@ -26,8 +26,8 @@ struct BasicDeltaFilter {
 ///     e = u^ - y - h (y - y(k-1)),   c = K e + F v,   u = c or, with a headway filter, (c + h u(k-1)) / (1 + h),
 ///     y = G z^-delay u
 ///
-/// with v the predecessor's input as received, if the vehicle feeds it forward by a gain F.
-/// T(1) = 1 and dT/dz(1) = -h hold whatever the rounding of the coefficients.
+/// with v the predecessor's input as received, if the vehicle feeds it forward by a gain F. T(1) = 1 and dT/dz(1) = -h
+/// hold for any rounding of the coefficients.
 template <class Scalar>
 struct BasicLoopParts {
   BasicDeltaFilter<Scalar> plant, controller;
@@ -35,8 +35,8 @@ struct BasicLoopParts {
   Scalar headway = 0;
   bool headway_filter = false;
 
-  /// States in their order: plant, controller, y(k-1), u(k-1), u(k-2) ... u(k-delay); u(k-1) is there with a headway
-  /// filter or a delay.
+  /// States in their order: plant, controller, y(k-1), u(k-1), u(k-2) ... u(k-delay); u(k-1) is a state only with a
+  /// headway filter or a delay.
   std::size_t order() const {
     const std::size_t inputs = delay > 0 ? delay : headway_filter ? 1 : 0;
     return plant.order() + controller.order() + 1 + inputs;

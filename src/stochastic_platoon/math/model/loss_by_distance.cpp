@@ -11,7 +11,7 @@ namespace platoon {
 
 namespace detail {
 
-// Adds the rise from one point to the next, as far as each gap has come.
+// Adds the rise of the probability between two points, up to each gap.
 PLATOON_VECTOR_CLONES
 void add_rise(const double* gaps, std::size_t count, double from, double length, double rise, double* probabilities) {
   for (std::size_t r = 0; r < count; ++r) {

@@ -6,13 +6,14 @@
 
 namespace platoon {
 
-/// The probability of a loss by the gap: linear between the points of a table, constant before the first and behind the
-/// last one.
+/// Loss probability as a function of the gap: linear between the points of a table, constant before the first and
+/// beyond the last one.
 class LossByDistance {
 public:
   using Point = std::array<double, 2>;  ///< gap [m], probability
 
-  /// Throws std::invalid_argument unless there is a point, the gaps increase and the probabilities are in [0, 1).
+  /// Throws std::invalid_argument unless there is at least one point, the gaps increase and the probabilities are in
+  /// [0, 1).
   explicit LossByDistance(std::vector<Point> points);
 
   const std::vector<Point>& points() const { return points_; }

@@ -7,7 +7,7 @@
 
 namespace platoon {
 
-/// Which positions of a link arrived, as recorded: one entry per step, the first one again behind the last.
+/// Recorded arrivals and losses of a link: one entry per step, repeated periodically.
 class LossTrace {
 public:
   static constexpr std::size_t kLongest = 100'000'000;

@@ -42,7 +42,7 @@ void lose_independently(const double* uniforms, const double* predicted, double 
 
 namespace {
 
-// Replaces the positions that a trace loses at this step, and goes to its next entry.
+// Replaces the positions that a trace loses at this step, and advances to its next entry.
 void lose_as_recorded(const LossTrace& trace, const double* predicted, std::size_t size, std::uint32_t* entry,
                       double* positions) {
   for (std::size_t r = 0; r < size; ++r) {

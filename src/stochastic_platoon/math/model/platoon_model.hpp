@@ -20,7 +20,7 @@ struct InitialPosition {
 };
 
 /// The radio into a follower, beside the link that measures positions: it feeds the predecessor's control input u
-/// forward, with H = (1 + h) - h / z behind a headway filter and 1 without one,
+/// forward, with H = (1 + h) - h / z if it has a headway filter and 1 otherwise,
 /// \f[ H u_i = K (y_{i-1} + n_i - ((1 + h) - h / z) y_i) + F (z^{-m} u_{i-1} + d_i), \qquad y_i = G u_i. \f]
 /// The input of step k is known one step after the position of step k, so m >= 1: v(k) = u(k-1) is sent with the
 /// position of step k, and the link delays it by m - 1 steps.
@@ -42,7 +42,7 @@ struct VehicleModel {
   std::optional<LoopDesign> design = {};  ///< none if the closed loop itself was given
   LinkModel link = {};
   std::optional<FeedForward> feed_forward = {};  ///< none: the vehicle has no radio
-  double length = 0.0;                           ///< >= 0 [m], behind the place that y gives
+  double length = 0.0;                           ///< >= 0 [m]; y is the position of the front
 };
 
 /// Parameters that a vehicle type takes from the default vehicle, including later changes of them.
@@ -93,7 +93,7 @@ const VehicleModel& vehicle(const PlatoonModel& model, std::size_t follower);
 /// Types of one repetition of the string, as indices of PlatoonModel::types.
 std::vector<std::size_t> type_order(const PlatoonModel& model);
 
-/// Names of the types in the string that have the given parameter of the default vehicle, which includes its own type.
+/// Names of the types in the string that have the given parameter of the default vehicle, the default type included.
 std::vector<std::string> types_with_default(const PlatoonModel& model, bool Inherited::*inherited);
 
 /// The platoon with another headway, controller gain (leading coefficient of the numerator) or loss probability of the
@@ -105,7 +105,7 @@ PlatoonModel with_gain(PlatoonModel model, double gain);
 PlatoonModel with_loss(PlatoonModel model, double probability);
 PlatoonModel with_mean_burst(PlatoonModel model, double mean_burst);
 
-/// The link of a vehicle whose losses with_loss() varies: that of its radio, or without one that of its positions.
+/// The link of a vehicle whose losses with_loss() varies: the radio if it has one, else the link of positions.
 LinkModel& varied_link(VehicleModel& vehicle);
 const LinkModel& varied_link(const VehicleModel& vehicle);
 
@@ -130,7 +130,7 @@ bool has_feed_forward(const PlatoonModel& model);
 /// Whether vehicle i = 0 .. followers - 1 has a follower that feeds its input forward.
 bool sends_input(const PlatoonModel& model, std::size_t vehicle, std::size_t followers);
 
-/// Whether a link of the string loses by the gap.
+/// Whether the losses of a link of the string depend on the gap.
 bool depends_on_gap(const PlatoonModel& model);
 
 /// Whether all errors are normal, which losses and quantisation prevent.

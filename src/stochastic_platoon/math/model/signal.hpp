@@ -61,13 +61,13 @@ struct SignalKind {
 /// Name of the signal g_i(k) = y_{i-1}(k) - y_i(k) - (length of vehicle i-1), whose smallest values are collected too.
 constexpr char kGap[] = "gap";
 
-/// All of them: gap [m], speed D y_i / T_s [m/s], acceleration D^2 y_i / T_s^2, jerk D^3 y_i / T_s^3.
+/// All signals on request: gap [m], speed D y_i / T_s [m/s], acceleration D^2 y_i / T_s^2, jerk D^3 y_i / T_s^3.
 const std::vector<SignalKind>& signal_kinds();
 
 /// The unit of the signal of this name. Throws std::invalid_argument for an unknown name.
 const char* unit_of(const std::string& name);
 
-/// The names in a list separated by commas, in the order of signal_kinds(); an empty text names none. Throws
+/// The names in a list separated by commas, in the order of signal_kinds(); an empty text gives none. Throws
 /// std::invalid_argument unless each is a signal and given once.
 std::vector<std::string> signal_names(const std::string& text);
 
@@ -80,8 +80,8 @@ struct FollowerSignals {
   std::vector<Signal> requested;  ///< those on request
 };
 
-/// The signals of follower i >= 1, with those of these names in their order. Throws std::invalid_argument for an
-/// unknown name.
+/// The tracking error of follower i >= 1 and the signals of these names, in their order. Throws std::invalid_argument
+/// for an unknown name.
 FollowerSignals signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower);
 
 /// The same of followers 1, 2, ..., `followers`.

@@ -34,7 +34,7 @@ PLATOON_INLINE void shift_lanes(const double* a, const double* b, std::size_t or
   const double b_j = b[order - 1];
   for (std::size_t r = 0; r < lanes; ++r) first[r] = a_j * y[r] + b_j * u[r];
   const double* const output = first == last ? state : first + kTile;
-  // By way of registers, as `positions` could overlap the state.
+  // Copies through registers, as `positions` could overlap the state.
   for (std::size_t r = 0; r < lanes; ++r) y[r] = output[r];
   for (std::size_t r = 0; r < lanes; ++r) positions[r] = y[r];
 }

@@ -70,7 +70,7 @@ public:
 
   /// Computes the own position at step k + 1 from the predecessor's received position at step k. All arrays have the
   /// size of the batch. A vehicle with feed-forward also needs the predecessor's input as received at step k; any
-  /// vehicle by parts gives its own input u(k), which counts as of step k + 1 (see FeedForward).
+  /// vehicle by parts writes its own input u(k), which is sent at step k + 1 (see FeedForward).
   void step(const double* received, double* positions, const double* heard = nullptr, double* own_input = nullptr) {
     loop_->step(received, standstill_distance_, positions, {heard, feed_forward_gain_, own_input});
   }
@@ -103,7 +103,7 @@ public:
   /// y_0 of the next step [m]. Throws std::out_of_range beyond the end of a recording.
   double step();
 
-  /// The input u_0 of which the latest step() is the result [m/s^2]; 0 at step -1. Vehicles by parts only.
+  /// The input u_0 that led to the position of the latest step() [m/s^2]; 0 at step -1. Vehicles by parts only.
   double input() const { return control_; }
 
   /// Manoeuvre of the virtual leader that replaces its profile until the next start().

@@ -40,13 +40,13 @@ PLATOON_INLINE double flipped_by(std::uint64_t word, double value) {
   return from_bits(to_bits(value) ^ (word & (1ULL << 63)));
 }
 
-// a b + c, rounded once, by an instruction.
+// a b + c, rounded once, by one instruction.
 struct Fused {
   PLATOON_INLINE static double multiply_add(double a, double b, double c) { return std::fma(a, b, c); }
 };
 
-// The same for processors without it, of additions and multiplications that vectors have: the C library's takes twelve
-// times as long. Exact unless a product underflows, which those of the noise do not.
+// The same for processors without that instruction, from additions and multiplications of vectors: the C library's
+// function takes twelve times as long. Exact unless a product underflows, which no product of the noise does.
 struct Emulated {
   struct Sum {
     double value, error;  // their sum is exact
@@ -85,7 +85,7 @@ PLATOON_INLINE double polynomial(double t, double c, Coefficients... further) {
   return Arithmetic::multiply_add(polynomial<Arithmetic>(t, further...), t, c);
 }
 
-// The coefficients are minimax polynomials of test/noise_polynomials, which also measures the errors.
+// The coefficients are those of the minimax polynomials from test/noise_polynomials, which also measures the errors.
 
 // -ln u for u in (0, 1], by u = 2^e m with m in [sqrt(1/2), sqrt(2)) and -ln m = 2 artanh(s / 2), s = 2 (1 - m) / (1 +
 // m).
@@ -130,8 +130,9 @@ constexpr std::uint64_t kMultiplier1 = 0xcd9e8d57;
 constexpr std::uint32_t kWeyl0 = 0x9e3779b9;
 constexpr std::uint32_t kWeyl1 = 0xbb67ae85;
 
-// GCC makes multiply_low one instruction only through its intrinsic, and inlines an intrinsic only into a function of
-// the same target. to_low copies each odd half to the even one: a shuffle, as Intel's port for shifts is the busier.
+// GCC compiles multiply_low to one instruction only through its intrinsic, and inlines an intrinsic only into a
+// function of the same target. to_low copies each odd half to the even one by a shuffle, as the port for shifts is the
+// busier one on Intel processors.
 #ifdef __clang__
 #define PLATOON_TO_LOW(...) \
   reinterpret_cast<Lanes>(  \
@@ -221,7 +222,7 @@ const detail::NoiseVersion& fastest() {
   return version;
 }
 
-// Two values per block by `transform`, for realizations that may begin and end inside a block.
+// Writes two values per block by `transform`. The realizations may begin and end inside a block.
 void fill_by(detail::TransformWords transform, std::uint64_t seed, DrawName name, std::uint64_t first_realization,
              std::size_t count, double* values) {
   detail::Words w1, w2;

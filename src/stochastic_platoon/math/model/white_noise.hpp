@@ -46,7 +46,7 @@ private:
   std::uint64_t seed_;
 };
 
-/// Why the noise is slow on this machine; empty where it is not.
+/// The reason for slow noise on this machine; empty if the noise is not slow.
 std::string slow_noise();
 
 namespace detail {
