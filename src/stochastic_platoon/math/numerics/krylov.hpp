@@ -14,7 +14,7 @@ using NonnegativeMap = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
 /// map is therefore balanced by a change of units (E. E. Osborne, J. ACM 7, 1960), which leaves no entry of a cycle far
 /// above the root. Maps of up to 60 dimensions are written out as a matrix. Larger ones use Arnoldi's method (Y. Saad,
 /// Numerical Methods for Large Eigenvalue Problems, 2011, section 6.2), in units given by the sum of the images under
-/// powers of the map, until the root settles to 1e-14, or twice to this share of its distance from 1.
+/// powers of the map, until the root settles to 1e-14, or in two successive steps to this share of its distance from 1.
 double perron_root(const NonnegativeMap& map, Eigen::Index size, double share_of_distance = 0.0);
 
 /// Bounds of the root: the smallest and the largest ratio of map(x) to x, x > 0 (L. Collatz, Math. Z. 48, 1942), after

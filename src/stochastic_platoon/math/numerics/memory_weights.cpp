@@ -13,7 +13,7 @@ using DoubleComplex = std::complex<double>;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kNodes = 16;  // per panel
-constexpr double kFar = 2.2;   // distance from a panel's middle in half lengths from which its own weights are exact
+constexpr double kFar = 2.2;   // distance from a panel's middle [half lengths] beyond which its own weights are exact
 constexpr double kNear = 1.3;  // ellipse about the panel in which the recurrence of Q_l upwards keeps its digits
 using Factors = std::array<DoubleComplex, kNodes>;
 
@@ -60,7 +60,7 @@ Factors legendre_second(DoubleComplex z) {
     }
     return q;
   }
-  // Downwards, the ratios Q_l / Q_{l-1} settle by rho^2 a step.
+  // The downward recurrence of Q_l / Q_{l-1} converges by a factor rho^2 per step.
   const auto start = kNodes + static_cast<std::size_t>(20.0 / std::log(rho));
   DoubleComplex ratio = 0.0;
   std::array<DoubleComplex, kNodes> ratios;

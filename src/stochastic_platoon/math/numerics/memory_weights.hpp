@@ -8,7 +8,7 @@
 namespace platoon {
 
 /// Factors that integrate f(nu) y / (1 - y), y = lambda e^{j (nu - w)}, over the panels of a rule that resolves f
-/// alone, however near to 1 abs(lambda) is: the sum over a panel's nodes of weight, f and factor is exact for
+/// alone, for abs(lambda) arbitrarily near to 1: the sum over a panel's nodes of weight, f and factor is exact for
 /// polynomials f of degree 15 (product integration; the integral of P_l(x) / (z - x) over [-1, 1] is 2 Q_l(z), Q_l the
 /// Legendre function of the second kind).
 class MemoryWeights {

@@ -13,12 +13,12 @@ namespace platoon {
 namespace {
 
 constexpr double kTurn = 3.0;
-constexpr double kSteep = 1e6;  // larger margins are cut to it
+constexpr double kSteep = 1e6;  // larger margins are clipped to it
 
 struct Sample {
   double place;
   double necessary;
-  double rest;  ///< not asked, and `necessary` itself, where that is not positive
+  double rest;  ///< the margin; `necessary` itself where that is not positive
   bool stable() const { return necessary > 0.0 && rest > 0.0; }
   double margin() const { return std::min(rest, necessary); }
 };
@@ -53,8 +53,8 @@ public:
     return middle;
   }
 
-  /// The border between a stable and an unstable place, on its stable side. Each margin is followed alone, as the
-  /// smaller of both has a bend where the search would have to halve.
+  /// The border between a stable and an unstable place, on its stable side. Each margin is followed alone: the smaller
+  /// of both has a kink, where the search would fall back to bisection.
   double border(const Sample& stable, Sample unstable) const {
     if (!(unstable.necessary > 0.0)) {
       unstable = at(border_of(necessary_, {stable.place, stable.necessary}, {unstable.place, unstable.necessary}));

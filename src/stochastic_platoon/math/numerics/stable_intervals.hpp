@@ -19,8 +19,8 @@ struct StableInterval {
 /// once between two samples.
 ///
 /// `necessary`, if given, is a margin that is cheaper to compute; a place is then stable if both are positive there,
-/// and `margin` is asked only where `necessary` is positive. Each end is first looked for where `necessary` changes
-/// sign.
+/// and `margin` is evaluated only where `necessary` is positive. The search for each end starts where `necessary`
+/// changes sign.
 std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places,
                                              const StabilityMargin& necessary = {});
 

@@ -20,7 +20,7 @@ struct Ensemble {
   std::int64_t steps;                     ///< K >= 1: errors at k = 0 .. K - 1
   std::uint64_t realizations;             ///< R >= 1
   std::uint64_t batch;                    ///< realizations computed side by side, >= 1
-  std::vector<std::string> signals = {};  ///< beside the tracking errors: see signal_kinds()
+  std::vector<std::string> signals = {};  ///< in addition to the tracking errors: see signal_kinds()
 };
 
 /// Computes a range of an ensemble's realizations in any number of threads, each of which processes batch after batch.
@@ -37,7 +37,8 @@ public:
   /// Computes until no batch is left to start. Returns true in exactly one thread: the one that completes the run.
   bool work();
 
-  /// Begins no further batch: the threads hand over what they have begun. The run is then incomplete.
+  /// Starts no further batch: the threads complete and hand over those that they have started. The run is then
+  /// incomplete.
   void stop();
 
   /// Whether all batches have started, or the run was stopped.

@@ -48,7 +48,7 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
     const auto end = [&](std::size_t i) {
       if (sends(i)) latest_inputs_[i].assign(own_inputs_[here].begin(), own_inputs_[here].end());
     };
-    // Only when the follower has read them.
+    // To be called only after the follower has read the positions.
     const auto keep_latest = [&](std::size_t i, std::vector<AlignedValues>& positions) {
       for (std::size_t b = 0; b < before_; ++b) positions[here + b].swap(latest_[i][b]);
     };

@@ -13,13 +13,13 @@ namespace platoon {
 struct Trajectory {
   std::vector<double> position;        ///< y_i(k) [m]
   std::vector<double> received;        ///< y_{i-1}(k) as received [m], up to step steps - 2; empty for vehicle 0
-  std::vector<double> input;           ///< v_i(k) = u_i(k-1) [m/s^2]; empty if no follower hears it
+  std::vector<double> input;           ///< v_i(k) = u_i(k-1) [m/s^2]; empty if no follower receives it
   std::vector<double> received_input;  ///< v_{i-1}(k) as received, as many as `received`; empty without a radio
   /// From step 0 on: the tracking error, then the signals of the given names; empty for vehicle 0.
   std::vector<std::vector<double>> signals;
 };
 
-/// Vehicles 0 .. followers in one realization of a run, with its bits. `signals`: see signal_kinds().
+/// Vehicles 0 .. followers in one realization of a run, bit for bit. `signals`: see signal_kinds().
 std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t seed, std::size_t followers,
                                      std::int64_t steps, std::uint64_t realization,
                                      const std::vector<std::string>& signals);

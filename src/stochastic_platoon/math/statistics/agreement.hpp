@@ -44,9 +44,9 @@ struct IndependentShare {
 /// little. With b = n D / 32 the score is the root of (33 / 32) ((sum d)^2 / (y + b) - ln((y + b) / (33 b))): a
 /// distance in standard errors if sum d^2 is near n D. Its bound is plausible_score_of_any().
 ///
-/// `rounding` [m] bounds the rounding error of one value. A mean within it, and a standard deviation within it, count
-/// as equal to the theory; beyond it a score is infinite if v = 0. A score is NaN if one of its values is, and for the
-/// variance of fewer than two values.
+/// `rounding` [m] bounds the rounding error of one value. Deviations of the mean and of the standard deviation up to it
+/// count as zero; beyond it a score is infinite if v = 0. A score is NaN if one of its values is; that of the variance
+/// also for fewer than two values.
 ///
 /// The mean of n correlated values is normal and counts as that of n share.mean values. Their variance over v
 /// share.expected counts as chi-squared with as many degrees of freedom as match its own variance, (n - 1)

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMostCorrelation = 0.6;
 
-/// max(c_0, c_0 + 2 c_1) of a sequence; NaN if neighbours are too much alike.
+/// max(c_0, c_0 + 2 c_1) of a sequence; NaN if neighbours are correlated too strongly.
 double variance_of_batches(const std::vector<double>& batches) {
   const auto count = static_cast<double>(batches.size());
   double mean = 0.0, square = 0.0, product = 0.0;

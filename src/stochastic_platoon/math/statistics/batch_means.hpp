@@ -8,13 +8,14 @@
 
 namespace platoon {
 
-/// What the values of one stationary, correlated sequence are worth, from the values themselves: the method of batch
-/// means (S. Asmussen, P. W. Glynn, Stochastic Simulation, 2007, chapter IV.5).
+/// Effective sample size of one stationary, correlated sequence, estimated from its values by the method of batch means
+/// (S. Asmussen, P. W. Glynn, Stochastic Simulation, 2007, chapter IV.5).
 ///
 /// The sequence is cut into kMostBatches / 2 to kMostBatches batches of equal length L, a power of 2; whenever all are
 /// full, neighbours are joined. With the batch means' variance c_0 and covariance c_1 of neighbours,
 /// \f[ n Var(\bar x_n) = L \max(c_0, c_0 + 2 c_1), \qquad \bar x_n \mbox{ the mean of } n \mbox{ values,} \f]
-/// and the same with the squared deviations for the variance. Its relative standard error is some 20 %.
+/// and the same with the squared deviations for the variance. This estimate has a relative standard error of about 20
+/// %.
 class BatchMeans {
 public:
   void add(double value);

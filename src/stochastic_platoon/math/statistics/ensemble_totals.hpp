@@ -26,7 +26,7 @@ struct SignalCells {
   std::size_t of_one_kind() const { return followers * static_cast<std::size_t>(steps); }  ///< cells
   std::size_t count() const { return kinds() * of_one_kind(); }                            ///< cells of all kinds
   std::size_t at(std::size_t kind, std::size_t follower, std::int64_t step) const;         ///< index of a cell
-  bool has_gap() const { return gaps.followers > 0; }  ///< it is the first of the signals then
+  bool has_gap() const { return gaps.followers > 0; }  ///< the gap is then the first signal
 };
 
 /// The cells of this model's run.
@@ -42,7 +42,7 @@ public:
   /// Adds the signals of a follower at a step, its steps in ascending order: signals_of() with the names of the cells.
   void add(std::size_t follower, std::int64_t step, const FollowerSignals& signals, const SignalPositions& positions);
 
-  /// Adds what add() still holds back, as tracking errors are reduced kCellsAtOnce at a time.
+  /// Adds the tracking errors that add() still holds back to reduce kCellsAtOnce at a time.
   void finish();
 
   BatchMoments moments;
@@ -59,7 +59,7 @@ private:
 class EnsembleTotals {
 public:
   explicit EnsembleTotals(const SignalCells& cells) : moments(cells.count()), gaps(cells.gaps) {}
-  /// Of moments alone.
+  /// Totals of moments alone, without gaps.
   explicit EnsembleTotals(MomentTable of) : moments(std::move(of)) {}
   EnsembleTotals() : moments(0) {}
 

@@ -69,11 +69,11 @@ public:
   /// Moments per cell (see SignalCells), or of the errors of each follower for averages over time.
   virtual std::vector<Moments> moments() const = 0;
 
-  /// Over time: what the errors of each follower are worth, as measured (see BatchMeans); else empty.
+  /// Over time: the measured share of independent errors of each follower (see BatchMeans); else empty.
   virtual std::vector<IndependentShare> shares() const { return {}; }
 
-  /// Totals from which another run can continue, for averages over realizations. Null over time: there moments()
-  /// serves.
+  /// Totals from which another run can continue, for averages over realizations. Null over time, where moments()
+  /// suffices.
   virtual const EnsembleTotals* totals() const = 0;
 };
 
@@ -83,7 +83,7 @@ struct EarlierAverages {
   std::vector<Moments> over_time = {};  ///< one per follower
 };
 
-/// Averages over these cells; with 0 steps of an endless run, over time from step `burn_in` on and of the errors alone.
+/// Averages over these cells. With 0 steps, for an endless run: over time from step `burn_in` on, of the errors alone.
 std::unique_ptr<ErrorAverages> error_averages(const SignalCells& cells, std::int64_t burn_in,
                                               const EarlierAverages& earlier, KeptMoments kept = KeptMoments::two);
 

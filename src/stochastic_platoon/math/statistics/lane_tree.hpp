@@ -22,7 +22,7 @@ template <class Vector>
 using FourOf = std::array<Vector, kCellsAtOnce>;
 using FourNodes = std::array<MomentNode, kCellsAtOnce>;
 
-// A reference, as the baseline's calling convention has no such vectors.
+// `lanes` is a reference, as the baseline's calling convention has no such vectors.
 template <class Vector>
 PLATOON_INLINE void load(const double* values, Vector& lanes) {
   std::memcpy(&lanes, values, sizeof lanes);

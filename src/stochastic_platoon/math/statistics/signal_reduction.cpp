@@ -14,7 +14,7 @@ namespace detail {
 
 namespace {
 
-// What a kernel reads and writes, of all realizations of a batch.
+// Inputs and outputs of a kernel, for all realizations of a batch.
 struct SignalTiles {
   std::array<const Signal*, kCellsAtOnce> of_order;  // the signals of order 0, 1, 2 and 3
   const Signal* error;
@@ -149,7 +149,7 @@ namespace {
 
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-// Whether a lane of the kernel computes it: the gap, or a difference of own positions.
+// Whether a lane of the kernel computes the signal: the gap, or a difference of own positions.
 bool has_lane(const Signal& signal) {
   return signal.relative == (signal.order == 0);
 }

@@ -14,9 +14,9 @@ namespace platoon {
 std::vector<MomentNode> reduce_signal(std::uint64_t first_realization, const Signal& signal,
                                       const SignalPositions& positions, KeptMoments kept);
 
-/// Where values of a step go, one per realization; null: nowhere.
+/// Destinations of the values of a step, one value per realization; null: not stored.
 struct FormedValues {
-  double* errors = nullptr;    ///< takes the tracking errors
+  double* errors = nullptr;    ///< receives the tracking errors
   double* smallest = nullptr;  ///< lowered to the first requested signal wherever that is smaller
 };
 
@@ -47,7 +47,7 @@ private:
   KeptMoments kept_;
   std::vector<std::vector<MomentNode>> nodes_;
   std::vector<double> first_values_;
-  std::vector<double> unused_;  ///< takes values that nobody asked for
+  std::vector<double> unused_;  ///< receives values that are not requested
   double least_ = 0.0;
 };
 

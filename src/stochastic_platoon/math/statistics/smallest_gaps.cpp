@@ -14,7 +14,7 @@ namespace platoon {
 
 namespace detail {
 
-// The least gap of each lane, and of the gaps that fill no vector in the first lane.
+// The least gap of each lane. The first lane includes the gaps that fill no vector.
 PLATOON_VECTOR_CLONES
 std::array<double, kCellsAtOnce> lower(const double* gaps, std::size_t count, double* smallest) {
   Lanes least = Lanes{} + std::numeric_limits<double>::infinity();

@@ -12,7 +12,7 @@
 
 namespace platoon {
 
-/// How smallest gaps are counted.
+/// Settings for the counting of smallest gaps.
 struct GapCounting {
   std::size_t followers = 0;            ///< 0: no gaps are collected
   double bin_width = 1.0;               ///< [m], of the histograms
@@ -23,7 +23,7 @@ struct GapCounting {
 /// deviation of a position's noise, and 0.01 m without noise. They do not depend on the realizations.
 GapCounting gap_counting(const PlatoonModel& model, std::size_t followers);
 
-/// A gap and where it occurs. Of equal gaps the first realization comes first, and then the earliest step.
+/// A gap and where it occurs. Equal gaps are ordered by realization, then by step.
 struct PlacedGap {
   double gap = std::numeric_limits<double>::infinity();  ///< [m]
   std::uint64_t realization = 0;
@@ -40,7 +40,7 @@ class BatchGaps {
 public:
   BatchGaps(std::uint64_t first_realization, std::size_t count, std::size_t followers);
 
-  /// Takes the gaps of a follower at a step [m], one per realization; the steps in any order.
+  /// Adds the gaps of a follower at a step [m], one per realization; the steps in any order.
   void add(std::size_t follower, std::int64_t step, const double* gaps);
 
   /// For callers that lower the smallest gaps of a follower themselves [m], its steps in ascending order: `least` is
@@ -54,7 +54,7 @@ public:
   /// Per realization [m]; infinite before the first step.
   const AlignedValues& smallest(std::size_t follower) const { return smallest_[follower - 1]; }
 
-  /// The first of them all.
+  /// The least of them, and where it first occurs.
   const PlacedGap& first(std::size_t follower) const { return first_[follower - 1]; }
 
 private:
@@ -69,14 +69,15 @@ struct FollowerGaps {
   PlacedGap smallest = {};
   std::uint64_t collisions = 0;  ///< realizations with a gap below 0
   std::uint64_t unsafe = 0;      ///< realizations with a gap below safe_gap
-  /// Realizations by floor(smallest gap / bin width), from -kMostBins to kMostBins, which count all beyond them.
+  /// Realizations by floor(smallest gap / bin width), from -kMostBins to kMostBins; these two also count all values
+  /// beyond them.
   std::map<std::int64_t, std::uint64_t> histogram = {};
 
   static constexpr std::int64_t kMostBins = 10000;
 };
 
-/// Smallest gaps of every follower, as a pure function of the set of realizations: counts add up, and of equal gaps the
-/// first realization and step stays.
+/// Smallest gaps of every follower, as a pure function of the set of realizations: counts add up, and among equal gaps
+/// the first realization and step is kept.
 class GapTable {
 public:
   explicit GapTable(const GapCounting& counting = {}) : counting_(counting), followers_(counting.followers) {}

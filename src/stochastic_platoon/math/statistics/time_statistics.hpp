@@ -19,8 +19,8 @@ namespace platoon {
 /// for k >= a + i - 1, up to a burn-in after its end, k <= b + i - 1 + burn_in. The decision requires the leader's step
 /// k - i + 1, the latest on which zeta_i(k) depends.
 ///
-/// The errors of a follower are added in the order of their steps, whatever their order of arrival, so the sums have
-/// the same bits. Successive errors are correlated: shares() measures what they are worth.
+/// The errors of a follower are added in the order of their steps, not of their arrival, so the sums have the same
+/// bits. Successive errors are correlated: shares() measures their share of independent errors.
 class TimeStatistics : public ErrorAverages {
 public:
   /// `earlier`: moments() of earlier realizations, one per follower; may be empty.

@@ -13,7 +13,7 @@ namespace platoon {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kClearSquare = 10.0;    ///< by how much a sum of squares must exceed what was subtracted from it
+constexpr double kClearSquare = 10.0;    ///< least ratio of a sum of squares to the noise subtracted from it
 constexpr double kClearMaximum = 100.0;  ///< standard errors that a maximum must exceed
 
 /// One vehicle's part of the rows.

@@ -59,12 +59,13 @@ SignalRows with_leader(const PlatoonModel& model, const std::string& name, const
 ///     rms_mean_acceleration^2  average over k of mean^2 - variance_of_mean, of the mean motion alone
 ///
 /// and the same for the jerk. The noise of measured means adds variance_of_mean to every expected square, so it is
-/// subtracted. Behind a sinusoidal leader l2_ratio is |T(e^jw)| over whole periods behind the transient. Where the
-/// speed ends at another level than it began, the delay of the followers moves their averages, and a ratio may exceed
-/// the largest |T|: that of follower 1 is 1.007 at h = 3.2 where the speed drops after 50 of 150 steps.
+/// subtracted. Behind a sinusoidal leader l2_ratio is |T(e^jw)| over whole periods after the transient. If the speed
+/// ends at another level than it began, the delay of the followers moves their averages, and a ratio may exceed the
+/// largest |T|: that of follower 1 is 1.007 at h = 3.2 if the speed drops after 50 of 150 steps.
 ///
-/// NaN: a ratio of a constant speed (see kConstantSpeed); a figure whose signal is not given; and what noise hides: a
-/// sum of squares below ten times the sum of variance_of_mean subtracted from it, a maximum below 100 standard errors.
+/// NaN: a ratio of a constant speed (see kConstantSpeed); a figure whose signal is not given; and a figure that noise
+/// hides: a sum of squares below ten times the sum of variance_of_mean subtracted from it, a maximum below 100 standard
+/// errors.
 ///
 /// Throws std::invalid_argument unless 0 <= from <= steps - 2 and all rows have the same size, a multiple of steps.
 std::vector<Amplification> amplification(const SignalsByName& signals, std::int64_t steps, std::int64_t from);

@@ -38,8 +38,8 @@ public:
   };
 
   /// The global minimum over [0, 2] of a(t) / min(t, 1)^order; a must vanish at least like t^order at t = 0. Branch and
-  /// bound with third order Taylor bounds, without a grid, misses no minimum. Accurate to this relative
-  /// accuracy or to the rounding of a.
+  /// bound with third order Taylor bounds, without a grid, finds every minimum. Accurate to this relative accuracy or
+  /// to the rounding of a.
   Minimum least(int order, long double accuracy = 1e-12L, int most_pieces = 200000) const;
 
   /// Coefficient of t^power, power >= 1, in the series of a about t = 0.

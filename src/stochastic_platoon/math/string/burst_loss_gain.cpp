@@ -52,7 +52,7 @@ double least_decay(const BurstPattern& pattern) {
 
 /// Number of equally spaced nodes that resolve every vehicle, chain and peak to the last digit.
 double resolving_nodes(const BurstPattern& pattern) {
-  constexpr double kDigits = 40.0;  // -ln of the last one
+  constexpr double kDigits = 40.0;  // -ln of the last digit
   double width = least_decay(pattern);
   for (const std::complex<double>& w : pattern.gain().margin_frequencies()) width = std::min(width, std::abs(w.imag()));
   return kDigits / width;
@@ -64,7 +64,7 @@ bool has_settled(double change, double before, bool resolved) {
   return change <= 1e-12 || is_converged(change, before) || (resolved && change <= 1e-6 && change >= 0.1 * before);
 }
 
-/// The loss gain, on the side of 1 that it is on, and if it is near 1, to this share of its distance from there.
+/// The loss gain, on the correct side of 1; near 1 to kShare of its distance from 1.
 double near_root(const BurstSpectra& spectra) {
   constexpr double kFar = 2.0, kShare = 1e-4;
   const LossOperator losses(spectra);
@@ -73,10 +73,10 @@ double near_root(const BurstSpectra& spectra) {
   return perron_root(losses, losses.dimensions(), kShare);
 }
 
-/// The loss gain by near_root(), with ever more equally spaced nodes until they resolve the poles to two digits and can
-/// tell on which side of 1 it is; none if `most` nodes cannot.
+/// The loss gain by near_root(), with the number of equally spaced nodes doubled until they resolve the poles to two
+/// digits and decide its side of 1; none if `most` nodes do not suffice.
 std::optional<double> told_by_equal_nodes(const BurstPattern& pattern, std::size_t most) {
-  constexpr double kDigits = 5.0;  // -ln of the second one
+  constexpr double kDigits = 5.0;  // -ln of the second digit
   std::size_t nodes = first_nodes(pattern);
   while (nodes < most && static_cast<double>(2 * nodes) * least_decay(pattern) <= kDigits) nodes *= 2;
   if (nodes >= most) return std::nullopt;
@@ -89,7 +89,8 @@ std::optional<double> told_by_equal_nodes(const BurstPattern& pattern, std::size
   return std::nullopt;
 }
 
-/// By few equally spaced nodes, or by the nodes of a quadrature, refined near 1, or by many equally spaced ones.
+/// The loss gain by few equally spaced nodes if they suffice, else by a quadrature, refined near 1, else by many
+/// equally spaced nodes.
 double loss_gain_for_sign(const BurstPattern& pattern) {
   constexpr double kDoubt = 1e-7;  // of a quadrature without refinement, mostly below 1e-11
   if (const std::optional<double> found = told_by_equal_nodes(pattern, 2 * first_nodes(pattern))) return *found;

@@ -9,8 +9,8 @@
 
 namespace platoon {
 
-/// The operator of loss gains (see burst_string_stability()) on the drives of all lossy places. Those of places that
-/// lose alike stand side by side.
+/// The operator of loss gains (see burst_string_stability()) on the drives of all lossy places. Drives of places with
+/// the same losses are adjacent.
 class LossOperator {
 public:
   explicit LossOperator(const BurstSpectra& spectra);
@@ -18,7 +18,7 @@ public:
   Eigen::Index dimensions() const { return static_cast<Eigen::Index>(lossy_.size()) * spectra_.size(); }
   const Eigen::ArrayXd& margin() const { return margin_; }
 
-  /// Adds to each vehicle's spectrum what its losses scatter of these drives.
+  /// Adds to each vehicle's spectrum the part of these drives that its losses scatter.
   void add(const Eigen::VectorXd& drives, std::vector<Eigen::ArrayXd>& added) const;
 
   /// The drives in an endless string in which vehicle l adds added[l] to the spectrum.
@@ -33,11 +33,12 @@ private:
   std::vector<Eigen::Index> drive_;  ///< of each place in the pattern, -1 without losses
 };
 
-/// values(spectra) with ever more nodes, until they settle.
+/// values(spectra), with the number of nodes increased until they settle.
 std::vector<double> settled_values(const BurstPattern& pattern,
                                    const std::function<std::vector<double>(const BurstSpectra&)>& values);
 
-/// The same for what is finite in an endless string alone: few nodes resolve it near the border of stability, too.
+/// The same for values of an endless string (limits, loss gain): few nodes resolve them near the border of stability,
+/// too.
 std::vector<double> settled_values_of_endless(const BurstPattern& pattern,
                                               const std::function<std::vector<double>(const BurstSpectra&)>& values);
 

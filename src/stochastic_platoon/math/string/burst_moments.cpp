@@ -20,7 +20,8 @@ struct SequenceMoments {
   Matrix covariance;
 };
 
-/// What a vehicle uses: its moments, and the covariance of step k (row) with the predecessor's position at step l >= k.
+/// Moments of the positions that a vehicle uses, and their covariance at step k (row) with the predecessor's at step l
+/// >= k.
 struct Received {
   SequenceMoments own;
   Matrix with_sent;
@@ -39,7 +40,7 @@ public:
     for (Eigen::Index j = 0; j < n_; ++j) predictor_(j) = loss.predictor[static_cast<std::size_t>(j)];
   }
 
-  /// From the moments of what arrives, and its covariance with the sent positions.
+  /// From the moments of the arriving positions, and their covariance with the sent ones.
   Received operator()(const SequenceMoments& arriving, const Matrix& with_sent) const {
     const Eigen::Index count = arriving.mean.size();
     const Vector innovation = innovations(arriving.mean);
@@ -169,7 +170,7 @@ public:
     for (Eigen::Index a = 1; a < count_; ++a) noise_(a, a) += step * step / 12.0L;
   }
 
-  /// What the vehicle uses behind these positions.
+  /// The positions that the vehicle uses, given those sent.
   Received receives(const SequenceMoments& sent) const {
     SequenceMoments arriving{Vector(count_), Matrix(count_, count_)};
     Matrix with_sent(count_, count_);

@@ -14,8 +14,8 @@ namespace platoon {
 /// One follower behind a link that may lose positions in bursts.
 class BurstVehicle {
 public:
-  /// `known`: the same vehicle with another headway or other losses; saves the search for zeros that do not depend on
-  /// the headway. Throws std::invalid_argument for a vehicle with feed-forward, and as BurstLink does unless
+  /// `known`: the same vehicle with another headway or other losses; it saves the search for zeros that do not depend
+  /// on the headway. Throws std::invalid_argument for a vehicle with feed-forward, and as BurstLink does unless
   /// `mean_square_stable()` is false.
   explicit BurstVehicle(const VehicleModel& vehicle, const BurstVehicle* known = nullptr);
 

@@ -11,16 +11,16 @@ namespace platoon {
 /// The losses of one link at the nodes of a quadrature: one row per node in (0, pi).
 class BurstScatter {
 public:
-  /// `rule`: the half_circle_quadrature() with these nodes, as applied in O(nodes^2); null for equally spaced nodes, on
+  /// `rule`: the half_circle_quadrature() with these nodes, applied in O(nodes^2); null for equally spaced nodes, on
   /// which the memory of the chain is a convolution in O(nodes log nodes).
   BurstScatter(const BurstLink& link, const Eigen::ArrayXd& node, const Eigen::ArrayXd& weight, const Quadrature* rule);
 
   Eigen::ArrayXcd passed;   ///< T_L
   Eigen::ArrayXd margin;    ///< 1 - |T_L|^2
   Eigen::ArrayXd surprise;  ///< |u|^2
-  Eigen::ArrayXd moving;    ///< what the losses scatter of a motion of 1 m per step
+  Eigen::ArrayXd moving;    ///< scattered spectrum of a motion of 1 m per step
 
-  /// < g(w, nu) driven(nu) >_nu of each column: what the losses scatter of a drive |u|^2 Phi.
+  /// < g(w, nu) driven(nu) >_nu of each column: the spectrum that the losses scatter from a drive |u|^2 Phi.
   Eigen::MatrixXd operator()(const Eigen::Ref<const Eigen::MatrixXd>& driven) const;
 
 private:

@@ -16,12 +16,12 @@ namespace platoon {
 class BurstSpectra {
 public:
   /// Equally spaced frequencies w_j = 2 pi (j + 1/2) / n, which converge geometrically with n, a power of two, at least
-  /// 8. O(n log n) for what losses scatter.
+  /// 8. O(n log n) for scattered().
   BurstSpectra(const BurstPattern& pattern, std::size_t nodes);
 
   /// The nodes of a half_circle_quadrature(), which resolves narrow features of slow vehicles and near the border of
-  /// stability with few nodes, and need not resolve the memory of the chains (see MemoryWeights). O(nodes^2) for what
-  /// losses scatter.
+  /// stability with few nodes, and need not resolve the memory of the chains (see MemoryWeights). O(nodes^2) for
+  /// scattered().
   BurstSpectra(const BurstPattern& pattern, const Quadrature& rule);
 
   const BurstPattern& pattern() const { return *pattern_; }
@@ -43,11 +43,12 @@ public:
   /// Mean over the circle of values at the nodes.
   double mean(const Eigen::ArrayXd& values) const { return (weight_ * values).sum(); }
 
-  /// What the losses of `follower` scatter of its predecessor's spectrum: < g(w, nu) |u|^2 Phi >_nu. 0 without losses.
+  /// The spectrum that the losses of `follower` scatter from its predecessor's: < g(w, nu) |u|^2 Phi >_nu. 0 without
+  /// losses.
   Eigen::ArrayXd scattered(std::size_t follower, const Eigen::ArrayXd& spectrum) const;
 
-  /// What a follower adds to the spectrum of its position by the noise of its link, and by losses at this speed [m per
-  /// step]; without what losses scatter of its predecessor's spectrum.
+  /// The spectrum that a follower adds to that of its position by the noise of its link, and by losses at this speed [m
+  /// per step]; without the part scattered from its predecessor's spectrum.
   Eigen::ArrayXd added(std::size_t follower, double speed) const;
 
   /// 1 - prod |T^|^2 over the pattern, as accurate as each vehicle's own margin.

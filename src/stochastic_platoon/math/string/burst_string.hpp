@@ -36,10 +36,11 @@ std::vector<double> burst_stationary_means(const PlatoonModel& model, std::size_
 /// pattern's limits.
 StringStability burst_string_stability(const PlatoonModel& model);
 
-/// Positive exactly if burst_string_stability() has no objection but the loss gain.
+/// Positive exactly if all conditions of burst_string_stability() hold, apart from that on the loss gain.
 double burst_gain_margin(const BurstPattern& pattern);
 
-/// Where that is positive: 1 / loss gain - 1, positive exactly if the loss gain is below 1; infinite without losses.
+/// 1 / loss gain - 1 for a positive burst_gain_margin(): positive exactly if the loss gain is below 1; infinite without
+/// losses.
 double burst_loss_margin(const BurstPattern& pattern);
 
 }  // namespace platoon

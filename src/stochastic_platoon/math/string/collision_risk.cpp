@@ -9,7 +9,7 @@ namespace platoon {
 
 namespace {
 
-/// At most P(g(k) < 0 for a k) of the follower whose first cell this is.
+/// Upper bound of P(g(k) < 0 for some k) for the follower with this first cell.
 double bound_over(const SignalMoments& table, std::size_t first, std::size_t steps) {
   const auto law = [&table](std::size_t cell) { return NormalLaw{table.mean[cell], table.variance[cell]}; };
   double sum = probability_below_zero(law(first));

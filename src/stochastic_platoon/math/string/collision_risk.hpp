@@ -8,8 +8,8 @@
 
 namespace platoon {
 
-/// Probabilities of a collision, g < 0 for the gap g of a follower; one value per follower, and those of an endless
-/// string if its gaps have a limit: of a mixed one the largest over the places of the pattern.
+/// Probabilities of a collision, g < 0 for the gap g of a follower; one value per follower, and the limits in an
+/// endless string if they exist. The limit in a mixed string is the largest over the places of the pattern.
 struct CollisionRisk {
   std::vector<double> probability;        ///< P(g < 0) per step, stationary
   std::vector<double> rate;               ///< new collisions per step, stationary: P(g(k-1) >= 0, g(k) < 0)
@@ -18,8 +18,8 @@ struct CollisionRisk {
   std::optional<double> limit_probability, limit_rate, limit_required_distance;
 };
 
-/// Per follower an upper bound, at most 1, of the probability of a collision in the run, given the moments of its gaps
-/// at steps 0, ..., steps - 1:
+/// Upper bound per follower, at most 1, of the probability of a collision in the run, given the moments of its gaps at
+/// steps 0, ..., steps - 1:
 /// \f[ P(\min_k g(k) < 0) \le P(g(0) < 0) + \sum_{k \ge 1} P(g(k-1) \ge 0, g(k) < 0). \f]
 std::vector<double> collision_bounds(const SignalMoments& gaps, std::size_t steps);
 

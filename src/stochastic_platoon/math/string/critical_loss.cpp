@@ -11,8 +11,8 @@ namespace platoon {
 
 namespace {
 
-// If the default vehicle's link has no loss stage, gives it and every such link without one a stage that holds the last
-// value.
+// If the default vehicle's link has no loss stage, adds one that holds the last value, to it and to every such link
+// without one.
 PlatoonModel with_loss_stage(PlatoonModel model) {
   if (varied_link(model.default_vehicle()).loss) return model;
   const bool radio = model.default_vehicle().feed_forward.has_value();

@@ -60,7 +60,7 @@ DesignedGain::Value DesignedGain::at(const CirclePoint& point, const Links& link
   const Complex policy = Complex(1.0L + headway_) - headway_ * std::conj(z);
   const Complex closed = filtered_ ? policy * (d + n) : d + policy * n;
   Value value{n / closed, 0.0L, 0.0L, 0.0L, std::numeric_limits<long double>::infinity()};
-  // T^ is the position's part of it times 1 + ratio W.
+  // T^ is its position part times 1 + ratio W.
   Complex ratio = 0.0L, one_minus_ratio = 1.0L;
   if (feed_forward_ != 0.0L) {
     const Complex plant = evaluate(plant_numerator_, s);

@@ -34,9 +34,9 @@ public:
   /// Number of steps after which errors count as uncorrelated; 0 if unknown.
   std::size_t length() const { return length_; }
 
-  /// Worth of one of `steps` steps in `stretches` independent stretches of successive steps. The stretches have equal
-  /// lengths, or any lengths of at least 2 length(). NaN for fewer than two steps per stretch, for an unknown
-  /// correlation, and for stretches of fewer than 2 length() steps if the autocorrelation was not kept.
+  /// Share of independent values among `steps` steps in `stretches` independent stretches of successive steps. The
+  /// stretches have equal lengths, or any lengths of at least 2 length(). NaN for fewer than two steps per stretch, for
+  /// an unknown correlation, and for stretches of fewer than 2 length() steps if the autocorrelation was not kept.
   IndependentShare of(std::uint64_t steps, std::uint64_t stretches = 1) const;
 
 private:

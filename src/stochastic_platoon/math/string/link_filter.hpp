@@ -10,9 +10,9 @@
 namespace platoon {
 
 /// One link into a follower on the unit circle, its independent losses replaced by their mean effect. With p = 1 - q
-/// and the predictor L = c_1 z^-1 + c_2 z^-2 + ..., it passes p F z^-m of what is sent, F = 1 / (1 - q L). The losses
-/// act on the moments as a white noise w = (theta - p) e at its output, F w, with theta 1 if a value arrives and 0 if
-/// not; w is uncorrelated with everything sent and has variance E w^2 = p q E e^2.
+/// and the predictor L = c_1 z^-1 + c_2 z^-2 + ..., the link multiplies the sent values by p F z^-m, F = 1 / (1 - q L).
+/// The losses act on the moments as a white noise w = (theta - p) e at its output, F w, with theta 1 if a value arrives
+/// and 0 if not; w is uncorrelated with everything sent and has variance E w^2 = p q E e^2.
 class LinkFilter {
 public:
   /// Throws std::invalid_argument for losses in bursts.
@@ -22,7 +22,7 @@ public:
     std::complex<long double> powers;     ///< z^n, n the length of the predictor
     std::complex<long double> registers;  ///< z^n / F
     std::complex<long double> surprise;   ///< z^n (1 - L)
-    double innovation;                    ///< |(1 - L) F|^2: from what is sent to its prediction error e
+    double innovation;                    ///< |(1 - L) F|^2: from the sent value to its prediction error e
     double noise;                         ///< |W|^2 P_d + D^2 / 12
 
     /// q / p (1 - L), which is 1 / (p F) - 1.
@@ -40,7 +40,7 @@ public:
   /// kappa = p q / (1 - p q ||L F||^2): E w^2 over the E e^2 without the feedback of w through the link.
   double loss_factor() const;
 
-  /// (c_1 + 2 c_2 + ...) / p: the mean of e if what is sent grows by 1 a step; 0 without losses.
+  /// (c_1 + 2 c_2 + ...) / p: the mean of e if the sent value grows by 1 per step; 0 without losses.
   double mean_innovation() const;
 
   /// Mean lag of a signal that grows steadily [steps]: m + q (c_1 + 2 c_2 + ...) / p.

@@ -56,7 +56,7 @@ public:
   /// Visits the follower at `place`, a source that sends `motion` in response, and all behind it.
   void visit_downstream(std::size_t place, Motion motion, const Visitor& visit) const;
 
-  /// Squared responses down the string, given what the source's own vehicle at `place` sends in response.
+  /// Squared responses down the string, given the `motion` that the source's own vehicle at `place` sends in response.
   Responses downstream(std::size_t place, Motion motion) const;
 
   /// A unit impulse at step 0, and the response of a noise filter to it.

@@ -12,7 +12,7 @@ namespace platoon {
 
 /// Stationary theory of a platoon over links with independent losses, homogeneous or patterned. With < > the mean over
 /// the circle, Phi_i the spectrum of y_i about its mean, Phi_0 = 0, and the notation of LinkedVehicleValue, with sums
-/// over the links l of follower i and Psi_l the spectrum of what link l is sent, Phi_{i-1} for the position and
+/// over the links l of follower i and Psi_l the spectrum of the values sent over link l, Phi_{i-1} for the position and
 /// Phi_{i-1} / |G_{i-1}|^2 for the predecessor's input:
 /// \f[ \sigma_l^2 = \kappa (\langle |(1-L) F|^2 (\Psi_l + N_d) \rangle + \bar e^2), \f]
 /// \f[ \Phi_i = |\hat T|^2 \Phi_{i-1} + \sum_l (p^2 |N F|^2 N_d + |N F|^2 \sigma_l^2), \f]
@@ -24,8 +24,8 @@ namespace platoon {
 /// in bursts.
 std::vector<double> linked_stationary_variances(const PlatoonModel& model, std::size_t followers);
 
-/// The shares of the links that measure positions and of the radios in these variances [m^2], noise and losses of all
-/// vehicles; per follower the share of the position and that of the predecessor's input. Infinite or NaN where the
+/// The shares of the links that measure positions and of the radios in these variances [m^2], from noise and losses of
+/// all vehicles; per follower the share of the position and that of the predecessor's input. Infinite or NaN where the
 /// variance is.
 std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers);
 
@@ -46,11 +46,12 @@ std::vector<double> stationary_means(const PlatoonModel& model, std::size_t foll
 /// `limit_variance` is the largest of the pattern's limits.
 StringStability linked_string_stability(const PlatoonModel& model);
 
-/// Positive exactly if linked_string_stability() has no objection but the loss gain; needs no spectra. Where positive
-/// it is the least attenuation alone, which is smooth in the headway and in the losses.
+/// Positive exactly if all conditions of linked_string_stability() hold, apart from that on the loss gain; needs no
+/// spectra. A positive margin is the least attenuation alone, which is smooth in the headway and in the losses.
 double linked_gain_margin(const LinkedPattern& pattern);
 
-/// Where that is positive: 1 / loss gain - 1, positive exactly if the loss gain is below 1; infinite without losses.
+/// 1 / loss gain - 1 for a positive linked_gain_margin(): positive exactly if the loss gain is below 1; infinite
+/// without losses.
 double linked_loss_margin(const LinkedPattern& pattern);
 
 }  // namespace platoon

@@ -157,7 +157,7 @@ ZerosAtZero LinkedVehicle::zeros_at_zero() const {
   } else if (lag() == 0.0 && designed_ && !position.has_losses()) {
     zeros.complement = *vehicle_.loop.integrators;
   } else if (lag() == 0.0) {
-    // 1 - H T^ = (z D R - ((1 + h) z - h) p z^n N) / (z D R), with two zeros at s = 0 as nothing lags.
+    // 1 - H T^ = (z D R - ((1 + h) z - h) p z^n N) / (z D R), with two zeros at s = 0, as there is no lag.
     const DeltaFraction t = delta_fraction(vehicle_.loop);
     const long double h = vehicle_.headway;
     CirclePolynomial open = multiply({1.0L, 1.0L}, multiply(t.denominator, position.registers()));
@@ -177,7 +177,7 @@ ZerosAtZero LinkedVehicle::zeros_at_zero() const {
   return zeros;
 }
 
-// Multiplicity of z = 1 as a zero of 1 - F z^-m p F_l, which feed-forward leaves of the predecessor's input.
+// Multiplicity of z = 1 as a zero of 1 - F z^-m p F_l, the part of the predecessor's input that feed-forward leaves.
 int LinkedVehicle::feed_forward_zeros() const {
   const LinkFilter& input = links_.back();
   const bool is_held = !input.has_losses() || !input.loss().predictor.empty();
@@ -190,7 +190,7 @@ std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
     for (const std::complex<double>& w : link.noise_frequencies()) found.push_back(w);
   }
   if (!vehicle_.feed_forward) return found;
-  // The difference of the delays turns T^; a panel may cover two radians of it.
+  // The difference of the delays rotates T^; a panel may cover two radians.
   constexpr double kHalfTurn = 3.14159265358979323846;
   const auto turns = static_cast<double>(std::max(links_[0].delay(), links_[1].delay()));
   for (double w = 0.0; w <= kHalfTurn; w += 1.0 / turns) found.emplace_back(w, 1.0 / turns);

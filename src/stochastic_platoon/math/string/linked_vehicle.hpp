@@ -13,12 +13,12 @@
 
 namespace platoon {
 
-/// What one input of a follower passes on at one frequency, with F of its link and N from the received value to the own
+/// Gains of one input of a follower at one frequency, with F of its link and N from the received value to the own
 /// position (see LinkFilter, DesignedGain; N = T for positions).
 struct InputValue {
   double loss_gain;   ///< |N F|^2: from the loss noise w
   double passed;      ///< p^2 |N F|^2: from the noise of the link
-  double innovation;  ///< |(1 - L) F|^2: from what is sent to its prediction error e
+  double innovation;  ///< |(1 - L) F|^2: from the sent value to its prediction error e
   double noise;       ///< |W|^2 P_d + D^2 / 12 [m^2] or [(m/s^2)^2]
 };
 
@@ -40,7 +40,7 @@ struct LinkedVehicleValue {
 /// Multiplicity of the factor w^2 in spectral gains at low frequencies.
 struct ZerosAtZero {
   int complement;  ///< |1 - H T^|^2: 1 if delay or losses leave a mean error at constant speed, 2 or more otherwise
-  int innovation;  ///< from the predecessor's position to what a link loses: |(1 - L) F|^2, 1 for holding, ...
+  int innovation;  ///< from the predecessor's position to a link's prediction error: |(1 - L) F|^2, 1 for holding, ...
   int noise;       ///< of all links; kNone without noise
   static constexpr int kNone = LinkFilter::kNoNoise;
 };
@@ -48,7 +48,7 @@ struct ZerosAtZero {
 /// One follower behind its links with independent losses, on the unit circle, w in rad/sample.
 class LinkedVehicle {
 public:
-  /// `known`: the same vehicle with another headway or other links; saves the search for zeros that do not depend on
+  /// `known`: the same vehicle with another headway or other links; it saves the search for zeros that do not depend on
   /// the headway. Throws std::invalid_argument for losses in bursts.
   explicit LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known = nullptr);
 
@@ -58,8 +58,7 @@ public:
   /// |T^|^2 as a factor of the pattern's.
   const RatedFactor& factor() const { return factor_; }
 
-  /// The complex frequencies at which any of the above is singular, and for the delays of a radio as many as resolve
-  /// them.
+  /// The complex frequencies at which any of the above is singular, plus as many as resolve the delays of a radio.
   std::vector<std::complex<double>> pole_frequencies() const;
 
   ZerosAtZero zeros_at_zero() const;

@@ -11,7 +11,7 @@ namespace platoon {
 /// A follower and the links into it as operators on means, with losses replaced by their mean effect:
 /// \f[ r(k) = (L r)(k) + p e(k), \qquad e(k) = s(k) - (L r)(k). \f]
 ///
-/// Sequences of what is sent start at step -1; innovation and error sequences start at step 0.
+/// Sequences of sent values start at step -1; innovation and error sequences start at step 0.
 class MeanVehicle {
 public:
   using Sequence = VehicleResponse::Sequence;
@@ -27,7 +27,7 @@ public:
   /// Number of links: the position's and, with feed-forward, that of the predecessor's input.
   std::size_t links() const { return links_.size(); }
 
-  /// Response to what the predecessor sends, without the own initial position.
+  /// Response to the predecessor's motion, without the own initial position.
   Passed operator()(const Motion& predecessor) const;
 
   /// Response to a sequence that is sent over one link alone.

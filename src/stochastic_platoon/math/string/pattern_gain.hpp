@@ -13,7 +13,7 @@ enum class Sign { kAbove, kZero, kBelow };
 /// Minimum of -ln |prod T|^2 with its zero at w = 0 divided out: divided by (1 - cos w)^zeros for w up to pi/2.
 struct LeastMargin {
   Sign sign;         ///< zero if rounding of the coefficients hides it
-  double value;      ///< the minimum less the effect of this rounding: above 0 just when the sign is
+  double value;      ///< the minimum less the effect of this rounding: positive exactly if the sign is kAbove
   double frequency;  ///< [rad/sample]
 };
 
@@ -52,7 +52,8 @@ public:
   /// Frequencies in (0, pi] of the local maxima of |prod T|, and pi [rad/sample].
   std::vector<double> maxima() const;
 
-  /// The complex w near which |prod T| = 1; their distance from a local maximum follows from how far it stays below 1.
+  /// The complex w near which |prod T| = 1; their distance from a local maximum follows from the distance of that
+  /// maximum from 1.
   std::vector<std::complex<double>> margin_frequencies() const;
 
 private:

@@ -32,7 +32,7 @@ double squared_mean_innovation(const LinkFilter& link, std::size_t index, double
   return ebar * ebar;
 }
 
-/// sigma^2 of one link, given the spectrum of the position it comes from.
+/// sigma^2 of one link, given the spectrum of the predecessor's position.
 double loss_variance(const PatternSpectra& spectra, const LinkedPattern& pattern, std::size_t follower,
                      std::size_t link, const Eigen::ArrayXd& spectrum, double speed) {
   const LinkFilter& filter = pattern[follower].links()[link];
@@ -43,7 +43,7 @@ double loss_variance(const PatternSpectra& spectra, const LinkedPattern& pattern
                                  squared_mean_innovation(filter, link, speed));
 }
 
-/// Visits the followers one after the other with (i, spectrum of the position in front, what each link adds).
+/// Visits the followers one after the other with (i, spectrum of the position in front, spectrum that each link adds).
 template <class Visit>
 void pass_along(const PatternSpectra& spectra, const LinkedPattern& pattern, double speed, std::size_t followers,
                 const Visit& visit) {
@@ -111,8 +111,8 @@ public:
   const Eigen::ArrayXd& divisor() const { return divisor_; }
   const std::vector<LossyLink>& lossy() const { return lossy_; }
 
-  /// kappa < |(1-L) F|^2 Phi > for each lossy link, Phi the spectrum of what it is sent, with vehicle l adding added[l]
-  /// to the spectrum.
+  /// kappa < |(1-L) F|^2 Phi > for each lossy link, Phi the spectrum sent over it, if vehicle l adds added[l] to the
+  /// spectrum.
   Eigen::VectorXd arriving(const std::vector<Eigen::ArrayXd>& added) const {
     Eigen::VectorXd result(static_cast<Eigen::Index>(lossy_.size()));
     Eigen::ArrayXd spectrum = spectra_.in_front(added, divisor_);
@@ -130,7 +130,7 @@ public:
     return result;
   }
 
-  /// What losses of these variances add to the spectrum of each vehicle.
+  /// Adds to the spectrum of each vehicle the part due to losses of these variances.
   void add(const Eigen::VectorXd& sigma, std::vector<Eigen::ArrayXd>& added) const {
     for (std::size_t row = 0; row < lossy_.size(); ++row) {
       const LossyLink& of = lossy_[row];

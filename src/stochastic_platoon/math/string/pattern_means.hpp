@@ -21,8 +21,8 @@ std::vector<double> shares_by(const PatternSpectra& spectra, const LinkedPattern
 /// The limit of the variance at each place of the pattern.
 std::vector<double> limits_by(const PatternSpectra& spectra, const LinkedPattern& pattern, double speed);
 
-/// The spectral radius of the pattern's matrix of loss gains; for the coarse one on the correct side of 1, and near 1
-/// as accurate as the quadrature.
+/// The spectral radius of the pattern's matrix of loss gains; coarse_loss_gain() is on the correct side of 1, and near
+/// 1 as accurate as the quadrature.
 double loss_gain_by(const PatternSpectra& spectra, const LinkedPattern& pattern);
 double coarse_loss_gain(const PatternSpectra& spectra, const LinkedPattern& pattern);
 

@@ -37,13 +37,13 @@ public:
   /// Mean over the circle of values at the nodes.
   double mean(const Eigen::ArrayXd& values) const { return (weight * values).sum(); }
 
-  /// Spectrum of what link `link` of a vehicle of this type is sent behind a predecessor of type `before` whose
-  /// position has this spectrum.
+  /// Spectrum sent over link `link` of a vehicle behind a predecessor of type `before` whose position has this
+  /// spectrum.
   Eigen::ArrayXd at_link(std::size_t link, std::size_t before, const Eigen::ArrayXd& spectrum) const {
     return link == 0 ? spectrum : Eigen::ArrayXd(sent[before] * spectrum);
   }
 
-  /// What the noises of the links of a vehicle of this type add to the spectrum of its position.
+  /// The spectrum that the noises of its links add to the position of a vehicle of this type.
   Eigen::ArrayXd added_by_noise(std::size_t type) const;
 
   /// Mean of zeta's spectrum behind a predecessor with this spectrum, for a vehicle of this type that adds `added` to

@@ -13,7 +13,7 @@ namespace {
 
 using Sequence = LinkedResponses::Sequence;
 
-/// y_{i-1} - y_i, of relative signals, plus factor D^order y_i; from step -1 on, without offsets.
+/// y_{i-1} - y_i (of relative signals only) plus factor D^order y_i; from step -1 on, without offsets.
 Sequence signal_values(const Signal& signal, const Sequence& predecessor, const Sequence& own) {
   Sequence values(own.size(), 0.0L);
   if (signal.order > 0) {
@@ -30,7 +30,7 @@ Sequence signal_values(const Signal& signal, const Sequence& predecessor, const 
   return values;
 }
 
-/// What one source adds to the moments of one signal of one follower, per step.
+/// Contribution of one source to the moments of one signal of one follower, per step.
 struct Share {
   Sequence variance, covariance;
 

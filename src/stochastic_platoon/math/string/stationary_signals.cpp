@@ -130,7 +130,7 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
   for (std::size_t s = 0; s < names.size(); ++s)
     result[s].followers = moments_of(means_of(model, signals, s, 0), values, s, names.size());
   if (!string_stable) return result;
-  // Limits that do not exist are left out before the quadrature, which their poles at w = 0 would keep from settling.
+  // Limits that do not exist are left out: their poles at w = 0 would keep the quadrature from settling.
   const int zeros = gain.zeros() - noise_zeros(pattern);
   const std::size_t m = pattern.size();
   std::vector<Signals> endless = requested_signals(model, names, 2 * m);

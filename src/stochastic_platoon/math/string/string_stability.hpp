@@ -30,14 +30,14 @@ struct StringStability {
 /// reason. True if |prod T| < 1 for all w > 0.
 bool judge_gain(const PatternGain& gain, const std::string& name, StringStability& verdict);
 
-/// Judges what losses add to the variance of a string that judge_gain() accepts: sets the reason of a negative verdict.
-/// `doubt`: the accuracy of the loss gain. `losses`: their name in it. True if the loss gain is below 1.
+/// Judges the loss gain of a string that judge_gain() accepts: sets the reason of a negative verdict. `doubt`: the
+/// accuracy of the loss gain. `losses`: their name in it. True if the loss gain is below 1.
 bool judge_losses(double loss_gain, double doubt, const std::string& losses, StringStability& verdict);
 
 /// Reason of a positive verdict; `loss_gain`: that of a string with losses.
 std::string reason_of_stability(double spectral_radius, const std::string& name, std::optional<double> loss_gain = {});
 
-/// Reason of a negative verdict where 1 - |prod T|^2 vanishes faster at w = 0 than what it divides.
+/// Reason of a negative verdict where 1 - |prod T|^2 vanishes faster at w = 0 than the numerators it divides.
 std::string reason_of_growth_at_zero(const std::string& name);
 
 /// Decides paper eq. (scalability_all),
@@ -47,9 +47,9 @@ std::string reason_of_growth_at_zero(const std::string& name);
 ///
 /// The limit of corollary cor:stationary_all is, with < > the mean over the circle,
 /// \f[ (\|S/M\|_2^2 - 1) P_d = P_d \langle |H T|^2 + |T|^2 |S|^2 / (1 - |T|^2) \rangle, \f]
-/// and the right side is what is computed. It exists for every string stable platoon. One exceptional kind satisfies
-/// |T| < 1 for all w > 0 but is not string stable: if 1 - |T|^2 is flatter at w = 0 than |S|^2 (order w^6 over w^4),
-/// the variances grow without limit.
+/// computed by the right side. It exists for every string stable platoon. One exceptional kind satisfies |T| < 1 for
+/// all w > 0 but is not string stable: if 1 - |T|^2 is flatter at w = 0 than |S|^2 (order w^6 over w^4), the variances
+/// grow without limit.
 ///
 /// For a platoon other than the paper's this function returns linked_string_stability(), or burst_string_stability()
 /// for losses in bursts.

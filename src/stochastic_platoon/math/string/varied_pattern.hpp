@@ -11,8 +11,8 @@
 
 namespace platoon {
 
-/// The pattern of a platoon as a function of one varied value, and what its margins say of it. The pattern at the last
-/// place is kept, as both margins ask for it.
+/// The pattern of a platoon as a function of one varied value, and its margins. Keeps the pattern at the last place, as
+/// both margins need it.
 template <class Pattern>
 class VariedPattern {
 public:

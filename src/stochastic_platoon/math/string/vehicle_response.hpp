@@ -8,8 +8,8 @@
 
 namespace platoon {
 
-/// What a vehicle sends: its positions y(k) and, in a string with radios, v(k) = u(k-1); else no inputs. Sequences
-/// start at step -1.
+/// The motion that a vehicle sends: its positions y(k) and, in a string with radios, v(k) = u(k-1); else no inputs.
+/// Sequences start at step -1.
 struct Motion {
   LoopResponse::Sequence position, input;
 };
