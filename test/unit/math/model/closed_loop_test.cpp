@@ -86,7 +86,7 @@ TEST(ClosedLoop, SensitivityIsOneMinusHT) {
   EXPECT_EQ(multiplicity_at_one(s.numerator()), 2);
 }
 
-// What cancels between plant and controller leaves T and its order as they are without it.
+// Factors that cancel between plant and controller change neither T nor its order.
 TEST(ClosedLoop, IsMinimalWhenPlantAndControllerCancel) {
   const std::vector<Zeros> cancelled = {{0.8}, {-0.6}, {{0.5, 0.6}}, {0.8, -0.3}, {{0.2, 0.9}, 0.4}};
   const std::vector<Zeros> extra = {{}, {0.5}, {{0.3, 0.4}}};
@@ -173,7 +173,7 @@ TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralAction) {
                             "dT/dz(1) = -h for h = 3.2; here T(1) = "),
               std::string::npos);
   }
-  // A controller zero at 1 takes one of the plant's two integrators away.
+  // A controller zero at 1 cancels one of the plant's two integrators.
   const ClosedLoop loop = close_loop(fraction(0.1, {}, {1.0, 1.0}), fraction(1.0, {1.0}, {0.2}), 3.2);
   EXPECT_TRUE(any_contains(violated_assumptions(loop, 3.2, true), "no double integral action"));
 }
@@ -191,7 +191,7 @@ TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralActionOfAFastSampledVehicl
   EXPECT_TRUE(any_contains(violated_assumptions(loop, 200.0, true), "no double integral action"));
 }
 
-// T(1) = 1, yet dT/dz(1) is half of what a ramp asks for: three closed loop poles at 0.97.
+// T(1) = 1, yet dT/dz(1) is half the value that a ramp requires: three closed loop poles at 0.97.
 TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralActionOfASlowLoop) {
   const Polynomial d = polynomial_with_zeros({0.97, 0.97, 0.97});
   const ClosedLoop loop = closed_loop_from(observable_canonical(ramp_tracking(d, 0.5)));
@@ -232,7 +232,7 @@ TEST(ViolatedAssumptions, NameTheHiddenUnstableModeUnlessItIsAllowed) {
   EXPECT_NE(found[0].find("at z = 0.75 +- i 1:"), std::string::npos) << found[0];
 }
 
-// The plant's third integrator against the controller's zero at 1; the mode's modulus is 1 up to rounding.
+// The controller's zero at 1 cancels the plant's third integrator; the mode's modulus is 1 up to rounding.
 TEST(ViolatedAssumptions, NameTheHiddenModeOnTheUnitCircle) {
   int silent = 0;
   for (int trial = 0; trial < 100; ++trial) {

@@ -78,7 +78,7 @@ TEST(InformationAge, IsCountedAsItIsDrawn) {
     for (std::size_t n = 0; n < 6; ++n) {
       const double expected = expected_age_share(loss, static_cast<std::int64_t>(n), kSteps);
       const double share = static_cast<double>(counts[n]) / static_cast<double>(kRealizations * kSteps);
-      // At most as if the steps of a realization were equal.
+      // Upper bound: the error if all steps of a realization had the same age.
       const double error = std::sqrt(expected * (1.0 - expected) / kRealizations);
       EXPECT_NEAR(share, expected, 4.0 * error) << n;
     }
@@ -89,7 +89,7 @@ TEST(InformationAge, FollowsATraceAndRefusesLossesByTheDistance) {
   LossModel loss;
   loss.trace = std::make_shared<LossTrace>(LossTrace::of_runs("2 1 1 3"));
   loss.probability = loss.trace->probability();
-  // Entries 1 1 0 1 0 0 0 around: ages 0 0 1 0 1 2 3, but for those that reach back before step 0.
+  // Entries 1 1 0 1 0 0 0, periodic: ages 0 0 1 0 1 2 3, except for losses that reach back before step 0.
   const std::vector<std::uint64_t> counts = count_ages(loss, 1, 1, 2000, 700);
   ASSERT_EQ(counts.size(), 4u);
   const double all = 2000.0 * 700.0;

@@ -22,7 +22,7 @@ constexpr std::uint64_t kSeed = 7;
 constexpr std::uint32_t kReceiver = 3;
 constexpr std::int64_t kSteps = 40;
 
-// y(k) of realization r: anything that is different for all of them.
+// y(k) of realization r: a different value for every k and r.
 double sent(std::int64_t step, std::uint64_t realization) {
   return 2.0 * static_cast<double>(step) + std::sin(static_cast<double>(3 * step) + static_cast<double>(realization));
 }
@@ -62,7 +62,7 @@ double uniform(Purpose purpose, std::int64_t step, std::uint64_t realization) {
   return value;
 }
 
-// What the link of all stages does to one realization, written down from its definition.
+// The received values of one realization over a link with all stages, by definition.
 Values by_definition(const LinkModel& link, double noise_variance, std::uint64_t realization) {
   const Polynomial &b = link.noise_filter.numerator(), &a = link.noise_filter.denominator();
   Values in{sent(-1, realization)}, used, noise, g;  // from step -1 on; noise from step 0 on
@@ -147,7 +147,7 @@ TEST(Link, OfThePaperIsTheAwgnChannelToTheBit) {
   }
 }
 
-// Whatever draws by name alone can take up a batch anywhere.
+// Stages that draw by name alone accept a batch from any step on.
 TEST(Link, KeepsStateJustWhereAStageDoes) {
   const auto keeps_state = [](LinkModel link, double noise_variance) {
     return Link(platoon_with(link, noise_variance), kSeed, kReceiver).keeps_state();
@@ -166,8 +166,8 @@ TEST(Link, KeepsStateJustWhereAStageDoes) {
   EXPECT_TRUE(keeps_state(lossy, 0.6));
 }
 
-// Of uniform losses with stay 1 - 1/b: the fraction lost is binomial, its standard error that of the chain,
-// sqrt(q (1 - q) (1 + rho) / (1 - rho) / n) with rho = 1 - 1/b - q/(b (1 - q)).
+// The lost fraction has the standard error of a mean over the chain, sqrt(q (1 - q) (1 + rho) / (1 - rho) / n) with rho
+// = 1 - 1/b - q/(b (1 - q)); 1 - 1/b is the probability of a loss after a loss.
 TEST(Link, LosesAsOftenAndAsLongAsItIsSaidTo) {
   LinkModel model;
   model.loss = LossModel{0.2, 4.0, {1.0}};
@@ -217,7 +217,7 @@ TEST(Quantiser, LeavesAWhiteErrorOfVarianceOfAStepSquaredOverTwelve) {
   }
 }
 
-// v(k) = u(k-1) is sent with the position of step k: a delay of m leaves m - 1 steps to the link.
+// v(k) = u(k-1) is sent with the position of step k: with a delay of m the link itself delays by m - 1 steps.
 TEST(Radio, DelaysAndDrawsApartFromThePositions) {
   constexpr double kVariance = 0.04;
   PlatoonModel model = paper_platoon();

@@ -31,7 +31,7 @@ TEST(LossByDistance, RejectsWhatIsNoTable) {
     EXPECT_THROW(LossByDistance{points}, std::invalid_argument);
 }
 
-// Behind a gap of 7 m and a car of 3 m everything is lost but a chance of 1e-12, at most 1 m nearer nothing.
+// With a car of 3 m, a position is lost at a gap of 7 m except with probability 1e-12, and never at a gap of 6 m.
 TEST(Link, LosesByTheGapOfTheStepBefore) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().noise_variance = 0.0;

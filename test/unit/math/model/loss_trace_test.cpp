@@ -46,7 +46,7 @@ TEST(LossTrace, RejectsWhatIsNone) {
     EXPECT_THROW(LossTrace::of_runs(runs), std::invalid_argument) << runs;
 }
 
-// Predictions from one entry are 0, c, c (c + ..) ..: extrapolation repeats with every arrival that follows a loss.
+// An arrival ends the growth of a held value; extrapolation remembers the value before a single arrival.
 TEST(LossTrace, KnowsTheGrowthOfPredictions) {
   EXPECT_EQ(LossTrace(entries("1000")).growth({1.0}), 0.0);
   EXPECT_EQ(LossTrace(entries("11000")).growth({2.0, -1.0}), 0.0) << "two arrivals end every prediction";

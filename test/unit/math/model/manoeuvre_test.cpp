@@ -88,8 +88,7 @@ TEST(Manoeuvre, RefusesASpeedThatIsNoneAndKeepsWhatIsUnderWay) {
   EXPECT_THROW(manoeuvre.accelerate(), std::invalid_argument);
 }
 
-// A constant speed reaches the leader's own position as the profile's does: a double integrator follows without an
-// error.
+// The leader reaches a constant manoeuvre speed without an error, as double integral action ensures.
 TEST(Manoeuvre, TheLeaderFollowsAndStartsAnewWithoutIt) {
   const PlatoonModel model = paper_platoon();
   LeaderVehicle leader(model), undisturbed(model);

@@ -121,7 +121,7 @@ TEST(StateSpace, WithoutAStateOfRestThereIsNone) {
                std::invalid_argument);
 }
 
-/// Integer shears, whose inverse is one of integers, too: no coordinate is rounded.
+/// A product of integer shears and its inverse, also of integers: no coordinate is rounded.
 std::pair<Eigen::MatrixXd, Eigen::MatrixXd> skewed_basis(Eigen::Index n, int shears, double entry) {
   Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(n, n), inverse = basis;
   for (int i = 0; i < shears; ++i) {

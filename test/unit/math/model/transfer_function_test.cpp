@@ -139,8 +139,7 @@ TEST(Reduce, MakesZeroOverOneOfANumeratorOfZero) {
   EXPECT_EQ(reduction.common_factor, d);
 }
 
-// Nothing cancels here; what the singular values cannot tell from a common factor must not change the
-// function.
+// Nothing cancels here: a matrix that is nearly singular without a common factor must not change the function.
 TEST(Reduce, KeepsTheValueOfAFractionWhosePolesAndZerosLieClose) {
   for (const double distance_between : {0.1, 0.05, 0.02, 0.01}) {
     for (std::size_t poles = 2; poles <= 6; ++poles) {
@@ -152,8 +151,8 @@ TEST(Reduce, KeepsTheValueOfAFractionWhosePolesAndZerosLieClose) {
   }
 }
 
-// The closed loop of a controller that cancels a pole of its plant: T(1) = 1 holds to rounding after the
-// reduction as before it.
+// The closed loop of a controller that cancels a pole of its plant: T(1) = 1 holds to rounding before and after the
+// reduction.
 TEST(Reduce, KeepsTheGainAtOneToRounding) {
   const TransferFunction plant(Polynomial::Constant(1, 0.02), polynomial_with_zeros({1.0, 1.0, 0.8, 0.5}));
   const TransferFunction controller(polynomial_with_zeros({0.8, 0.9}), polynomial_with_zeros({0.1, -0.2}));
@@ -162,7 +161,8 @@ TEST(Reduce, KeepsTheGainAtOneToRounding) {
   EXPECT_LT(std::abs(reduction.minimal(1.0) - 1.0), 2e-12);
 }
 
-// 1e-9 apart are not common, however close for the singular values: a variance would change by 1e-8.
+// Factors 1e-9 apart are not common, although the singular values do not separate them: cancelling them would change a
+// variance by 1e-8.
 TEST(Reduce, KeepsFactorsThatAreOnlyNearlyCommon) {
   for (const double apart : {1e-3, 1e-6, 1e-9, 1e-11, 1e-12}) {
     const TransferFunction f(polynomial_with_zeros({0.4140625 + apart, 0.9}),
@@ -173,8 +173,8 @@ TEST(Reduce, KeepsFactorsThatAreOnlyNearlyCommon) {
   }
 }
 
-// A numerator so large that nothing else is left of the denominator makes the map look singular at degrees
-// below the relative degree, where no cofactors exist.
+// A numerator that dominates the denominator makes the map numerically singular at degrees below the relative degree,
+// where no cofactors exist.
 TEST(Reduce, IsDefinedForEveryGain) {
   for (int exponent = 0; exponent <= 300; ++exponent) {
     const TransferFunction open(std::pow(10.0, exponent) * Eigen::Vector2d(1.0, 0.0),

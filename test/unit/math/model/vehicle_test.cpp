@@ -32,7 +32,7 @@ StateSpace large_loop() {
   return {a, b, c / gain};
 }
 
-// Shift registers of three, five, one states, and loops that are none.
+// Shift registers of three, five and one states, and loops in other forms.
 std::vector<StateSpace> loops() {
   const StateSpace first_order(Eigen::MatrixXd::Constant(1, 1, 0.4), Eigen::VectorXd::Constant(1, 0.6),
                                Eigen::RowVectorXd::Ones(1));
@@ -175,7 +175,7 @@ TEST(FollowerVehicle, StartsWithTheNoiseOfStepMinusOne) {
   }
 }
 
-// Mean and variance of n normals have the standard errors sqrt(v / n) and v sqrt(2 / n); four of them.
+// The tolerance is four standard errors of mean and variance of n normals, sqrt(v / n) and v sqrt(2 / n).
 TEST(FollowerVehicle, StartsWithTheMeanAndTheVarianceOfTheModel) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().standstill_distance = 6.5;

@@ -21,7 +21,8 @@ struct Block {
   std::uint64_t w2;
 };
 
-// What the header promises, one block at a time: key = seed, counter = (block number, step, vehicle + 2^24 purpose).
+// The words as the header defines them, one block at a time: key = seed, counter = (block number, step, vehicle + 2^24
+// purpose).
 Block reference_block(std::uint64_t seed, DrawName name, std::uint64_t block) {
   const auto step = static_cast<std::uint64_t>(name.step) & 0xffffffffffffULL;
   philox4x32_ctr_t counter;
@@ -59,7 +60,7 @@ std::vector<double> draw(std::uint64_t seed, DrawName name, std::uint64_t first,
   return normals;
 }
 
-// Equality of bits: == would take -0 for 0.
+// Equality of bits: == treats -0 and 0 as equal.
 bool same_bits(const double* left, const double* right, std::size_t count) {
   return count == 0 || std::memcmp(left, right, count * sizeof(double)) == 0;
 }
@@ -266,9 +267,8 @@ TEST(WhiteNoise, EveryNameHasDrawsOfItsOwn) {
   }
 }
 
-// From here on: statistics of a fixed sample. Every tolerance is four standard errors of the estimator for
-// independent standard normals; a sample that fails one of about thirty comparisons by chance is one in 500,
-// and this one does not.
+// From here on: statistics of a fixed sample. Every tolerance is four standard errors of the estimator for independent
+// standard normals; one sample in 500 fails one of about thirty comparisons by chance, and this one does not.
 constexpr double kStandardErrors = 4.0;
 constexpr std::size_t kSample = 1 << 18;
 
@@ -369,7 +369,7 @@ TEST(WhiteNoise, PartnersOfOneBlockAreIndependent) {
   expect_independent(cosine, sine, "cosine and sine");
 }
 
-// One realization through many steps and vehicles, as one vehicle of an endless run sees it.
+// One realization over many steps and vehicles, as in an endless run.
 TEST(WhiteNoise, IsWhiteAlongTimeAndAlongTheString) {
   constexpr std::size_t kShort = 1 << 16;
   std::vector<double> time(kShort + 1), string(kShort + 1);

@@ -49,7 +49,7 @@ TEST(Krylov, PerronRootMaySettleToAShareOfItsDistanceFromOne) {
   products_for(1.0 - 1e-9, 1e-4);
 }
 
-// Nearly nilpotent: eigenvalues of the matrix as it stands are rounding of its largest entry.
+// Nearly nilpotent: the computed eigenvalues of the unbalanced matrix are rounding errors of its largest entry.
 TEST(Krylov, PerronRootSurvivesComponentsOfManyOrdersOfMagnitude) {
   const Eigen::Index size = 12;
   const Eigen::MatrixXd even = nonnegative(size, 1e-5);

@@ -87,7 +87,7 @@ TEST(LemmaOne, RefusesWhatHasNoStationaryCovariance) {
 TEST(LemmaOne, LyapunovSolutionKeepsItsDigitsForLongStrings) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const StringMatrices string = string_matrices(model.default_vehicle().loop.realization, 3.2, 40);
-  // The eigenvalues of this A, of multiplicity 40, are not to be relied on: rho(A) = 0.527.
+  // The computed eigenvalues of this A, of multiplicity 40, are unreliable: rho(A) = 0.527.
   EXPECT_GT(string.a.eigenvalues().cwiseAbs().maxCoeff(), 0.6);
   const double expected = stationary_variances(model, 40).back();
   EXPECT_NEAR(stationary_covariance_by_lyapunov(string, 0.6)(39, 39), expected, 1e-11 * expected);

@@ -19,11 +19,11 @@ std::vector<double> error_spectra(const PlatoonModel& model, std::size_t followe
 /// rho(A) >= 1. Throws as stationary_variances does.
 double noise_to_error_norm(const PlatoonModel& model, std::size_t followers);
 
-/// The stable and minimum phase M with 1 - T T~ = M M~ of corollary cor:stationary_all. M = F/D with the D of
-/// T = N/D, F monic up to a factor and of the degree of D; its zero at z = 1 is put in algebraically, the
-/// others lie inside the unit circle. M is not unique in sign: M > 0 at infinity.
+/// The stable and minimum phase M with 1 - T T~ = M M~ of corollary cor:stationary_all. M = F/D with the D of T = N/D,
+/// F monic up to a factor and of the degree of D; its zero at z = 1 is exact, the others lie inside the unit circle. M
+/// is not unique in sign: M > 0 at infinity.
 ///
-/// Throws std::invalid_argument unless |T| < 1 for all w > 0, which is when such an M exists, and rho(A) < 1.
+/// Throws std::invalid_argument unless |T| < 1 for all w > 0, the condition for such an M, and rho(A) < 1.
 TransferFunction spectral_factor(const PlatoonModel& model);
 
 /// ||W||_2 of a strictly proper or biproper stable W(z), by the Lyapunov equation of its realization. Throws

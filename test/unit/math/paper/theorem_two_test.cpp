@@ -18,7 +18,7 @@
 namespace platoon {
 namespace {
 
-/// The same T in controllable companion form, the dual of what close_loop makes.
+/// The same T in controllable companion form, the dual of the form that close_loop gives.
 StateSpace controllable(const StateSpace& loop) {
   return {loop.a().transpose(), loop.c().transpose(), loop.b().transpose()};
 }
@@ -37,7 +37,7 @@ double dense_covariance_gain(const StateSpace& loop, double headway, std::size_t
 
 TEST(TheoremTwo, BoundsHoldForEveryFollowerAtEveryStep) {
   for (const ExampleLoop& example : string_stable_loops()) {
-    if (example.name.find("slow") != std::string::npos) continue;  // thousands of steps to see anything
+    if (example.name.find("slow") != std::string::npos) continue;  // any effect takes thousands of steps
     const PlatoonModel model = model_with(example.loop, example.headway);
     for (const std::size_t followers : {1u, 2u, 20u}) {
       const TheoremTwoBounds bounds = theorem_two_bounds(model, followers, 300);
@@ -103,7 +103,7 @@ TEST(TheoremTwo, MeanGainGrowsWithTheStringAndStaysBelowThatOfAnyLength) {
 TEST(TheoremTwo, InitialCovarianceIsTheSupremumOverAllLengths) {
   std::vector<ExampleLoop> loops = example_loops();
   for (const ExampleLoop& loop : string_stable_loops()) loops.push_back(loop);
-  Eigen::Matrix3d basis;  // coordinates where the worst pattern of positions is not the same for all vehicles
+  Eigen::Matrix3d basis;  // coordinates in which the worst pattern of positions differs between vehicles
   basis << -2.0, -1.0, 0.0, 2.0, 1.0, 1.0, -3.0, -2.0, -2.0;
   const Eigen::Matrix3d inverse = basis.inverse();
   const StateSpace paper = paper_loop(3.2).realization;
@@ -175,7 +175,7 @@ TEST(TheoremTwo, EnclosesTheCovarianceGainThatItHasNoTimeFor) {
   }
 }
 
-// A million steps and more: hours, if each were taken.
+// A million steps and more: computing each of them would take hours.
 TEST(TheoremTwo, OfAVerySlowLoopIsThereAtOnce) {
   const double h = 1048576.0;
   const StateSpace slow(Eigen::MatrixXd::Constant(1, 1, h / (1.0 + h)), Eigen::VectorXd::Constant(1, 1.0 / (1.0 + h)),
@@ -192,7 +192,7 @@ TEST(TheoremTwo, OfAVerySlowLoopIsThereAtOnce) {
   }
 }
 
-// The unit of the state is of no account, even where ||C||^2 is beyond the range of double.
+// The unit of the state has no effect, even if ||C||^2 is beyond the range of double.
 TEST(TheoremTwo, DoesNotDependOnTheUnitOfTheState) {
   const StateSpace loop = paper_loop(3.2).realization;
   const TheoremTwoBounds expected = theorem_two_bounds(model_with(closed_loop_from(loop), 3.2), 5, 100);

@@ -49,7 +49,7 @@ TEST(Scores, OfTheVarianceGrowWithIt) {
   }
 }
 
-// A score beyond 37 has a tail that no double holds; there the formula for it takes over without a step.
+// The tail probability of a score beyond 37 underflows; there the asymptotic formula takes over without a step.
 TEST(Scores, OfTheVarianceGoOnBeyondTheRangeOfDouble) {
   for (const std::uint64_t count : {2u, 3u, 10u, 1000u, 1000000u}) {
     double ratio = 1.0, before = 0.0, step = 0.0;
@@ -72,7 +72,7 @@ TEST(Scores, OfManyValuesAreDistancesInStandardErrors) {
   }
 }
 
-// Variances of normal samples: the share that is called a disagreement is the share that it is said to be.
+// Normal samples: the share of scores beyond the bound is the nominal one.
 TEST(Scores, OfFewRealizationsExceedABoundAsOftenAsSaid) {
   std::mt19937_64 generator(7);
   std::normal_distribution<double> normal;
@@ -93,7 +93,7 @@ TEST(Scores, OfFewRealizationsExceedABoundAsOftenAsSaid) {
   }
 }
 
-/// Normal values, of which one in many is 30 times as large and lies to one side.
+/// Standard normal values; with probability `chance` a value is 20 + 30 times a normal instead.
 struct RareOutliers {
   double chance;
   double mean() const { return 20.0 * chance; }
@@ -118,9 +118,8 @@ private:
   }
 };
 
-// Whether the outliers are among the values or not: the share beyond the bound of once in 1000 is at most that, to
-// three standard errors, where a measured fourth moment and a bound for normal scores call more than a tenth a
-// difference.
+// With or without outliers among the values, the share beyond the bound for once in 1000 is at most that, to three
+// standard errors. With a measured fourth moment and the bound for normal scores it exceeds a tenth.
 TEST(Scores, OfAnyDistributionExceedTheirBoundNoMoreOftenThanSaid) {
   std::mt19937_64 generator(11);
   for (const RareOutliers& of : {RareOutliers{0.0003}, RareOutliers{0.003}, RareOutliers{0.03}}) {
@@ -156,7 +155,7 @@ TEST(Scores, OfAnyDistributionExceedTheirBoundNoMoreOftenThanSaid) {
   }
 }
 
-// Of many values they are distances in standard errors, so that a difference is found.
+// For many values the scores are distances in standard errors, so that a difference is detected.
 TEST(Scores, OfAnyDistributionAreDistancesInStandardErrors) {
   const double v = 0.6, fourth = 9.0 * v * v, n = 1e6;
   for (const double z : {-7.0, -3.0, 4.0, 8.0}) {
@@ -169,7 +168,7 @@ TEST(Scores, OfAnyDistributionAreDistancesInStandardErrors) {
   EXPECT_EQ(scores(measured(100, 5.1, 1.0), 5.0, 1.0, 0.2, {}, 9.0).mean, 0.0) << "within the rounding";
 }
 
-// A variance that is due to rare events alone, none of which is among so many values.
+// The variance is due to rare events alone, and none of them is among these values.
 TEST(ValuesNeeded, TellNothingFromTheTheoreticalVariance) {
   const double v = 0.6, fourth = 700.0 * v * v;
   const double needed = values_needed(v, fourth, 4000);

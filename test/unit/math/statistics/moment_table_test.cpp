@@ -115,8 +115,7 @@ TEST(MomentTable, GivesTheSameBitsForASetWithHoles) {
   expect_same_bits(descending, ascending);
 }
 
-// Against two passes in extended precision. The error of a pairwise mean of n values is at most log2(n)
-// roundings.
+// Reference: two passes in extended precision. The error of a pairwise mean of n values is at most log2(n) roundings.
 TEST(MomentTable, TotalsAreThoseOfTwoPasses) {
   for (const std::uint64_t count : {1, 2, 3, 511, 512, 513, 8192, 20011}) {
     const std::vector<Moments> totals = table(0, count, 8192).totals();
@@ -177,7 +176,7 @@ TEST(MomentTable, NamesTheRealizationsThatAreThereAlready) {
   }
 }
 
-// A file may say anything.
+// A damaged file may contain any range.
 TEST(MomentTable, RefusesRangesThatAreNoNodeOfTheTree) {
   MomentTable table(1);
   const std::vector<double> one{1.0};

@@ -96,8 +96,8 @@ TEST(StandardErrors, AreTheFormulas) {
   EXPECT_TRUE(std::isnan(standard_error_of_variance(0.6, 0)));
 }
 
-// The estimates of 2000 samples of 50 normals scatter as the formulas say; their standard deviations, taken
-// from so many, have a relative standard error of 1 / sqrt(4000) (a little more for the skewed variance):
+// The estimates of 2000 samples of 50 normals have the standard deviations of the formulas. A standard deviation of
+// 2000 values has a relative standard error of 1 / sqrt(4000) (a little more for the skewed variance); the tolerance is
 // five of them.
 TEST(StandardErrors, AreTheScatterOfTheEstimates) {
   constexpr std::size_t kSamples = 2000, kCount = 50;
@@ -150,7 +150,7 @@ TEST(Moments, WithoutTheFourthHaveNoErrorOfTheVarianceOfAnyDistribution) {
   Moments moments;
   for (const double value : {1.0, 2.0, 4.0}) moments.add(value);
   EXPECT_TRUE(std::isnan(standard_error_of_variance(moments)));
-  // Of the two values 0 and 1 with probability q: m4 - v^2 = q (1 - q) (1 - 2 q)^2.
+  // For the value 1 with probability q, else 0: m4 - v^2 = q (1 - q) (1 - 2 q)^2.
   std::vector<double> values(1000, 0.0);
   for (std::size_t j = 0; j < 100; ++j) values[10 * j] = 1.0;
   EXPECT_NEAR(standard_error_of_variance(four_by_two_passes(values)), std::sqrt(0.1 * 0.9 * 0.64 / 1000.0), 1e-5);

@@ -47,7 +47,7 @@ TEST(ProbabilityOfCrossing, OfCentredValuesIsTheirAngle) {
 TEST(ProbabilityOfCrossing, OfTheSameOrOppositeValuesFollowsFromOneOfThem) {
   EXPECT_EQ(probability_of_crossing({1.0, 2.0}, {1.0, 2.0}, 0.0), 0.0);
   EXPECT_NEAR(probability_of_crossing({1.0, 1.0}, {0.5, 1.0}, 0.0) / (phi(1.0) - phi(0.5)), 1.0, 1e-13);
-  // y = -x: both hold just where x >= 0.
+  // y = -x: both conditions hold exactly if x > 0.
   EXPECT_NEAR(probability_of_crossing({1.0, 1.0}, {-1.0, 1.0}, 4.0) / phi(1.0), 1.0, 1e-12);
 }
 

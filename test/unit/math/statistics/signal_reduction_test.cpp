@@ -34,7 +34,7 @@ void expect_same_nodes(const std::vector<MomentNode>& found, const std::vector<M
   }
 }
 
-// Together and one by one, for batches at any place and of any size, the signals have the bits of their own values.
+// Reduced together or one by one, for batches of any start and size, the signals have the bits of reduce_batch().
 void expect_bits_of_the_values(const FollowerSignals& signals, KeptMoments kept) {
   for (const std::size_t count : {1, 2, 3, 5, 8, 16, 100, 511, 512, 1500, 9000}) {
     std::vector<std::vector<double>> y;
@@ -48,7 +48,7 @@ void expect_bits_of_the_values(const FollowerSignals& signals, KeptMoments kept)
       const std::vector<double> first_values = at.of(signals.requested.front());
       EXPECT_EQ(smallest, first_values);
       EXPECT_EQ(reduction.least(), *std::min_element(smallest.begin(), smallest.end()));
-      // Values on both sides of what is kept.
+      // New values above and below the kept ones.
       for (std::size_t r = 0; r < count; ++r) smallest[r] = first_values[r] + (r % 3 == 0 ? -1.0 : 1.0);
       const auto found = reduction.reduce(signals, at, {errors.data(), smallest.data()});
       for (std::size_t r = 0; r < count; ++r)

@@ -110,7 +110,7 @@ TEST(TimeStatistics, GoOnFromEarlierOnes) {
   EXPECT_DOUBLE_EQ(statistics.moments()[0].mean, 6.0);
 }
 
-// Follower i is reached by the leader's step a at its own step a + i - 1.
+// The leader's step a reaches follower i at its step a + i - 1.
 TEST(TimeStatistics, LeaveOutWhatAManoeuvreCausesAndABurnInBehindIt) {
   constexpr std::int64_t kBurnIn = 5, kFrom = 20, kTo = 29;
   for (const std::size_t follower : {1, 2, 4}) {
@@ -124,7 +124,7 @@ TEST(TimeStatistics, LeaveOutWhatAManoeuvreCausesAndABurnInBehindIt) {
       const bool counts = k >= kBurnIn && (k < kFrom + hops || k > kTo + hops + kBurnIn);
       if (counts) expected.add(static_cast<double>(k * k % 31));
       ASSERT_EQ(statistics.moments()[follower - 1].count, expected.count) << k;
-      const std::int64_t end = std::min(k - hops, kTo);  // of the manoeuvre, as far as it is seen
+      const std::int64_t end = std::min(k - hops, kTo);  // of the manoeuvre, as far as it is reported
       ASSERT_EQ(statistics.counted_from(), end < kFrom ? kBurnIn : end + 1 + kBurnIn + 3) << k;
     }
     EXPECT_EQ(statistics.moments()[follower - 1].mean, expected.mean);
@@ -136,7 +136,7 @@ TEST(TimeStatistics, WaitForTheLeadersStepThatAnErrorDependsOn) {
   TimeStatistics statistics(3, 0);
   statistics.saw_leader(-2, true);
   for (std::int64_t k = 0; k < 8; ++k) add(statistics, 3, k, 1.0);
-  EXPECT_EQ(statistics.moments()[2].count, 1u);  // step 0 hangs on the leader's step -2
+  EXPECT_EQ(statistics.moments()[2].count, 1u);  // step 0 depends on the leader's step -2
   statistics.saw_leader(3, true);
   EXPECT_EQ(statistics.moments()[2].count, 6u);
   statistics.saw_leader(4, false);
@@ -175,8 +175,8 @@ TEST(TimeStatistics, MeasureTheirStandardErrors) {
     errors_of_mean.add(std::pow(standard_error_of_mean(of.variance(), of.count, share.mean), 2));
     errors_of_variance.add(std::pow(standard_error_of_variance(of.variance(), of.count, share.variance), 2));
   }
-  // The scatter of 400 runs is known to sqrt(2 / 400) = 7 %; an independent share would be wrong by factors of 19
-  // and 9.5.
+  // The scatter of 400 runs has a relative standard error of sqrt(2 / 400) = 7 %; an independent share would be wrong
+  // by factors of 19 and 9.5.
   EXPECT_NEAR(errors_of_mean.mean / means.variance(), 1.0, 0.25);
   EXPECT_NEAR(errors_of_variance.mean / variances.variance(), 1.0, 0.25);
 }

@@ -83,7 +83,7 @@ TEST(BurstLink, RejectsLossesWithoutTheory) {
   EXPECT_NO_THROW(BurstLink(LossModel{0.5, 1.01, {1.0}}));
 }
 
-// The same mean by transforms on equally spaced nodes and by the kernel on others.
+// Transforms on equally spaced nodes and the kernel on other nodes give the same mean.
 TEST(BurstSpectra, ScatterTheSameOnAllNodes) {
   for (const double mean_burst : {1.05, 3.0}) {
     const BurstPattern pattern = burst_pattern(with_bursts(0.2, mean_burst, {1.0}));
@@ -96,7 +96,7 @@ TEST(BurstSpectra, ScatterTheSameOnAllNodes) {
   }
 }
 
-// By dense second moments of three vehicles with all their registers and modes.
+// Reference: dense second moments of three vehicles with all their registers and modes.
 TEST(BurstString, HasTheVariancesOfTheWholeState) {
   const std::vector<double> hold = burst_stationary_variances(with_bursts(0.1, 2.0, {1.0}), 3);
   const std::vector<double> extrapolate = burst_stationary_variances(with_bursts(0.1, 1.5, {2.0, -1.0}), 3);
@@ -108,7 +108,7 @@ TEST(BurstString, HasTheVariancesOfTheWholeState) {
   EXPECT_NEAR(*burst_string_stability(with_bursts(0.2, 3.0, {1.0})).loss_gain, 0.426077, 5e-7);
 }
 
-// With the mean burst of independent losses it is their theory, which shares nothing but the vehicle.
+// With the mean burst of independent losses the results are those of their theory, which shares only the vehicle.
 TEST(BurstString, OfIndependentLossesIsTheTheoryOfThem) {
   const auto compare = [](PlatoonModel model) {
     const std::vector<double> expected = linked_stationary_variances(model, 8);

@@ -36,7 +36,7 @@ TEST(CriticalBurst, SeparatesStableFromUnstable) {
       << "does not depend on the model's own";
 }
 
-// Long bursts narrow the spectra to what coarse grids of frequencies miss altogether.
+// Long bursts narrow the spectra so far that coarse grids of frequencies miss them.
 TEST(CriticalBurst, OfLongBurstsSeparatesStableFromUnstable) {
   const std::optional<StableLosses> losses = stable_losses(with_bursts(0.0016, 120.0, {2.0, -1.0}, 20.0));
   ASSERT_TRUE(losses && losses->critical);

@@ -11,7 +11,7 @@
 namespace platoon {
 namespace {
 
-/// G = 1/(z-1)^2 with K = gain z / (z + 0.89), whatever the headway.
+/// G = 1/(z-1)^2 with K = gain z / (z + 0.89) at every headway.
 HeadwayLaw fixed_gain(double gain) {
   return [gain](double headway) {
     const TransferFunction plant(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0));

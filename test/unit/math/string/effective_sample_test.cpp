@@ -68,7 +68,7 @@ TEST(EffectiveSample, IsThatOfTheAutocovariancesOfLemmaOne) {
   }
 }
 
-// Nothing jumps where the closed form takes over, nor when nothing is kept.
+// The share does not jump where the closed form takes over, nor without kept values.
 TEST(EffectiveSample, IsLinearFromTwiceTheCorrelationLengthOn) {
   const ErrorCorrelation found = error_correlations(paper_platoon(2.4), 60).back();
   const std::uint64_t from = 2 * found.length();
@@ -82,7 +82,7 @@ TEST(EffectiveSample, IsLinearFromTwiceTheCorrelationLengthOn) {
   EXPECT_TRUE(std::isnan(whole.of(1).mean));
 }
 
-// Of blocks of the covariance matrix, that of each stretch; closed form and sums.
+// The covariance matrix has one block per stretch. Checks the closed form and the sums.
 TEST(EffectiveSample, OfStretchesThatAreIndependent) {
   const ErrorCorrelation found({1.0, -0.4, 0.1}, 0.4, true);
   for (const int length : {4, 10}) {
@@ -104,7 +104,7 @@ TEST(EffectiveSample, OfStretchesThatAreIndependent) {
   }
 }
 
-// Of the last of a long string the mean is worth n P / Phi(0) errors only where n is beyond every number of steps.
+// For the last follower of a long string the mean is worth n P / Phi(0) errors only if n exceeds any number of steps.
 TEST(EffectiveSample, IsFarFromItsLimitBehindAStringThatIsNotStable) {
   const std::vector<ErrorCorrelation> found = error_correlations(paper_platoon(2.4), 60);
   EXPECT_NEAR(found[19].of(std::uint64_t{1} << 62).mean, 292.8, 0.1);

@@ -13,8 +13,8 @@
 namespace platoon {
 namespace {
 
-/// zeta_1 .. zeta_N over all steps, one after the other, for given initial positions [m] (per follower) and
-/// noise (per follower and step), run vehicle by vehicle as the platoon itself does.
+/// zeta_1 .. zeta_N over all steps, one after the other, for given initial positions [m] (per follower) and noise (per
+/// follower and step), computed vehicle by vehicle as in the platoon itself.
 std::vector<double> run_string(const PlatoonModel& model, std::size_t followers, std::size_t steps,
                                const std::vector<double>& initial, const std::vector<double>& noise, bool led = true) {
   std::vector<double> errors;
@@ -99,7 +99,7 @@ TEST(ErrorMoments, FirstErrorsAreKnownInClosedForm) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const ErrorMoments moments = error_moments(model, 2, 1);
   const double b = model.default_vehicle().loop.realization.c() * model.default_vehicle().loop.realization.a() *
-                   unit_equilibrium(model.default_vehicle().loop.realization);  // y(0) of a vehicle at 1 that hears 0
+                   unit_equilibrium(model.default_vehicle().loop.realization);  // y(0) of a vehicle at 1 with input 0
   EXPECT_NEAR(moments.mean_at(1, 0), -0.8 * (4.2 * b - 3.2), 1e-14);
   EXPECT_NEAR(moments.variance_at(1, 0), 0.3 * (4.2 * b - 3.2) * (4.2 * b - 3.2), 1e-14);
 }

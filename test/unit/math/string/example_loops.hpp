@@ -32,8 +32,8 @@ inline Polynomial with_zeros(const std::vector<double>& real, const std::vector<
   return p;
 }
 
-/// T = N/D with this D and N = D(1) + (dD/dz(1) - h D(1)) (z - 1) + (z - 1)^2 extra(z): what double integral
-/// action asks of N.
+/// T = N/D with this D and N = D(1) + (dD/dz(1) - h D(1)) (z - 1) + (z - 1)^2 extra(z): the N that double integral
+/// action requires.
 inline TransferFunction ramp_tracking(const Polynomial& d, double headway, const Polynomial& extra) {
   const double value = d.sum();
   const double slope = derivative(d).sum() - headway * value;
@@ -81,7 +81,7 @@ inline std::vector<ExampleLoop> example_loops() {
   return loops;
 }
 
-/// T = D(1) / D(z), at the headway it tracks ramps with, h = D'(1) / D(1).
+/// T = D(1) / D(z), at the headway at which it tracks ramps, h = D'(1) / D(1).
 inline ExampleLoop all_pole(const std::string& name, const Polynomial& d) {
   const double headway = derivative(d).sum() / d.sum();
   return {name, headway, closed_loop_from(observable_canonical({Polynomial::Constant(1, d.sum()), d}))};

@@ -18,7 +18,7 @@
 namespace platoon {
 namespace {
 
-// Figures of an independent program.
+// Reference: figures of an independent program.
 TEST(FeedForward, HasTheVariancesOfAnIndependentProgram) {
   struct Case {
     double radar, radio, first, twentieth, limit;
@@ -95,7 +95,7 @@ TEST(FeedForward, SharesTheVarianceAmongTheInputs) {
     EXPECT_NEAR((shares[i][0] + shares[i][1]) / all[i], 1.0, 1e-11);
     EXPECT_GT(shares[i][1], shares[i][0]);
   }
-  // Lost inputs count for the radio, also those that the radar has caused further ahead.
+  // Lost inputs count towards the radio, even if the noise of the radar further ahead caused these inputs.
   PlatoonModel lossless = radio_platoon(0.5, 0.01, 0.02);
   EXPECT_NEAR(stationary_variances_by_input(lossless, 8).back()[0] / radar.back(), 1.0, 1e-11);
 }

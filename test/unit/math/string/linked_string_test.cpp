@@ -21,7 +21,7 @@ PlatoonModel with_loss(double probability, const std::vector<double>& predictor,
   return model;
 }
 
-// By the other way to compute it, which knows of no links.
+// Reference: the computation for the paper's platoon, which has no links.
 TEST(LinkedString, WithoutLossesIsThePapers) {
   for (const double headway : {2.4, 3.2}) {
     const PlatoonModel model = paper_platoon(headway);
@@ -43,7 +43,7 @@ TEST(LinkedString, WithoutLossesIsThePapers) {
   }
 }
 
-// A string of two names for one vehicle is homogeneous.
+// A string of two types with the same vehicle is homogeneous.
 TEST(LinkedString, OfAlikeTypesIsHomogeneous) {
   const PlatoonModel model = with_loss(0.2, {2.0, -1.0});
   PlatoonModel patterned = model;
@@ -133,7 +133,7 @@ TEST(LinkedString, LongPatternsAreDecidedFromTheirVehicles) {
   EXPECT_FALSE(linked_string_stability(with_headway(cars_and_a_truck(8), *headways->critical - 1e-9)).string_stable);
 }
 
-// The same limit by two patterns of which one is the other twice.
+// A pattern and its repetitions have the same limit.
 TEST(LinkedString, LimitOfALossyPatternDoesNotDependOnHowItIsWritten) {
   PlatoonModel once = cars_and_a_truck(3);
   once.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
@@ -144,7 +144,7 @@ TEST(LinkedString, LimitOfALossyPatternDoesNotDependOnHowItIsWritten) {
   for (int i = 0; i < 30; ++i) often.string.insert(often.string.end(), once.string.begin(), once.string.end());
   const StringStability expected = linked_string_stability(once);
   ASSERT_TRUE(expected.string_stable) << expected.reason;
-  for (const PlatoonModel& model : {twice, often}) {  // 6 and 93 links, below and above what a Krylov space has
+  for (const PlatoonModel& model : {twice, often}) {  // 6 and 93 links, below and above the size of a Krylov space
     const StringStability found = linked_string_stability(model);
     EXPECT_NEAR(*found.limit_variance / *expected.limit_variance, 1.0, 1e-10);
     const double periods = static_cast<double>(model.string.size()) / 3.0;
@@ -198,7 +198,7 @@ TEST(LinkedString, FlatGainsGrowWhereTheErrorsVanishMoreSlowly) {
   EXPECT_GT(late, early) << "they grow like N^(1/4)";
 }
 
-// With extrapolation abs(1 - L)^2 vanishes like w^4, too: the losses add no more than the string takes away.
+// With extrapolation abs(1 - L)^2 vanishes like w^4, too: the losses add no more than the string attenuates.
 TEST(LinkedString, FlatGainsBehindExtrapolationHaveALimit) {
   PlatoonModel model = paper_platoon(3.0);
   Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(5, 5);
@@ -213,14 +213,14 @@ TEST(LinkedString, FlatGainsBehindExtrapolationHaveALimit) {
   EXPECT_EQ(pattern[0].zeros_at_zero().complement, 2);
   const StringStability verdict = linked_string_stability(model);
   ASSERT_EQ(verdict.decision(), true) << verdict.reason;
-  // What is missing to the limit decays like N^(-1/4).
+  // The distance to the limit decays like N^(-1/4).
   const std::vector<double> variances = linked_stationary_variances(model, 10000);
   const double missing = *verdict.limit_variance - variances[9999], before = *verdict.limit_variance - variances[624];
   EXPECT_NEAR(before / missing, 2.0, 0.1);
   EXPECT_NEAR(variances[9999], 47.64, 0.01);
 }
 
-// A delay of thousands of steps costs no more than one of a few, and is the same delay.
+// Short delays agree with the table over time; a delay of a million steps takes no longer.
 TEST(LinkedString, DelaysAreExactHoweverLong) {
   PlatoonModel model = with_loss(0.2, {1.0});
   for (const std::int64_t delay : {1, 7, 9, 20, 33}) {
@@ -247,8 +247,8 @@ TEST(LinkedTheory, ThrowsForWhatItDoesNotKnow) {
   EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 2, 0), std::invalid_argument);
 }
 
-/// Errors of two followers that hold what they lose, without noise, behind a leader at a metre a step, for one pattern
-/// of losses: bit 2 k + i - 1 of it is set where the position of step k into follower i is lost.
+/// Errors of two followers that hold lost positions, without noise, behind a leader at one metre per step, for one
+/// pattern of losses: bit 2 k + i - 1 is set if the position of step k into follower i is lost.
 std::vector<std::vector<double>> errors_of(const PlatoonModel& model, unsigned pattern, std::size_t steps) {
   std::vector<double> ahead;
   for (std::size_t k = 0; k <= steps; ++k) ahead.push_back(static_cast<double>(k));  // from step -1 on
@@ -270,7 +270,7 @@ std::vector<std::vector<double>> errors_of(const PlatoonModel& model, unsigned p
   return errors;
 }
 
-// By all 2^14 patterns of losses of two links over seven steps.
+// Reference: all 2^14 patterns of losses of two links over seven steps.
 TEST(LinkedErrorMoments, HaveTheFourthCumulantsOfRareLosses) {
   constexpr std::size_t kSteps = 7;
   PlatoonModel model = with_loss(1e-6, {1.0});

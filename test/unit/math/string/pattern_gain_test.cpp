@@ -55,7 +55,7 @@ TEST(PatternGain, CountsTheZerosAtZeroFrequency) {
   EXPECT_EQ(PatternGain({factor_of(string_stable_loops().back())}).zeros(), 2);
 }
 
-// A loop that comes down to -ln|T|^2 = v, once, with the complex zeros beside the minimum.
+// A loop whose -ln|T|^2 has one minimum, v, with the complex zeros beside it.
 TEST(PatternGain, MarginFrequenciesAreTheComplexZerosNearTheAxis) {
   const double x0 = 0.5;
   for (const double gap : {1e-4, 1e-8}) {

@@ -27,7 +27,7 @@ TEST(RecordedLeader, OfTheModelsOwnLeaderGivesTheMeansOfTheStructure) {
   model.recorded_leader = own_leader(model, 80);
   const std::vector<double> means = mean_errors_behind_recorded_leader(model, 6, 80);
   ASSERT_EQ(means.size(), expected.mean.size());
-  // Rounding of positions of up to 160 m, which the structure does not have.
+  // The tolerance is the rounding of positions of up to 160 m, which error_moments() avoids.
   for (std::size_t c = 0; c < means.size(); ++c) EXPECT_NEAR(means[c], expected.mean[c], 1e-11) << c;
   EXPECT_EQ(error_moments(model, 6, 80).mean, means);
   EXPECT_EQ(error_moments(model, 6, 80).variance, expected.variance);

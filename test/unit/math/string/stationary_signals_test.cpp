@@ -56,12 +56,12 @@ TEST(StationarySignals, AreWhereTheTablesSettle) {
   }
 }
 
-// The rest after N vehicles shrinks like N^(-1/2), as 1 - |T|^2 and |1 - T|^2 begin with w^2.
+// The distance to the limit after N vehicles decays like N^(-1/2), as 1 - |T|^2 and |1 - T|^2 begin with w^2.
 TEST(StationarySignals, TheGapSettlesLate) {
   constexpr std::size_t kNear = 999, kFar = 3999;
   for (const PlatoonModel& model : settling_platoons()) {
     if (!string_stability(model).string_stable) continue;
-    if (model.default_vehicle().link.delay > 100) continue;  // |1 - T|^2 turns before the rest has shrunk like that
+    if (model.default_vehicle().link.delay > 100) continue;  // |1 - T|^2 oscillates before this decay begins
     const std::size_t places = pattern(model).size();
     const StationarySignal gap = stationary_signals(model, {"gap"}, kFar, true)[0];
     ASSERT_TRUE(gap.limit);
@@ -78,7 +78,7 @@ TEST(StationarySignals, TheGapSettlesLate) {
   }
 }
 
-// z^m turns many times on a panel. Reference: 80,000 nodes in extended precision.
+// z^m completes many periods on a panel. Reference: 80,000 nodes in extended precision.
 TEST(StationarySignals, TheLimitBehindALongDelay) {
   PlatoonModel model = paper_platoon(3.2);
   model.default_vehicle().link.delay = 400;

@@ -93,7 +93,7 @@ TEST(StringStability, PureDelayIsBoundedForTheMeanOnly) {
   EXPECT_EQ(verdict.decision(), false) << verdict.reason;
 }
 
-// Twenty poles of modulus 0.9 about +-j, where |T| is tiny beside what its coefficients are summed from.
+// Twenty poles of modulus 0.9 about +-j, where |T| is tiny compared with the terms of its polynomials.
 TEST(StringStability, IsDecidedForTwentyPolesNearTheImaginaryAxis) {
   std::vector<std::complex<double>> pairs;
   for (int i = 0; i < 8; ++i) pairs.push_back(std::polar(0.35 + 0.01 * i, 1.45 + 0.03 * i));
