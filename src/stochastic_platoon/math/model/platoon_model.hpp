@@ -19,8 +19,8 @@ struct InitialPosition {
   double variance = 0.0;  ///< [m^2], >= 0
 };
 
-/// The radio into a follower, beside the link that measures positions: it feeds the predecessor's control input u
-/// forward, with H = (1 + h) - h / z if it has a headway filter and 1 otherwise,
+/// The radio into a follower, in addition to the link that measures positions: it feeds the predecessor's control input
+/// u forward, with H = (1 + h) - h / z if it has a headway filter and 1 otherwise,
 /// \f[ H u_i = K (y_{i-1} + n_i - ((1 + h) - h / z) y_i) + F (z^{-m} u_{i-1} + d_i), \qquad y_i = G u_i. \f]
 /// The input of step k is known one step after the position of step k, so m >= 1: v(k) = u(k-1) is sent with the
 /// position of step k, and the link delays it by m - 1 steps.

@@ -43,7 +43,7 @@ constexpr double kConstantSpeed = 1e-6;
 /// The leader's signal of this name, steps 0 .. steps - 1: differences of the positions of LeaderVehicle.
 std::vector<double> leader_signal(const PlatoonModel& model, const std::string& name, std::int64_t steps);
 
-/// The leader's exact signal in front of the followers' exact moments.
+/// The leader's exact signal, then the followers' exact moments.
 SignalRows with_leader(const PlatoonModel& model, const std::string& name, const SignalMoments& followers,
                        std::int64_t steps);
 

@@ -72,7 +72,7 @@ BurstLink::BurstLink(const LossModel& loss)
   even_ = solved.block(squares, 0, n_, n_);
   odd_ = solved.block(squares, n_, n_, n_);
   own_ = 0.5 * even_.col(0);
-  if (!(own_(0) > 0.0)) refuse_growth();  // as beside a radius of 1 that rounds to less
+  if (!(own_(0) > 0.0)) refuse_growth();  // a radius of 1 that rounds to less has this effect
 
   factor_.poles = shifted_eigenvalues(transition_);
   Eigen::MatrixXd inverse = transition_;

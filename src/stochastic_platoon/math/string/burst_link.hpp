@@ -11,23 +11,23 @@ namespace platoon {
 /// Losses of one link in bursts, as a filter on the unit circle.
 ///
 /// theta(k) is a two-state Markov chain (0 arrived, 1 lost) with transitions Pi and stationary pi = (p, q), independent
-/// of what is sent. x(k) = (r(k), ..., r(k-n+1)), n the length of the predictor, obeys x(k) = A_theta x(k-1) + B_theta
-/// s(k): an arrival shifts s(k) in, a loss shifts the prediction c' x(k-1) in. Relative to s, a sent e^{j nu k} drives
-/// the registers at losses alone, by -u, u = 1 - L(e^{j nu}). Per unit of this drive,
+/// of the sent values. x(k) = (r(k), ..., r(k-n+1)), n the length of the predictor, obeys x(k) = A_theta x(k-1) +
+/// B_theta s(k): an arrival shifts s(k) in, a loss shifts the prediction c' x(k-1) in. Relative to s, a sent e^{j nu k}
+/// drives the registers at losses alone, by -u, u = 1 - L(e^{j nu}). Per unit of this drive,
 ///
 ///     d_c = sum_a Pi_ac e^{-j nu} A_c d_a + pi_c 1{c = 1} e,
 ///     Q_c = A_c sum_a Pi_ac Q_a A_c' + 1{c = 1} (e^{-j nu} A_1 m e' + its adjoint + q e e'),
 ///     d_a = E[x 1{theta = a}],   Q_a = E[x x* 1{theta = a}],
 ///
 /// with e = (1, 0, ..., 0)' and m = sum_a Pi_a1 d_a. The link passes T_L = 1 - u D on average, D = e' (d_0 + d_1), and
-/// scatters a sent spectrum Phi into < g(w, nu) |u(nu)|^2 Phi(nu) >_nu, uncorrelated with what is sent, with
+/// scatters a sent spectrum Phi into < g(w, nu) |u(nu)|^2 Phi(nu) >_nu, uncorrelated with the sent signal, with
 ///
 ///     g(w, nu) = 2 Re[ l(w) V(nu) + (p/q) D(w) conj(D(nu)) y / (1 - y) ] - e' (V_0 + V_1),
 ///     V_a = Q_a e - d_a conj(D),   l(w) = [e' e'] (I - e^{-jw} [Pi_ac A_c])^{-1},
 ///     y = lambda e^{j (nu - w)},   lambda = Pi_11 - Pi_01.
 ///
 /// Independent losses have lambda = 0. A platoon that moves v metres per step drives the registers by -v (c_1 + 2 c_2 +
-/// ...) at every loss, which acts like the drive of a constant.
+/// ...) at every loss, which acts like a drive at frequency 0.
 class BurstLink {
 public:
   /// Throws std::invalid_argument for a loss without predictor, a loss probability of 0, losses that strictly alternate

@@ -7,9 +7,9 @@ namespace platoon {
 /// Exact mean and variance of every tracking error of a platoon whose positions are lost in bursts, homogeneous or
 /// patterned, from the first step on; links with independent losses or without losses may be among them.
 ///
-/// The covariance of the positions passes from vehicle to vehicle. With s = m + s~ what arrives on a link, S its
-/// covariance with the noise of the link, x the registers relative to m (see BurstLink), u(k) = m(k) - c_1 m(k-1) -
-/// ..., e = (1, 0, ..., 0)' and r~ = e' x,
+/// The covariance of the positions passes from vehicle to vehicle. With s = m + s~ the positions that arrive on a link,
+/// S their covariance including the noise of the link, x the registers relative to m (see BurstLink), u(k) = m(k) - c_1
+/// m(k-1) - ..., e = (1, 0, ..., 0)' and r~ = e' x,
 ///
 ///     mu_c(k) = A_c sum_a Pi_ac mu_a(k-1) - 1{c = 1} q u(k) e,
 ///     X_c(k, l) = A_c sum_a Pi_ac X_a(k-1, l) + 1{c = 0} p S(k, l) e  for all l,
@@ -21,8 +21,8 @@ namespace platoon {
 ///
 ///     Y_c(l) = A_c sum_a Pi_ac Y_a(l-1) + e (E[s~(l) 1{theta(l) = 0} r~(k)] or -u(l) E[1{theta(l) = 1} r~(k)]),
 ///
-/// both expectations by the powers of Pi. Their sum over c gives the covariance of what the vehicle uses, its closed
-/// loop filters it, and the initial position adds its own.
+/// both expectations by the powers of Pi. Their sum over c gives the covariance of the positions that the vehicle uses;
+/// its closed loop filters it, and the initial position adds its own.
 ///
 /// O(followers steps^2) time and O(steps^2) memory. 1e-11 relative; for a mean relative to the positions. Throws
 /// std::invalid_argument unless followers >= 1 and steps >= 1, for a string with radios, and if a loop has no

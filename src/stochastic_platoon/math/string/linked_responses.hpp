@@ -17,7 +17,7 @@ struct Responses {
   using Values = CausalConvolution::Values;
 
   std::vector<Values> error;  ///< of zeta
-  /// Of e, per link; empty for the source's own vehicle, and where a vehicle has no such link.
+  /// Those of e, per link; empty for the source's own vehicle, and where a vehicle has no such link.
   std::array<std::vector<Values>, 2> innovation;
 };
 

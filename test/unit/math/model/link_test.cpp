@@ -277,7 +277,7 @@ TEST(LossModel, KnowsTheFeedbackOfItsLosses) {
   EXPECT_NEAR(loss_feedback(extrapolate), 0.7 * 0.3 * sum, 1e-13);
 }
 
-// At the border of the second moments: p q ||L F||^2 = 1 just where their radius is 1.
+// At the border of the second moments: p q ||L F||^2 = 1 exactly if their radius is 1.
 TEST(LossModel, HasTheSameBorderInBothForms) {
   for (const std::vector<double>& c : {std::vector<double>{3.0, -2.0}, {2.5, -1.0, -0.5}, {3.0, -3.0, 1.0}}) {
     double low = 0.0, high = 0.99;

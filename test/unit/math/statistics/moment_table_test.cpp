@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kCells = 3;
 
-// Values of realizations first .. first + count - 1 in a cell: a mean that is large beside the deviation.
+// Values of realizations first .. first + count - 1 in a cell: a mean that is large compared with the deviation.
 std::vector<double> values(std::size_t cell, std::uint64_t first, std::size_t count) {
   std::vector<double> x(count);
   WhiteNoise(1).fill({static_cast<std::uint32_t>(cell), 0}, first, count, x.data());

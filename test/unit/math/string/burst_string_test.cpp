@@ -55,7 +55,7 @@ TEST(BurstLink, PassesAndScattersWhatTheChainDoes) {
   }
 }
 
-// Parseval: the mean of the scattered spectrum is the variance of what is received.
+// Parseval: the mean of the scattered spectrum is the variance of the received positions.
 TEST(BurstLink, ScattersASpectrumOfTheVarianceAtTheReceiver) {
   for (const LossModel& loss :
        {LossModel{0.2, 6.0, {1.0}}, LossModel{0.6, 1.6, {1.0}}, LossModel{0.1, 1.5, {2.0, -1.0}}}) {

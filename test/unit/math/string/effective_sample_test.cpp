@@ -48,7 +48,7 @@ IndependentShare dense_sample(const std::vector<double>& covariance, Eigen::Inde
   return {p / of_mean / steps, 2.0 * p * p / of_variance / (steps - 1.0), ms.trace() / (steps - 1.0) / p};
 }
 
-// From two steps to many more than the correlation is long.
+// From two steps to many times the correlation length.
 TEST(EffectiveSample, IsThatOfTheAutocovariancesOfLemmaOne) {
   for (const double headway : {3.2, 2.4}) {
     const PlatoonModel model = paper_platoon(headway);

@@ -15,7 +15,7 @@ namespace {
 const std::vector<std::string> kAll = {"gap", "speed", "acceleration", "jerk"};
 constexpr double kPeriod = 0.5;
 
-/// Every vehicle repeats what it received one step ago: T = 1 / z.
+/// Every vehicle repeats the position received one step ago: T = 1 / z.
 PlatoonModel relay(double noise_variance, const InitialPosition& initial = {}) {
   const TransferFunction delay(Eigen::VectorXd::Ones(1), Eigen::Vector2d(1.0, 0.0));
   VehicleModel vehicle{closed_loop_from(observable_canonical(delay)), 1.0, 2.0, noise_variance, initial};
@@ -46,8 +46,8 @@ TEST(SignalMoments, OfRelaysAreSumsOfTheirNoises) {
   for (std::size_t s = 1; s < 4; ++s) EXPECT_TRUE(found[s].covariance_with_previous.empty());
 }
 
-// With p_i at step -1, y_1 is 0 and y_2 is p_1 at step 0, and both are 0 from step 1 on. Before step -1 all stand
-// still.
+// With p_i at step -1, y_1 is 0 and y_2 is p_1 at step 0, and both are 0 from step 1 on. Before step -1 no vehicle
+// moves.
 TEST(SignalMoments, OfInitialPositionsEndWithThem) {
   const std::vector<SignalMoments> found = signal_moments(relay(0.0, {7.0, 5.0}), kAll, 2, 3);
   expect_row(found[0].mean, 1, {2.0 - 7.0, 2.0, 2.0});
