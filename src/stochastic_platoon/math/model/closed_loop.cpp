@@ -204,7 +204,7 @@ std::string rounded_away(const ClosedLoop& loop, double headway) {
   text
       << "the closed loop is too slow for its sample period: its poles lie so close to z = 1 that in double its coefficients have T(1) = "
       << gain.value << " and dT/dz(1) = " << gain.slope << " instead of 1 and -h for h = " << headway
-      << ": it must be sampled more slowly";
+      << ": increase sample_period";
   return text.str();
 }
 
@@ -232,7 +232,7 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
   if (rho >= 1.0 && !allow_unstable) {
     std::ostringstream text;
     text << "the closed loop is unstable: rho(A) = " << rho
-         << ", must be < 1 (allow_unstable: true runs it all the same)";
+         << ", must be < 1 (allow_unstable: true runs it anyway)";
     report(text);
   }
   for (const std::complex<double>& mode : loop.hidden_modes) {
@@ -240,7 +240,7 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
     std::ostringstream text;
     text << "G(z) K(z) cancels an unstable mode at z = " << mode.real() << (mode.imag() > 0.0 ? " +- i " : "");
     if (mode.imag() > 0.0) text << mode.imag();
-    text << ": cancelled modes must lie inside the unit circle (allow_unstable: true runs it all the same)";
+    text << ": cancelled modes must lie inside the unit circle (allow_unstable: true runs it anyway)";
     report(text);
   }
   if (rho >= 1.0 && !allow_unstable) return found;

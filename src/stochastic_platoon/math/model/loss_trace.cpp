@@ -13,7 +13,7 @@
 namespace platoon {
 
 LossTrace::LossTrace(std::vector<bool> received) {
-  if (received.empty()) throw std::invalid_argument("holds no entries");
+  if (received.empty()) throw std::invalid_argument("no entries: must be at least 1");
   if (received.size() > kLongest)
     throw std::invalid_argument(
         formatted("%zu entries: must be at most %zu", received.size(), static_cast<std::size_t>(kLongest)));
@@ -38,7 +38,7 @@ LossTrace LossTrace::of_runs(const std::string& runs) {
       throw std::invalid_argument(formatted("a run of %lld entries", run));
     received.insert(received.end(), static_cast<std::size_t>(run), arrives);
   }
-  if (!numbers.eof()) throw std::invalid_argument("no whole numbers");
+  if (!numbers.eof()) throw std::invalid_argument("not a list of whole numbers");
   return LossTrace(std::move(received));
 }
 

@@ -15,7 +15,7 @@ namespace {
 using DoubleComplex = std::complex<double>;
 
 [[noreturn]] void refuse_growth() {
-  throw std::invalid_argument("on_loss: predictions whose variance grows: must be ones whose variance settles");
+  throw std::invalid_argument("on_loss: variance of the predictions grows: must settle");
 }
 
 void require_theory(const LossModel& loss, double memory) {

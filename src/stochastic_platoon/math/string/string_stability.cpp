@@ -54,7 +54,7 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
   if (least.sign == Sign::kAbove) return true;
   if (gain.is_one()) {
     verdict.reason = "not string stable: " + name +
-                     " = 1 at every frequency, where the variances grow without bound, though the means stay bounded";
+                     " = 1 at every frequency: the variances grow without bound, though the means stay bounded";
     return false;
   }
   verdict.peak_frequency = least.frequency;

@@ -121,7 +121,7 @@ void check_trace_growth(Section& section, const LossModel& loss) {
   const double growth = loss.trace->growth(loss.predictor);
   if (growth < 1.0) return;
   section.reject("on_loss", formatted("predictions that grow by a factor of %g over the trace", growth),
-                 "ones that do not grow (allow_unstable: true runs them all the same)");
+                 "ones that do not grow (allow_unstable: true runs them anyway)");
 }
 
 void check_growth(Section& section, const LossModel& loss) {
@@ -134,7 +134,7 @@ void check_growth(Section& section, const LossModel& loss) {
   section.reject(
       "on_loss", value,
       formatted(
-          "one whose variance settles, p q ||L F||^2 < 1 where losses are independent, for a probability of %g (allow_unstable: true runs it all the same)",
+          "one whose variance settles, p q ||L F||^2 < 1 where losses are independent, for a probability of %g (allow_unstable: true runs it anyway)",
           loss.probability));
 }
 

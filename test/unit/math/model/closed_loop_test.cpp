@@ -212,7 +212,7 @@ TEST(ViolatedAssumptions, NameTheUnstableLoopUnlessItIsAllowed) {
   const std::vector<std::string> found = violated_assumptions(loop, 3.2, false);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].find("the closed loop is unstable: rho(A) = "), 0u);
-  EXPECT_NE(found[0].find("must be < 1 (allow_unstable: true runs it all the same)"), std::string::npos);
+  EXPECT_NE(found[0].find("must be < 1 (allow_unstable: true runs it anyway)"), std::string::npos);
   EXPECT_TRUE(violated_assumptions(loop, 3.2, true).empty());
 }
 
@@ -222,7 +222,7 @@ TEST(ViolatedAssumptions, NameTheHiddenUnstableModeUnlessItIsAllowed) {
   ASSERT_LT(spectral_radius(real.realization), 1.0);
   EXPECT_EQ(violated_assumptions(real, 5.0, false),
             std::vector<std::string>{"G(z) K(z) cancels an unstable mode at z = 1.25: cancelled modes must lie inside "
-                                     "the unit circle (allow_unstable: true runs it all the same)"});
+                                     "the unit circle (allow_unstable: true runs it anyway)"});
   EXPECT_TRUE(violated_assumptions(real, 5.0, true).empty());
   const std::complex<double> mode(0.75, 1.0);
   const ClosedLoop pair =

@@ -86,7 +86,7 @@ TEST_F(RecordedLosses, AreRejectedWithKeyRowAndReason) {
   const std::string key = "model/channel/loss/";
   EXPECT_EQ(refusal("{trace: two.csv}"), key + "trace: two.csv: row 3: received: 2: must be 0 or 1");
   EXPECT_EQ(refusal("{trace: two.csv, column: got}"), key + "trace: two.csv: no column got: must be one of received");
-  EXPECT_EQ(refusal("{trace: none.csv}"), key + "trace: none.csv: holds no entries");
+  EXPECT_EQ(refusal("{trace: none.csv}"), key + "trace: none.csv: no entries: must be at least 1");
   EXPECT_EQ(refusal("{trace: lost.csv}"), key + "trace: lost.csv: nothing arrives: at least one entry must be 1");
   EXPECT_EQ(refusal("{trace: nan.csv}"), key + "trace: nan.csv: row 2: received: nan: must be a finite number");
   EXPECT_EQ(refusal("{trace: away.csv}"), key + "trace: away.csv: must be a file that can be read");
@@ -95,7 +95,7 @@ TEST_F(RecordedLosses, AreRejectedWithKeyRowAndReason) {
   EXPECT_EQ(refusal("{runs: 1 2, on_loss: extrapolate}"),
             key +
                 "on_loss: predictions that grow by a factor of 2 over the trace: must be ones that do not grow "
-                "(allow_unstable: true runs them all the same)");
+                "(allow_unstable: true runs them anyway)");
 }
 
 }  // namespace
