@@ -1,4 +1,4 @@
-// Any bytes as a model file: a model, or a ConfigurationError. What is written of a model is the same model.
+// Reads any bytes as a model file: gives a model or a ConfigurationError. A model that is written and read again is the same.
 
 #include <cstdlib>
 #include <string>
