@@ -1,4 +1,4 @@
-// Reads any bytes as a model file: gives a model or a ConfigurationError. A model that is written and read again is the same.
+// Reads any bytes as a model file: gives a model or a ConfigurationError. Writing and reading a model does not change it.
 
 #include <cstdlib>
 #include <string>
