@@ -1,4 +1,4 @@
-// Reads any bytes as a model file: gives a model or a ConfigurationError. Writing and reading a model does not change it.
+// Reads any bytes as a model file: gives a model or a ConfigurationError. Writing and reading keep a model unchanged.
 
 #include <cstdlib>
 #include <string>

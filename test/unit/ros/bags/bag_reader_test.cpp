@@ -106,7 +106,7 @@ TEST_F(BagReaderTest, ReadsWhatWasWritten) {
   }
 }
 
-// 509 is coprime to the period of repeated contents in bits. A copy in lz4 may begin at another place of the same bytes.
+// 509 is coprime to the period of repeated contents in bits. A copy in lz4 may begin elsewhere in the same bytes.
 TEST_F(BagReaderTest, RefusesAFileWithAFlippedBitThatChangesAMessage) {
   for (const char* compression : {"none", "lz4"}) {
     const std::string file = record("run.bag", compression), content = content_of(file);
