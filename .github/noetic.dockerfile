@@ -4,19 +4,19 @@
 # Not run by the tests, as it needs Docker and the network.
 #
 # Known differences from Debian 12:
-# - Package names: rosdep installs those that package.xml names. launch/setup.bash, launch/demo and test/run have the names
-#   of Debian 12 and stop here with a message; `catkin test stochastic_platoon` runs the tests.
+# - Package names: rosdep installs the packages of package.xml. launch/setup.bash, launch/demo and test/run use the names of
+#   Debian 12 and stop here with a message; `catkin test stochastic_platoon` runs the tests.
 # - <filesystem>: GCC 8 needs libstdc++fs. GCC 9 still has this library, and CMakeLists.txt links it for both.
 # - Older libraries: nlohmann-json 3.7.3, yaml-cpp 0.6.2. The sources use nothing newer.
 # - Doxygen 1.8.17 does not know all options of .github/reference/Doxyfile: build the API reference on Debian 12.
-# - Bits: those of GCC 11, GCC 12 and Clang 14 are compared (test/compilers), those of GCC 9 are not.
+# - Bits: test/compilers compares those of GCC 11, GCC 12 and Clang 14, not those of GCC 9.
 FROM ros:noetic-ros-base
 RUN apt-get update \
   && apt-get install -y --no-install-recommends librandom123-dev python3-catkin-tools python3-mpmath \
   && rm -rf /var/lib/apt/lists/*
 WORKDIR /workspace
 COPY . src/stochastic_platoon
-# rosdep leaves out distributions at the end of their life, such as Noetic, unless asked.
+# By default rosdep omits distributions at the end of their life, such as Noetic.
 RUN rm -rf src/stochastic_platoon/build src/stochastic_platoon/devel \
   && apt-get update \
   && rosdep update --include-eol-distros \

@@ -40,8 +40,8 @@ platoon_setup() {
   platoon_install "${platoon_packages[@]}" "$@"
   local build=$source_folder/build devel=$source_folder/devel
   local testing=${platoon_testing:-OFF}
-  # rosrun searches all of <package>/build, so the devel space is beside it. With an old one still in build, roslaunch would find
-  # each program twice.
+  # rosrun searches all of <package>/build, so the devel space is beside it. roslaunch would find each program twice if an old devel
+  # space were still in build.
   if ! grep -qsxF "CATKIN_DEVEL_PREFIX:PATH=$devel" "$build/CMakeCache.txt"; then
     rm -rf "$build/devel" "$build/CMakeCache.txt"
   fi
@@ -59,7 +59,7 @@ platoon_setup() {
   unset ROS_IP
 }
 
-# A TCP port for a master: free now, and outside the range from which the system assigns ports.
+# Prints a TCP port for a master: currently free, and outside the range from which the system assigns ports.
 platoon_free_port() {
   /usr/bin/python3 - <<'PYTHON'
 import random, socket

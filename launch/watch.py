@@ -2,7 +2,7 @@
 """watch.py FOLDER ARGUMENT...: runs roslaunch platoon.launch with these arguments and writes its results to FOLDER.
 
 Prints only the run's progress (on one line of a terminal) and its table. The output of roslaunch and the nodes goes to
-FOLDER.log; if the run does not complete, it is printed as well, and the status is 1.
+FOLDER.log; if the run does not complete, the script also prints this log and exits with status 1.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""equal_architectures.py FOLDER FOLDER: whether two machines computed the same in every statistics.csv and *.json below the first.
+"""equal_architectures.py FOLDER FOLDER: checks that two machines computed the same in every statistics.csv and *.json below the first.
 
 Measured columns must be equal to the bit. Figures of the theory are computed with the machine's long double, which has 64 bits on
 x86-64 and 113 on AArch64: they must agree to 1e-12 of the largest of a column in tables, and to 1e-9 of the largest of its kind in
@@ -34,7 +34,7 @@ def figures(value, name=""):
 
 
 def kind(name):
-    """The name of a figure without the places in lists: all of a list have one scale."""
+    """The name of a figure without list indices: all figures of a list have one scale."""
     return "/".join(part for part in name.split("/") if not part.isdigit())
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""equal_bits.py RUN RUN: whether the statistics of two runs are equal to the bit; if not, which differ, and by how much."""
+"""equal_bits.py RUN RUN: checks that the statistics of two runs are equal to the bit; prints the differences and their size."""
 
 import csv
 import struct
@@ -14,7 +14,7 @@ def rows(run):
 
 
 def steps_apart(a, b):
-    """How many doubles lie between two of them."""
+    """The distance of two doubles, counted in representable doubles."""
     ordered = []
     for value in (a, b):
         bits = struct.unpack("<q", struct.pack("<d", float(value)))[0]

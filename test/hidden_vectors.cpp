@@ -1,8 +1,8 @@
 // Linked into a program with -Wl,--wrap=__cpu_indicator_init: hides the features in PLATOON_HIDDEN from the program's
-// choice of vector widths, so that a test can force each width. libgcc finds out what the processor has.
+// choice of vector widths, so that a test can force each width. libgcc detects the features of the processor.
 
 namespace {
-// Their numbers in libgcc's interface, which do not change.
+// Feature bits in libgcc's interface, which do not change.
 constexpr unsigned kAvx2 = 1u << 10, kFma = 1u << 14, kAvx512 = 1u << 15;
 }  // namespace
 
@@ -20,7 +20,7 @@ int __wrap___cpu_indicator_init() {
   return status;
 }
 
-// A program whose loader selects nothing, as with sanitizers, has only this call.
+// The only call in a program whose loader selects no versions, as with sanitizers.
 __attribute__((constructor)) void hide() {
   __wrap___cpu_indicator_init();
 }

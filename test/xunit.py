@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """xunit.py RESULT NAME PROGRAM...: runs a program as a test that `catkin test` and ctest see, with RESULT as its JUnit file.
 
-The test fails unless the program ends with status 0; status 77 means that it cannot be run here. What it prints goes to the screen
-as it comes, and, of a test that has not passed, into the file.
+The test fails unless the program ends with status 0; status 77 means that it cannot be run here. The output of the program goes to
+the screen at once, and also into the file if the test has not passed.
 """
 
 import os
@@ -15,7 +15,7 @@ SKIPPED = 77
 
 
 def run(program):
-    """Status and output."""
+    """Runs the program and prints its output; returns status and output."""
     process = subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, errors="replace")
     printed = []
     for line in process.stdout:
@@ -32,7 +32,7 @@ def report(name, status, printed, seconds):
     case = tree.SubElement(suite, "testcase", classname=name, name=name, time=suite.get("time"))
     if not passed:
         found = tree.SubElement(case, "skipped" if skipped else "failure", message="status {}".format(status))
-        # XML has no place for most control characters.
+        # XML does not allow most control characters.
         found.text = "".join(character for character in printed if character.isprintable() or character in "\n\t")
     return tree.ElementTree(suite)
 

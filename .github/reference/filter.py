@@ -10,12 +10,12 @@ import re
 import sys
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-HEADING = re.compile(r"^```.*?^```|^(#+) (.*?)$", re.M | re.S)  # code blocks may have comments that look alike
+HEADING = re.compile(r"^```.*?^```|^(#+) (.*?)$", re.M | re.S)  # skips code blocks: their comments look like headings
 TEXT = re.compile(r"^ *///<? (?! {3})(.*)$|///< (.*)$", re.M)  # of a docstring, without its code blocks
-# Dots that end no sentence and would end the summary: 0 .. N; eq. (error1), (B. Delyon, ...).
+# Dots that do not end a sentence, but would end the summary: 0 .. N; eq. (error1), (B. Delyon, ...).
 DOTS = re.compile(r"(?<!\.)\.\.(?: |$)")
 DOT = re.compile(r"(\b[Ee]qs?|\b[A-Z](?=\. [A-Z](?:\.|[\w-]+(?:,| and))))\.(?: |$)")
-# A first word such as Motion or Link, which is not the class of this name.
+# A first word such as Motion or Link that does not mean the class of this name.
 FIRST_WORD = re.compile(r"(^|[.:] )([A-Z][a-z]+)(?= [a-z])")
 LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)]*)\)")
 
@@ -35,7 +35,7 @@ def docstring(found):
 
 def header(text, path):
     text = TEXT.sub(docstring, text)
-    # In place of the empty line behind it: the numbers of the lines stay.
+    # Replaces the empty line after it, so that line numbers do not change.
     text = re.sub(r"^(namespace platoon \{)\n$", r"\1 /** @addtogroup {}\n@{{ */".format(module(path)), text, flags=re.M)
     return re.sub(r"^\}  // namespace platoon$", r"/** @} */ \g<0>", text, flags=re.M)
 

@@ -34,7 +34,7 @@ class Follower:
         elif not latest or (message.run, batch(message), message.step) != (latest.run, batch(latest), latest.step + 1):
             return
         self.latest = message
-        received, message.position = message.position, self.y  # answer with the same message and the own position at this step
+        received, message.position = message.position, self.y  # answer with the same message and its own position at this step
         self.out.publish(message)
         self.move(received)
 

@@ -22,7 +22,7 @@ def name(message: Any) -> Tuple[int, int, int, int]:
 
 
 class Stream:
-    """The messages of one topic in their order; others are ignored."""
+    """The messages of one topic in order; ignores messages out of order."""
 
     def __init__(self) -> None:
         self.latest: Any = None
@@ -52,7 +52,7 @@ class Follower:
         with self.lock:
             stream.take(message)
             positions, inputs = (of.waiting for of in self.streams)
-            # Both streams carry every step once; a message without a counterpart is from an older attempt or run.
+            # Both streams carry every step once; a message without a counterpart belongs to an older attempt or run.
             while positions and inputs:
                 if name(positions[0]) == name(inputs[0]):
                     self.answer(positions.popleft(), inputs.popleft())
@@ -83,7 +83,7 @@ class Follower:
     def move(self, received: Any, heard: Any) -> None:
         e = received - self.y - self.delta - self.h * (self.y - self.y_before)
         command = self.controller["kp"] * e + self.controller["kd"] * (e - self.e) / self.period + self.gain * heard
-        self.u, self.e = (command + self.h * self.u) / (1.0 + self.h), e  # behind the headway filter 1 / H
+        self.u, self.e = (command + self.h * self.u) / (1.0 + self.h), e  # after the headway filter 1 / H
         self.line.append(self.u)
         u, t, lag = self.line.popleft(), self.period, self.lag  # the exact zero-order hold of 1 / (s^2 (lag s + 1))
         kept = math.exp(-t / lag) if lag else 0.0

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""How far apart do the cars have to stand? And what happened in the worst of 10,000 realizations? tutorial_4_gaps.py [FOLDER]"""
+"""How far apart do the cars have to be, and which of 10,000 realizations is the worst? tutorial_4_gaps.py [FOLDER]"""
 
 import os
 import sys

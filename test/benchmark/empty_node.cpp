@@ -1,4 +1,4 @@
-// A roscpp node that does nothing: what start-up is compared with.
+// A roscpp node that does nothing: the reference for start-up times.
 
 #include <ros/ros.h>
 

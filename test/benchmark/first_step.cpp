@@ -1,5 +1,5 @@
-// Waits for the master and for the first step that the platoon's monitor acknowledges; then ends. What
-// start-up is measured with.
+// Waits for the master and for the first step that the platoon's monitor acknowledges, then ends. Measures
+// start-up times.
 
 #include <ros/ros.h>
 #include <stochastic_platoon/Progress.h>

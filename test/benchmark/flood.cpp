@@ -1,6 +1,6 @@
-// A bare roscpp flood: one process publishes Position messages of one size as fast as another takes them.
-// What the graph's deliveries are compared with. Usage: flood source SIZE COUNT | flood sink COUNT, or, with
-// one message on its way at a time, flood ping SIZE COUNT | flood pong COUNT. Sink and ping print JSON.
+// A bare roscpp flood: one process publishes Position messages of one size as fast as another receives them.
+// The reference for the graph's deliveries. Usage: flood source SIZE COUNT | flood sink COUNT, or, with one
+// message in flight at a time, flood ping SIZE COUNT | flood pong COUNT. Sink and ping print JSON.
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -15,7 +15,7 @@ using stochastic_platoon::Position;
 
 namespace {
 
-constexpr int kWindow = 256;  // messages in flight: bounded as the platoon's are
+constexpr int kWindow = 256;  // messages in flight: bounded like those of the platoon
 
 int source(ros::NodeHandle node, std::size_t size, int count) {
   int acknowledged = 0;
@@ -60,7 +60,7 @@ int sink(ros::NodeHandle node, int count) {
   std::printf("{\"messages_per_second\": %.6g, \"bytes_per_second\": %.6g}\n", count / seconds,
               count / seconds * 8.0 * static_cast<double>(size));
   std::fflush(stdout);
-  ros::WallDuration(0.2).sleep();  // the last acknowledgement is on its way
+  ros::WallDuration(0.2).sleep();  // the last acknowledgement is in flight
   return 0;
 }
 
@@ -76,7 +76,7 @@ int ping(ros::NodeHandle node, std::size_t size, int count) {
   const ros::Subscriber back =
       node.subscribe<Position>("flood_back", 0, receive, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   while (ros::ok() && (out.getNumSubscribers() == 0 || back.getNumPublishers() == 0)) ros::WallDuration(0.01).sleep();
-  ros::WallDuration(0.2).sleep();  // the other side hears, too
+  ros::WallDuration(0.2).sleep();  // the other side connects, too
   began = ros::SteadyTime::now();
   out.publish(message);
   while (ros::ok() && returned < count) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
@@ -94,7 +94,7 @@ int pong(ros::NodeHandle node, int count) {
   const ros::Subscriber in =
       node.subscribe<Position>("flood", 0, receive, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   while (ros::ok() && received < count) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
-  ros::WallDuration(0.2).sleep();  // the last one is on its way
+  ros::WallDuration(0.2).sleep();  // the last message is in flight
   return 0;
 }
 

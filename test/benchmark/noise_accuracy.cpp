@@ -1,5 +1,5 @@
-// noise_accuracy [ARGUMENTS]: largest errors of the noise's functions against quadruple precision, for the words of
-// this many blocks (10^8: some minutes) and for arguments at the ends. Prints them in units of the last place.
+// noise_accuracy [BLOCKS]: prints the largest errors of the noise's functions against quadruple precision, in units
+// of the last place, for the words of so many blocks (10^8: some minutes) and for arguments at the ends.
 
 #include <quadmath.h>
 

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""The paper's Monte Carlo in NumPy: what a researcher would write who knows it well. Prints JSON.
+"""The paper's Monte Carlo in NumPy, as an experienced user would write it. Prints JSON.
 
-Arrays over vehicles and a chunk of realizations; the only Python loops run over steps and chunks. The states of all vehicles are
-advanced at once, in place, and nothing is allocated in the loop.
+Arrays over vehicles and a chunk of realizations; the only Python loops run over steps and chunks. A step advances
+the states of all vehicles at once, in place, without allocations in the loop.
 """
 
 import json

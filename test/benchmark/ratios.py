@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Ratios of what belongs together, each pair measured in turn in the same run: medians of several. JSON to the file given."""
+"""Prints the ratios of pairs of measurements, taken alternately in one run (medians); writes JSON to the given file."""
 
 import json
 import os
@@ -31,7 +31,7 @@ def output_of(command, **options):
 
 
 def in_turn(*measurements):
-    """Medians of several measurements that are taken one after the other, ROUNDS times."""
+    """Medians of several measurements, taken alternately, ROUNDS times each."""
     values = [[] for _ in measurements]
     for _ in range(ROUNDS):
         for place, measure in zip(values, measurements):
@@ -83,7 +83,7 @@ class Machine:
         return self.launch(**arguments)["vehicle_steps_per_second"]
 
     def speed_with_dashboard(self, **arguments):
-        """The same with the dashboard up and a page's stream of news read (what a browser draws is its machine's)."""
+        """The same while the dashboard runs and a client reads its event stream (drawing would load the browser's machine)."""
         port = live_platoon.free_port()
         news = [0]
 
@@ -93,7 +93,7 @@ class Machine:
                     for line in stream:
                         news[0] += line.startswith(b"event: ")
             except OSError:
-                pass  # not up yet, or gone with the run
+                pass  # not up yet, or ended with the run
         reader = threading.Thread(target=read)
 
         def watch(_):
@@ -135,7 +135,7 @@ class Machine:
             stderr=subprocess.DEVNULL))
 
     def seconds_to_empty_nodes(self, count):
-        """The same number of nodes that do nothing: up when the master knows them all."""
+        """Seconds until so many empty nodes are registered with the master."""
         file = os.path.join(self.folder, "empty.launch")
         node = '<node pkg="stochastic_platoon" type="empty_node" name="empty_{}"/>'
         with open(file, "w") as launch:
@@ -144,7 +144,7 @@ class Machine:
             lambda: known_nodes(environment["ROS_MASTER_URI"]) >= count, "the empty nodes"))
 
     def flood(self, *roles):
-        """What the second of two floods prints, run side by side beside a roscore."""
+        """The JSON of the second of two flood processes, which run at the same time on one roscore."""
         port, environment = self.environment()
         core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL,
                                 stderr=subprocess.DEVNULL)
@@ -161,7 +161,7 @@ class Machine:
 
 
 def descendants(pid):
-    """A process and all below it."""
+    """A process and all its descendants."""
     try:
         with open("/proc/{0}/task/{0}/children".format(pid)) as file:
             children = file.read().split()
@@ -179,7 +179,7 @@ def proportional_set_size(pid):
 
 
 def known_nodes(master):
-    """Every node has a logger service, at least."""
+    """The registered nodes: every node has at least a logger service."""
     try:
         services = xmlrpc.client.ServerProxy(master).getSystemState("/benchmark")[2][2]
     except (xmlrpc.client.Error, OSError):
@@ -202,7 +202,7 @@ def rate_of_program(machine):
 
 
 def peer(program, *arguments):
-    """A program for the same Monte Carlo, on one core."""
+    """The JSON of another program for the same Monte Carlo, on one core."""
     environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
     interpreter = ["/usr/bin/python3"] if program.endswith(".py") else ["octave-cli", "--no-gui"]
     return output_of(interpreter + [os.path.join(HERE, program)] + list(arguments), env=environment, stderr=subprocess.DEVNULL)
@@ -215,7 +215,7 @@ def timed(command):
 
 
 def pairs(machine):
-    """(what, against, value, value of the other)."""
+    """Yields (quantity, compared with, its value, value of the other)."""
     ours, theirs = in_turn(lambda: output_of([live_platoon.executable("noise_benchmark")])["normals_per_second"],
                            lambda: peer("peer_numpy.py", "normals")["normals_per_second"])
     yield "normals per second, one core", "NumPy standard_normal", ours, theirs
@@ -252,7 +252,7 @@ def pairs(machine):
         short, long = in_turn(lambda: machine.speed(hosting=hosting, realizations=4 * REALIZATIONS),
                               lambda: machine.speed(hosting=hosting, realizations=REALIZATIONS, followers=followers))
         yield "cost of a vehicle-step at N = {}, {}".format(followers, hosting), "N = 20", short, long
-    # leader, channel, monitor, until_complete, and a configure that is no node
+    # 104: 100 followers, leader, channel, monitor and until_complete; configure is not a node
     first, empty = in_turn(lambda: machine.seconds_to_first_step(100), lambda: machine.seconds_to_empty_nodes(104))
     yield "seconds to the first step, N = 100", "104 empty nodes up", first, empty
     large, small = in_turn(lambda: machine.memory(realizations=MILLION), lambda: machine.memory(realizations=10000))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What shards, their merge and a sweep cost beside one run of the same realizations: wall and CPU seconds.
+"""Wall and CPU seconds of shards, their merge and a sweep, compared with one run of the same realizations.
 
 scaling.py [REALIZATIONS [SHARDS]]; the sweep has 200 points of a 200th of the realizations each. Also a part of ratios.py.
 """
@@ -62,7 +62,7 @@ def cost(job):
 
 
 def pairs(folder, in_turn, realizations=1000000, shards=64):
-    """For ratios.py: speeds, as it has them."""
+    """Yields speeds in the form of ratios.py."""
     case = Case(folder, realizations, shards)
     one, parts, sweep = in_turn(lambda: realizations / cost(case.one_run)[0], lambda: realizations / cost(case.shards_in_turn)[0],
                                 lambda: realizations / cost(case.sweep)[0])

@@ -1,4 +1,4 @@
-// How long the theory takes, beside the dense solution it replaces.
+// The time of the theory, beside that of the dense solution that it replaces.
 
 #include <benchmark/benchmark.h>
 

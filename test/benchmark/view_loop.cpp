@@ -1,4 +1,4 @@
-// A bare rosbag::View loop over the positions of a bag: the least that reading it costs. Prints JSON.
+// A bare rosbag::View loop over the positions of a bag: the least cost of reading it. Prints JSON.
 
 #include <rosbag/bag.h>
 #include <rosbag/view.h>

@@ -1,6 +1,6 @@
-// Any bytes as a recording: read whole, without its end, up to its damage and without its checksums, all of its
-// messages, and its end alone: messages or a BagError. With checksums it is what it was recorded as, so that most
-// inputs end there; without them every record, index and message counts.
+// Reads any bytes as a recording: whole, without its end, up to its damage, without its checksums, all messages, and
+// its end alone. Each gives messages or a BagError. With checksums, most inputs are rejected at once; without them, the
+// reader parses every record, index and message.
 
 #include "fuzz/fuzz.hpp"
 #include "stochastic_platoon/ros/bags/bag_reader.hpp"

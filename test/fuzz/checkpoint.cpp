@@ -1,4 +1,4 @@
-// Any bytes as a checkpoint, as they are and as content whose digest is right: a checkpoint without a fault, or a
+// Reads any bytes as a checkpoint, unchanged and as content with a correct digest: gives a valid checkpoint or a
 // std::runtime_error.
 
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// The harnesses answer everything in the corpora, and what is whole there is so still: after a change of a format the
-// fuzzers would be left with seeds that are refused at once.
+// The harnesses accept all inputs of the corpora, and the valid inputs are still valid. Otherwise, after a change of a
+// format, the fuzzers would start with seeds that are rejected at once.
 
 #include <gtest/gtest.h>
 

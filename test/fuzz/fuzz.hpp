@@ -10,7 +10,7 @@
 
 namespace platoon::fuzz {
 
-/// A folder of this process, in memory where there is such a place; gone with it, unless it dies.
+/// A folder of this process, in memory if /dev/shm exists; removed when the process exits normally.
 inline const std::string& folder() {
   struct Folder {
     const std::string name = std::string(std::filesystem::exists("/dev/shm") ? "/dev/shm" : "/tmp") +
@@ -26,7 +26,7 @@ inline void write(const std::string& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// The name of a file that holds these bytes.
+/// Writes these bytes to a file and returns its name.
 inline std::string file_of(const std::uint8_t* data, std::size_t size) {
   const std::string name = folder() + "/input";
   write(name, std::string(reinterpret_cast<const char*>(data), size));

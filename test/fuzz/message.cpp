@@ -1,5 +1,5 @@
-// Any bytes as messages on the wire, one after the other, each after a byte for the topic that it comes on: into a
-// follower's, a monitor's and a leader's side of the delivery contract. Nothing but what is in turn has an effect.
+// Reads any bytes as a sequence of messages on the wire, each after a byte for its topic, and passes them to the
+// follower's, monitor's and leader's side of the delivery contract. Only messages in turn have an effect.
 
 #include <stochastic_platoon/Progress.h>
 
@@ -97,7 +97,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       } else {
         const auto message = boost::make_shared<Position>();
         const std::string rest(reinterpret_cast<const char*>(stream.getData()), stream.getLength());
-        if (!platoon::holds_its_arrays<Position>(rest)) return 0;  // roscpp would take the memory that is announced
+        if (!platoon::holds_its_arrays<Position>(rest)) return 0;  // roscpp would allocate the announced size
         ros::serialization::deserialize(stream, *message);
         receivers.take(topic % 4, message);
       }

@@ -1,4 +1,4 @@
-// Any bytes as a model file: a model, or a ConfigurationError. What is written of a model is the same model.
+// Reads any bytes as a model file: gives a model or a ConfigurationError. Writing and reading keep a model unchanged.
 
 #include <cstdlib>
 #include <string>

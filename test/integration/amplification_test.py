@@ -11,11 +11,11 @@ from terminal import LaunchTest
 
 FOLLOWERS, STEPS = 3, 400
 SIGNALS = "speed,acceleration,jerk"
-PERIOD = 0.1  # [s], of a sample of the paper's example
+PERIOD = 0.1  # [s] sample period of the paper's example
 
 
 def mean_positions(leader, followers, headway):
-    """Positions of the paper's platoon without noise, an array (followers + 1, steps + 1), behind y_0(-1), y_0(0), ..."""
+    """Positions of the paper's platoon without noise for the leader y_0(-1), y_0(0), ...: an array (followers + 1, steps + 1)."""
     y = np.zeros((followers + 1, leader.size))
     y[0] = leader
     before, moved, filtered = np.zeros(followers), np.zeros(followers), np.zeros(followers)
@@ -29,7 +29,7 @@ def mean_positions(leader, followers, headway):
 
 
 def amplification_of(positions, from_step):
-    """The columns of amplification.csv that are of the mean motion, from its definition."""
+    """The columns of amplification.csv for the mean motion, from its definition."""
     before = np.repeat(positions[:, :1], 2, axis=1)  # at rest before step -1
     padded = np.concatenate([before, positions], axis=1)
     speed, acceleration, jerk = (np.diff(padded, n)[:, 3 - n:][:, from_step:] / PERIOD ** n for n in (1, 2, 3))
@@ -76,7 +76,7 @@ class Amplification(LaunchTest):
             error = values.std(axis=0, ddof=1) / math.sqrt(runs)
             score = (values.mean(axis=0) - found[0]["theoretical_" + name][1:]) / error
             self.assertTrue(np.all(abs(score) < 5.5), (name, score))  # a t-value of 11 degrees of freedom: 2e-4
-        # The noise of the means is part of what was measured, but not of the ratios.
+        # The noise of the means is part of the measured accelerations, but not of the ratios.
         self.assertTrue(np.all(found[0]["rms_acceleration"][1:] > 2 * found[0]["theoretical_rms_mean_acceleration"][1:]))
 
     def test_a_leader_at_constant_speed_has_no_amplification(self):

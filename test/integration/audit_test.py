@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Compares analyze for random platoons with an independent computation in 120 digits (mpmath).
 
-Draws admissible models of kinds that revealed errors before: the paper's platoon of orders 1 to 6: plain models, sampled at a
+Draws admissible models of kinds that revealed errors before: the paper's platoon of orders 1 to 6 (plain models, sampled at a
 kilohertz, with long headways, near the border of string stability, with factors that nearly cancel, A, B, C in skewed
-coordinates; cars with actuator lag and input delay; strings of one, several and many vehicle types over links that colour, delay,
+coordinates); cars with actuator lag and input delay; strings of one, several and many vehicle types over links that colour, delay,
 quantise and lose. For each model the audit recomputes the tables, stationary values, verdict, limits, loss gain, and the verdicts
 on both sides of critical headways and loss probabilities, from the numbers in the model file and with other methods (audit/).
 
@@ -79,7 +79,7 @@ class Audit:
             file.unlink()
 
     def reported(self, name, kind, file, result):
-        """Runs analyze; returns whether it accepts the model. Its numbers are then in `result`."""
+        """Runs analyze; returns True, with the numbers in `result`, if it accepts the model."""
         before = os.times()
         done = subprocess.run([self.analyze, "--model", str(file), "--followers", str(strings.FOLLOWERS), "--steps",
                                str(strings.STEPS), "--json", str(result)], capture_output=True, text=True,

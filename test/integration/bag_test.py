@@ -141,7 +141,7 @@ class RecordAndReplay(BagTest):
         live_platoon.wait_for(lambda: live_platoon.process_of("/plain", environment["ROS_MASTER_URI"]), "rosbag record")
         terminal = self.launch(master=environment["ROS_MASTER_URI"], followers=20, steps=100, realizations=4, batch=2, rate=100, stay=True)
         live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
-        time.sleep(2.0)  # an ending node drops unsent messages, and rosbag record does not show how much it has received
+        time.sleep(2.0)  # an ending node drops unsent messages, and rosbag record does not report how many it has received
         recorder.send_signal(2)
         recorder.wait()
         terminal.interrupt()

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """External followers that each violate one clause of the vehicle contract: broken_follower.py INDEX:FAULT...
 
-Apart from its fault, a follower takes the position that it received from its predecessor one step before, less the standstill
+Apart from its fault, the position of a follower is the one received from its predecessor one step before, minus the standstill
 distance; so it also ignores the headway.
 """
 
@@ -87,7 +87,7 @@ class Follower:
         self.out.publish(answer)
 
     def present_fault(self, message):
-        """The follower's fault now. `each`: the next fault of the list in the second batch of every attempt, then silence."""
+        """The present fault of the follower. `each`: the next fault of the list in the second batch of every attempt, then silence."""
         if self.fault != "each" or self.batches < 2 or not self.faults:
             return None if self.fault == "each" else self.fault
         self.silent = True

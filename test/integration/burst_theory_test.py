@@ -74,7 +74,7 @@ def random_model(seed):
 
 
 def dense_moments(model, followers, steps):
-    """As link_reference.moments(), in every mode of the chains. Relative to the run without losses and noise, which keeps the
+    """As link_reference.moments(), in every mode of the chains. Relative to the run without losses and noise, to keep the
     numbers small."""
     system = link_reference.System(model, followers)
     chains = [chain_of(vehicle["channel"]["loss"]) for vehicle in link_reference.vehicles_of(model, followers)]

@@ -44,7 +44,7 @@ KillWait=2
 
 
 def why_not():
-    """The reason why no cluster can run here; empty if one can."""
+    """The reason why no cluster can run here; empty if a cluster can run."""
     missing = [program for program in PROGRAMS if not shutil.which(program, path=PATH)]
     if missing:
         return "needs " + ", ".join(missing) + " (packages slurmctld, slurmd, slurm-client, munge)"

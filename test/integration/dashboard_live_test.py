@@ -82,7 +82,7 @@ class Live(Page):
         return state(self.url).get("step") or 0
 
     def steps_on(self):
-        """Waits until the page shows a new step among the facts."""
+        """Waits until the page shows a new step."""
         facts = self.browser.text("#facts")
         self.wait_for_page("document.getElementById('facts').textContent != {}".format(json.dumps(facts)), "another step")
 
@@ -131,7 +131,7 @@ class Live(Page):
         self.assertEqual([event["kind"] for event in events][-3:], ["stall", "restart", "stall"])
         self.assertRegex(events[-2]["text"], r"^attempts? \d+( to \d+)?: the platoon begins again at step 0")
         self.assertLess(events[-2]["step"] - before, 500)
-        # The curves begin again, and the restart is marked.
+        # The curves begin again, and a line marks the restart.
         self.wait_for_page("document.getElementById('strip').dataset.restarts > 0", "the mark of the restart")
         self.wait_for_page("document.getElementById('curves-note').textContent.includes('since the latest restart')", "the restart")
 

@@ -159,8 +159,8 @@ class Example(ExternalTest):
     def test_the_built_in_vehicle_keeps_it(self):
         follower = self.start(live_platoon.executable("follower"), "_index:=2", "__ns:=/platoon", "__name:=vehicle_2")
         self.assert_keeps_the_contract(2)
-        # Unlike SIGTERM, SIGINT lets it unregister: the master would go on naming its address, which a vehicle_2 of another
-        # master may take.
+        # Unlike SIGTERM, SIGINT lets it unregister. Otherwise the master would keep its address, which a vehicle_2 of another
+        # master may then use.
         follower.send_signal(signal.SIGINT)
         follower.wait()
 
@@ -180,7 +180,7 @@ class Contract(ExternalTest):
         for i, fault in enumerate(faults):
             with self.subTest(fault=fault):
                 said = self.assert_broken({"foreign": "run", "twice": "turn", "place": "start_anew"}.get(fault, fault), i + 1)
-                # The attempt counts the first messages, which the vehicle may miss while it connects.
+                # The attempt number is larger if the vehicle misses the first messages while it connects.
                 why = {"size": "999 positions, of 1000", "finite": "a NaN or an infinity", "answer": "no answer within 1 s",
                        "place": r": at 0 m, of -{} m, its initial position".format(5 * (i + 1)),
                        "spacing": r"m behind a predecessor that drives 2 m per step; due: 5 \+ 5 \* 2 = 15 m",
@@ -279,7 +279,7 @@ class Car(ExternalTest):
         for k in range(self.STEPS):  # lists begin with step -1
             error = before[k + 1] - own[k + 1] - self.HEADWAY * (own[k + 1] - own[k])
             self.assertAlmostEqual(measured[2, k][0], error, 9)
-        # The car follows: a second behind, plus its lag.
+        # The car follows a second later, plus its lag.
         self.assertGreater(own[-1], 0.3 * before[-1])
         self.assertLess(own[-1], before[-1])
         self.assertAlmostEqual(measured[1, self.STEPS - 1][0], 0.0, delta=0.2)
@@ -342,7 +342,7 @@ class OtherPackage(ExternalTest):
                         "-DPYTHON_EXECUTABLE=/usr/bin/python3"], env=self.environment, check=True, stdout=subprocess.DEVNULL)
         subprocess.run(["make", "-C", build], env=self.environment, check=True, stdout=subprocess.DEVNULL)
         program = os.path.join(build, "devel", "lib", "saturated_follower", "saturated_follower")
-        # Other than the constants that a follower may have of its own: headway and standstill distance of the run.
+        # Headway and standstill distance of the run, other than the constants of a follower.
         settings = dict(followers=3, steps=40, realizations=1000, headway=2.4, model=self.model_with(standstill_distance=5.0))
         means, variances = [], []
         for limit in ("1e9", "0.02"):

@@ -89,7 +89,7 @@ class ProgressWatch:
         with self.lock:
             self.run = None
             self.latest = (0, 0, -2, 0)  # attempt, first realization, step, messages
-            self.most = 0                # attempt
+            self.most = 0                # largest attempt
             self.connection = None
             self.changed = None          # [s] time of the latest progress
             self.finished = False
@@ -126,13 +126,13 @@ class ProgressWatch:
         return lambda: self.run not in (None, before) and self.latest[2] >= 0
 
     def more(self):
-        """A condition that holds once more is reported than just now."""
+        """A condition that holds once the reports exceed the present ones."""
         with self.lock:
             before = self.latest
         return lambda: self.latest != before and self.latest[2] >= -1
 
     def wait(self, condition, ended, deadline):
-        """When the condition held [s]; None if ended() came first; an AssertionError after the deadline."""
+        """The time [s] at which the condition held; None if ended() came first. Raises AssertionError after the deadline."""
         end = time.monotonic() + deadline
         with self.lock:
             while not condition():
@@ -165,7 +165,7 @@ class Injector:
 
     def __init__(self, watch, launches, began, say, clock=None):
         self.watch, self.launches, self.began, self.say, self.clock = watch, launches, began, say, clock
-        self.headway = None  # headway of the latest order that was answered
+        self.headway = None  # headway of the latest confirmed order
         self.stopped = {}  # process: time of its SIGCONT [s]
         self.sent = 0
 
@@ -209,7 +209,7 @@ class Injector:
         return condition
 
     def order(self, fault):
-        """Calls change_run. Returns the condition that the new run makes progress; none if the call was not answered."""
+        """Calls change_run. Returns the condition that the new run makes progress, or no condition without an answer."""
         before = self.watch.run
         try:
             rospy.wait_for_service("/platoon/change_run", 5.0)

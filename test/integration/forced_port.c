@@ -1,4 +1,4 @@
-// Preloaded: gives the XML-RPC server of the next node that starts the port that is in the file FORCED_PORT names, which it removes.
+// Preloaded: binds the XML-RPC server of the next node that starts to the port in the file named by FORCED_PORT, and removes the file.
 
 #define _GNU_SOURCE
 #include <arpa/inet.h>
@@ -24,7 +24,7 @@ int bind(int socket, const struct sockaddr* address, socklen_t size) {
     if (fscanf(file, "%d", &port) == 1) ((struct sockaddr_in*)&forced)->sin_port = htons((unsigned short)port);
     fclose(file);
     unlink(name);
-    // The system may have lent the port to somebody's connection since. A node whose server has no port would stay deaf.
+    // Another connection may use the port for a while. A node whose server has no port would never receive a call.
     for (int attempt = 0; port && attempt < 50; ++attempt) {
       if (real(socket, (const struct sockaddr*)&forced, size) == 0) return 0;
       usleep(20000);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The sockets on which a running platoon listens, and that launch/isolated makes them unreachable from outside."""
+"""Checks on which sockets a running platoon listens, and that launch/isolated makes them unreachable from outside."""
 
 import glob
 import os

@@ -78,7 +78,7 @@ class BadInput(LaunchTest):
         self.assertRegex(self.refused("output", master=master, ns="platoon2"),
                          r"output: {}: is in use by launch \S+; it is free .*when process \d+ ends".format(self.output))
         held = live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/vehicle_2", master), "a node of the first launch")
-        os.kill(held, signal.SIGSTOP)  # the first run must not end before the second launch has looked
+        os.kill(held, signal.SIGSTOP)  # the first run must not end before the second launch has checked the folder
         self.addCleanup(live_platoon.let_go_on, held)
         second = os.path.join(self.folder, "second")
         for file, arguments in (("platoon.launch", dict(hosting="one_process")), ("live.launch", dict(rviz="false"))):
@@ -214,7 +214,7 @@ class Surroundings(LaunchTest):
     def test_a_killed_channel_with_state_needs_no_timeout(self):
         settings = dict(followers=3, steps=400, realizations=2, model=live_platoon.shared("config", "lossy.yaml"))
         terminal = self.launch(batch=1, rate=100, stall_timeout=100, **settings)
-        terminal.wait_for_text("1/2 realizations")  # in the last batch: a later one would reveal the gap
+        terminal.wait_for_text("1/2 realizations")  # in the last batch: a later batch would reveal the gap
         live_platoon.kill("/platoon/channel", terminal.master)
         terminal.wait(60.0)
         self.assertEqual(live_platoon.completed_summary(self.output)["attempts"], 2)

@@ -201,7 +201,7 @@ class Analyze(unittest.TestCase):
             self.assertEqual(self.stable(model_of(3, {"delay": 2}, time_headway=h)), stable)
 
     def test_holding_makes_an_unstable_string_stable_over_an_interval_of_losses(self):
-        # At h = 2.7 |T| exceeds 1 without losses; holding is a low-pass filter.
+        # Without losses |T| exceeds 1 at h = 2.7; holding is a low-pass filter.
         theory = self.analyze(model_of(3, {"loss": {"probability": 0.0, "on_loss": "hold"}}, time_headway=2.7), 1, 2)
         self.assertFalse(theory["string_stable"])
         self.assertIsNone(theory["critical_loss_probability"])

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The states of the page in headless Chromium at the sizes of a laptop and of a phone, for 20, 100 and 500 followers. The page's
-server is fed with messages of a platoon that is not there: no node runs. PICTURES=FOLDER keeps a screenshot of each state."""
+"""The states of the page in headless Chromium at the sizes of a laptop and of a phone, for 20, 100 and 500 followers. The test
+feeds the page's server with messages of a simulated platoon; no node runs. PICTURES=FOLDER keeps a screenshot of each state."""
 
 import base64
 import math
@@ -28,7 +28,7 @@ OUTSIDE = """return [...document.querySelectorAll("#controls button, #controls i
 }).map(element => element.id || element.textContent)"""
 # The highest and the lowest y of the error bars.
 WHISKERS = """const box = document.querySelector("path.whiskers:not(.halo)").getBBox(); return [box.y, box.y + box.height]"""
-# Collects what the page offers for download instead of downloading it.
+# Collects the downloads that the page offers, without saving them.
 CAUGHT = """window.caught = []; const made = {}, make = URL.createObjectURL;
 URL.createObjectURL = blob => { const url = make.call(URL, blob); made[url] = blob; return url; };
 HTMLAnchorElement.prototype.click = function () {
@@ -87,7 +87,7 @@ class Fed(unittest.TestCase):
                     limit_variance=theory[-1] * 1.05, stable_headways=[2.8, 320.0]), **changes)), 0.1 * step)
 
     def at_both_sizes(self, name):
-        """Yields at each size, after checks that hold in every state."""
+        """Yields at each size, after the checks that apply to every state."""
         for width, height in SIZES:
             with self.subTest(width=width):
                 self.browser.show_as(width, height)
@@ -233,7 +233,7 @@ class Fed(unittest.TestCase):
         self.wait_for_page("!document.querySelector('path.theory').getAttribute('d')", "no theory")
 
     def gaps(self, followers, **changes):
-        """Smallest gaps that fall along the string to below 0."""
+        """Smallest gaps that decrease along the string to below 0."""
         smallest = [2.5 * math.cos(2.6 * i / followers) + 0.2 * math.sin(7.0 * i) for i in range(followers)]
         collisions = [round(300.0 * (1.0 - math.exp(g))) if g < 0.0 else 0 for g in smallest]
         return dict(dict(smallest_gap=smallest, smallest_gap_realization=[1000 + i for i in range(followers)], smallest_gap_step=[60] * followers,

@@ -78,7 +78,7 @@ class Models(InFolder):
         self.assertEqual(model.replace({"channel/delay": 2}).to_dict()["channel"]["delay"], 2)
         self.assertEqual(model.replace(loss=0.1).vehicle(1).loss_probability, 0.1)
         self.assertEqual(model.replace(headway_seconds=0.3).time_headway, 0.3 / 0.1)
-        # In a model whose file has seconds, too.
+        # Also in a model whose file gives seconds.
         self.assertEqual(sp.Model.load("acc.yaml").replace(time_headway=40.0).time_headway_seconds, 0.4)
         self.assertEqual(model.replace({"controller/numerator/0": 1.0}).to_dict()["controller"]["numerator"], [1.0, 0.0])
 

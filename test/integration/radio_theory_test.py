@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Compares analyze with independent computations for random cars with radar and radio: stationary variances, their shares, the limit
 and the verdict with Gamma at many frequencies in extended precision, and mean and variance of every step with the second moments of
-the whole string, in which every pattern of lost inputs occurs with its probability.
+the whole string, over all patterns of lost inputs with their probabilities.
 
 radio_theory_test.py [ANALYZE] [--models M] [--seed SEED]
 """
@@ -136,7 +136,7 @@ def stationary(car, cuts):
 
 
 class Dense:
-    """Means and second moments of a string behind its leader. The state: of each vehicle the last y and u, e and h y; of each radio
+    """Means and second moments of a string behind its leader. State: for each vehicle the last y and u, e and h y; for each radio
     the delayed inputs and the values used before."""
 
     def __init__(self, car):
@@ -182,7 +182,7 @@ class Dense:
         return row
 
     def matrices(self):
-        """One step as a matrix, the leader's and the noises' columns, for every pattern of losses and its probability."""
+        """For every pattern of losses: its probability, and one step as matrix, leader's column and noises' columns."""
         zero, sources = np.zeros(2 * DENSE_FOLLOWERS, LONG), 2 * DENSE_FOLLOWERS
         for lost in itertools.product([False, True] if self.car.q > 0 else [False], repeat=DENSE_FOLLOWERS):
             a = self.step(np.eye(self.count, dtype=LONG), np.zeros(self.count, LONG), np.zeros((sources, self.count), LONG), lost)
@@ -217,7 +217,7 @@ class Dense:
 def check(name, model, found):
     car = Car(model)
     before = None
-    for cuts in (3, 5, 10, 20, 40):  # until the reference has settled
+    for cuts in (3, 5, 10, 20, 40):  # until the reference converges
         rows, excess, loss_gain, limit = stationary(car, cuts)
         if before is not None and np.max(abs(rows / before - 1)) < CLOSE / 10:
             break

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Recordings in the place of a model: drives that vehicle 0 follows, with exact means, and losses of a link; in every hosting to the
-bit."""
+"""Recorded drives that vehicle 0 follows, with exact means, and recorded losses of a link: equal to the bit in every
+hosting."""
 
 import collections
 import csv
@@ -171,7 +171,7 @@ class Recorded(LaunchTest):
                     counted[i, age] += 1
         self.assertEqual({(i, age): count for i, age, count in rows if count > 0}, dict(counted))
 
-    # Below a gap of 2.5 m everything is lost but a chance of 1e-12, beyond it nothing: each loss follows from the gap one step earlier.
+    # Below a gap of 2.5 m every position is lost (but for a probability of 1e-12), beyond it none: the gap one step earlier decides.
     def test_losses_follow_from_the_gap_of_the_step_before(self):
         leader = {"speed": [{"from_step": k, "value": 8.0 + 8.0 * math.sin(0.1 * k)} for k in range(120)]}
         table = [[2.5, 1.0 - 1e-12], [2.5 + 1e-9, 0.0]]
@@ -183,7 +183,7 @@ class Recorded(LaunchTest):
         folder = self.monte_carlo("gap", "--trajectories", model=model, followers=2, steps=120, realizations=4, only=2)
         positions = self.positions_of(folder)
         for i in (1, 2):
-            place, state, held, losses = -1.0 * i, np.zeros(len(b)), 0.0, 0  # held: about its place
+            place, state, held, losses = -1.0 * i, np.zeros(len(b)), 0.0, 0  # held: relative to its place
             for k, position in enumerate(positions[i - 1]):
                 self.assertAlmostEqual(c @ state, positions[i][k] - place, delta=1e-9)
                 lost = k > 0 and positions[i - 1][k - 1] - positions[i][k - 1] - 1.7 < 2.5

@@ -34,7 +34,7 @@ class Run(unittest.TestCase):
             return
         self.assertLess(self.summary["agreement"]["max_abs_z_mean"], 5.5)
         self.assertLess(self.summary["agreement"]["max_abs_z_variance"], 5.5)
-        self.assertGreater(self.summary["agreement"]["max_abs_z_variance"], 0.5)  # it is measured, not computed
+        self.assertGreater(self.summary["agreement"]["max_abs_z_variance"], 0.5)  # a measurement, not a copy of the theory
 
     def test_it_equals_monte_carlo_to_the_bit(self):
         reference = live_platoon.reference(self.output, followers=self.followers, steps=self.steps, headway=self.headway,

@@ -56,7 +56,7 @@ class Picture(LaunchTest):
         terminal = self.launch("live.launch", followers=5, rate=20)
 
         def in_order():
-            """Seen from behind: the last vehicle is nearest, at the lower left. At the start they stand in one place, apart by the noise alone."""
+            """Seen from behind: the last vehicle is nearest, at the lower left. At the start only noise separates the vehicles."""
             self.assertIsNone(terminal.process.poll(), terminal.text())
             found = places(picture(frame_buffer))
             if None in found:

@@ -60,7 +60,7 @@ class SeveralMachines(LaunchTest):
     def setUp(self):
         super().setUp()
         network("link set lo up")
-        # A fixed hardware address: by default it is the lowest of the ports' and changes with them, which the others learn late.
+        # A fixed hardware address: the default is the lowest of the ports' addresses, and the machines notice its changes late.
         network("link add road address 02:00:00:00:00:fe type bridge")
         network("address add {}/24 dev road".format(BRIDGE))
         network("link set road up")

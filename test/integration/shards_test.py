@@ -129,7 +129,7 @@ int rename(const char* from, const char* to) {
 
 class Interrupted(ShardsTest):
     def interrupted(self, signals, *words):
-        """Starts a run, sends it these signals one after another from its first checkpoint on; returns status and output of the last."""
+        """Runs a command once per signal and sends the signal after a checkpoint; returns status and output of the last run."""
         file = self.path("run", "checkpoint.cbor")
         for number in signals:
             before = os.stat(file).st_mtime_ns if os.path.exists(file) else None

@@ -1,5 +1,5 @@
-// Preloaded: the clock of the day is what it is, and so many nanoseconds more as the file SHIFTED_CLOCK holds (8 bytes). What is written
-// there is a jump of the clock for every process that has this. Waits until a time of day end at the same moment as without it.
+// Preloaded: adds the number of nanoseconds (8 bytes) in the file named by SHIFTED_CLOCK to the time of day. Writing to the file makes the
+// clock jump for every process that has this library. Waits until a time of day end at the same moment as without it.
 
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -62,7 +62,7 @@ time_t time(time_t* time) {
   return now.tv_sec;
 }
 
-// A time since the start of the machine is a small one.
+// Small values are times since the start of the machine, which do not shift.
 static struct timespec unshifted(const struct timespec* until) {
   return until->tv_sec > 1000000000 ? moved(*until, -*shift) : *until;
 }

@@ -52,7 +52,7 @@ class LinkedPlatoon:
         self.vehicles = link_reference.vehicles_of(model, FOLLOWERS + 2 * self.pattern)
 
     def motion(self, vehicle, received, initial=0.0):
-        """y from step -1 on, given what is received from step -1 on and the own position before the first input."""
+        """y from step -1 on, for the inputs received from step -1 on and the vehicle's position before the first input."""
         b, a = link_reference.polynomials_of(vehicle)
         b = np.concatenate([np.zeros(len(a) - len(b)), b])
         state = lfiltic(b, a, np.full(len(a), initial), np.full(len(a), initial)) if initial else np.zeros(len(a) - 1)
@@ -70,7 +70,7 @@ class LinkedPlatoon:
         return rows
 
     def responses(self):
-        """The mean positions, and (variance, whether a noise, positions) of every source; rows 0 .. FOLLOWERS from step -1 on."""
+        """The mean positions, and (variance, True for a noise, positions) for every source; rows 0 .. FOLLOWERS, from step -1 on."""
         speed = np.zeros(STEPS + 1)
         for change in self.model["leader"]["speed"]:
             speed[change["from_step"] + 2:] = change["value"]
@@ -90,7 +90,7 @@ class LinkedPlatoon:
         return link_reference.vehicles_of({k: v for k, v in self.model.items() if k != "string"}, 1)[0]
 
     def spectra(self):
-        """Weights, w, and of every vehicle T z^-m and the spectrum its noise adds."""
+        """Weights, w, and for every vehicle T z^-m and the spectrum that its noise adds."""
         nodes, weights = np.polynomial.legendre.leggauss(32)
         edges = np.concatenate([[0.0], np.pi * 2.0 ** -np.arange(12.0, 3.0, -1.0), np.linspace(np.pi / 8, np.pi, 60)])
         half = (edges[1:] - edges[:-1]) / 2

@@ -32,7 +32,7 @@ def check(model_name, platoon, found, wanted):
         worst[name] = np.max(abs(value - reference) / (abs(reference) if scale is None else scale))
 
     def conditioned(values):
-        """The scale of risks exp(-a^2 / 2), which an error of the variance changes a^2 times as much."""
+        """The scale of risks exp(-a^2 / 2): their relative error is a^2 times that of the variance."""
         return np.maximum(values, 1e-30) * np.maximum(1.0, -2.0 * np.log(np.maximum(values, 1e-30)))
 
     # Every step.

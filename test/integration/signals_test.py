@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Gap, speed, acceleration and jerk: the same bits in every hosting, after kills, of shards and from a bag; beside the theory; and the
-worst realization replayed."""
+"""Gap, speed, acceleration and jerk: the same bits in every hosting, after kills, from shards and from a bag; agreement with the theory;
+replay of the worst realization."""
 
 import csv
 import json
@@ -103,7 +103,7 @@ class Signals(LaunchTest):
         for row in rows_of(self.path("many"), "signals.csv"):
             mean, variance, of_mean, of_variance = (float(row[name]) for name in
                                                     ("mean", "variance", "theoretical_mean", "theoretical_variance"))
-            if of_variance < 1e-12:  # noise has not reached the vehicle: rounding alone
+            if of_variance < 1e-12:  # noise has not reached the vehicle: only rounding errors
                 self.assertLess(abs(mean - of_mean) + variance, 1e-6, row)
                 continue
             largest["mean"] = max(largest["mean"], abs(mean - of_mean) / math.sqrt(of_variance / realizations))

@@ -107,7 +107,7 @@ def draw_headway(rng):
 
 
 def draw_order(rng, nodes):
-    """change_run, usually with a kill as soon as it is answered: of the node that takes it, of it and the leader, or of all."""
+    """change_run, usually with a kill as soon as it is confirmed: of the node that receives it, of this node and the leader, or of all."""
     takes = [node for node in nodes if node in ("monitor", "platoon")]
     victims = rng.choice(([], takes, takes, takes + [node for node in nodes if node == "vehicle_0"], nodes))
     return [Fault("ORDER", "monitor", 0.0, 0.0, draw_headway(rng))] + [Fault("SIGKILL", victim, 0.0, 0.0) for victim in victims]

@@ -82,7 +82,7 @@ class BadInput(unittest.TestCase):
 @unittest.skipIf(live_platoon.SANITIZED, "a sanitizer has memory of its own")
 class Memory(unittest.TestCase):
     def test_that_of_a_monte_carlo_does_not_grow_with_the_realizations(self):
-        """Each realization is a block of 320 kB. Blocks that wait for those of another thread must not accumulate."""
+        """Each realization is a block of 320 kB. Blocks that wait for other threads must not accumulate."""
         with tempfile.TemporaryDirectory() as folder:
             process = subprocess.Popen([live_platoon.executable("monte_carlo"), "--followers", "50", "--steps", "400", "--batch", "1",
                                         "--realizations", "4000", "--threads", "4", "--output", os.path.join(folder, "run")],
@@ -90,13 +90,13 @@ class Memory(unittest.TestCase):
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = status
         self.assertEqual(status, 0)
-        # 32 MB per thread, and as much again for each thread that the system holds up, plus the blocks being merged: 0.23 to 0.5 GB.
+        # 32 MB per thread, twice that for each thread that the system delays, plus the blocks being merged: 0.23 to 0.5 GB.
         # All blocks together are 1.3 GB.
         self.assertLess(usage.ru_maxrss, 900000)
 
 
 class Repeat(unittest.TestCase):
-    """monte_carlo --repeat SUMMARY: the run that a summary states, once more."""
+    """monte_carlo --repeat SUMMARY repeats the run of a summary."""
 
     def setUp(self):
         self.folder = tempfile.mkdtemp()
@@ -140,7 +140,7 @@ class Repeat(unittest.TestCase):
 
 @unittest.skipUnless(os.path.exists(live_platoon.executable("monte_carlo") + "_without_avx2"), "needs GCC on x86-64")
 class VectorWidths(unittest.TestCase):
-    """The programs without AVX-512, and without AVX2 and FMA, take the narrower versions of everything that has several."""
+    """Without AVX-512, and without AVX2 and FMA, the programs use the narrower versions of all vectorised functions."""
 
     def monte_carlo(self, name, *arguments):
         with tempfile.TemporaryDirectory() as folder:

@@ -20,7 +20,7 @@ EXAMPLES = os.path.join(PACKAGE, "launch", "examples")
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
 VALUE = re.compile(r"#\s+(-?\d[\d.]*(?:e-?\d+)?|True|False|\(\d[\d, ]*\))(?:$|[ ,:])")
 DECIMAL = re.compile(r"(?<![\w.])\d+\.\d+")
-# Largest difference of a drawn and a shipped picture, mean over the pixels, from 0 to 1. The reduction to 256 colours makes up to
+# Largest difference of a drawn and a shipped picture, mean over the pixels, from 0 to 1. The reduction to 256 colours causes up to
 # 2e-4, twenty points of another colour 1e-3. Other versions of matplotlib place texts elsewhere.
 SAME_PICTURE = 6e-4
 SHIPPED_BY = "3.6."

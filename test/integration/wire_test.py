@@ -54,7 +54,7 @@ class Wire(unittest.TestCase):
 
     @classmethod
     def now(cls):
-        """A progress report from the middle of a batch: its step -1 and its present step are certainly past."""
+        """A progress report from the middle of a batch: step -1 and the reported step are certainly past."""
         return live_platoon.wait_for(
             lambda: next((p for p in cls.progress[-1:] if p.first_realization >= 100 and p.step >= 2), None), "the first batches")
 
@@ -89,8 +89,8 @@ class Wire(unittest.TestCase):
             return all(words in cls.said for words in wanted)
 
         live_platoon.wait_for(all_said, "the second publishers to be named", 20)
-        # The publishers stay: if they ended, the master would update the nodes' lists of publishers and thereby end the forged
-        # links.
+        # The publishers keep running: if they ended, the master would update the nodes' lists of publishers and thereby end the
+        # forged links.
         cls.second_publishers = publishers + [reporter]
 
     @classmethod

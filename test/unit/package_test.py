@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The package's files agree with each other: imported packages are declared in package.xml, and named files exist."""
+"""The package's files agree with each other: package.xml declares the imported packages, and the named files exist."""
 
 import ast
 import os

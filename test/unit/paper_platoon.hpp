@@ -12,7 +12,7 @@ inline PlatoonModel paper_platoon(double headway = 3.2) {
   return {VehicleModel{close_loop(plant, controller, headway), headway, 0.0, 0.6}, LeaderProfile({{0, 20.0}}, 0.1)};
 }
 
-/// Everything that can be there is: standstill distance, random initial positions, changes of speed.
+/// The paper's example with all options: standstill distance, random initial positions, changes of speed.
 inline PlatoonModel eventful_platoon(double headway) {
   PlatoonModel model = paper_platoon(headway);
   model.default_vehicle().standstill_distance = 7.0;

@@ -21,7 +21,7 @@ def gain(headway):
 
 
 def table(followers=3, headway=3.2, theory=True, noise=0.5):
-    """Rows of amplification.csv behind a sinusoid, the measurement 1 % above the theory."""
+    """Rows of amplification.csv for a sinusoidal leader, with measurements 1 % above the theory."""
     t, lines = gain(headway), ["vehicle," + ",".join(FIGURES + ["theoretical_" + name for name in FIGURES] + ["rms_jerk"])]
     for i in range(followers + 1):
         ratios = [t, t, t ** i, t ** i] if i else [""] * 4

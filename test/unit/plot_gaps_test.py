@@ -13,8 +13,8 @@ sys.dont_write_bytecode = True
 from plot_test import PlotTest, plot  # noqa: E402
 
 HEADWAY, GAIN, NOISE, STANDSTILL, PERIOD = 3.2, 1.35, 0.6, 2.0, 0.1
-SIGMA = np.sqrt(0.169296)  # [m], of follower 1's gap in the steady state
-WIDTH = 0.1  # [m], of a bin
+SIGMA = np.sqrt(0.169296)  # [m] of follower 1's gap in the steady state
+WIDTH = 0.1  # [m] width of a bin
 
 
 def positions(followers, steps, realizations, seed=1, standstill=STANDSTILL):

@@ -26,7 +26,7 @@ plot = importlib.util.module_from_spec(importlib.util.spec_from_loader("plot_pro
 loader.exec_module(plot)
 
 HEADING = "vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance"
-COUNT = 101  # realizations: the standard error of a variance is sqrt(2 / 100) of it
+COUNT = 101  # realizations: the relative standard error of a variance is sqrt(2 / 100)
 
 
 def transfer(headway, gain=1.35):
@@ -228,7 +228,7 @@ class Figures(PlotTest):
         shutil.copytree(os.path.join(TOOLS, "plotting"), self.path("plotting"))
         os.mkdir(self.path("elsewhere"))
         os.symlink(self.path("plot"), self.path("elsewhere", "plot"))
-        # A relay as in catkin's devel space: a script that runs the program in place of itself.
+        # A relay as in catkin's devel space: a script that runs the program.
         self.write("path = {!r}\nexec(compile(open(path).read(), path, 'exec'), {{'__file__': path, '__name__': "
                    "'__main__'}})\n".format(self.path("elsewhere", "plot")), "elsewhere", "relay")
         for command in ([self.path("elsewhere", "plot")], [sys.executable, self.path("elsewhere", "relay")]):

@@ -11,7 +11,7 @@
 
 namespace platoon {
 
-/// A folder of its own for one test, removed with all it holds.
+/// A folder for one test, removed with its contents.
 class TemporaryFolder {
 public:
   TemporaryFolder() {
@@ -29,14 +29,14 @@ public:
   const std::string& path() const { return path_; }
   std::string operator/(const std::string& name) const { return path_ + "/" + name; }
 
-  /// Names of what the folder holds, in no particular order.
+  /// Names of the folder's entries, in any order.
   std::vector<std::string> entries() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(path_)) names.push_back(entry.path().filename());
     return names;
   }
 
-  /// Puts a file there and returns its path.
+  /// Writes a file to the folder and returns its path.
   std::string file(const std::string& name, const std::string& content) const {
     std::ofstream(*this / name, std::ios::binary) << content;
     return *this / name;

@@ -176,7 +176,7 @@ class State(unittest.TestCase):
         self.assertEqual((document["attempt"], document["restarts"]), (2, 1))
         restart, = [event for event in document["events"] if event["kind"] == "restart"]
         self.assertEqual((restart["step"], restart["text"]), (290, "attempt 2: the platoon begins again at step 0; averages keep the steps before"))
-        # A monitor that was started again has no attempt at first, then the latest one.
+        # A restarted monitor has no attempt at first, then the latest one.
         self.state.take_overview(endless(3, 0, attempt=0), 40.0)
         self.state.take_overview(endless(3, 0, attempt=2), 40.0)
         self.state.take_overview(endless(3, 10, attempt=3), 40.0)
@@ -235,7 +235,7 @@ class State(unittest.TestCase):
         self.assertEqual(statistics["seconds_left"], 7.0)
 
     def test_memory_does_not_grow_with_the_length_of_a_run(self):
-        """Two hours of 20 followers at 10 steps a second; the second hour must not take more memory."""
+        """Two hours of 20 followers at 10 steps a second; the second hour must not need more memory."""
         self.state.take_configuration(configuration(20, 0))
 
         def hour(first):

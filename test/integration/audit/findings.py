@@ -19,7 +19,7 @@ class Findings:
             self.failures.append("%s: %s%s is off by %.3g, allowed are %.3g" % (name, what, place, error, allowed))
 
     def compare(self, what, ours, theirs, allowed, name, place=""):
-        """Compares a value of the audit (ours) with that of analyze (theirs; None: null reported)."""
+        """Compares a value of the audit (ours) with that of analyze (theirs; None if analyze reports null)."""
         if theirs is None:
             self.note(what, math.inf, 1, name, "%s (%.12g; null is reported)" % (place, ours))
         else:

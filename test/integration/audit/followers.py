@@ -137,7 +137,7 @@ class Follower:
         return self.factors
 
     def flatness(self):
-        """The number of zeros of 1 - |T^|^2 at t = 0 beyond the first."""
+        """The number of zeros of 1 - |T^|^2 at t = 0, without the first."""
         return sum(1 for t in self.margin_roots if t == 0)
 
     def slope_at_zero(self):

@@ -86,9 +86,9 @@ class Loop:
         return squared_norm(s, times([mpf(1), mpf(0)], factor)) / scale - 1
 
     def undetermined_limit(self):
-        """The relative part of the limit that T leaves undetermined where it misses T(1) = 1 and dT/dz(1) = -h: the larger of this
-        defect and of the distance between the limits of two loops that do not miss T(1) = 1. One omits the remainder of |D|^2 -
-        |N|^2 at w = 0, the other scales N. Their distance exceeds the defect where |T| stays near 1."""
+        """The relative part of the limit that T leaves undetermined where it violates T(1) = 1 and dT/dz(1) = -h: the larger of this
+        defect and of the distance between the limits of two loops with T(1) = 1. One omits the remainder of |D|^2 - |N|^2 at
+        w = 0, the other scales N. Their distance exceeds the defect where |T| stays near 1."""
         gain = value(self.n, mpf(1)) / value(self.d, mpf(1))
         scaled = Loop([a / gain for a in self.n], self.d, self.h)
         return max(self.integral_defect(), abs(scaled.limit() / self.limit() - 1))

@@ -113,7 +113,7 @@ def zeros(p, start=None):
         with np.errstate(all="ignore"):
             start = np.roots([float(a) for a in p])
     if len(start) == len(p) - 1 and np.isfinite(start).all() and (start != 0).all():
-        # Separates the start values and moves them off the real axis, which the iteration could not leave.
+        # Separates the start values and moves them off the real axis: the iteration cannot leave it.
         start = start * (1 + 1e-9 * np.exp(1j * np.arange(1, len(start) + 1)))
         found = improved(p, start)
     if found is None:

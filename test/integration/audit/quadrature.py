@@ -51,7 +51,7 @@ def graded(singular):
         edges.append(centre)
     edges = sorted(e for e in set(edges) if 0.0 <= e <= PI)
     kept = [edges[0]]
-    for e in edges[1:]:  # without the slivers that several singularities cause
+    for e in edges[1:]:  # without the short intervals that several singularities cause
         if e - kept[-1] > 0.2 * min([max(abs(e - w.real), abs(w.imag)) for w in singular] + [max(e, 1e-9)]):
             kept.append(e)
     kept[-1] = PI

@@ -4,7 +4,7 @@ from mpmath import mp, mpf
 
 
 def pulse_transfer(period, lag, delay):
-    """The pulse transfer function of a car, in 120 digits. A delay of whole samples to the rounding of its quotient is whole."""
+    """The pulse transfer function of a car, in 120 digits. A delay within rounding of whole samples counts as whole."""
     period, lag, delay = mpf(period), mpf(lag), mpf(delay)
     if abs(delay / period - mp.nint(delay / period)) <= mpf(2) ** -49 * (delay / period):
         delay = mp.nint(delay / period) * period

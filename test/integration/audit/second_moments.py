@@ -79,7 +79,7 @@ class Follower:
         self.end = start + sum(sizes)
 
     def begin(self, own, ahead):
-        """Sets the coefficients of the own and of the predecessor's initial position in every place after step -1."""
+        """Sets the coefficients of the initial positions of the vehicle and of its predecessor in every place after step -1."""
         gain, rest = self.at_one
         for place in self.registers.places:
             own[place] = 1 / gain

@@ -153,7 +153,7 @@ def flat(draw):
         curve = [1.0]
         for _ in range(power):
             curve = np.convolve(curve, [-0.5, 1.0, -0.5])
-        if power == 3:  # with noise without power at w = 0 a limit exists, but needs more digits than this audit has
+        if power == 3:  # if the noise has no power at w = 0, a limit exists but needs more digits than this audit has
             model["channel"].pop("noise_filter", None)
         response = -c * curve
         response[power] += 1

@@ -1,4 +1,4 @@
-// The README's "To add": a vehicle, a channel and a statistic of one's own, each in a few lines.
+// The README's "To extend it": a new vehicle, channel and statistic, each in a few lines.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ PlatoonModel shipped(const std::string& name) {
   return parse_model(load_yaml(PLATOON_SOURCE_DIR "/config/" + name));
 }
 
-// A vehicle that is no plant and controller: A, B, C in a model file.
+// A vehicle without plant and controller: A, B, C in a model file.
 TEST(HowToAdd, AVehicleByItsClosedLoop) {
   const std::vector<Moments> given =
       monte_carlo(shipped("closed_loop.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {
@@ -41,9 +41,9 @@ TEST(HowToAdd, AVehicleByItsClosedLoop) {
   for (std::size_t c = 0; c < given.size(); ++c) EXPECT_NEAR(given[c].mean, designed[c].mean, 1e-11);
 }
 
-// A channel: a stage of the link. This one sends a position only when it is further than a threshold from the last
-// one sent, which stands until then (an event-triggered sender). It keeps state: start() fills it, step() takes
-// its turn. Its line in model/link.cpp puts it among the other stages.
+// A channel: a stage of the link. This one sends a position only if it differs from the last one sent by more than a
+// threshold; otherwise the last one holds (an event-triggered sender). It keeps state: start() sets it, step() updates
+// it. A line in model/link.cpp adds the stage to the others.
 class EventTriggered : public LinkStage {
 public:
   explicit EventTriggered(double threshold) : threshold_(threshold) {}
@@ -87,7 +87,7 @@ TEST(HowToAdd, AChannelAsAStageOfTheLink) {
   EXPECT_LT(largest, 0.5 * 2.69) << "the threshold times the sum of |HT|'s impulse response";
 }
 
-// A statistic: fed with every zeta_i(k); counts can be merged in any order, so it is the same for every batch size.
+// A statistic: receives every zeta_i(k). Counts can be merged in any order, so the batch size has no effect.
 class Exceedances {
 public:
   void add(std::size_t follower, const std::vector<double>& errors) {

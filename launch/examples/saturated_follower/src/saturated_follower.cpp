@@ -1,4 +1,4 @@
-// The paper's vehicle behind an actuator that saturates, abs(u) <= limit: no theory speaks of it. Parameters: ~index
+// The paper's vehicle with an actuator that saturates, abs(u) <= limit; there is no theory for it. Parameters: ~index
 // (i of vehicle_<i>), ~limit [m per sample period squared]. Headway and standstill distance are those of the run.
 
 #include <ros/ros.h>
@@ -39,7 +39,7 @@ struct Dynamics {
 }  // namespace
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "saturated_follower");  // not anonymous: within a run the topic is this name's
+  ros::init(argc, argv, "saturated_follower");  // not anonymous: within a run the topic belongs to this name
   const ros::NodeHandle own("~");
   const int index = own.param("index", 0);
   if (index < 1) {

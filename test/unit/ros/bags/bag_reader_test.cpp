@@ -22,10 +22,10 @@ constexpr std::int64_t kSteps = 12;
 const std::string kPosition = "/platoon/vehicle_1/position", kReceived = "/platoon/vehicle_1/predecessor_position",
                   kConfiguration = "/platoon/configuration";
 
-/// Recordings of a vehicle's positions and of what it received, in batches of three steps.
+/// Recordings of a vehicle's positions and its received positions, in batches of three steps.
 class BagReaderTest : public testing::Test {
 protected:
-  // Steps from `first` on, of so many positions.
+  // Records kSteps steps from `first` on, with `size` positions each; returns the file name.
   std::string record(const std::string& name, const std::string& compression, std::int64_t first = 0,
                      std::size_t size = 4) const {
     BagWriter bag(folder_ / name, "", compression, {kConfiguration, "{}"});
@@ -106,7 +106,7 @@ TEST_F(BagReaderTest, ReadsWhatWasWritten) {
   }
 }
 
-// The number is prime to those of bits in what repeats. A copy in lz4 may begin at another place of the same bytes.
+// 509 is coprime to the period of repeated contents in bits. A copy in lz4 may begin elsewhere in the same bytes.
 TEST_F(BagReaderTest, RefusesAFileWithAFlippedBitThatChangesAMessage) {
   for (const char* compression : {"none", "lz4"}) {
     const std::string file = record("run.bag", compression), content = content_of(file);
@@ -127,10 +127,10 @@ TEST_F(BagReaderTest, RefusesAFileWithAFlippedBitThatChangesAMessage) {
   }
 }
 
-// rosbag takes what it says there for a place in the chunk.
+// rosbag uses these values as offsets within the chunk.
 TEST_F(BagReaderTest, RefusesAFileWithAnyFlippedBitInItsIndex) {
   const std::string file = record("run.bag", "none"), content = content_of(file);
-  const std::size_t index = content.find("count=", 4200);  // behind the header of the file and the chunk
+  const std::size_t index = content.find("count=", 4200);  // after the header of the file and the chunk
   ASSERT_NE(index, std::string::npos);
   for (std::size_t bit = 8 * index; bit < 8 * content.size(); bit += 31) {
     std::string bent = content;

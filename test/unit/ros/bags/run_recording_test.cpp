@@ -23,7 +23,7 @@ using stochastic_platoon::Position;
 constexpr std::uint64_t kSome = 2000;
 constexpr std::uint64_t kManyPositions = 500000;  // 4 MB a message
 
-/// A run of two followers and steps -1 .. 2, its messages sent by hand.
+/// A run of two followers and steps -1 .. 2; the test sends its messages.
 class RunRecordingTest : public testing::Test {
 protected:
   using Place = std::tuple<std::uint32_t, std::uint64_t, std::int64_t>;  // attempt, first realization, step
@@ -45,7 +45,7 @@ protected:
     return recorder->receive(stream, message);
   }
 
-  // Steps -1 .. last of a batch, every stream ahead of the one behind it.
+  // Sends steps -1 .. last of a batch, one stream after the other.
   static void send(RunRecording* recorder, std::uint32_t attempt, std::uint64_t first, std::size_t size,
                    std::int64_t last = 2) {
     for (std::size_t stream = 0; stream < kStreams; ++stream) {
@@ -63,13 +63,13 @@ protected:
     recorder->receive(message);
   }
 
-  // Ends as if it were killed in the midst of a batch: no index, and the last kilobytes missing.
+  // Ends the recording like a kill in the middle of a batch: no index, and the last kilobytes are missing.
   static void kill_in(RunRecording* recorder, std::uint32_t attempt, std::uint64_t first, std::size_t size) {
     send(recorder, attempt, first, size, 1);
     recorder->abandon();
   }
 
-  // What the positions of vehicle 0 in the file belong to, in its order.
+  // The places of the positions of vehicle 0 in the file, in its order.
   std::vector<Place> places_in(const std::string& file) const {
     std::vector<Place> places;
     std::size_t messages = 0;
@@ -160,7 +160,7 @@ TEST_F(RunRecordingTest, OfTheSameLaunchGoesOnBehindTheWholeBatches) {
   {
     RunRecording killed(configuration, "/platoon");
     send(&killed, 1, 0, 1);
-    send(&killed, 2, 0, 1);  // another receiver needs it again
+    send(&killed, 2, 0, 1);  // repeated for another receiver
     send(&killed, 2, 1, 1);
     send(&killed, 2, 2, 1, 1);
     killed.stop();
@@ -227,7 +227,7 @@ TEST_F(RunRecordingTest, WritesOverAFileThatBroughtNothing) {
 
 TEST_F(RunRecordingTest, ReadsOnlyTheEndOfWhatItGoesOnBehind) {
   constexpr std::uint64_t kMany = 200000;  // a chunk for each message
-  // What a reader of the whole file would stumble on, each in the middle of it.
+  // Bytes whose damage would stop a reader of the whole file, in the middle of the file.
   const std::vector<std::pair<std::string, std::string>> marks{{"none", std::string("op=") + '\2'},
                                                                {"lz4", "compression=lz4"}};
   for (const auto& [compression, mark] : marks) {
@@ -257,7 +257,7 @@ TEST_F(RunRecordingTest, ReadsOnlyTheEndOfWhatItGoesOnBehind) {
   }
 }
 
-// That a disk loses what it had taken is rare; that nobody notices must not be.
+// A disk rarely loses accepted data; the recorder must always notice.
 TEST_F(RunRecordingTest, RecordsAgainWhatCannotBeReadAnyMore) {
   const Configuration configuration = run(3 * kSome, kSome);
   {

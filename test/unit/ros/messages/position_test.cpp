@@ -60,7 +60,7 @@ TEST(Later, StandsStillAtTheEndOfAllStamps) {
   EXPECT_EQ(later(ros::Time(0xffffffff, 0), platoon_period(1e6)), ros::TIME_MAX);
 }
 
-// On the wire seconds and nanoseconds may be anything.
+// A message on the wire may have any seconds and nanoseconds.
 TEST(Later, TakesWhatIsNoTime) {
   ros::Time none;
   none.sec = none.nsec = 0xffffffff;

@@ -18,7 +18,7 @@ std::string serialized(const Message& message) {
   return bytes;
 }
 
-// It is whole, no beginning of it is, and no bit of a length may grow.
+// Accepts the whole message, rejects every truncation of it and every length with an additional bit.
 template <typename Message>
 void expect_arrays_held(const Message& message) {
   const std::string whole = serialized(message);

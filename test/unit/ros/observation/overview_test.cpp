@@ -73,7 +73,7 @@ TEST(Overview, ThinsALongRunButKeepsTheLargestScoreOfAllItsCellsWhenItIsComplete
   const Configuration configuration = long_run(300, 200);
   const Prediction prediction = predict(configuration);
   RunResult result = result_with(configuration, prediction, 0.5);
-  result.moments[cell(150, 100, 200)].mean += 100.0;  // step 100 is none of the columns
+  result.moments[cell(150, 100, 200)].mean += 100.0;  // step 100 is not among the columns
   auto overview = overview_of(configuration.run, prediction, result);
   EXPECT_EQ(overview.step.size(), 66U);  // 20000 cells
   EXPECT_EQ(overview.step.back(), 199);

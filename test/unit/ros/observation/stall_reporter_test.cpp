@@ -32,7 +32,7 @@ protected:
                  {"/p/vehicle_0/position", "/p/vehicle_1/position", "/p/vehicle_2/position", "/p/vehicle_3/position"}) {
   }
 
-  // Each follower publishes a step ahead of its predecessor; vehicle 2 stops behind its step -1.
+  // Each follower publishes a step ahead of its predecessor; vehicle 2 stops after its step -1.
   void stop_at_vehicle_2(std::uint32_t attempt, double present) {
     for (const auto& [vehicle, last] :
          std::vector<std::pair<std::size_t, std::int64_t>>{{0, 0}, {1, 1}, {2, -1}, {3, 0}})
@@ -76,7 +76,7 @@ TEST_F(StallReporterTest, NamesTheVehicleThatBlocksAndWhenItResumes) {
   EXPECT_EQ(reporter.culprit(), "");
 }
 
-// Once its note of a missed attempt was added to every later stall of the vehicle.
+// Regression: the note of a missed attempt was added to every later stall of the vehicle.
 TEST_F(StallReporterTest, ANoticeExplainsItsOwnAttemptOnly) {
   stop_at_vehicle_2(1, 0.1);
   reporter.receive("vehicle_2", {Progress::MISSED, 1, "has missed messages of attempt 1"});

@@ -90,7 +90,7 @@ TEST_F(ConfigurationTest, TheBurnInOfAnEndlessRunIsItsSettlingTime) {
   const Configuration chosen = configured({{"steps", "0"}});
   EXPECT_EQ(chosen.run.burn_in, *settling_steps(chosen.model, 20));
   EXPECT_EQ(configured({{"steps", "0"}, {"burn_in", "7"}}).run.burn_in, 7);
-  // It is chosen anew with every change of the run, as the configuration travels as text.
+  // Every change of the run, which is passed on as text, chooses the default anew.
   const Configuration slower = parse_configuration(
       configuration_document(parse_configuration(to_json(chosen).dump()), {{"headway", "30"}, {"followers", "40"}}));
   EXPECT_EQ(slower.run.burn_in, *settling_steps(slower.model, 40));
@@ -264,7 +264,7 @@ TEST(Configuration, TakesLossAndDelayAsItTakesTheHeadway) {
   EXPECT_FALSE(parse_configuration(configuration_document({{"model", model}})).model.default_vehicle().link.loss);
 }
 
-// What the losses of every link add to every vehicle behind it takes followers^2 x steps.
+// The contributions of all links to all vehicles behind them cost followers^2 x steps.
 TEST(ParseConfiguration, RefusesALossyStringWhoseTheoryWouldTakeHours) {
   const std::string model = PLATOON_SOURCE_DIR "/config/paper.yaml";
   const auto document = [&](const char* followers, const char* loss) {

@@ -100,7 +100,7 @@ TEST(DesignSection, NamesWhatIsWrong) {
                  "plant/continuous/denominator: no double integrator: must be");
 }
 
-// A headway of the command line replaces that of the file, whatever its unit.
+// A headway of the command line replaces that of the file, in either unit.
 TEST(DesignSection, TakesAHeadwayInEitherUnit) {
   const TemporaryFolder folder;
   const std::string file = folder.file("car.yaml", kCar);

@@ -131,7 +131,7 @@ TEST(ModelFile, ClosedLoopFormEqualsPlantAndControllerForm) {
   EXPECT_FALSE(given.default_vehicle().design);
 }
 
-// What one process writes for the others must mean the same bits to them.
+// All processes must read the same bits from the text that one of them writes.
 TEST(ModelFile, IsTheSameToTheBitWhenWrittenAndReadAgain) {
   const std::string uneven = model_text_with("numerator: [1.0], denominator: [1.0, -2.0, 1.0]",
                                              "numerator: [0.7], denominator: [0.7, -1.4, 0.7]");
@@ -240,7 +240,7 @@ TEST(ModelFile, ReportsAllErrorsAtOnce) {
   EXPECT_EQ(problems.size(), 10u);
 }
 
-// An error must not bring others with it that are none.
+// An error must not cause false errors.
 TEST(ModelFile, ReportsNothingThatOnlyFollowsFromAnotherError) {
   EXPECT_EQ(problems_in("hello").size(), 1u);
   EXPECT_EQ(problems_when("[{from_step: 0, value: 20.0}]", "[{from_step: x, value: 20.0}, {from_step: 0, value: 1}]"),
@@ -373,7 +373,7 @@ TEST(ModelFile, SetsATypeByItsOwnClosedLoop) {
       1e-15);
   EXPECT_FALSE(vehicle(model, 1).design);
   EXPECT_TRUE(vehicle(model, 0).design);
-  // The loop is of one headway: another needs another loop.
+  // A, B, C hold for one headway: another headway needs other matrices.
   const Problems problems =
       problems_in(kModelText +
                   "vehicle_types: {twin: {time_headway: 4, closed_loop: {A: [[1.11, 1, 0], [-0.57, 0, 1], "

@@ -21,7 +21,7 @@ inline const std::string kModelText =
     "leader: {speed: [{from_step: 0, value: 20.0}]}\n"
     "initial_position: {mean: 0.0, variance: 0.0}\n";
 
-/// The same with one part of the text in the place of another, which must be there.
+/// The same with one part of the text, which must exist, replaced by another.
 inline std::string model_text_with(const std::string& part, const std::string& other) {
   std::string text = kModelText;
   const std::size_t place = text.find(part);

@@ -150,7 +150,7 @@ TEST(RunOptions, WaitForEverWithoutAStallTimeout) {
 TEST(RunOptions, NameEverySettingThatIsMissing) {
   Problems problems;
   read(YAML::Load("{}"), &problems);
-  EXPECT_EQ(problems.size(), settings().size() - 2);  // external and signals, which other runs do not state
+  EXPECT_EQ(problems.size(), settings().size() - 2);  // without external and signals, which are optional
   for (const std::string& problem : problems) EXPECT_NE(problem.find(": missing: must be "), std::string::npos);
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 using Problems = std::vector<std::string>;
 
-// What is wrong with a document when `read` reads it.
+// The problems of a document when `read` reads it.
 Problems problems_with(const std::string& yaml, const std::function<void(Section&)>& read) {
   Problems problems;
   Section section(YAML::Load(yaml), "", problems);
@@ -114,7 +114,7 @@ TEST(Section, RejectsATextThatIsNoneAndAChoiceThatIsNotOffered) {
             Problems{"x: blue: must be red or green"});
 }
 
-// Of which no JSON can be made.
+// JSON cannot represent them.
 TEST(Section, RejectsTextsAndNamesThatAreNotUtf8) {
   EXPECT_EQ(problems_with("x: M\xfcnchen", [](Section& section) { section.text("x"); }),
             Problems{"x: M\\xfcnchen: must be UTF-8"});
@@ -147,7 +147,7 @@ TEST(Section, RejectsSectionsThatAreNone) {
             Problems{"x[1]: 3: must be a mapping of keys"});
 }
 
-// An entry of nothing must not turn into stand-in values.
+// An empty entry must not give default values.
 TEST(Section, RejectsAnEntryOfNothingInAList) {
   const Problems problems = problems_with("x: [~, {a: 1}]", [](Section& section) {
     for (Section& entry : section.sections("x")) entry.number("a", kAnyFinite);

@@ -21,7 +21,7 @@ TEST(Settings, HaveNamesOfTheirOwn) {
   for (const Setting& setting : settings()) EXPECT_TRUE(names.insert(setting.name).second) << setting.name;
 }
 
-// What a launch file says of an argument is written a second time there: roslaunch cannot ask.
+// The launch file repeats default and help of each argument, because roslaunch cannot read them from here.
 TEST(Settings, AreTheArgumentsOfTheLaunchFileWithTheirDefaultsAndMeaning) {
   const std::string file = content_of(PLATOON_SOURCE_DIR "/launch/platoon.launch");
   const std::regex argument("<arg name=\"(\\w+)\" default=\"([^\"]*)\" doc=\"([^\"]*)\"/>");

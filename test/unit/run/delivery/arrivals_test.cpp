@@ -12,7 +12,7 @@ namespace {
 const BatchSchedule kSchedule{20, 8, 3};  // batches at 0, 8 and, of size 4, at 16; steps -1 .. 2
 constexpr std::size_t kStreams = 2;
 
-// Arrivals with a record of all they told.
+// Arrivals with a record of their results.
 class Recorded {
 public:
   explicit Recorded(std::uint64_t committed = 0, std::uint32_t attempt = 0, const BatchSchedule& schedule = kSchedule)
@@ -46,7 +46,7 @@ public:
               std::tie(expected.attempt, expected.first_realization, expected.step));
   }
 
-  /// What has been told since the last time.
+  /// The results since the previous call.
   std::string told() {
     std::string text;
     text.swap(told_);
@@ -136,7 +136,7 @@ TEST(Arrivals, OfAnUnfinishedBatchAreVoidInANewAttempt) {
   recorded.expect_acknowledged({4, 8, -1});
 }
 
-// Another receiver may need realizations that are committed here.
+// Another receiver may need realizations that this one has committed.
 TEST(Arrivals, PassByUncountedWhenAnAttemptBeginsBeforeWhatIsCommitted) {
   Recorded recorded;
   recorded.receive_batch(1, 0);
@@ -177,7 +177,7 @@ TEST(Arrivals, RefuseAnAttemptWhoseBatchesDoNotMeetWhatIsCommitted) {
   EXPECT_EQ(recorded.receive(0, {3, 8, -1}), DropReason::none);
 }
 
-// A receiver that was restarted, and whose links come up one after the other, in the middle of an attempt.
+// A receiver restarts in the middle of an attempt, and its links come up one after the other.
 TEST(Arrivals, OfAStreamThatJoinsAnAttemptAtALaterBatchAreOutOfTurn) {
   Recorded recorded(8, 0);
   EXPECT_EQ(recorded.receive(0, {3, 8, -1}), DropReason::none);

@@ -57,7 +57,7 @@ TEST(BatchSchedule, CountsTheStepsAReportCovers) {
   EXPECT_EQ(steps_covered(schedule, 8, {1, 0, 2}), 0);
 }
 
-// After the last of all numbers the leader's next attempt would be none.
+// After the largest number the leader would have no next attempt.
 TEST(BatchSchedule, HasNoReportOfAnAttemptThatCannotBe) {
   const BatchSchedule schedule{20, 8, 3};
   EXPECT_TRUE(may_be_reported(schedule, {kLastAttempt, 0, 0}));

@@ -41,7 +41,7 @@ Credit under_way(double now = 0.0) {
   return credit;
 }
 
-// Where a new attempt begins when the present one has stalled by `now`.
+// Expects a stall at `now`, not before, and a new attempt that begins at `turn`.
 void expect_retry_at(Credit& credit, double now, const MessageId& turn) {
   EXPECT_FALSE(credit.retry_if_stalled(now - 1e-9));
   EXPECT_TRUE(credit.retry_if_stalled(now + 1e-9));
@@ -71,7 +71,7 @@ TEST(Credit, IsOneStepUntilTheFirstIsAcknowledged) {
   Credit credit = with_monitor();
   expect_published(published(credit), {{1, 0, -1}});
   EXPECT_TRUE(published(credit, 0.1).empty());
-  credit.acknowledge(kMonitor, {1, 0, kNothingYet}, 0.1);  // heard of the attempt, has nothing whole of it
+  credit.acknowledge(kMonitor, {1, 0, kNothingYet}, 0.1);  // knows the attempt, has no complete step of it
   EXPECT_TRUE(published(credit, 0.1).empty());
 }
 
@@ -179,7 +179,7 @@ TEST(Credit, IsNotStalledWhileMessagesOfAStepArrive) {
   EXPECT_TRUE(credit.retry_if_stalled(now + 0.5)) << "a report that tells nothing new is no progress";
 }
 
-// With a follower gone in a paced run, each new step of the leader still reaches the vehicles before it.
+// If a follower of a paced run is down, each new step of the leader still reaches the vehicles before this follower.
 TEST(Credit, IsStalledWhereOnlyTheLeadersNewStepsArrive) {
   Credit credit = under_way();
   std::uint64_t messages = 10;
@@ -192,7 +192,7 @@ TEST(Credit, IsStalledWhereOnlyTheLeadersNewStepsArrive) {
 }
 
 TEST(Credit, WaitsAsLongForTheHundredthStallAsForTheFirstOnceStepsHaveFlowedBetween) {
-  Credit credit(BatchSchedule{1, 1, 0}, kLimits, {kMonitor});  // endless: no batch is ever through
+  Credit credit(BatchSchedule{1, 1, 0}, kLimits, {kMonitor});  // endless: no batch completes
   credit.acknowledge(kMonitor, {0, 0, kNothingYet}, 0.0);
   published(credit);
   double now = 0.0;
@@ -227,7 +227,7 @@ TEST(Credit, WaitsLongerForEveryStallUntilABatchIsThrough) {
     expect_retry_at(credit, now, {attempt, 0, -1});
     credit.acknowledge(kMonitor, {attempt, 0, -1}, now);
     published(credit, now);
-    credit.acknowledge(kMonitor, {attempt, 0, 1}, now);  // progress, but not through the batch
+    credit.acknowledge(kMonitor, {attempt, 0, 1}, now);  // progress, but the batch is incomplete
     patience *= 1.5;
   }
   credit.acknowledge(kMonitor, {5, 8, kNothingYet}, now);
@@ -243,7 +243,7 @@ TEST(Credit, WaitsForTheFirstAnswerOfAnAttemptWithAPatienceOfItsOwn) {
   for (std::uint32_t attempt = 2; attempt < 12; ++attempt) {
     now += patience;
     expect_retry_at(credit, now, {attempt, 0, -1});
-    patience = std::min(1.5 * patience, 3.0);  // nodes that come up late are not kept waiting for ever
+    patience = std::min(1.5 * patience, 3.0);  // the bound limits the delay of nodes that come up late
   }
   credit.acknowledge(kMonitor, {11, 0, -1}, now);
   published(credit, now);
@@ -265,7 +265,7 @@ TEST(Credit, BeginsAgainAtOnceWhenAVehicleHasMissedMessagesOfTheAttemptUnderWay)
   published(credit);
   credit.give_up(1, 0.1);
   expect_published(published(credit, 0.1), {{2, 0, -1}});
-  credit.give_up(1, 0.2);  // said by another one, later
+  credit.give_up(1, 0.2);  // a later report from another vehicle
   EXPECT_EQ(credit.attempt(), 2u);
   credit.give_up(2, 0.3);
   EXPECT_EQ(credit.attempt(), 2u) << "nothing has flowed yet";
@@ -389,7 +389,7 @@ TEST(Credit, OfOneStepPerBatchIsCountedRight) {
   EXPECT_FALSE(credit.complete());
 }
 
-// A vehicle of the real world cannot go back.
+// A real car cannot return to its initial position.
 TEST(Credit, WithoutAStallTimeoutBeginsNothingAgainOnceStepsFlow) {
   Credit credit(kSchedule, {5, 0.0, 0.5}, {kMonitor});
   credit.acknowledge(kMonitor, {0, 0, kNothingYet}, 0.0);

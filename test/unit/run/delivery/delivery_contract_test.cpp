@@ -1,5 +1,5 @@
-// The delivery contract as a whole: whatever is lost and whoever is killed, the statistics are those of an
-// undisturbed run, to the bit.
+// The delivery contract as a whole: under all losses and kills, the statistics are those of an undisturbed run, to the
+// bit.
 
 #include <gtest/gtest.h>
 
@@ -47,7 +47,7 @@ struct Outcome {
   std::uint32_t attempts = 0;
 };
 
-// Runs the graph with many chances; every run must end as the undisturbed one does.
+// Runs the graph with many seeds; every run must end like the undisturbed one.
 Outcome expect_undisturbed_statistics(const Troubles& troubles, unsigned runs) {
   Outcome outcome;
   for (unsigned chance = 0; chance < runs && !testing::Test::HasFailure(); ++chance) {

@@ -24,7 +24,7 @@ Pointer message(std::uint32_t attempt, std::uint64_t first, std::int64_t step, s
 
 constexpr std::int64_t kNone = -9;
 using Sent =
-    std::vector<std::tuple<std::uint32_t, std::uint64_t, std::int64_t, std::int64_t>>;  // the last: of the ends
+    std::vector<std::tuple<std::uint32_t, std::uint64_t, std::int64_t, std::int64_t>>;  // the last: step of the ends
 
 Sent sent_by(GapPairs<Pointer>& pairs) {
   Sent found;
@@ -75,7 +75,7 @@ TEST(GapPairs, GoOnWithTheNextBatch) {
   }
 }
 
-// The follower answers step -1 of the new attempt, whatever it has not answered of the older one.
+// The follower answers step -1 of the new attempt, even if it has not answered messages of the older one.
 TEST(GapPairs, LeaveOutAnOlderAttempt) {
   GapPairs<Pointer> pairs;
   for (const std::int64_t step : {-1, 0, 1}) add_both(pairs, message(1, 0, step));

@@ -18,20 +18,20 @@
 
 namespace platoon {
 
-/// What a LossyGraph is like and what goes wrong in it: probabilities per event.
+/// Properties and faults of a LossyGraph; probabilities per event.
 struct Troubles {
   double drop = 0.0;           ///< a message is lost on its link
-  double kill_leader = 0.0;    ///< a component is killed and started again, with nothing but its parameters
-  double kill_follower = 0.0;  ///< one of them, by chance
-  double kill_monitor = 0.0;   ///< it starts from its latest checkpoint
-  double kill_recorder = 0.0;  ///< it starts after the batches it has written
+  double kill_leader = 0.0;    ///< a component is killed and restarts with its parameters only
+  double kill_follower = 0.0;  ///< a random follower
+  double kill_monitor = 0.0;   ///< restarts from its latest checkpoint
+  double kill_recorder = 0.0;  ///< restarts after the batches that it has written
   bool recorder = false;       ///< whether there is one
   std::size_t pipeline_depth = 100;
 };
 
-/// The graph of nodes with its queues instead of sockets and an invented clock: leader, channel, followers,
-/// monitor and recorder as the ROS components are built, events in random order, links that come up late
-/// after a restart.
+/// The graph of nodes with queues instead of sockets and a simulated clock: leader, channel, followers, monitor
+/// and recorder are built like the ROS components, events occur in random order, links come up late after a
+/// restart.
 class LossyGraph {
 public:
   LossyGraph(const PlatoonModel& model, const BatchSchedule& schedule, std::size_t followers, std::uint64_t noise_seed,
@@ -55,8 +55,8 @@ public:
     start_recorder();
   }
 
-  /// Runs until the leader knows that everything is there. Throws std::runtime_error when that takes for
-  /// ever.
+  /// Runs until all receivers have acknowledged everything. Throws std::runtime_error after 3 million
+  /// events.
   const EnsembleTotals& run() {
     for (std::int64_t event = 0; !credit_->complete(); ++event) {
       if (event > 3000000) throw std::runtime_error("the run does not end");
@@ -85,7 +85,7 @@ private:
   };
   struct Link {
     std::deque<Message> queue;
-    double up_from = 0.0;  ///< [s] what is sent before is lost
+    double up_from = 0.0;  ///< [s] earlier messages are lost
   };
   struct Report {
     std::string receiver;
@@ -96,7 +96,7 @@ private:
     MessageOrder order;
     FollowerVehicle vehicle;
     bool is_ahead;
-    std::vector<double> upcoming = {};  ///< its own next step, of one that does not lead
+    std::vector<double> upcoming = {};  ///< its next step, if it does not publish ahead
   };
   struct Checkpoint {
     EnsembleTotals totals;
@@ -152,7 +152,7 @@ private:
       ++kills_;
       const std::size_t i = any(followers_.size()) + 1;
       followers_[i - 1] = new_follower(static_cast<std::uint32_t>(i));
-      restart_link(to_channel_[i - 1]);  // the channel keeps nothing: one link stands for the way through it
+      restart_link(to_channel_[i - 1]);  // the channel has no state: one link models the way through it
       restart_vehicle_links(i);
     }
     if (happens(troubles_.kill_monitor)) {
@@ -187,7 +187,7 @@ private:
     }
   }
 
-  // A receiver reports once it can hear everybody.
+  // A receiver reports once all its links are up.
   bool all_up(const std::vector<Link>& links) const {
     return std::all_of(links.begin(), links.end(), [this](const Link& link) { return now_ >= link.up_from; });
   }
@@ -208,7 +208,7 @@ private:
     if (pace.is_due(arrivals.acknowledgement())) report(receiver, arrivals, pace);
   }
 
-  // Lets one thing happen, by chance, of those that can.
+  // Executes one random event of those that are possible.
   bool any_event() {
     const std::size_t kinds = to_channel_.size() + to_monitor_.size() + to_recorder_.size() + 2;
     const std::size_t start = any(kinds);

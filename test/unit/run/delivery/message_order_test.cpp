@@ -14,7 +14,7 @@ DropReason receive(MessageOrder& order, const MessageId& id) {
   return order.receive({id, kSchedule.size(id.first_realization), true});
 }
 
-// Takes the turns of attempt `attempt` from step -1 of the batch at `first` up to `step`.
+// Receives the messages of attempt `attempt` from step -1 of the batch at `first` up to `step`.
 MessageOrder after(std::uint32_t attempt, std::uint64_t first, std::int64_t step) {
   MessageOrder order(kSchedule);
   for (std::int64_t k = kInitialStep; k <= step; ++k) {

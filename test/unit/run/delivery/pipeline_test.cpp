@@ -29,7 +29,7 @@ TEST(Lead, IsBoundedAndSpreadAlongALongString) {
 TEST(Lead, MessagesOfTheFirstStep) {
   EXPECT_EQ(messages_of_first_step(4, 4, 100), 1u + 2u + 3u + 4u + 5u);
   EXPECT_EQ(messages_of_first_step(4, 4, 0), 15u);
-  EXPECT_EQ(messages_of_first_step(4, 4, 2), 1u + 2u + 3u + 3u + 3u);  // a batch has three messages a vehicle
+  EXPECT_EQ(messages_of_first_step(4, 4, 2), 1u + 2u + 3u + 3u + 3u);  // a batch has three messages per vehicle
   EXPECT_EQ(messages_of_first_step(4, 2, 100), 1u + 1u + 2u + 2u + 3u);
   EXPECT_EQ(messages_of_first_step(4, 0, 100), 5u);
 }

@@ -8,7 +8,7 @@ namespace {
 constexpr CreditLimits kLimits{4, 2.0, 0.1};  // window, stall_timeout [s], first_step_timeout [s]
 constexpr std::int64_t kSteps = 5;            // of a batch
 
-// Sends what is allowed; returns how many that were.
+// Sends all allowed messages; returns their number.
 std::int64_t send_all(ReplayCredit& credit, double now) {
   const std::int64_t before = credit.upcoming();
   while (credit.may_send()) credit.send(credit.upcoming() % kSteps == 0, now);
@@ -52,7 +52,7 @@ TEST(ReplayCredit, BeginsAgainWithTheBatchThatIsUnanswered) {
   EXPECT_TRUE(credit.retry_if_stalled(now + 2.1));
   EXPECT_EQ(credit.upcoming(), 5);
   EXPECT_EQ(credit.last_progress(), now - 0.01);
-  // Answers that were there before are no progress.
+  // Earlier answers are no progress.
   now += 2.2;
   send_all(credit, now);
   credit.answer(true, now);
@@ -85,7 +85,7 @@ TEST(ReplayCredit, RepeatsNothingThatHasFlowedWithoutAStallTimeout) {
   EXPECT_FALSE(credit.give_up(1000.0));
 }
 
-// Of an attempt that was given up while it was recorded one topic may hold more messages than the other.
+// If an attempt was given up during the recording, one topic may hold more of its messages than the other.
 TEST(ReplayCredit, FindsTheAnswersOfABatchByItsFirst) {
   ReplayCredit credit(kLimits);
   credit.send(true, 0.0);

@@ -44,7 +44,7 @@ TEST(ReportPace, OfAWindowBelowEightStepsReportsEveryStep) {
   EXPECT_FALSE(reported({1, 0, 3}, 8).is_due({1, 0, 4}));
 }
 
-// Else the leader would wait for a report that comes only with the next heartbeat.
+// Otherwise the leader would wait for a report until the next heartbeat.
 TEST(ReportPace, NeverLeavesAWholeWindowUnreported) {
   for (std::int64_t window = 1; window <= 29; ++window) {
     EXPECT_TRUE(reported({1, 0, kInitialStep}, window).is_due({1, 0, kInitialStep + window})) << window;

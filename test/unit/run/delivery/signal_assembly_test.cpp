@@ -17,7 +17,7 @@ const BatchSchedule kSchedule{20, 8, 3};  // batches at 0, 8 and, of size 4, at 
 const Signal kError = tracking_error(3.2, 0.5);
 constexpr std::size_t kFollowers = 2;
 
-// A position that tells vehicle, realization and step apart.
+// A different position for each vehicle, realization and step.
 double position(std::size_t vehicle, std::uint64_t realization, std::int64_t step) {
   return 1000.0 * static_cast<double>(vehicle) + 10.0 * static_cast<double>(realization) +
          0.37 * static_cast<double>(step * step);
@@ -34,7 +34,7 @@ Positions positions(std::size_t vehicle, const MessageId& id, std::size_t count)
   return std::make_shared<const std::vector<double>>(values);
 }
 
-// An assembly with a record of all it handed out, which it checks as it comes.
+// An assembly that records and checks its outputs.
 class Assembled {
 public:
   explicit Assembled(const BatchSchedule& schedule = kSchedule, std::uint64_t first = 0, std::uint32_t attempt = 0)
@@ -54,7 +54,7 @@ public:
     return receipt.drop;
   }
 
-  // Steps `from` to `to` of the batch, each from all vehicles.
+  // Receives steps `from` to `to` of the batch, each from all vehicles.
   void receive_steps(std::uint32_t attempt, std::uint64_t first, std::int64_t from, std::int64_t to) {
     for (std::int64_t step = from; step <= to; ++step) {
       for (std::size_t i = 0; i <= kFollowers; ++i) {
@@ -155,7 +155,7 @@ TEST(SignalAssembly, FormsEveryErrorOfEveryBatch) {
   EXPECT_EQ(assembled.errors_told(), 3 * 3 * kFollowers);
 }
 
-// Batches overlap as they may: a vehicle is ahead of another by as much as chance will have it.
+// Batches overlap: vehicles are ahead of each other by random numbers of steps.
 TEST(SignalAssembly, FormsEveryErrorInOrderHoweverTheVehiclesInterleave) {
   const std::vector<MessageId> ids = all_ids(kSchedule, 1, 0);
   for (unsigned seed = 0; seed < 300; ++seed) {
@@ -264,7 +264,7 @@ TEST(SignalAssembly, CompletesABatchOnlyWhenAllOfItsErrorsAreDealtWith) {
   const MessageDescriptor start{{1, 0, -1}, 2, true}, end{{1, 0, 0}, 2, true};
   for (std::size_t i = 0; i <= 1; ++i) {
     EXPECT_TRUE(assembly.receive(i, start, positions(i, start.id, 2)).due.empty());
-    EXPECT_EQ(assembly.receive(i, end, positions(i, end.id, 2)).due.size(), i);  // of the follower alone
+    EXPECT_EQ(assembly.receive(i, end, positions(i, end.id, 2)).due.size(), i);  // that of this follower only
   }
   EXPECT_FALSE(assembly.settle(1, start));
   EXPECT_FALSE(assembly.settle(1, end));
@@ -321,9 +321,8 @@ TEST(SignalAssembly, IsCompleteWhenEverythingWasCommittedBefore) {
   EXPECT_NE(assembled.receive(0, {4, 20, -1}), DropReason::none);
 }
 
-// A monitor that was restarted knows attempt 3 from its checkpoint, up to realization 8. The leader has not
-// noticed yet and is at the batch of realization 16 in the same attempt: that is not the batch which is
-// missing.
+// A restarted monitor knows attempt 3 from its checkpoint, up to realization 8. The leader has not noticed the
+// restart and is at the batch of realization 16 in the same attempt, which is not the missing batch.
 TEST(SignalAssembly, DoesNotTakeALaterBatchOfTheAttemptItWasRestartedIn) {
   Assembled assembled(BatchSchedule{40, 8, 3}, 8, 3);
   for (std::int64_t step = kInitialStep; step < 3; ++step) {
@@ -333,8 +332,8 @@ TEST(SignalAssembly, DoesNotTakeALaterBatchOfTheAttemptItWasRestartedIn) {
   assembled.expect_acknowledged({3, 8, kNothingYet});
 }
 
-// The same with links that come up one after the other: vehicle 0 is heard from the missing batch on, the
-// others only from the one after it.
+// The same with links that come up one after the other: the monitor receives vehicle 0 from the missing batch
+// on, the others only from the next batch on.
 TEST(SignalAssembly, DoesNotMixBatchesOfVehiclesThatAreHeardFromDifferentOnesOn) {
   Assembled assembled(BatchSchedule{40, 8, 3}, 8, 2);
   for (const std::uint64_t first : {8, 16}) {

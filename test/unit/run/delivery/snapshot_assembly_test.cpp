@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kPeriod = 0.05;  // [s]
 
-// What stream i sends at step k.
+// The message of stream i at step k.
 double sent(std::size_t stream, std::int64_t step) {
   return 1000.0 * static_cast<double>(stream) + static_cast<double>(step);
 }
@@ -40,7 +40,7 @@ TEST(SnapshotAssembly, PutsStreamsTogetherThatAreStepsApart) {
     take(assembly, 2, k + 2, now);
     take(assembly, 1, k + 1, now);
     const std::optional<Snapshot> snapshot = take(assembly, 0, k, now);
-    if (k < 2) continue;  // steps 0 and 1 came at once
+    if (k < 2) continue;  // steps 0 and 1 arrived together
     expect_of_step(snapshot, k, 3);
   }
 }
@@ -59,7 +59,7 @@ TEST(SnapshotAssembly, OfAStrideIsAtItsMultiples) {
   assembly.set_stride(3);
   std::vector<std::int64_t> steps;
   for (int k = -1; k < 30; ++k) {
-    // 50 steps a second that do not come to the millisecond.
+    // 50 steps a second with a jitter of some milliseconds.
     if (const auto snapshot = take(assembly, 0, k, 0.02 * k + (k % 2 == 0 ? 0.0 : 0.004)))
       steps.push_back(snapshot->id.step);
   }
@@ -90,7 +90,7 @@ TEST(SnapshotAssembly, HasNothingOfAnOlderAttempt) {
   EXPECT_FALSE(take(assembly, 0, 5, 11.0));
   for (std::int64_t k = -1; k < 4; ++k) take(assembly, 0, k, 20.0, 2);
   take(assembly, 1, 5, 30.0, 2);
-  EXPECT_FALSE(take(assembly, 0, 4, 31.0, 2));  // was not due when it was new
+  EXPECT_FALSE(take(assembly, 0, 4, 31.0, 2));  // was not due when it was the latest
   expect_of_step(take(assembly, 0, 5, 32.0, 2), 5, 2);
 }
 
@@ -98,7 +98,7 @@ TEST(SnapshotAssembly, GoesOnBehindAGap) {
   SnapshotAssembly assembly(2, kPeriod);
   for (std::int64_t k = -1; k < 4; ++k) take(assembly, 0, k, static_cast<double>(k));
   take(assembly, 1, -1, 5.0);
-  for (const std::int64_t k : {2, 2}) EXPECT_FALSE(take(assembly, 1, k, 6.0));  // 0 and 1 are lost, 2 comes twice
+  for (const std::int64_t k : {2, 2}) EXPECT_FALSE(take(assembly, 1, k, 6.0));  // 0 and 1 are lost, 2 arrives twice
   expect_of_step(take(assembly, 1, 3, 7.0), 3, 2);
   EXPECT_THROW(take(assembly, 2, 4, 8.0), std::out_of_range);
 }

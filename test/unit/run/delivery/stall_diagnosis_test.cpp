@@ -44,16 +44,16 @@ TEST(StallDiagnosis, IsAFollowerThatIsABatchBehind) {
             "vehicle_1 has sent nothing since step 9 (realizations from 8)");
 }
 
-// Of 12 followers and a longest lead of 4, numbers 3, 6, 9 and 12 lead.
+// With 12 followers and a pipeline depth of 4, followers 3, 6, 9 and 12 publish ahead.
 TEST(StallDiagnosis, KnowsWhoDoesNotLead) {
   std::vector<std::optional<MessageId>> latest;
   for (std::int64_t i = 0; i <= 12; ++i) latest.push_back(at(8, 2 + i / 3));
   EXPECT_EQ(diagnose_stall(latest, kSchedule, 4).vehicle, 0u);
-  latest[7]->step = 3;  // its predecessor is at 4: it has not sent its own 4
+  latest[7]->step = 3;  // its predecessor is at step 4; vehicle 7 has not sent its step 4
   EXPECT_EQ(diagnose_stall(latest, kSchedule, 4).vehicle, 7u);
 }
 
-// An own vehicle that is aligned has done all that it can with its predecessor's step.
+// An external vehicle at the step of its predecessor has sent all that it can send.
 TEST(StallDiagnosis, DoesNotAskAnOwnVehicleToLead) {
   EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 5), at(8, 6)}, kSchedule, kAllLead, {1}).vehicle, 0u);
   EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 5), at(8, 6)}, kSchedule, kAllLead).vehicle, 1u);

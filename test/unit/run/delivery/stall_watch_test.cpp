@@ -23,7 +23,7 @@ TEST(StallWatch, StaysOneStallWhileAttemptsGetNoFurther) {
   watch.completed_step(10.0);
   EXPECT_EQ(watch.look(12.1, 2.0), Change::stalled);
   for (double attempt = 13.0; attempt < 40.0; attempt += 3.0) {
-    watch.arrived(attempt);  // of the vehicles before the one that is stopped
+    watch.arrived(attempt);  // of the vehicles before the stopped one
     EXPECT_EQ(watch.look(attempt + 0.1, 2.0), Change::none);
     EXPECT_EQ(watch.look(attempt + 2.5, 2.0), Change::none);
     EXPECT_TRUE(watch.stalled());

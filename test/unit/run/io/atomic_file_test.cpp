@@ -13,7 +13,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-// What is said when something fails; empty if nothing does.
+// The message of the exception that `action` throws; empty if it throws none.
 template <typename Action>
 std::string message_of(const Action& action) {
   try {

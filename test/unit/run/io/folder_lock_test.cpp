@@ -41,7 +41,7 @@ void set_time(const std::string& file, std::time_t time) {
   ASSERT_EQ(::utime(file.c_str(), &times), 0);
 }
 
-// A process that lives until it is ended.
+// A process that runs until end() kills it.
 class Child {
 public:
   Child() : number_(::fork()) {
@@ -63,7 +63,7 @@ private:
   pid_t number_;
 };
 
-// What a process leaves that takes the lock and is killed.
+// Leaves the lock of a process that was killed while it held it.
 void take_and_be_killed(const std::string& folder, const std::string& holder, pid_t guardian) {
   const pid_t process = ::fork();
   if (process == 0) {
@@ -135,7 +135,7 @@ TEST(FolderLock, ForgetsAClaimThatNobodyTookWhateverTheClockShows) {
     FolderLock lock(folder.path(), "launch one");
     lock.leave_claim(::getpid());
   }
-  // The end of the claim is the last word; the time of the file is not asked for.
+  // The end of the claim decides; the time of the file has no effect.
   const std::string file = folder / ".lock";
   for (const std::time_t other : {-3600, 3600}) {
     set_time(file, std::time(nullptr) + other);

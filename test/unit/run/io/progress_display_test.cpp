@@ -7,7 +7,7 @@
 namespace platoon {
 namespace {
 
-// What a job of 100 realizations prints where standard output is no terminal, told at these times.
+// The output of a job of 100 realizations if standard output is not a terminal.
 template <typename Job>
 std::string printed(const Job& job) {
   testing::internal::CaptureStdout();

@@ -123,8 +123,8 @@ TEST(Analysis, HasTheAmplificationOfTheSpeed) {
     EXPECT_EQ(found.at(key).size(), 4u) << key;
     EXPECT_TRUE(found.at(key).at(0).is_null()) << key;
   }
-  // A change of speed is mostly of low frequencies, whose gain is just below 1; it is in the middle of the steps, as a
-  // delay of any other one moves the average.
+  // A change of speed has mostly low frequencies, whose gain is just below 1. It is in the middle of the steps, because
+  // elsewhere its delay would shift the average.
   const double first = found.at("l2_ratio").at(1);
   EXPECT_TRUE(first > 0.9 && first < 1.0) << first;
   EXPECT_NEAR(found.at("l2_head_to_tail").at(2), first * found.at("l2_ratio").at(2).get<double>(), 1e-12);

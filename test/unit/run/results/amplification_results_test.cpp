@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kEmpty = -1.0;
 
-// By column, a value per vehicle; kEmpty for an empty cell.
+// The values per vehicle by column; kEmpty for an empty cell.
 std::map<std::string, std::vector<double>> columns_of(const std::string& csv) {
   std::istringstream lines(csv);
   std::string line, name;
@@ -36,7 +36,7 @@ std::map<std::string, std::vector<double>> columns_of(const std::string& csv) {
   return columns;
 }
 
-// Behind a leader whose speed changes twice.
+// A run whose leader changes its speed twice.
 Configuration changing_run(const std::string& output) {
   Configuration configuration = paper_run(output);
   configuration.model = eventful_platoon(3.2);
@@ -47,7 +47,7 @@ Configuration changing_run(const std::string& output) {
   return configuration;
 }
 
-// Every measured moment is as the theory has it, or as that of `other` if this one has none.
+// A result whose measured moments equal those of the theory, or of `other` if `prediction` has none.
 RunResult exact_result(const Configuration& configuration, const Prediction& prediction, const Prediction& other) {
   RunResult result = result_with(configuration, prediction);
   const auto count = static_cast<double>(result.realizations);

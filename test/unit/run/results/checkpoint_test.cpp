@@ -55,7 +55,7 @@ void expect_same_blocks(const MomentTable& found, const MomentTable& expected) {
   }
 }
 
-// What starting_point says when it refuses; empty if it does not.
+// The message with which starting_point rejects the folder; empty if it does not.
 std::string refusal(const Configuration& configuration) {
   try {
     starting_point(configuration);
@@ -128,7 +128,7 @@ TEST(Checkpoint, KeepsTheBitsOfEveryDouble) {
   expect_same_blocks(read_checkpoint(folder.path())->totals.moments, unusual);
 }
 
-// Whatever is done to the latest one, either the one before it is read, to the bit, or nothing is.
+// After any damage to the latest checkpoint, the reader returns the one before it, to the bit, or none.
 void expect_never_wrong(const TemporaryFolder& folder, const std::string& bent, const std::string& how) {
   folder.file("checkpoint.cbor", bent);
   const std::optional<Checkpoint> read = read_checkpoint(folder.path());
@@ -235,8 +235,8 @@ TEST(Checkpoint, OfAnotherFormatIsNamed) {
             std::string::npos);
 }
 
-// A file that is there and cannot be opened is no invitation to write over it. (A link to itself, as a file
-// without permissions can still be read by root.)
+// An existing file that cannot be opened must not be overwritten. (A link to itself, because root can read a file
+// without permissions.)
 TEST(Checkpoint, ThatCannotBeOpenedIsNotTakenForNone) {
   const TemporaryFolder folder;
   std::filesystem::create_symlink("checkpoint.cbor", checkpoint_file(folder.path()));

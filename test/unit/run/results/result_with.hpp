@@ -7,7 +7,7 @@
 
 namespace platoon {
 
-/// A result every cell of which is `score` standard errors away from the prediction.
+/// A result whose cells are all `score` standard errors away from the prediction.
 inline RunResult result_with(const Configuration& configuration, const Prediction& prediction, double score = 0.5) {
   RunResult result;
   result.complete = true;
@@ -23,7 +23,7 @@ inline RunResult result_with(const Configuration& configuration, const Predictio
   return result;
 }
 
-/// The same with the third and fourth moments of normal errors, as a string that loses packets keeps them.
+/// The same with the third and fourth moments of normal errors, which the statistics of a lossy string include.
 inline RunResult result_with_fourth_moments(const Configuration& configuration, const Prediction& prediction,
                                             double score = 0.5) {
   RunResult result = result_with(configuration, prediction, score);

@@ -105,7 +105,7 @@ Configuration lossy_run(double probability, double noise_variance, std::vector<d
   return configuration;
 }
 
-// A run of 1000 has about 40 losses, two a step: most cells have met one that has gone by, or none.
+// A run of 1000 realizations has about 40 losses, two per step: most cells have seen a few losses or none.
 TEST(Report, GivesNoVerdictBehindLossesThatAreTooRare) {
   const Configuration configuration = lossy_run(0.001, 1e-4, {1.0});
   const Prediction prediction = predict(configuration);
@@ -126,7 +126,7 @@ TEST(Report, GivesNoVerdictBehindLossesThatAreTooRare) {
   EXPECT_NE(report_of(configuration, prediction, 30000, 1).find("at most once in 1000 runs"), std::string::npos);
 }
 
-// 400 runs, of which 0.4 may be beyond the bound: three are beyond it once in a hundred times.
+// 400 runs, of which 0.4 are beyond the bound on average: three are beyond it with a probability of about 1 %.
 TEST(Report, DisagreesByChanceNoMoreOftenThanItSaysBehindLosses) {
   for (const std::uint64_t realizations : {100u, 400u, 1000u}) {
     const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
@@ -154,7 +154,7 @@ TEST(Report, FindsNoiseThatIsFivePercentOffBehindLosses) {
   }
 }
 
-// However wide: what is measured does not talk itself out of a verdict.
+// A large measured variance does not widen its own bound so far that the verdict is lost.
 TEST(Report, FindsAVarianceManyTimesTheTheorysBehindLosses) {
   const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
   const Prediction prediction = predict(configuration);
@@ -211,7 +211,7 @@ leader: {speed: [{from_step: 0, value: 20.0}]}
 initial_position: {mean: 0.0, variance: 0.0}
 )";
 
-// Averages over time of a car with rho(A) = 0.9935, whose start leaves errors of tens of metres.
+// Averages over time of a car with rho(A) = 0.9935, which starts with errors of tens of metres.
 RunResult averages_over_time(const Configuration& configuration, std::int64_t steps) {
   const RunOptions& run = configuration.run;
   TimeStatistics averages(run.followers, run.burn_in);

@@ -113,7 +113,7 @@ TEST(WriteResults, PutsEveryKeyIntoTheSummary) {
                                    "stationary_variance", "limit_variance"}));
 }
 
-// Of zlib.crc32(b"123456789"), the check value of CRC-32.
+// zlib.crc32(b"123456789"), the check value of CRC-32.
 TEST(Checksum, IsCrc32) {
   EXPECT_EQ(checksum("123456789"), "cbf43926");
 }
@@ -130,7 +130,7 @@ TEST(WriteResults, PutsTheChecksumsOfBothFilesIntoTheSummary) {
   EXPECT_EQ(own, checksum(text));
 }
 
-// Errors that are not normal: the fourth deviations say how far a variance may be off.
+// Errors that are not normal: the fourth moments determine the standard error of a variance.
 TEST(WriteResults, PutsTheStandardErrorsOfTheVariancesIntoTheSummary) {
   const TemporaryFolder folder;
   const Configuration configuration = paper_run(folder.path());
@@ -300,13 +300,13 @@ TEST(WriteResults, LeavesTheTheoryEmptyFromTheFirstOwnVehicleOn) {
   const Prediction whole = predict(configuration);
   RunResult result = result_with(configuration, whole);
   configuration.run.external = {2};
-  for (std::int64_t k = 0; k < 3; ++k) result.moments[cell(2, k, 3)].mean += 1000.0;  // an own vehicle may do so
+  for (std::int64_t k = 0; k < 3; ++k) result.moments[cell(2, k, 3)].mean += 1000.0;  // as an external vehicle may
   const Prediction prediction = predict(configuration);
   const Written files = written(configuration, prediction, result);
   for (std::size_t c = 0; c < 6; ++c) {
     const std::string first = c < 3 ? formatted("%.17g", prediction.mean[c]) : "";
     const auto& row = files.rows[1 + c];
-    ASSERT_EQ(row.size(), c < 3 ? 7u : 6u);  // the last of empty fields is not split off
+    ASSERT_EQ(row.size(), c < 3 ? 7u : 6u);  // getline omits the last of the empty fields
     EXPECT_EQ(row[5], first);
   }
   const auto judged = measured_agreement(configuration.run, prediction, result);

@@ -51,7 +51,7 @@ Configuration endless_run() {
   return configuration;
 }
 
-// Hands the batch over step by step, up to `last_step`.
+// Passes the batch on step by step, up to `last_step`.
 void receive_batch(RunStatistics& statistics, const Configuration& configuration, std::uint32_t attempt,
                    std::uint64_t first, std::int64_t last_step) {
   const std::size_t count = configuration.run.schedule().size(first);
@@ -147,7 +147,7 @@ TEST(RunStatistics, CommitABatchWithTheLastResultThatIsSettled) {
     }
   }
   EXPECT_TRUE(statistics.averages().empty());
-  // Vehicle 2 first: its messages come in order, whatever the others do.
+  // Vehicle 2 first: its messages are in order, independent of the others.
   for (const std::size_t vehicle : {2, 0, 1}) {
     for (const RunStatistics::Computed& result : computed) {
       if (result.vehicle != vehicle) continue;
@@ -249,7 +249,7 @@ TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
   EXPECT_EQ(statistics.tally().positions_received, 3u * 51u);
 }
 
-// A leader that is somewhere else, but moves as the model's does, departs only where it jumps.
+// A leader at another position that moves like the model's departs from the model only at the jump.
 TEST(RunStatistics, OfAnEndlessRunLeaveOutAManoeuvreOfTheLeader) {
   Configuration configuration = endless_run();
   RunStatistics undisturbed(configuration, std::nullopt), statistics(configuration, std::nullopt);
@@ -293,7 +293,7 @@ TEST(RunStatistics, OfAnEndlessRunGoOnFromTheirCheckpointAndNumberTheAttemptsOn)
   configuration.run.launch_id = "the next launch";
   RunStatistics after(configuration, before.checkpoint());
   EXPECT_FALSE(after.averages().empty());
-  EXPECT_EQ(after.arrivals().attempt(), 3u);  // each is a realization of its own
+  EXPECT_EQ(after.arrivals().attempt(), 3u);  // each attempt is another realization
   receive_batch(after, configuration, 4, 0, 39);
   EXPECT_EQ(after.averages().moments()[1].count, 20u + 10u);
 }

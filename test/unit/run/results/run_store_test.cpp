@@ -28,7 +28,7 @@ protected:
             {positions, 1, 0.5, 0},
             EnsembleTotals(cells_of(configuration_))};
   }
-  /// A folder in the place of a file keeps it from being written, whoever writes.
+  /// Creates a folder in the place of a file, so that no user, not even root, can write the file.
   void block(const std::string& file) { std::filesystem::create_directories(file + "/in the way"); }
 
   TemporaryFolder folder_;

@@ -119,7 +119,7 @@ TEST(Merge, RefusesAShardThatHoldsMoreThanItsRange) {
   EXPECT_NE(refusal(folders).find("shard 1/3 is not complete"), std::string::npos);
 }
 
-// What a shard of another run differs in.
+// The difference that merge reports for a shard of another run.
 std::string named_difference(const std::function<void(ShardRun&)>& change) {
   const TemporaryFolder folder;
   std::vector<std::string> folders = shards(folder, 3);
@@ -147,7 +147,7 @@ TEST(Merge, NamesInWhatShardsAreOfDifferentRuns) {
             "channel is null there and {\"delay\":1} here");
 }
 
-// A build of another version, or whose closed loop has other bits, wrote this.
+// A checkpoint from another version, or from a build whose closed loop has other bits.
 TEST(Merge, NamesAnotherVersionAndAnotherMachinesBits) {
   for (const char* key : {"version", "realization"}) {
     const TemporaryFolder folder;

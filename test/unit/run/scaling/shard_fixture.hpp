@@ -19,7 +19,7 @@ inline ShardRun paper_shard(const std::string& output, std::uint64_t index, std:
   return {configuration, {index, of}};
 }
 
-/// Computes a shard as the tools do, which lock its folder.
+/// Locks the folder of a shard, as the tools do, and computes it.
 inline void compute_locked(const ShardRun& run) {
   const std::unique_ptr<FolderLock> lock = lock_output(run.configuration.run);
   compute_shard(run, {});

@@ -74,7 +74,7 @@ TEST(ComputeShard, LeavesItsRealizationsAndIsRecognizedWhenItIsComplete) {
   EXPECT_EQ(content_of(checkpoint_file(folder.path())), before);
 }
 
-// Its checkpoint as a kill leaves it: some batches, not all of them in a row.
+// The checkpoint after a kill: some batches, not all of them consecutive.
 Checkpoint broken_off(const ShardRun& run) {
   Checkpoint checkpoint{statistics_identity(run.configuration),
                         run.configuration.run.launch_id,

@@ -58,7 +58,7 @@ TEST(SweepFile, VariesAnyKeyOfTheModelFile) {
   EXPECT_EQ(last.default_vehicle().loop.transfer.numerator(), paper.default_vehicle().loop.transfer.numerator());
   EXPECT_EQ(last.default_vehicle().link.delay, 1u);
   EXPECT_EQ(last.leader.changes().size(), 1u);
-  // Nothing of a point is left in another.
+  // The keys of one point do not affect another.
   EXPECT_EQ(sweep.configuration(0).model.default_vehicle().link.delay, 0u);
 }
 
