@@ -119,7 +119,7 @@ void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
     std::printf("waiting for external %s: start its node\n", name.c_str());
     std::fflush(stdout);
     if (!check.wait_for_vehicle(arguments.wait)) {
-      throw std::runtime_error(name + " is not there: it must publish " +
+      throw std::runtime_error(name + " is not running: it must publish " +
                                platoon.resolveName(platoon::position_topic(arguments.vehicle)) + " and subscribe to " +
                                platoon.resolveName(platoon::predecessor_position_topic(arguments.vehicle)));
     }

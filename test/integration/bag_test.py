@@ -310,7 +310,7 @@ class FullDisk(BagTest):
                 output, bag = (os.path.join(self.folder, hosting + suffix) for suffix in ("", ".bag"))
                 terminal = self.launch(record=bag, hosting=hosting, rate=400, batch=500, output=output, **settings)
                 self.limit(terminal, node, 1000000)  # less than a batch, as each attempt begins a new file
-                terminal.wait_for_text("the platoon stands still: recorder holds the platoon up: " + bag)
+                terminal.wait_for_text("run stalled: recorder blocks the run: " + bag)
                 time.sleep(4.0)  # retries fail as well
                 self.limit(terminal, node, resource.RLIM_INFINITY)
                 terminal.wait()

@@ -185,7 +185,7 @@ class Live(Page):
         fresh.take_configuration(String(rospy.get_param("/platoon/configuration")))
         threading.Thread(target=report_start, args=(fresh, "/platoon/"), daemon=True).start()
         live_platoon.wait_for(lambda: fresh.start, "the state of the start")
-        self.assertEqual(fresh.start, "all 6 vehicles are there, the first step is under way")
+        self.assertEqual(fresh.start, "all 6 vehicles are running, the first step is under way")
         fresh.began = True
 
     def test_the_stable_headways_are_marked_below_the_slider(self):

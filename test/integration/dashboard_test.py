@@ -135,7 +135,7 @@ class Ensemble(Page):
         cls.state = live_platoon.wait_for(lambda: state(cls.url).get("complete") and state(cls.url), "the page's final figures")
 
     def test_a_speed_is_refused_with_the_reason(self):
-        for speed, words in ((20, "refused: in a run of many realizations the leader drives by the model file"), (10 ** 400, "must be a finite number")):
+        for speed, words in ((20, "rejected: in a run of many realizations the leader drives by the model file"), (10 ** 400, "must be a finite number")):
             status, answer = ask(self.url, "POST", "/command", json.dumps({"command": "speed", "speed": speed}), Content_Type="application/json",
                                  Origin=self.url)
             self.assertEqual((status, answer["success"]), (409, False))

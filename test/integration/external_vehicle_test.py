@@ -192,7 +192,7 @@ class Contract(ExternalTest):
         second.terminate()
 
     def test_a_vehicle_that_is_not_there_or_no_number_is_named(self):
-        self.assertIn("vehicle_4 is not there: it must publish /platoon/vehicle_4/position and subscribe to "
+        self.assertIn("vehicle_4 is not running: it must publish /platoon/vehicle_4/position and subscribe to "
                       "/platoon/vehicle_4/predecessor_position", self.check_vehicle(4, "--wait", "0.1").stdout)
         self.assertIn("waiting for external vehicle_4: start its node", self.check_vehicle(4, "--wait", "0.1").stdout)
         for word in ("0", "three", "3.0"):
@@ -204,7 +204,7 @@ class Contract(ExternalTest):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:each")
         terminal = self.run_to_the_end(followers=3, external=2, steps=20, realizations=700, batch=100, stall_timeout=0.5)
         said = terminal.text()
-        stands = r"the platoon stands still: vehicle_2 has sent nothing since step {} \(realizations from {}\); the vehicle is external: {}clause {} of the"
+        stands = r"run stalled: vehicle_2 has sent nothing since step {} \(realizations from {}\); the vehicle is external: {}clause {} of the"
         self.assertRegex(said, stands.format(4, 100, "", 2))
         for step, first, what, number in ((5, 200, "out of turn", 6), (4, 300, "wrong batch size", 3), (4, 400, "not finite", 4),
                                           (4, 500, "of another run", 11)):
@@ -219,9 +219,9 @@ class Contract(ExternalTest):
     def test_a_vehicle_that_never_answers_is_named_once_however_often_the_leader_retries(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:mute")
         terminal = self.launch(master=self.master, followers=3, external=2, steps=20, realizations=100, rate=100, stall_timeout=0.5)
-        terminal.wait_for_text("the platoon stands still: vehicle_2 has sent nothing at all; the vehicle is external: clause 2 of the vehicle contract", 40)
+        terminal.wait_for_text("run stalled: vehicle_2 has sent nothing at all; the vehicle is external: clause 2 of the vehicle contract", 40)
         terminal.interrupt()
-        self.assertEqual(terminal.text().count("the platoon stands still: vehicle_2 has sent nothing at all"), 1)
+        self.assertEqual(terminal.text().count("run stalled: vehicle_2 has sent nothing at all"), 1)
 
     def test_the_recorder_names_a_vehicle_without_stamps(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:unstamped")

@@ -372,7 +372,7 @@ class Culprit(LaunchTest):
         process = live_platoon.process_of("/platoon/vehicle_2", terminal.master)
         os.kill(process, signal.SIGSTOP)
         try:
-            terminal.wait_for_text("stands still: vehicle_2 has sent nothing", 20)
+            terminal.wait_for_text("run stalled: vehicle_2 has sent nothing", 20)
         finally:
             os.kill(process, signal.SIGCONT)
         terminal.wait()

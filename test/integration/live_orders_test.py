@@ -207,7 +207,7 @@ class Manoeuvres(Orders):
             self.assertIn("in a run of many realizations the leader drives by the model file", answer.message)
         live_platoon.wait_for(lambda: speed.get_num_connections() > 0, "the leader to listen")
         speed.publish(3.0)
-        terminal.wait_for_text("leader/speed: refused: in a run of many realizations", 60)
+        terminal.wait_for_text("leader/speed: rejected: in a run of many realizations", 60)
         answer = self.change(headway=2.4)
         self.assertFalse(answer.success)
         self.assertIn("steps: 20: must be 0 (an endless run", answer.message)
@@ -367,7 +367,7 @@ class Diagnosed(Orders):
             live_platoon.wait_for(lambda: "vehicle_3 has sent nothing" in self.statuses(topic)["monitor"][1]["culprit"],
                                   "the culprit", 60)
             self.assertEqual(self.statuses(topic)["monitor"][0], 2)
-            terminal.wait_for_text("stands still: vehicle_3 has sent nothing", 20)
+            terminal.wait_for_text("run stalled: vehicle_3 has sent nothing", 20)
         finally:
             os.kill(process, signal.SIGCONT)
         live_platoon.wait_for(lambda: self.statuses(topic)["monitor"][1]["culprit"] == "", "the platoon to move", 60)
@@ -401,9 +401,9 @@ class Diagnosed(Orders):
         self.assertEqual(retries, sorted(retries))
         self.assertGreater(retries[-1], 2)
         live_platoon.wait_for(lambda: of_monitor()[-1] == ("", 0), "the platoon to move", 60)
-        terminal.wait_for_text("the platoon moves again, after ", 20)
+        terminal.wait_for_text("run continues, after ", 20)
         said = terminal.text()
-        self.assertEqual((said.count("the platoon stands still: vehicle_3"), said.count("the platoon stands still"), said.count("the platoon moves again")),
+        self.assertEqual((said.count("run stalled: vehicle_3"), said.count("run stalled"), said.count("run continues")),
                          (1, 1, 1), said)
         terminal.end()
 

@@ -145,7 +145,7 @@ class Fed(unittest.TestCase):
         self.open()
         self.begin(500)
         self.state.take_topics({"vehicle_{}/position".format(i) for i in range(213)})
-        self.text_comes("#reason", "213 of 501 vehicles are there")
+        self.text_comes("#reason", "213 of 501 vehicles are running")
         for _ in self.at_both_sizes("start"):
             self.assertEqual(self.browser.text("#verdict"), "Starting")
             self.assertIn("followers N500", self.browser.text("#facts"))
@@ -193,8 +193,8 @@ class Fed(unittest.TestCase):
         of.position = [600.0 - 6.4 * i - (9.0 if i == 2 else 0.0) for i in range(21)]  # vehicle 2 is behind vehicle 3
         self.state.take_snapshot(of)
         for _ in self.at_both_sizes("stopped"):
-            self.text_comes("#culprit", "The platoon stands still: vehicle_3 has sent nothing since step 299 (2 retries)")
-            self.text_comes("#log", "the platoon stands still: vehicle_3")
+            self.text_comes("#culprit", "Run stalled: vehicle_3 has sent nothing since step 299 (2 retries)")
+            self.text_comes("#log", "run stalled: vehicle_3")
             self.text_comes("#road-note", "1 overlapping: 3")
             self.wait_for_page("document.getElementById('road').dataset.overlaps === '3'", "the mark")
 

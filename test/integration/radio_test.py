@@ -83,7 +83,7 @@ class Radio(LaunchTest):
         self.addCleanup(follower.wait)
         self.addCleanup(follower.terminate)
         terminal = self.launch(master=master, model="cacc.yaml", external=2, **SETTINGS)
-        terminal.wait_for_text("vehicle_2 is external and publishes no vehicle_2/input, which the radio of vehicle_3 hears")
+        terminal.wait_for_text("vehicle_2 is external and publishes no vehicle_2/input, which vehicle_3 receives by radio")
         terminal.interrupt()
 
     def test_without_radios_nobody_publishes_inputs(self):

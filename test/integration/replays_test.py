@@ -174,7 +174,7 @@ class Replays(LaunchTest):
     def test_a_vehicle_that_is_not_there_ends_the_replay_with_the_reason(self):
         text = self.followers.replay(self.bag, None, patience=3)
         self.assertIn("waiting for external vehicle_2: start its node (the replay ends after 3 s)", text)
-        self.assertIn("no verdict: vehicle_2 is not there: nobody publishes /platoon/vehicle_2/position; the vehicle is external: start its node", text)
+        self.assertIn("no verdict: vehicle_2 is not running: no publisher of /platoon/vehicle_2/position; the vehicle is external: start its node", text)
 
     def test_some_replays_under_load_end_with_the_right_verdict(self):
         outcomes, texts = run_many(self.bag, 4, 2, 2)

@@ -92,14 +92,14 @@ class Refused(LaunchTest):
             configuration["version"] = "9.9.9"
             master.setParam("/test", "/platoon/of_another_version", json.dumps(configuration))
         self.follower(terminal.master, 3, "configuration:=of_another_version")
-        terminal.wait_for_text("stands still: vehicle_3 has sent nothing at all; it reports: version: 9.9.9: must be ", 30)
+        terminal.wait_for_text("run stalled: vehicle_3 has sent nothing at all; it reports: version: 9.9.9: must be ", 30)
 
     def test_a_vehicle_beyond_the_string_says_so_and_waits(self):
         terminal = self.launch_two_of_three()
         process = self.follower(terminal.master, 30)
         self.assertIn("~index: 30: must be a whole number from 1 to 3, the number of followers of the present run: waiting",
                       process.stderr.readline())
-        terminal.wait_for_text("stands still: vehicle_3 is not there: nobody publishes /platoon/vehicle_3/position", 30)
+        terminal.wait_for_text("run stalled: vehicle_3 is not running: no publisher of /platoon/vehicle_3/position", 30)
         self.assertIsNone(process.poll())
 
 

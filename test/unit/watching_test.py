@@ -62,14 +62,14 @@ def snapshot(step, followers=3, realization=0, run=1):
 
 class Configuration(unittest.TestCase):
     def test_a_radio_is_described_and_its_loss_is_the_one_to_change(self):
-        found = state.described(configuration(**sp.Model.load("cacc.yaml").replace(loss=0.1).to_dict()).data)
+        found = description.described(configuration(**sp.Model.load("cacc.yaml").replace(loss=0.1).to_dict()).data)
         self.assertEqual(found["link"], "additive noise, radio with additive noise, delay 2, loss 0.1")
         self.assertEqual(found["loss"], 0.1)
         self.assertTrue(found["headway_in_seconds"])
-        self.assertFalse(state.described(configuration().data)["headway_in_seconds"])
+        self.assertFalse(description.described(configuration().data)["headway_in_seconds"])
 
     def test_losses_by_distance_have_no_probability_to_change(self):
-        found = state.described(configuration(**sp.Model.load("by_distance.yaml").to_dict()).data)
+        found = description.described(configuration(**sp.Model.load("by_distance.yaml").to_dict()).data)
         self.assertEqual((found["link"], found["loss"]), ("additive noise, losses by distance", None))
 
     def test_a_platoon_of_another_version_is_named(self):
@@ -159,7 +159,7 @@ class State(unittest.TestCase):
         diagnostics("platoon/monitor: monitor", "vehicle_7 has sent nothing since step 12", "5")
         self.assertEqual(self.state.document()["culprit"], "vehicle_7 has sent nothing since step 12")
         self.assertEqual(self.state.document()["retries"], 5)
-        self.assertIn("THE PLATOON STANDS STILL: vehicle_7 has sent nothing since step 12 (5 retries)", table.table(self.state.document(), 24))
+        self.assertIn("RUN STALLED: vehicle_7 has sent nothing since step 12 (5 retries)", table.table(self.state.document(), 24))
         diagnostics("platoon/monitor: monitor", "")
         self.assertIsNone(self.state.document()["culprit"])
 
@@ -218,9 +218,9 @@ class State(unittest.TestCase):
         def start(count, *others):
             self.state.take_topics({"vehicle_{}/position".format(i) for i in range(count)} | set(others))
             return self.state.document()["start"]
-        self.assertEqual(start(1), "1 of 4 vehicles are there, missing: vehicle_1, vehicle_2, vehicle_3")
-        self.assertEqual(start(4), "all 4 vehicles are there, the monitor starts")
-        self.assertEqual(start(4, "overview"), "all 4 vehicles are there, the first step is under way")
+        self.assertEqual(start(1), "1 of 4 vehicles are running, missing: vehicle_1, vehicle_2, vehicle_3")
+        self.assertEqual(start(4), "all 4 vehicles are running, the monitor starts")
+        self.assertEqual(start(4, "overview"), "all 4 vehicles are running, the first step is under way")
         self.assertIn("Starting: all 4", " ".join(table.table(self.state.document(), 24)))
         self.state.take_overview(overview(attempt=0), 0.0)
         self.assertIsNotNone(self.state.document()["start"])
@@ -477,7 +477,7 @@ class Ordered(unittest.TestCase):
         self.assertEqual(self.published, [])
 
     def test_a_speed_is_refused_where_the_leader_takes_none(self):
-        for known, words in (({"endless": False}, "refused: in a run of many realizations"), (None, "nothing is known of a run yet")):
+        for known, words in (({"endless": False}, "rejected: in a run of many realizations"), (None, "nothing is known of a run yet")):
             self.known = known
             success, message = self.commands.obey({"command": "speed", "speed": 20})
             self.assertFalse(success)

@@ -34,7 +34,7 @@ def shortened(value: object) -> str:
 
 
 class Commands:
-    """Carries out commands. `configuration` returns the present run's (see state.described), None before the first."""
+    """Carries out commands. `configuration` returns the present run's (see description.described), None before the first."""
 
     def __init__(self, configuration: Callable[[], Optional[Dict[str, Any]]]) -> None:
         self.configuration = configuration
@@ -66,10 +66,10 @@ class Commands:
         if configuration is None:
             return False, "speed: nothing is known of a run yet: try again when the platoon has begun"
         if not configuration["endless"]:
-            return False, ("speed: refused: in a run of many realizations the leader drives by the model file (leader/speed there); an endless "
-                           "run (live.launch, steps:=0) takes orders")
+            return False, ("speed: rejected: in a run of many realizations the leader drives by the model file (leader/speed there); an endless "
+                           "run (live.launch, steps:=0) accepts orders")
         if self.speed.get_num_connections() == 0:
-            return False, "nobody listens to {}: the leader is not there, or takes no speed".format(self.speed.resolved_name)
+            return False, "no subscriber of {}: the leader is not running, or accepts no speed".format(self.speed.resolved_name)
         self.speed.publish(speed)
         return True, "speed {:g} m/s".format(speed)
 

@@ -40,7 +40,7 @@ class EventLog:
         return news
 
     def add_run(self, before: Optional[Dict[str, Any]], now: Dict[str, Any]) -> None:
-        """Another configuration: see state.described()."""
+        """Another configuration: see description.described()."""
         changes = [(name, None if before is None else before[key], now[key], unit) for key, name, unit in CHANGES
                    if before is None or before[key] != now[key]]
         self.add("run", "a run with " + ", ".join(

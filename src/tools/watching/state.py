@@ -10,9 +10,8 @@ import math
 import threading
 from typing import Any, Callable, Deque, Dict, Iterable, List, Optional, Sequence, Set, Tuple
 
-import stochastic_platoon as sp
-
 from . import gaps
+from .description import described, start_of
 from .events import EventLog, is_paused
 from .history import Rate, ThinnedHistory
 
@@ -41,63 +40,6 @@ def drawn_followers(followers: int) -> List[int]:
     if followers <= MOST_CURVES:
         return list(range(1, followers + 1))
     return [1 + round(j * (followers - 1) / (CURVES_OF_MANY - 1)) for j in range(CURVES_OF_MANY)]
-
-
-def channel_words(channel: Dict[str, Any], unit: str) -> List[str]:
-    words = ["additive noise" if not channel.get("noise_filter") else "coloured noise"]
-    if channel.get("quantisation_step"):
-        words.append("quantised to {:g} {}".format(channel["quantisation_step"], unit))
-    if channel.get("delay"):
-        words.append("delay {}".format(channel["delay"]))
-    loss = channel.get("loss", {})
-    if "probability" in loss:
-        burst = ", bursts of {:g}".format(loss["mean_burst"]) if loss.get("mean_burst") else ""
-        words.append("loss {:g}{}".format(loss["probability"], burst))
-    elif loss:
-        words.append("losses by distance" if "by_distance" in loss else "recorded losses")
-    return words
-
-
-def radio_of(model: Dict[str, Any]) -> Optional[Dict[str, Any]]:
-    """The default vehicle's input by radio; None without one."""
-    return next((of for of in model.get("inputs", []) if of["signal"] == "input"), None)
-
-
-def link_of(model: Dict[str, Any]) -> str:
-    """The default vehicle's links in words."""
-    words, radio = channel_words(model.get("channel", {}), "m"), radio_of(model)
-    if radio:
-        words.append("radio with " + ", ".join(channel_words(radio["channel"], "m/s²")))
-    if model.get("vehicle_types"):
-        words.append("mixed string")
-    return ", ".join(words)
-
-
-def in_seconds(model: Dict[str, Any]) -> bool:
-    """Whether the model is written in an engineer's units: lag and delay in s, or gains in 1/s^2 and 1/s."""
-    return "continuous" in model.get("plant", {}) or "kp" in model.get("controller", {})
-
-
-def described(text: str) -> Dict[str, Any]:
-    """The fields of a configuration that the page shows. Raises ValueError if another version wrote it."""
-    configuration = sp.Configuration.parse(text)
-    vehicle, model, run = configuration.model.vehicle(0), configuration.model.to_dict(), configuration.run
-    return {"followers": run["followers"], "steps": run["steps"], "realizations_wanted": run["realizations"],
-            "rate_wanted": run["rate"], "seed": run["seed"], "hosting": run["hosting"], "endless": run["steps"] == 0,
-            "burn_in": run["burn_in"], "headway": vehicle.time_headway, "headway_in_seconds": in_seconds(model),
-            "noise_variance": vehicle.noise_variance,
-            "loss": (radio_of(model) or model).get("channel", {}).get("loss", {}).get("probability"), "link": link_of(model),
-            "standstill_distance": vehicle.standstill_distance, "sample_period": configuration.model.sample_period,
-            "output": run["output"], "external": [int(i) for i in run.get("external", "").split(",") if i]}
-
-
-def start_of(topics: Set[str], followers: int, external: Sequence[int]) -> str:
-    """What a platoon waits for before its first step, in words."""
-    missing = [i for i in range(followers + 1) if "vehicle_{}/position".format(i) not in topics]
-    if not missing:
-        return "all {} vehicles are there, the {}".format(followers + 1, "first step is under way" if "overview" in topics else "monitor starts")
-    names = ", ".join("vehicle_{}{}".format(i, " (external)" if i in external else "") for i in missing[:3])
-    return "{} of {} vehicles are there, missing: {}{}".format(followers + 1 - len(missing), followers + 1, names, ", ..." if missing[3:] else "")
 
 
 class PlatoonState:
@@ -211,7 +153,7 @@ class PlatoonState:
                 before, self.culprit = self.culprit, values["culprit"] or None
                 self.retries = int(values.get("retries") or 0)
                 if bool(before) != bool(self.culprit):
-                    self.log.add("stall", "the platoon stands still: " + self.culprit if self.culprit else "the platoon moves again")
+                    self.log.add("stall", "run stalled: " + self.culprit if self.culprit else "run continues")
             self.tell("health")
 
     def take_topics(self, topics: Set[str]) -> None:

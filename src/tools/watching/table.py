@@ -56,7 +56,7 @@ def table(state: Dict[str, Any], lines: int) -> List[str]:
     """The lines of the table for a terminal of so many lines."""
     text = heading(state)
     if state["culprit"]:
-        text.append("THE PLATOON STANDS STILL: {} ({} retries)".format(state["culprit"], state["retries"]))
+        text.append("RUN STALLED: {} ({} retries)".format(state["culprit"], state["retries"]))
     smallest = gaps.in_words(state)
     if smallest:
         text.append(smallest)

@@ -231,8 +231,7 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
   const double rho = spectral_radius(loop);
   if (rho >= 1.0 && !allow_unstable) {
     std::ostringstream text;
-    text << "the closed loop is unstable: rho(A) = " << rho
-         << ", must be < 1 (allow_unstable: true runs it anyway)";
+    text << "the closed loop is unstable: rho(A) = " << rho << ", must be < 1 (allow_unstable: true runs it anyway)";
     report(text);
   }
   for (const std::complex<double>& mode : loop.hidden_modes) {

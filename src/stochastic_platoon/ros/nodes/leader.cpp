@@ -74,7 +74,7 @@ void Leader::begin(const Configuration& configuration) {
 std::string Leader::obey(const LeaderOrders::Order& order) {
   if (run_.averaging() == Averaging::over_realizations) {
     throw std::runtime_error(
-        "refused: in a run of many realizations the leader drives by the model file (leader/speed there); an endless run (live.launch, steps:=0) takes orders");
+        "rejected: in a run of many realizations the leader drives by the model file (leader/speed there); an endless run (live.launch, steps:=0) accepts orders");
   }
   return order(run_state_->vehicle.manoeuvre());
 }

@@ -202,8 +202,8 @@ void Monitor::check_for_stall(double present) {
          [this](std::size_t vehicle) { return inputs_[vehicle].latest_breach(); }, [this] { return mute_vehicles(); }},
         present);
   }
-  if (!change.stalled.empty()) ROS_WARN_STREAM("the platoon stands still: " << change.stalled);
-  if (!change.moving.empty()) ROS_WARN_STREAM("the platoon moves again" << change.moving);
+  if (!change.stalled.empty()) ROS_WARN_STREAM("run stalled: " << change.stalled);
+  if (!change.moving.empty()) ROS_WARN_STREAM("run continues" << change.moving);
 }
 
 std::vector<std::size_t> Monitor::missing_vehicles() const {
@@ -237,7 +237,7 @@ Diagnostics::Fill Monitor::status() {
       if (stall_.stalled()) repeated = stall_.retries(statistics_.arrivals());
       committed = statistics_.arrivals().committed();
     }
-    if (!who.empty()) status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, "the platoon stands still: " + who);
+    if (!who.empty()) status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, "run stalled: " + who);
     status.add("culprit", who);
     status.add("retries", repeated);
     status.add("realizations", endless() ? 1 : committed);

@@ -92,16 +92,16 @@ std::string StallReporter::start(const std::vector<std::size_t>& missing, const 
 
 std::string StallReporter::reason(const Observation& seen) const {
   for (const auto& [component, notice] : notices_) {
-    if (notice.kind == Progress::BLOCKED) return component + " holds the platoon up: " + notice.text;
+    if (notice.kind == Progress::BLOCKED) return component + " blocks the run: " + notice.text;
   }
   const std::vector<std::size_t> missing = seen.missing();
   if (!missing.empty()) return reason_of_missing(missing);
   const std::vector<std::size_t> mute = seen.mute();
   if (!mute.empty()) {
     const std::string name = vehicle_name(mute.front());
-    return name + " is external and publishes no " + name + "/input, which the radio of " +
-           vehicle_name(mute.front() + 1) + " hears: it must publish its control input, or " +
-           vehicle_name(mute.front() + 1) + " have no radio";
+    const std::string follower = vehicle_name(mute.front() + 1);
+    return name + " is external and publishes no " + name + "/input, which " + follower +
+           " receives by radio: it must publish its control input, or " + follower + " must have no radio";
   }
   const StallDiagnosis diagnosis = diagnose_stall(seen.arrivals.latest(), run_.schedule(), run_.pipeline_depth(),
                                                   run_.external, seen.arrivals.latest_of_any_attempt());
@@ -113,11 +113,11 @@ std::string StallReporter::reason_of_missing(const std::vector<std::size_t>& mis
   const std::string name = vehicle_name(missing.front());
   if (missing.size() > 1) {
     return std::to_string(missing.size()) + " of " + std::to_string(run_.followers + 1) +
-           " vehicles are not there, the first of them " + name;
+           " vehicles are not running, the first of them " + name;
   }
   return name +
-         (run_.is_external(missing.front()) ? " is external and not there: start its node; " : " is not there: ") +
-         "nobody publishes " + topics_.at(missing.front());
+         (run_.is_external(missing.front()) ? " is external and not running: start its node; " : " is not running: ") +
+         "no publisher of " + topics_.at(missing.front());
 }
 
 // The vehicle's notice, if it refers to this run as a whole or to the present attempt.

@@ -109,7 +109,7 @@ bool RunChange::serve(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& 
     asked_at_ = now();
     ROS_INFO_STREAM(response.message);
   } catch (const std::exception& error) {
-    response.message = std::string("change_run: refused: ") + error.what();
+    response.message = std::string("change_run: rejected: ") + error.what();
     ROS_WARN_STREAM(response.message);
   }
   return true;

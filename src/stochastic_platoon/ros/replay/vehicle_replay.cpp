@@ -210,10 +210,10 @@ std::string VehicleReplay::silence() const {
   const std::string external_hint =
       external_ ? "; the vehicle is external: start its node, and allow it more time with patience:=SECONDS" : "";
   if (position_.getNumPublishers() == 0)
-    return name_ + " is not there: nobody publishes " + position_.getTopic() + external_hint;
+    return name_ + " is not running: no publisher of " + position_.getTopic() + external_hint;
   for (const Sent& sent : sent_) {
     if (sent.publisher.getNumSubscribers() == 0)
-      return name_ + " is not there: nobody subscribes to " + sent.publisher.getTopic() + external_hint;
+      return name_ + " is not running: no subscriber of " + sent.publisher.getTopic() + external_hint;
   }
   const MessageId due = expected_id();
   const std::optional<DropReason> breach = drops_.latest_breach();

@@ -34,7 +34,7 @@ export function showHeadline({ configuration, statistics, health }, live) {
   at("connection").dataset.live = complete || live === "live";
   const culprit = complete ? null : health?.culprit;
   at("culprit").hidden = !culprit;
-  write(at("culprit"), culprit ? `The platoon stands still: ${culprit} (${health.retries} retries)` : "");
+  write(at("culprit"), culprit ? `Run stalled: ${culprit} (${health.retries} retries)` : "");
   write(at("string-note"), statistics ? averagesOf(statistics, configuration, health) : "");
   at("string-note").dataset.paused = statistics?.step != null && statistics.paused_until !== null;
   write(at("curves-note"), !statistics ? "" : !statistics.time_average ? "over realizations" : "averages up to k" + (statistics.restarts ? ", since the latest restart" : ""));

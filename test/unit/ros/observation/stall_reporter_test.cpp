@@ -91,19 +91,19 @@ TEST_F(StallReporterTest, ANoticeExplainsItsOwnAttemptOnly) {
 
 TEST_F(StallReporterTest, ABlockedReceiverIsTheReasonWhateverItsTextSays) {
   stop_at_vehicle_2(1, 0.1);
-  reporter.receive("recorder", {Progress::NONE, 1, "holds the platoon up: no"});
+  reporter.receive("recorder", {Progress::NONE, 1, "blocks the run: no"});
   EXPECT_EQ(look(5.0).stalled.find("recorder"), std::string::npos) << "text is for people";
   reporter.receive("recorder", {Progress::BLOCKED, 1, "disk full"});
-  EXPECT_EQ(look(6.0).stalled, "recorder holds the platoon up: disk full");
+  EXPECT_EQ(look(6.0).stalled, "recorder blocks the run: disk full");
 }
 
 TEST_F(StallReporterTest, ReadingTheTextOfAComponentWithoutNoticesAddsNone) {
   EXPECT_EQ(reporter.text_of("recorder"), "");
   missing = {2};
   EXPECT_EQ(look(0.0).stalled, "");
-  EXPECT_EQ(look(9.0).stalled, "vehicle_2 is not there: nobody publishes /p/vehicle_2/position");
+  EXPECT_EQ(look(9.0).stalled, "vehicle_2 is not running: no publisher of /p/vehicle_2/position");
   missing = {1, 2};
-  EXPECT_EQ(look(10.0).stalled, "2 of 4 vehicles are not there, the first of them vehicle_1");
+  EXPECT_EQ(look(10.0).stalled, "2 of 4 vehicles are not running, the first of them vehicle_1");
   EXPECT_EQ(reporter.start({1, 2}, arrivals), "waiting for 2 of 4 vehicles");
   EXPECT_EQ(reporter.start({}, arrivals), "first step: 0 %");
 }
@@ -117,8 +117,8 @@ TEST_F(ExternalStallTest, NamesAVehicleThatSendsNoInputToARadio) {
   EXPECT_EQ(look(0.0).stalled, "");
   EXPECT_EQ(
       look(9.0).stalled,
-      "vehicle_2 is external and publishes no vehicle_2/input, which the radio of vehicle_3 hears: it must publish "
-      "its control input, or vehicle_3 have no radio");
+      "vehicle_2 is external and publishes no vehicle_2/input, which vehicle_3 receives by radio: it must publish "
+      "its control input, or vehicle_3 must have no radio");
 }
 
 TEST_F(ExternalStallTest, NamesTheClauseThatAnExternalVehicleViolates) {
