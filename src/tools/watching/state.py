@@ -74,7 +74,7 @@ def link_of(model: Dict[str, Any]) -> str:
 
 
 def in_seconds(model: Dict[str, Any]) -> bool:
-    """Whether the model is written in an engineer's units: lag and delay in s, or gains in 1/s^2 and 1/s."""
+    """Whether the model file uses physical units: lag and delay in s, or gains in 1/s^2 and 1/s."""
     return "continuous" in model.get("plant", {}) or "kp" in model.get("controller", {})
 
 
@@ -92,7 +92,7 @@ def described(text: str) -> Dict[str, Any]:
 
 
 def start_of(topics: Set[str], followers: int, external: Sequence[int]) -> str:
-    """What a platoon waits for before its first step, in words."""
+    """The missing part for which a platoon waits before its first step, in words."""
     missing = [i for i in range(followers + 1) if "vehicle_{}/position".format(i) not in topics]
     if not missing:
         return "all {} vehicles are there, the {}".format(followers + 1, "first step is under way" if "overview" in topics else "monitor starts")
@@ -111,14 +111,14 @@ class PlatoonState:
         self.text: Optional[str] = None
         self.culprit: Optional[str] = None
         self.retries = 0
-        self.start: Optional[str] = None  # what the platoon waits for before its first step
+        self.start: Optional[str] = None  # the missing part for which the platoon waits before its first step
         self.log = EventLog()
         self.early: Optional[Tuple[Any, float]] = None  # (overview, arrival time) of a run whose configuration has not arrived yet
-        self.over: Optional[int] = None  # the run before
+        self.over: Optional[int] = None  # the previous run
         self.begin(None)
 
     def begin(self, configuration: Optional[Dict[str, Any]]) -> None:
-        """Starts another run and discards everything of the one before."""
+        """Starts another run and discards all data of the previous one."""
         self.configuration = configuration
         self.run: Optional[int] = None  # the run named in this configuration's overviews
         self.overview: Any = None
@@ -159,7 +159,7 @@ class PlatoonState:
     def take_overview(self, message: Any, now: float) -> None:
         with self.lock:
             if message.run == self.over:
-                return  # a late one
+                return  # of the previous run, late
             known = self.configuration
             # Each topic has its own connection: an overview may arrive before its configuration. A second overview of another run
             # means that the present run is over.
@@ -176,7 +176,7 @@ class PlatoonState:
     def add_overview(self, message: Any, now: float) -> None:
         self.run, self.overview = message.run, message
         known = self.began and (self.began.attempt, self.began.step[-1])
-        # A monitor that was started again has no attempt yet, or the one before.
+        # A restarted monitor has no attempt yet, or the previous one.
         if message.attempt and (known is None or (message.attempt, message.step[-1]) >= known):
             if self.log.add_changes(self.began, message):
                 self.restarts += 1
