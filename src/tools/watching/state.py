@@ -92,7 +92,7 @@ def described(text: str) -> Dict[str, Any]:
 
 
 def start_of(topics: Set[str], followers: int, external: Sequence[int]) -> str:
-    """The missing part for which a platoon waits before its first step, in words."""
+    """The state of a platoon before its first step, in words: missing vehicles, or the next stage."""
     missing = [i for i in range(followers + 1) if "vehicle_{}/position".format(i) not in topics]
     if not missing:
         return "all {} vehicles are there, the {}".format(followers + 1, "first step is under way" if "overview" in topics else "monitor starts")
@@ -111,7 +111,7 @@ class PlatoonState:
         self.text: Optional[str] = None
         self.culprit: Optional[str] = None
         self.retries = 0
-        self.start: Optional[str] = None  # the missing part for which the platoon waits before its first step
+        self.start: Optional[str] = None  # the state before the first step, in words
         self.log = EventLog()
         self.early: Optional[Tuple[Any, float]] = None  # (overview, arrival time) of a run whose configuration has not arrived yet
         self.over: Optional[int] = None  # the previous run
@@ -215,7 +215,7 @@ class PlatoonState:
             self.tell("health")
 
     def take_topics(self, topics: Set[str]) -> None:
-        """Takes the names of the published topics in the platoon's namespace: before the first step they show what is missing."""
+        """Takes the names of the published topics in the platoon's namespace: before the first step they show the missing vehicles."""
         with self.lock:
             if self.configuration and not self.began:
                 self.start = start_of(topics, self.configuration["followers"], self.configuration["external"])
