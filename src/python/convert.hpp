@@ -14,7 +14,7 @@ namespace platoon::python {
 
 namespace py = pybind11;
 
-/// The values as an array of one dimension that owns them: nothing is copied.
+/// The values as an array of one dimension that owns them, without a copy.
 template <typename T>
 py::array_t<T> array_of(std::vector<T> values) {
   auto* kept = new std::vector<T>(std::move(values));
@@ -22,11 +22,11 @@ py::array_t<T> array_of(std::vector<T> values) {
   return py::array_t<T>(static_cast<py::ssize_t>(kept->size()), kept->data(), owner);
 }
 
-/// A JSON value in Python: lists of numbers, of one or two dimensions, become arrays of float with NaN for null;
-/// everything else is what json.loads returns.
+/// A JSON value in Python: lists of numbers, of one or two dimensions, become arrays of float with NaN for null; all
+/// other values are as json.loads returns them.
 py::object object_of(const nlohmann::json& value);
 
-/// What json.loads returns.
+/// A JSON value as json.loads returns it.
 py::object plain_object_of(const nlohmann::json& value);
 
 /// {name: array of float, or list of str}.
@@ -35,8 +35,8 @@ py::dict dict_of(CsvTable table);
 /// (summary, {name: table}).
 py::tuple tuple_of(ResultTables results);
 
-/// Raises the Python exceptions that correspond to this package's: ValueError for what a caller gave, FileNotFoundError
-/// and OSError for files, with the same texts.
+/// Raises the Python exceptions that correspond to this package's, with the same texts: ValueError for invalid
+/// arguments, FileNotFoundError and OSError for files.
 void register_exceptions();
 
 }  // namespace platoon::python

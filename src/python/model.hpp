@@ -10,7 +10,7 @@
 
 namespace platoon::python {
 
-/// A model as its file writes it, checked.
+/// A model and its document in the format of a model file, checked.
 class Model {
 public:
   /// Throws ConfigurationError with all problems.

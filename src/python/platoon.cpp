@@ -27,8 +27,8 @@ namespace {
 
 using Settings = std::map<std::string, std::string>;
 
-/// What Python does during a computation without the interpreter's lock: the caller's callback and Ctrl-C. What they
-/// raise stops the computation and is raised at its end.
+/// Runs the caller's callback and the check for Ctrl-C during a computation that has released the interpreter's lock.
+/// An exception of either stops the computation and is raised at its end.
 class Interruptions {
 public:
   explicit Interruptions(std::function<void(std::uint64_t)> callback) : callback_(std::move(callback)) {}

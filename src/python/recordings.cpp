@@ -1,5 +1,5 @@
-// The extension module stochastic_platoon._recordings: recorded platoons. It is apart from _platoon, as it needs the
-// libraries of ROS, which take longer to load.
+// The extension module stochastic_platoon._recordings: recorded platoons. It is separate from _platoon because it needs
+// the libraries of ROS, which take longer to load.
 
 #include <pybind11/stl.h>
 

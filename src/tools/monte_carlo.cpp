@@ -32,7 +32,8 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Ctrl-C, or a scheduler, stops the run after the batches that have begun; the second one ends the program at once.
+// Ctrl-C or a scheduler's SIGTERM stops the run after the batches that have begun; the same signal again ends the
+// program at once.
 std::atomic<bool> stop_requested{false};
 
 void request_stop(int signal) {
@@ -40,7 +41,7 @@ void request_stop(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
-// Shows the progress of a number of realizations, and takes orders to stop.
+// Shows the progress of a number of realizations, and checks for a stop request.
 class Display {
 public:
   Display(const platoon::RunOptions& run, std::uint64_t realizations)
@@ -101,8 +102,8 @@ bool run_shard(platoon::Configuration configuration, const std::string& text, pl
   return reported(name, done, range.size());
 }
 
-/// The configuration that the summary of a run states, with another output folder. Throws ConfigurationError if it
-/// cannot be repeated, or if a setting other than the folder is given.
+/// The configuration in the summary of a run, with another output folder. Throws ConfigurationError if it cannot be
+/// repeated, or if a setting other than the folder is given.
 platoon::RecordedResults repeated(const std::string& file, const std::map<std::string, std::string>& settings) {
   for (const auto& entry : settings) {
     if (entry.first != "output")

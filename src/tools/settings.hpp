@@ -10,7 +10,7 @@ namespace platoon {
 /// Parses the command line of a tool: --name value for every setting of the platoon (see settings()) in `accepted`, and
 /// for the tool's own `extra` options (name -> help). The configuration's parser checks the values.
 ///
-/// A `model` or `leader` without a folder that is not in the working folder becomes the shipped file of this name.
+/// A `model` or `leader` without a folder names the shipped file unless the working folder has such a file.
 ///
 /// `words`: receives arguments without a name; null: such arguments are an error. `flags`: those of the `extra` options
 /// that take no value; a given one has the value "true".

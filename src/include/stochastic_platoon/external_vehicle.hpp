@@ -39,16 +39,16 @@ VehicleSettings vehicle_settings(const ros::NodeHandle& platoon, std::size_t ind
 /// `vehicle_<i>/predecessor_input` and `vehicle_<i>/input`. All stochastic_platoon/Position.
 class ExternalVehicle {
 public:
-  /// Step -1 of a batch: forgets everything, and writes the initial positions y(-1) [m]; the vector has the batch's
-  /// size, one position per realization.
+  /// Step -1 of a batch: resets all state, and writes the initial positions y(-1) [m]; the vector has the batch's size,
+  /// one position per realization.
   using Start = std::function<void(std::vector<double>& position)>;
 
-  /// Computes the own y(k + 1) [m] from the predecessor's positions at step k, as received; both have the batch's size.
+  /// Computes y(k + 1) [m] from the predecessor's positions at step k, as received; both have the batch's size.
   using Move = std::function<void(const std::vector<double>& received, std::vector<double>& position)>;
 
   /// The same in a string with radios: from the predecessor's positions and control inputs [m/s^2] at step k, as
-  /// received, computes y(k + 1) and the own input u(k), which counts as of step k + 1. `heard` is empty in a run in
-  /// which the vehicle has no radio.
+  /// received, computes y(k + 1) and the vehicle's input u(k), which counts as of step k + 1. `heard` is empty in a run
+  /// in which the vehicle has no radio.
   using MoveByRadio = std::function<void(const std::vector<double>& received, const std::vector<double>& heard,
                                          std::vector<double>& position, std::vector<double>& input)>;
 
@@ -61,7 +61,7 @@ public:
 private:
   using Message = stochastic_platoon::Position;
 
-  /// The messages of one topic, each of which follows the one before.
+  /// The messages of one topic, in turn.
   struct Stream {
     Message::ConstPtr latest;
 

@@ -1,4 +1,4 @@
-"""The model of a platoon: what its model file says."""
+"""The model of a platoon, as its model file defines it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 
 
 def _as_json(value: Any) -> str:
-    """The value as JSON, with arrays and numbers of NumPy as what they hold."""
+    """The value as JSON; arrays and numbers of NumPy become lists and numbers."""
     return json.dumps(value, default=lambda other: other.tolist())
 
 
@@ -39,12 +39,12 @@ class Vehicle:
     standstill_distance: float  #: delta [m], to the predecessor
     vehicle_length: float  #: [m]
     noise_variance: float  #: P_d [m^2] of the link into it
-    loss_probability: Optional[float]  #: of that link, or of the radio if there is one; None where nothing is lost
+    loss_probability: Optional[float]  #: of that link, or of the radio if there is one; None without losses
     place: float  #: [m] in formation, the leader at 0
 
 
 class Model:
-    """A platoon as its model file describes it (config/README.md). Models never change: replace() returns another one."""
+    """A platoon as its model file describes it (config/README.md). Models are immutable: replace() returns another one."""
 
     def __init__(self, handle: _platoon.Model) -> None:
         self._handle = handle
@@ -64,7 +64,7 @@ class Model:
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any]) -> Model:
-        """The model of what to_dict() returns. Raises ValueError with all problems."""
+        """The model of a dictionary that to_dict() returned. Raises ValueError with all problems."""
         return cls.parse(_as_json(dict(document)))
 
     def replace(self, changes: Optional[Mapping[str, Any]] = None, **keys: Any) -> Model:
@@ -81,7 +81,7 @@ class Model:
         return self._handle.document()
 
     def vehicle(self, index: int) -> Vehicle:
-        """Vehicle `index`: 0 is the leader, followers count from 1 without end, as the string of types repeats.
+        """Vehicle `index`: 0 is the leader, the followers are 1, 2, ... without end, as the string of types repeats.
 
         Raises IndexError for a negative index.
         """

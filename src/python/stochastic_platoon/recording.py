@@ -21,7 +21,7 @@ class Recording:
     """The bag, or the bags, of one run. Every message is checked by its checksum when it is read."""
 
     def __init__(self, path: Union[PathLike, Iterable[PathLike]], *, partial: bool = False, unverified: bool = False) -> None:
-        """`partial`: also reads what there is of a bag that was not closed or is cut off. `unverified`: also reads bags without
+        """`partial`: also reads the existing part of a bag that was not closed or is cut off. `unverified`: also reads bags without
         checksums, as `rosbag record` writes them. Raises FileNotFoundError, and ValueError if it is no recording of a platoon."""
         from . import _recordings  # loads the libraries of ROS
 
@@ -56,7 +56,7 @@ class Recording:
         return self._values("predecessor_position", vehicle)
 
     def inputs(self, vehicle: int) -> NDArray[np.float64]:
-        """v_i(k) = u_i(k - 1) [m/s^2], of the same shape. Raises IndexError if no follower hears it."""
+        """v_i(k) = u_i(k - 1) [m/s^2], of the same shape. Raises IndexError if no follower receives it."""
         return self._values("input", vehicle)
 
     def predecessor_inputs(self, vehicle: int) -> NDArray[np.float64]:

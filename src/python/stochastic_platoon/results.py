@@ -1,4 +1,4 @@
-"""The results of a run: what its folder holds."""
+"""The results of a run, as in its folder."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ class Gaps:
 
     count: NDArray[np.float64]  #: realizations
     smallest_gap: NDArray[np.float64]  #: [m] of all realizations
-    realization: NDArray[np.float64]  #: where that one is
-    step: NDArray[np.float64]
+    realization: NDArray[np.float64]  #: of the smallest gap
+    step: NDArray[np.float64]  #: of the smallest gap
     collisions: NDArray[np.float64]  #: realizations with a gap below 0
     below_safe_gap: NDArray[np.float64]  #: realizations with a gap below the model's safe_gap; NaN without one
     theoretical_collision_bound: NDArray[np.float64]  #: probability of a collision in a realization, at most
@@ -69,12 +69,12 @@ class Gaps:
 
 @dataclass(frozen=True)
 class Amplification:
-    """How a manoeuvre grows along the string. `measured` and `theory` map a figure, as "l2_ratio", to an array with an element per
-    vehicle 0..N, NaN where there is none."""
+    """The amplification of a manoeuvre along the string. `measured` and `theory` map a figure, as "l2_ratio", to an array with
+    an element per vehicle 0..N, NaN where there is none."""
 
     measured: Dict[str, NDArray[np.float64]]
     theory: Dict[str, NDArray[np.float64]]
-    seconds: Tuple[float, float]  #: the part of the run that they are of
+    seconds: Tuple[float, float]  #: the evaluated part of the run
 
     FIGURES = ("l2_ratio", "linf_ratio", "l2_head_to_tail", "linf_head_to_tail", "rms_mean_speed", "rms_acceleration",
                "rms_mean_acceleration")
@@ -104,14 +104,14 @@ class Ages:
 
 
 class Results:
-    """Mean and variance of every tracking error, and what else a run measured.
+    """Mean and variance of every tracking error, and the other measurements of a run.
 
     `steps` holds the step numbers (one for averages over time). `count`, `mean` [m], `variance` [m^2], `theoretical_mean` and
     `theoretical_variance` are arrays of shape (followers, steps): follower i is in row i - 1.
     """
 
     def __init__(self, summary: Dict[str, Any], tables: Mapping[str, Columns], path: str, report: Optional[str] = None) -> None:
-        #: the folder, or what stands for it in messages
+        #: the folder, or its substitute in messages
         self.path = path
         #: summary.json
         self.summary = summary
@@ -129,7 +129,7 @@ class Results:
     def load(cls, folder: PathLike) -> Results:
         """The results in a folder that a monitor, monte_carlo, merge or bag_statistics wrote.
 
-        Raises FileNotFoundError, and ValueError if a file is not as it was written.
+        Raises FileNotFoundError, and ValueError if a file has changed since it was written.
         """
         path = os.fspath(folder)
         if not os.path.isdir(path):
@@ -151,7 +151,7 @@ class Results:
                 os.path.join(self.path, "summary.json"), self._value("followers"), table, followers))
 
     def _vehicles(self, table: str, first: int, signals: str) -> Grid:
-        """A table that only runs with these signals have, with one row for each vehicle."""
+        """A table with one row for each vehicle, which only runs with these signals have."""
         path = os.path.join(self.path, table + ".csv")
         if table not in self._tables:
             raise KeyError("{}: no such file: run with signals:={} (monte_carlo --signals)".format(path, signals))
@@ -210,7 +210,7 @@ class Results:
 
     @property
     def complete(self) -> bool:
-        """Whether the run came to its end."""
+        """Whether the run is complete."""
         return bool(self._value("complete"))
 
     @property
@@ -220,7 +220,7 @@ class Results:
 
     @property
     def standard_error_of_variance(self) -> NDArray[np.float64]:
-        """Of every follower's variance at the last step [m^2]; NaN where it is unknown."""
+        """The standard error of every follower's variance at the last step [m^2]; NaN where it is unknown."""
         return np.array(self._value("standard_error_of_variance"), dtype=float)
 
     @property
@@ -261,19 +261,19 @@ class Results:
 
     @cached_property
     def gaps(self) -> Gaps:
-        """Raises KeyError unless the gap was among the signals of the run."""
+        """The smallest gaps. Raises KeyError unless the gap was among the signals of the run."""
         return Gaps._of(self._vehicles("gaps", 1, "gap"), self._value("configuration.model").get("safe_gap"))
 
     @cached_property
     def amplification(self) -> Amplification:
-        """Raises KeyError unless the speed was among the signals of the run."""
+        """The amplification of the speed. Raises KeyError unless the speed was among the signals of the run."""
         grid = self._vehicles("amplification", 0, "speed,acceleration")
         first, last = (self._number(key) * self.sample_period for key in ("configuration.run.burn_in", "steps"))
         return Amplification._of(grid, (first, last))
 
     @property
     def ages(self) -> Ages:
-        """Raises KeyError if no link of the run loses."""
+        """The ages of information on the links. Raises KeyError if no link of the run loses messages."""
         return Ages._of(self.table("ages"), os.path.join(self.path, "ages.csv"))
 
     def __repr__(self) -> str:

@@ -23,7 +23,7 @@ def run_settings(**values: object) -> Dict[str, str]:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names as the settings list them. Internal."""
+    """Names in the format of the settings, separated by commas. Internal."""
     return names if isinstance(names, str) else ",".join(names)
 
 
@@ -36,7 +36,7 @@ def monte_carlo(model: Model, *, realizations: int = 10000, followers: int = 20,
     `signals`: gap, speed, acceleration, jerk, beside the tracking errors. `burn_in`: steps that the amplification leaves out.
     `threads`: one per core by default; the results do not depend on it. `output`: a folder for the results, in which a run that
     was interrupted or killed continues; without it they are only returned. `progress(done, realizations)` is called about ten
-    times a second; what it raises, and Ctrl-C, end the run.
+    times a second; its exceptions, and Ctrl-C, end the run.
 
     Raises ValueError with all problems of the settings, and OSError if the folder cannot be written.
     """

@@ -31,7 +31,7 @@ class Sweep:
 
     @classmethod
     def load(cls, path: PathLike) -> Sweep:
-        """Raises FileNotFoundError, and ValueError if it is not such a file."""
+        """The table in a file. Raises FileNotFoundError, and ValueError if it is not a sweep.csv."""
         file = os.fspath(path)
         return cls(read_table(file), file)
 

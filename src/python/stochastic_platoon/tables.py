@@ -1,4 +1,4 @@
-"""Columns of a CSV file, checked and shaped. Internal: the classes of this package return what they hold."""
+"""Columns of a CSV file, checked and shaped. Internal: the classes of this package return their contents."""
 
 from __future__ import annotations
 

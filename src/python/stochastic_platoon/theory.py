@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 
 class Analysis(Mapping[str, Any]):
-    """What the theory says of a platoon. As a mapping it has the keys of `analyze --json`; lists of numbers are arrays, with NaN
-    for values that do not exist."""
+    """The results of the theory for a platoon. As a mapping it has the keys of `analyze --json`; lists of numbers are arrays, with
+    NaN for values that do not exist."""
 
     def __init__(self, document: Dict[str, Any], path: str, report: Optional[str] = None) -> None:
-        #: the file, or what stands for it in messages
+        #: the file, or its substitute in messages
         self.path = path
         #: the report that the tool prints; None for an analysis from a file
         self.report = report
@@ -106,12 +106,12 @@ class Analysis(Mapping[str, Any]):
 
     @property
     def mean(self) -> NDArray[np.float64]:
-        """Of every tracking error [m], shape (followers, steps)."""
+        """The mean of every tracking error [m], shape (followers, steps)."""
         return self.numbers("mean")
 
     @property
     def variance(self) -> NDArray[np.float64]:
-        """Of every tracking error [m^2], shape (followers, steps)."""
+        """The variance of every tracking error [m^2], shape (followers, steps)."""
         return self.numbers("variance")
 
     @property
@@ -132,7 +132,7 @@ def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, s
     """The theory of a platoon of `followers` over `steps` (10 s of driving by default).
 
     `signals`: gap, speed, acceleration, jerk. `collision_probability`: per step; adds collisions, and the standstill distance that
-    keeps to it. `burn_in`: steps that the amplification leaves out. Raises ValueError with all problems of the settings.
+    satisfies it. `burn_in`: steps that the amplification leaves out. Raises ValueError with all problems of the settings.
     """
     settings = run_settings(followers=followers, steps=steps, burn_in=burn_in)
     document, report = _platoon.analyze(model._handle, settings, listed(signals),
@@ -144,15 +144,15 @@ def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, s
 class StabilityMap:
     """String stability over two of headway, gain, loss and mean_burst. The other arrays have shape (ys, xs)."""
 
-    over: str  #: what varies along xs
+    over: str  #: the parameter in xs
     xs: NDArray[np.float64]
-    up: str  #: what varies along ys
+    up: str  #: the parameter in ys
     ys: NDArray[np.float64]
     spectral_radius: NDArray[np.float64]
     peak_gain: NDArray[np.float64]
     string_stable: NDArray[np.float64]  #: 1, 0, or NaN for no verdict
     loss_gain: NDArray[np.float64]  #: NaN without losses
-    path: str  #: the file, or what stands for it in messages
+    path: str  #: the file, or its substitute in messages
 
     AXES = ("headway", "gain", "loss", "mean_burst")
 

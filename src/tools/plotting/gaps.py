@@ -16,12 +16,12 @@ BANDS = ((0.01, 0.99, "#c6dbef"), (0.25, 0.75, "#6baed6"))  # quantiles of the r
 PER_STEP = style.PALETTE[3]
 SAFE = style.PALETTE[2]
 BAR = 0.72  # width of a bar
-SPARSE = 10  # a curve with at most so many points has a dot on each
+SPARSE = 10  # a curve with at most this many points has a dot on each
 DEEPEST = 1e-4  # the axis of probabilities reaches this far below one realization
 
 
 def quantile(gaps: sp.Gaps, share: float) -> Array:
-    """Per follower the smallest gap [m] that this share of the realizations falls below, linear within a bin."""
+    """Per follower the quantile [m] of the smallest gap at this share of the realizations, interpolated within a bin."""
     width = np.diff(gaps.bins).min() if gaps.bins.size > 1 else 0.0
     result = np.empty(gaps.count.size)
     for row, counts in enumerate(gaps.histogram):
@@ -33,7 +33,7 @@ def quantile(gaps: sp.Gaps, share: float) -> Array:
 
 
 def interval(events: Array, count: Array) -> Tuple[Array, Array]:
-    """Wilson's interval of so many standard errors as the figures show, for the probability of an event."""
+    """Wilson's interval for the probability of an event, of as many standard errors as the figures show."""
     z = style.SHOWN_ERRORS
     share = events / count
     middle = (share + 0.5 * z ** 2 / count) / (1.0 + z ** 2 / count)

@@ -77,7 +77,7 @@ def case_of_analysis(analysis: sp.Analysis) -> Case:
 
 
 def joined(run: Case, analysis: Case) -> Case:
-    """Measurements of a run, verdict and bounds of an analysis."""
+    """The measurements of a run with the verdict and the bounds of an analysis."""
     mean, variance = (of._replace(measured=measured.measured, own=measured.own)
                       for of, measured in ((analysis.mean, run.mean), (analysis.variance, run.variance)))
     return analysis._replace(name=run.name, mean=mean, variance=variance)

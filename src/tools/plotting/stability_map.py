@@ -48,7 +48,8 @@ def draw(given: sp.StabilityMap) -> Figure:
     if np.nanmax(stability.spectral_radius) > 1.0:
         axes.contourf(stability.xs, stability.ys, stability.spectral_radius,
                       levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
-    # Not mean square stable: no finite variance exists. No chain of losses: not even a loop.
+    # Undefined: not mean square stable, so no finite variance exists.
+    # Impossible: no Markov chain has these losses, so no loop exists.
     impossible = np.isnan(stability.spectral_radius)
     undefined = np.isnan(stability.peak_gain) & ~(stability.spectral_radius >= 1.0) & ~impossible
     for region, hatch in ((undefined, "\\\\\\\\"), (impossible, "..")):
@@ -91,7 +92,7 @@ def draw_peaks(figure: Figure, axes: Axes, stability: sp.StabilityMap) -> None:
 
 
 def draw_loss_gains(figure: Figure, axes: Axes, stability: sp.StabilityMap) -> None:
-    # Where |T^| exceeds 1 there is no loss gain: these cells take the last colour.
+    # If |T^| exceeds 1, the loss gain does not exist: these cells take the last colour.
     gains = np.where(np.isnan(stability.loss_gain) & (stability.peak_gain > 1.0), 2.0 * HIGHEST_LOSS_GAIN, stability.loss_gain)
     mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), gains, cmap="YlOrBr",
                            norm=Normalize(0.0, HIGHEST_LOSS_GAIN), rasterized=True)

@@ -44,7 +44,7 @@ MARKERS = "os^Dv<>"
 LINE = 50  # characters per line of a column's title
 MANY = 60  # a curve with more points than this gets no marker on each
 SHOWN_ERRORS = 2  # half length of error bars in standard errors
-FAR = 3.0  # gaps farther above 0 than so many times their range are drawn without the line gap = 0
+FAR = 3.0  # gaps farther above 0 than this multiple of their range are drawn without the line gap = 0
 WIDE_RANGE = 1000.0  # curves that differ by more than this factor need a logarithmic axis
 
 

@@ -16,7 +16,7 @@ WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logar
 
 
 class Curve(NamedTuple):
-    """Arrays over the parameter on the horizontal axis, which is `at`."""
+    """Arrays over `at`, the parameter on the horizontal axis."""
 
     name: str
     at: Array

@@ -36,7 +36,7 @@ def nearest(gap: Array) -> Tuple[int, int]:
 
 
 def drawn(vehicles: int, worst: int) -> style.Indices:
-    """The vehicles whose curves are drawn, in any string the worst one and its predecessor."""
+    """The vehicles whose curves are drawn, always with the worst one and its predecessor."""
     followers = vehicles - 1
     if followers <= MOST_CURVES:
         return np.arange(vehicles)

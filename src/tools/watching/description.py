@@ -38,7 +38,7 @@ def link_of(model: Dict[str, Any]) -> str:
 
 
 def in_seconds(model: Dict[str, Any]) -> bool:
-    """Whether the model is written in an engineer's units: lag and delay in s, or gains in 1/s^2 and 1/s."""
+    """Whether the model file uses physical units: lag and delay in s, or gains in 1/s^2 and 1/s."""
     return "continuous" in model.get("plant", {}) or "kp" in model.get("controller", {})
 
 
@@ -56,7 +56,7 @@ def described(text: str) -> Dict[str, Any]:
 
 
 def start_of(topics: Set[str], followers: int, external: Sequence[int]) -> str:
-    """What a platoon waits for before its first step, in words."""
+    """The state of a platoon before its first step, in words: missing vehicles, or the next stage."""
     missing = [i for i in range(followers + 1) if "vehicle_{}/position".format(i) not in topics]
     if not missing:
         return "all {} vehicles are running, the {}".format(followers + 1, "first step is under way" if "overview" in topics else "monitor starts")

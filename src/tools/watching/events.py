@@ -40,7 +40,7 @@ class EventLog:
         return news
 
     def add_run(self, before: Optional[Dict[str, Any]], now: Dict[str, Any]) -> None:
-        """Another configuration: see description.described()."""
+        """Adds another configuration: see description.described()."""
         changes = [(name, None if before is None else before[key], now[key], unit) for key, name, unit in CHANGES
                    if before is None or before[key] != now[key]]
         self.add("run", "a run with " + ", ".join(
@@ -48,7 +48,7 @@ class EventLog:
             if before is not None or new is not None) if changes else "another run with the same configuration")
 
     def add_changes(self, before: Any, now: Any) -> bool:
-        """What distinguishes two successive overviews of a run; `before` may be None. Returns whether the run has begun again."""
+        """Adds the changes between two overviews of a run; `before` may be None. Returns whether the run has begun again."""
         began_again = bool(before is not None and 0 < before.attempt < now.attempt)
         if began_again:
             self.add_restart(before, now)
@@ -67,7 +67,7 @@ class EventLog:
         return began_again
 
     def add_restart(self, before: Any, now: Any) -> None:
-        """A stalled platoon begins again every few seconds: its attempts in a row are one event."""
+        """Adds a restart. A stalled platoon begins again every few seconds: consecutive attempts without progress are one event."""
         step = before.step[-1] if now.time_average else None
         latest = self.events[-1] if self.events else {}
         stalled = latest.get("kind") == "restart" and (step <= 0 if now.time_average else before.realizations == self.restarted)

@@ -19,7 +19,7 @@ POLL = 1.0  # [s]
 
 
 def report_start(state: PlatoonState, namespace: str) -> None:
-    """Reports the start from the master: the monitor starts last, half a minute behind the first of 500 followers."""
+    """Reports the start from the master's data: the monitor starts last, half a minute after the first of 500 followers."""
     master = rosgraph.Master(rospy.get_name())
     while not rospy.is_shutdown() and not state.began:
         try:
@@ -29,7 +29,7 @@ def report_start(state: PlatoonState, namespace: str) -> None:
                 state.take_configuration(types.SimpleNamespace(data=text))
             state.take_topics(topics)
         except (rosgraph.MasterException, OSError, ValueError, KeyError):
-            pass  # asked again
+            pass  # retried
         rospy.rostime.wallsleep(POLL)
 
 

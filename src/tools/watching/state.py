@@ -53,14 +53,14 @@ class PlatoonState:
         self.text: Optional[str] = None
         self.culprit: Optional[str] = None
         self.retries = 0
-        self.start: Optional[str] = None  # what the platoon waits for before its first step
+        self.start: Optional[str] = None  # the state before the first step, in words
         self.log = EventLog()
         self.early: Optional[Tuple[Any, float]] = None  # (overview, arrival time) of a run whose configuration has not arrived yet
-        self.over: Optional[int] = None  # the run before
+        self.over: Optional[int] = None  # the previous run
         self.begin(None)
 
     def begin(self, configuration: Optional[Dict[str, Any]]) -> None:
-        """Starts another run and discards everything of the one before."""
+        """Starts another run and discards all data of the previous one."""
         self.configuration = configuration
         self.run: Optional[int] = None  # the run named in this configuration's overviews
         self.overview: Any = None
@@ -101,7 +101,7 @@ class PlatoonState:
     def take_overview(self, message: Any, now: float) -> None:
         with self.lock:
             if message.run == self.over:
-                return  # a late one
+                return  # of the previous run, late
             known = self.configuration
             # Each topic has its own connection: an overview may arrive before its configuration. A second overview of another run
             # means that the present run is over.
@@ -118,7 +118,7 @@ class PlatoonState:
     def add_overview(self, message: Any, now: float) -> None:
         self.run, self.overview = message.run, message
         known = self.began and (self.began.attempt, self.began.step[-1])
-        # A monitor that was started again has no attempt yet, or the one before.
+        # A restarted monitor has no attempt yet, or the previous one.
         if message.attempt and (known is None or (message.attempt, message.step[-1]) >= known):
             if self.log.add_changes(self.began, message):
                 self.restarts += 1
@@ -157,7 +157,7 @@ class PlatoonState:
             self.tell("health")
 
     def take_topics(self, topics: Set[str]) -> None:
-        """Takes the names of the published topics in the platoon's namespace: before the first step they show what is missing."""
+        """Takes the names of the published topics in the platoon's namespace: before the first step they show the missing vehicles."""
         with self.lock:
             if self.configuration and not self.began:
                 self.start = start_of(topics, self.configuration["followers"], self.configuration["external"])

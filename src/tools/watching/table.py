@@ -15,7 +15,7 @@ def cell(value: Optional[float], width: int, form: str) -> str:
 
 
 def shown(followers: int, lines: int) -> List[int]:
-    """Numbers of the followers that fit into so many lines: all, or both ends of the string with 0 for a line of dots between."""
+    """Numbers of the followers that fit into this many lines: all, or both ends of the string with 0 for a line of dots between."""
     if followers <= lines:
         return list(range(1, followers + 1))
     half = max((lines - 1) // 2, 1)
@@ -53,7 +53,7 @@ def heading(state: Dict[str, Any]) -> List[str]:
 
 
 def table(state: Dict[str, Any], lines: int) -> List[str]:
-    """The lines of the table for a terminal of so many lines."""
+    """The lines of the table for a terminal of this many lines."""
     text = heading(state)
     if state["culprit"]:
         text.append("RUN STALLED: {} ({} retries)".format(state["culprit"], state["retries"]))

@@ -7,7 +7,7 @@
 
 namespace platoon {
 
-/// A recording that cannot be read, or not in the requested way. The text names the file and the reason.
+/// A recording that cannot be read, or not in the requested way. The message names the file and the reason.
 class BagError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

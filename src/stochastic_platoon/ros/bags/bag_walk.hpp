@@ -31,8 +31,8 @@ struct RawMessage {
   bool after_gap;    ///< the preceding chunks were not read
 };
 
-/// The messages of one bag in their order, read record by record in one pass that needs no index and the memory of one
-/// chunk. It checks lengths, connections, index, summaries and counts, which rosbag itself trusts. Throws BagCut if the
+/// The messages of one bag in their order, read record by record in one pass that needs no index and only the memory of
+/// one chunk. It checks lengths, connections, index, summaries and counts, which rosbag does not. Throws BagCut if the
 /// file ends early or was not closed, BagDamage if it contradicts itself.
 class BagWalk {
 public:

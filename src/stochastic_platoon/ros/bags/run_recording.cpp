@@ -94,7 +94,7 @@ void RunRecording::take(std::size_t stream, const Message& message) {
   partial_ = true;
 }
 
-// Messages of other platoons and vehicles are none of this recording.
+// Messages of other platoons and vehicles do not belong to this recording.
 void RunRecording::read_streams(BagContent& content,
                                 const std::function<void(std::size_t, const Message&)>& take) const {
   const auto read = [this, take](const PlatoonTopic& topic, const Message& message) {

@@ -21,8 +21,8 @@ std::vector<std::string> recorded_topics(const Configuration& configuration, con
 
 /// Writes a platoon's messages to a bag, in the order of steps and vehicles. A step is written when it has arrived on
 /// all streams, so only messages of incomplete steps are kept in memory. A finished file holds whole batches only: if
-/// an attempt was given up, the file is written once more without it. (An endless run has no batches: its steps stay as
-/// they arrived.)
+/// an attempt was abandoned, the file is written once more without it. (An endless run has no batches: its steps stay
+/// as they arrived.)
 ///
 /// The unfinished file of a killed recorder is put aside as FILE.active.1, .2, ... Only its end is read, so recovery
 /// time does not depend on its size. The files are joined when the recording is finished or stopped.
@@ -50,7 +50,7 @@ public:
 
   const Arrivals& arrivals() const { return arrivals_; }
   bool finished() const { return finished_; }
-  /// The file must be written once more, without given-up attempts and with the files put aside.
+  /// The file must be written once more, without abandoned attempts and with the files put aside.
   bool needs_rewriting() const { return given_up_ || !put_aside_.empty(); }
   /// Bytes written, over all files.
   std::uint64_t bytes() const { return completed_bytes_ + (recording_ ? recording_->bytes() : 0); }
@@ -83,7 +83,7 @@ private:
   std::vector<std::string> put_aside_;                           ///< files of this part, in their order
   std::uint64_t part_begin_ = 0;                                 ///< first realization of this part
   bool partial_ = false;                                         ///< the file ends with a part of a batch
-  bool given_up_ = false;  ///< the file holds a part of an attempt that was given up
+  bool given_up_ = false;                                        ///< the file holds a part of an abandoned attempt
   Arrivals arrivals_;
   bool final_statistics_ = false;
   bool finished_ = false;

@@ -96,7 +96,7 @@ ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Sta
       predecessor_input_(platoon.subscribe(topic(index, "predecessor_input"), kUnbounded, &ExternalVehicle::hear, this,
                                            ros::TransportHints().tcpNoDelay(true))) {}
 
-// A step -1 of another run, of a newer attempt or of the next batch, or the step after the latest.
+// Accepts the step after the latest, and a step -1 of another run, of a newer attempt or of the next batch.
 bool ExternalVehicle::Stream::takes(const Message::ConstPtr& message) {
   const bool same_run = latest && message->run == latest->run;
   const bool in_turn = message->step == -1 ? !same_run || std::tie(message->attempt, message->first_realization) >

@@ -174,7 +174,7 @@ void VehicleCheck::check_spacing() {
   wobble_ = 0.0;
   const double due = other.standstill_distance + other.headway * speed_;
   const double by_headway = std::abs(other.headway - usual.headway) * speed_;
-  // Half of the error of a vehicle that ignores one of the two.
+  // Half of the error of a vehicle that ignores the distance or the headway.
   const double most = 0.5 * (by_headway > 0.0 ? std::min(by_headway, kMoreDistance) : kMoreDistance);
   begin_run(spaced);
   std::int64_t step = std::clamp<std::int64_t>(settling_steps(spaced.model, 1).value_or(0), 200, 20000);

@@ -39,7 +39,7 @@ class Channel {
 public:
   /// `told` takes the positions that the followers receive, stream i - 1 for follower i. `superseded` is called with
   /// the configuration that replaces the present one, if the number of followers, the batch size, the recording or the
-  /// topics differ that the links need.
+  /// topics of the links differ.
   Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
           const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded);
 
@@ -47,17 +47,17 @@ public:
   VitalSigns::Sources sources() const;
 
 private:
-  /// What a wire transmits.
+  /// The messages that a wire transmits.
   struct Kind {
     std::uint32_t follower;
     bool radio;           ///< inputs, not positions
-    bool depends_on_gap;  ///< its losses do: it hears both ends of the link, too
+    bool depends_on_gap;  ///< its losses depend on it: the wire also receives the positions of both ends
   };
   friend bool operator==(const Kind& one, const Kind& other) {
     return one.follower == other.follower && one.radio == other.radio && one.depends_on_gap == other.depends_on_gap;
   }
 
-  /// A topic that a wire hears.
+  /// A topic that a wire subscribes to.
   struct Stream {
     PositionInput input;
     std::uint32_t first_loss;           ///< see PositionInput::takes()
@@ -70,16 +70,16 @@ private:
     std::optional<Link> link;
     Stream sent;
     ros::Publisher received;
-    std::optional<Stream> own, predecessor;                         ///< positions of the ends, where they are needed
-    GapPairs<stochastic_platoon::Position::ConstPtr> waiting = {};  ///< of them and of what is sent
+    std::optional<Stream> own, predecessor;                         ///< positions of the ends, if depends_on_gap
+    GapPairs<stochastic_platoon::Position::ConstPtr> waiting = {};  ///< of the sent messages and these positions
   };
 
   static std::vector<Kind> kinds_of(const Configuration& configuration, std::uint32_t first, std::uint32_t last);
   Wire wire(const Kind& kind);
   Stream stream(const std::string& topic, std::uint32_t first_loss);
-  /// Subscribes: `take` gets the messages in turn.
+  /// `take` receives the messages in turn.
   void hear(Stream& stream, const std::string& topic, std::function<void(const PositionEvent&)> take);
-  /// Calls visit(stream) with every topic that a wire hears.
+  /// Calls visit(stream) with every topic that a wire subscribes to.
   template <class AnyWire, class Visit>
   static void for_each_stream(AnyWire& wire, const Visit& visit);
   void begin(const Configuration& configuration);

@@ -47,7 +47,7 @@ public:
 private:
   using Message = stochastic_platoon::Position;
 
-  /// What it publishes of one step; `input` only to a follower with a radio.
+  /// The messages of one step to publish; `input` only to a follower with a radio.
   struct Own {
     Message::Ptr position, input;
   };
@@ -79,7 +79,7 @@ private:
   PositionInput input_, radio_input_;
   MessagePool messages_;
   ros::Publisher position_;
-  std::optional<ros::Publisher> own_input_;  ///< from the first run on that has a radio behind it
+  std::optional<ros::Publisher> own_input_;  ///< from the first run on in which its follower has a radio
   ros::Subscriber predecessor_position_;
   std::optional<ros::Subscriber> predecessor_input_;  ///< from the first run on in which it has a radio
 };

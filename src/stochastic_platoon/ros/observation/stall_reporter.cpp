@@ -35,8 +35,8 @@ std::string StallReporter::text_of(const std::string& component) const {
   return found == notices_.end() ? "" : found->second.text;
 }
 
-// A blocked attempt also brings messages: only more of them than in any attempt since the latest complete step are
-// progress.
+// A blocked attempt brings messages, too. Progress is a larger number of messages than in any attempt since the latest
+// complete step.
 void StallReporter::note_arrival(const Arrivals& arrivals, double present) {
   last_message_ = present;
   const std::uint64_t messages = arrivals.messages();

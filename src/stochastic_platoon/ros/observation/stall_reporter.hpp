@@ -16,7 +16,7 @@
 
 namespace platoon {
 
-/// Detects that a run stalls, and names the node that blocks it. Uses neither clock nor topic; times are arguments [s].
+/// Detects a stalled run and names the node that blocks it. Uses neither clock nor topic; times are arguments [s].
 class StallReporter {
 public:
   /// A notice of another component: `kind` is one of stochastic_platoon::Progress.
@@ -34,8 +34,8 @@ public:
     std::function<std::vector<std::size_t>()> missing;
     /// The latest contract violation of an external vehicle. Called during a stall only.
     std::function<std::optional<DropReason>(std::size_t vehicle)> breach;
-    /// External vehicles, ascending, that do not publish the control input which their follower expects by radio.
-    /// Called during a stall only.
+    /// External vehicles, ascending, that do not publish the control input that their follower expects by radio. Called
+    /// during a stall only.
     std::function<std::vector<std::size_t>()> mute;
   };
 

@@ -13,7 +13,7 @@
 namespace platoon {
 
 /// The leader's interface for orders (see Manoeuvre). Impossible orders are rejected with an explanation, and the run
-/// goes on.
+/// continues.
 ///
 /// Subscribes: leader/speed (std_msgs/Float64) [m/s]. Services (std_srvs/Trigger): leader/brake, leader/accelerate,
 /// leader/sinusoid, and leader/cruise, which ends a manoeuvre.

@@ -38,7 +38,7 @@ std::string renamed(std::string stem, std::uint64_t from, std::uint64_t to, cons
   return stem + suffix_of(to) + extension;
 }
 
-// The number as text that the parser reads to the same bits; a text as it is.
+// A number as text from which the parser restores the same bits; a text unchanged.
 std::string text_of(const std::string& key, const XmlRpc::XmlRpcValue& value) {
   using Value = XmlRpc::XmlRpcValue;
   if (value.getType() == Value::TypeInt) return std::to_string(static_cast<int>(value));

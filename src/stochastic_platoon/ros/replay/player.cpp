@@ -67,7 +67,7 @@ double Player::since_first(const Position& message) const {
   return message.header.stamp.toSec() - first_stamp_.toSec();
 }
 
-// Exceeds the window only if the monitor makes no progress: recorded attempts that were given up cannot complete.
+// Exceeds the window only if the monitor makes no progress: abandoned attempts of the recording cannot complete.
 bool Player::may_publish(const Position& message) const {
   if (options_.rate > 0.0) {
     const double due = since_first(message) - options_.start;

@@ -66,7 +66,7 @@ private:
   BagSource bags_;
   std::size_t vehicle_;
   ReplayCredit credit_;
-  /// What the vehicle receives over one link.
+  /// The recorded messages that the vehicle receives over one link.
   struct Sent {
     PlatoonTopic::Kind kind;
     ros::Publisher publisher;

@@ -11,7 +11,7 @@ struct TopicPublisher {
   std::string node, topic;
 };
 
-/// A publisher of one of the selected topics that answers; none without one, or without a master.
+/// A responding publisher of one of the selected topics; none if no publisher or no master responds.
 ///
 /// The master keeps the names of killed nodes, whose addresses other nodes may have by now. The node itself must
 /// therefore list the topic, within a second. Call ros::init() before.

@@ -37,7 +37,7 @@ public:
   void set_finished() { message_.finished = true; }
   /// A text for the progress display.
   void set_note(const std::string& note) { set_notice(stochastic_platoon::Progress::NONE, note); }
-  /// The receiver cannot go on, for this reason.
+  /// Reports that the receiver is blocked, with the reason.
   void set_blocked(const std::string& reason) { set_notice(stochastic_platoon::Progress::BLOCKED, reason); }
 
 private:

@@ -51,8 +51,8 @@ bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
   return put_at(path.substr(slash + 1), value, node[key]);
 }
 
-// The path of a key that speaks of a link, in a model that lists its inputs: losses are those of the radio, if there is
-// one; everything else belongs to the position, whose values may stand at the vehicle.
+// The path of a link's key in a model that lists its inputs: losses belong to the radio, if there is one, all other
+// keys to the position, whose values may be given at the vehicle.
 std::string path_of_link(const std::string& key, const YAML::Node& model) {
   const std::string first = key.substr(0, key.find('/'));
   if ((first != "noise_variance" && first != "channel") || !model.IsMap()) return key;
@@ -102,7 +102,7 @@ YAML::Node value_at(const YAML::Node& node, const char* key) {
   return node.IsMap() && node[key] ? node[key] : YAML::Node();
 }
 
-// A table that the model names lies beside it.
+// Paths of tables in a model are relative to the folder of its file.
 void resolve_table(const std::filesystem::path& folder, const YAML::Node& section, const char* key) {
   YAML::Node file = value_at(section, key);
   if (file.IsScalar()) file = (folder / file.Scalar()).string();

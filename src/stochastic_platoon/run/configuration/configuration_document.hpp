@@ -14,7 +14,7 @@ namespace platoon {
 /// unknown.
 YAML::Node configuration_document(const std::map<std::string, std::string>& given);
 
-/// The same for the model of a document (see load_model()); `model` is then no setting.
+/// The same for the model of a document (see load_model()); `model` is then not a setting.
 YAML::Node configuration_document(const YAML::Node& model, const std::map<std::string, std::string>& given);
 
 /// The document of a model file, with the paths of the tables that it names. Throws ConfigurationError if it cannot be

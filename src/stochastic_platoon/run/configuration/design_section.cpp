@@ -15,7 +15,7 @@ double optional_number(Section& section, const char* key, const Allowed& allowed
   return section.has(key) ? section.number(key, allowed) : 0.0;
 }
 
-// The continuous plant with its input delay, after the problems of its section were counted as `before`.
+// The continuous plant with its input delay. `before`: number of problems before its section was read.
 Plant sampled(Section& section, ContinuousPlant plant, double sample_period, std::size_t before) {
   plant.input_delay = optional_number(section, "input_delay", kNotNegative);
   section.reject_unknown_keys();
@@ -39,7 +39,7 @@ Plant read_continuous(Section section, double sample_period) {
                      "a polynomial that ends in two zeros: two poles at s = 0 lead from acceleration to position");
   }
   if (section.problems() > before) return sampled(section, {}, sample_period, before);
-  // As given: the fraction is divided by the leading coefficient of its denominator, which rounds.
+  // The given numbers, because TransferFunction divides by the leading coefficient of its denominator, which rounds.
   return sampled(section, {section.numbers("numerator"), section.numbers("denominator")}, sample_period, before);
 }
 

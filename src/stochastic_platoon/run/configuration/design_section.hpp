@@ -14,11 +14,11 @@ namespace platoon {
 ///            or {actuator_lag, input_delay}
 ///     controller: {numerator, denominator} or {kp, kd, ki}, with divide_by_one_plus_headway or headway_filter
 ///
-/// A key that is absent is as in `base`; without `base` both are required. Reports all problems; after a problem the
+/// An absent key keeps its value in `base`; without `base` both are required. Reports all problems; after a problem the
 /// result is a placeholder.
 LoopDesign read_design(Section& vehicle, const std::optional<LoopDesign>& base, double sample_period);
 
-/// A design that stands in for one that could not be read.
+/// A design in place of an unreadable one.
 LoopDesign placeholder_design();
 
 nlohmann::json to_json(const Plant& plant);

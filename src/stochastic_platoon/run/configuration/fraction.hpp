@@ -11,7 +11,7 @@ namespace platoon {
 /// Reads {numerator: [..], denominator: [..]}, by descending powers of z. Reports all problems, including unknown keys.
 TransferFunction read_fraction(Section& section);
 
-/// The same of a section that has further keys.
+/// The same for a section that has further keys.
 TransferFunction read_fraction_of(Section& section);
 
 nlohmann::json to_json(const TransferFunction& fraction);

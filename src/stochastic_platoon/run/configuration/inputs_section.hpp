@@ -7,7 +7,7 @@
 
 namespace platoon {
 
-/// What the key `inputs` of a vehicle gives beside the radio.
+/// The values of the position that the key `inputs` of a vehicle gives.
 struct GivenInputs {
   bool noise_variance = false;  ///< of the position
   bool channel = false;         ///< of the position
@@ -24,7 +24,7 @@ GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unst
 /// JSON for read_inputs(), with the noise_variance and the channel of the position at the vehicle.
 nlohmann::json inputs_json(const VehicleModel& vehicle);
 
-/// If the string has radios, reports what they do not fit, and makes every vehicle one whose control input is known.
+/// If the string has radios, reports settings that radios exclude, and rebuilds every loop with a known control input.
 void check_radios(PlatoonModel& model, const Section& document, std::vector<std::string>& problems);
 
 }  // namespace platoon

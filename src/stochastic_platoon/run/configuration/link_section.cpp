@@ -99,7 +99,7 @@ void read_by_distance(Section& section, LossModel& loss) {
   loss.probability = loss.by_distance->largest();
 }
 
-// The recorded losses and what describes them; a mean burst of nothing lost would be no number.
+// Reads recorded losses, their probability and their mean burst, which is undefined if nothing is lost.
 void read_trace(Section& section, LossModel& loss) {
   const bool is_file = section.has("trace");
   const std::string key = is_file ? "trace" : "runs", text = section.text(key);

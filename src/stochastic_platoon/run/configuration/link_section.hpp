@@ -7,12 +7,13 @@
 
 namespace platoon {
 
-/// What a link carries. Only a lost input may be replaced by 0 (`on_loss: zero`): it leaves the radar alone.
+/// The signal that a link carries. Only a lost input may be replaced by 0 (`on_loss: zero`): the vehicle then drives by
+/// its radar alone.
 enum class LinkedSignal { position, input };
 
 /// Reads the key `channel` of a vehicle; omitted keys are as in `base`. Reports all problems, including a noise filter
-/// that is improper or unstable, a mean burst that no chain has, a predictor whose sum is not 1 and, unless
-/// `allow_unstable`, a predictor whose predictions grow without bound.
+/// that is improper or unstable, a mean burst for which no Markov chain exists, a predictor whose sum is not 1 and,
+/// unless `allow_unstable`, a predictor whose predictions grow without bound.
 LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable,
                     LinkedSignal signal = LinkedSignal::position);
 

@@ -216,7 +216,7 @@ nlohmann::json to_json(const VehicleModel& vehicle) {
   return document;
 }
 
-// A type inherits omitted keys, so that all link keys that may differ are written.
+// A type inherits omitted keys, so all link keys that may differ are written.
 nlohmann::json full_link(const LinkModel& link, const LinkModel& base) {
   nlohmann::json document = to_json(link);
   document["noise_filter"] = to_json(link.noise_filter);

@@ -17,8 +17,8 @@ struct RecordedDrive {
   double from_second = 0.0;    ///< [s] after the first row: where the drive begins
 };
 
-/// y_0(-1), y_0(0), ... [m] of vehicle 0 that drives like the table up to its end: the column is interpolated linearly
-/// at multiples of the sample period [s], and speeds are integrated by the trapezoidal rule. y_0(-1) = y_0(0) = 0.
+/// y_0(-1), y_0(0), ... [m] of vehicle 0 along the whole table: the column is interpolated linearly at multiples of the
+/// sample period [s], and speeds are integrated by the trapezoidal rule. y_0(-1) = y_0(0) = 0.
 ///
 /// Throws std::invalid_argument with the reason and the row unless the file can be read, has both columns, at least two
 /// rows of finite numbers from from_second on, and times that ascend by at most 1 s from row to row.

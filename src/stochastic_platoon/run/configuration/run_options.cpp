@@ -32,12 +32,12 @@ constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
 // The paper's example has a sample period of 0.1 s and 100 steps.
 constexpr std::int64_t kFewestChosenSteps = 100;
 
-// Whether a value is to be chosen once the model is known.
+// Whether a value is left empty, so that its default is chosen once the model is known.
 bool is_left_empty(Section& section, const std::string& key) {
   return section.has(key) && section.text(key).empty();
 }
 
-// The launch files compare the entries of the list as text, so each number must have one spelling.
+// Each number must have one spelling, because the launch files compare the entries of the list as text.
 std::vector<std::size_t> read_external(Section& section, std::size_t followers) {
   const std::string text = section.text("external");
   std::set<std::size_t> external;

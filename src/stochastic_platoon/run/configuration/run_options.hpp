@@ -63,7 +63,7 @@ struct RunOptions {
   Averaging averaging() const { return steps == 0 ? Averaging::over_time : Averaging::over_realizations; }
 };
 
-/// Reads the options of a section and adds all problems to those of the section. batch, window: 0 = choose.
+/// Reads the options of a section and adds all problems to those of the section. batch, window: 0 selects the default.
 RunOptions read_run_options(Section section);
 
 /// JSON for read_run_options().

@@ -14,15 +14,15 @@ struct Setting {
   const char* help;
   /// The model file key that a non-empty value overrides, nested keys as "a/b"; null: none.
   const char* model_key;
-  /// The model file keys that a value replaces besides: the same quantity in another unit or form.
+  /// Further model file keys that a value replaces: the same quantity in another unit or form.
   std::vector<const char*> replaces = {};
 };
 
 /// All settings except `model`, the name of the model file.
 const std::vector<Setting>& settings();
 
-/// Default batches of a Monte Carlo: the data of a vehicle for so many realizations fits the second level cache, and
-/// what every batch costs is spread over more of them where signals cost it more.
+/// Default batch sizes of a Monte Carlo: the data of a vehicle for that many realizations fit the second level cache.
+/// With signals a batch costs more, and the larger size spreads its fixed cost over more realizations.
 constexpr char kMonteCarloBatch[] = "512", kMonteCarloBatchWithSignals[] = "1024";
 
 /// Adds the default batch of a Monte Carlo to the given settings, unless they have one.

@@ -8,8 +8,8 @@ namespace platoon {
 /// folder.
 std::string package_folder();
 
-/// `name`, or the shipped file of this name in a folder of the package, as "config", if `name` has no folder and the
-/// working folder has no such file.
+/// The path of the shipped file `name` in `folder` ("config") of the package; `name` itself if it names a folder, if
+/// the working folder has such a file, or if the package has none.
 std::string shipped_file(const std::string& name, const std::string& folder);
 
 /// The paper's example.

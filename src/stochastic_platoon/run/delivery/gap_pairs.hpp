@@ -16,7 +16,7 @@ template <class Pointer>
 class GapPairs {
 public:
   void add_sent(const Pointer& message) {
-    // What an older attempt still holds back would hold back this one, for which the vehicle behind it waits.
+    // A waiting message of an older attempt would block this one, and with it the vehicle behind the link.
     while (!sent_.empty() && (sent_.front()->run != message->run || sent_.front()->attempt != message->attempt))
       sent_.pop_front();
     sent_.push_back(message);
@@ -52,7 +52,8 @@ private:
     Pointer predecessor, own;
   };
 
-  // Below 0: what is sent finds no ends any more; above 0: nothing is sent for these ends any more; 0: they fit.
+  // Below 0: the sent message has missed its positions; above 0: the positions have missed their message; 0: they
+  // match.
   template <class Message>
   static int compared(const Message& sent, const Message& before, std::uint64_t run) {
     if (sent.run != before.run) return before.run == run ? -1 : 1;

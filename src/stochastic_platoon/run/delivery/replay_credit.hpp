@@ -30,9 +30,9 @@ public:
   /// Begins a new attempt if the present one has stalled; true if it did.
   bool retry_if_stalled(double now);
 
-  /// Begins a new attempt at once, after an answer of the present one is lost, if the present attempt has got further
-  /// than all before it. Otherwise the timeout decides, as for a vehicle that fails at the same message every time.
-  /// True if a new attempt began.
+  /// Begins a new attempt at once because an answer was lost, provided that the present attempt has got further than
+  /// all before it. Otherwise, as with a vehicle that fails at the same message every time, the timeout decides. True
+  /// if a new attempt began.
   bool give_up(double now);
 
   /// Number of the next message to send.

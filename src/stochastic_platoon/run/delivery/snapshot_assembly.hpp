@@ -18,9 +18,9 @@ struct Snapshot {
   std::vector<double> position_before;  ///< [m] one step earlier
 };
 
-/// Assembles snapshots for visualization while streams are steps apart. A snapshot begins when the stream furthest
-/// ahead reaches a new step, if one is due, and is complete when every stream has passed that step. If a message is
-/// missing, its snapshot is missing too. Uses no clock: the time is an argument [s].
+/// Assembles snapshots for visualization from streams that are steps apart. A snapshot begins when the stream furthest
+/// ahead reaches a new step, if one is due, and is complete when every stream has passed that step. A missing message
+/// cancels its snapshot. Uses no clock: the time is an argument [s].
 class SnapshotAssembly {
 public:
   /// Begins at most one snapshot per `period` [s], on average.

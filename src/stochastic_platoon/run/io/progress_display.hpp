@@ -16,8 +16,8 @@ public:
   /// `now` in seconds of any steady clock. Draws at most ten times a second.
   void update(std::uint64_t done, double now);
 
-  /// Shows `what` before anything can be counted. Not on a terminal: one line every ten seconds, the first after
-  /// ten seconds.
+  /// Shows `what` before anything can be counted. Without a terminal: one line every ten seconds, the first after ten
+  /// seconds.
   void prepare(const std::string& what, double now);
 
   /// Sets the text at the end of the line, such as the state of the recorder.

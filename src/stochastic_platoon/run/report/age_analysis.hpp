@@ -11,8 +11,8 @@ namespace platoon {
 /// exceeds. Empty if no link has random losses.
 std::string age_report(const PlatoonModel& model);
 
-/// By signal ("position", "input") a list over followers of age_probabilities(): [1] without losses, null without a
-/// distribution of the theory. Null if no link of the string loses.
+/// age_probabilities() by signal ("position", "input"), each a list over followers: [1] without losses, null where the
+/// theory has no distribution. Null if no link of the string loses messages.
 nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers);
 
 }  // namespace platoon

@@ -25,7 +25,7 @@ namespace platoon {
 struct Analysis {
   std::size_t followers = 0;
   StringStability stability;
-  std::optional<StableHeadways> headways;   ///< none if the closed loop was given directly and fits one headway
+  std::optional<StableHeadways> headways;   ///< none if the closed loop was given directly: it fits one headway only
   std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN if there is none
   /// In a string with radios: the shares of the positions and of the inputs in it, noise and losses.
   std::vector<std::array<double, 2>> stationary_variance_by_input = {};
@@ -33,7 +33,7 @@ struct Analysis {
   ErrorNorms norms;                        ///< L_2 of the means, L_infinity of the variances
   std::optional<TheoremTwoBounds> bounds;  ///< none for an unstable loop, or for a platoon other than the paper's
   double rounding = 0.0;                   ///< [m] error of the vehicles' arithmetic in a position of 1 m
-  double integral_defect = 0.0;  ///< by how much the loop misses T(1) = 1 and dT/dz(1) = -h: no verdict is finer
+  double integral_defect = 0.0;  ///< deviation from T(1) = 1 and dT/dz(1) = -h: limits the accuracy of verdicts
   std::optional<StableLosses> losses = {};   ///< none without a loss stage
   std::optional<CriticalBurst> bursts = {};  ///< none without losses, and in a string with radios
   std::vector<double> stationary_mean = {};  ///< [m], one per follower, caused by delays and losses

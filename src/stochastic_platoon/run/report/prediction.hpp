@@ -22,7 +22,7 @@ const char* to_string(Theory theory);
 /// The theory that covers a platoon.
 Theory theory_of(const PlatoonModel& model);
 
-/// The reason why it is none; empty if it is not.
+/// The reason why theory_of() returns none; empty if it does not.
 std::string reason_without_theory(const PlatoonModel& model);
 
 /// The theory's prediction for a configuration: one cell per cell of the measurement, that is, per follower and step
@@ -41,7 +41,8 @@ struct Prediction {
   Theory theory = Theory::exact;  ///< none if it covers no follower
   std::size_t followers_with_theory = 0;
   std::vector<ErrorCorrelation> error_correlation = {};  ///< over time: one per follower
-  /// Of each requested signal, one cell per follower and step; empty over time, and where errors are not normal.
+  /// The moments of each requested signal, one cell per follower and step; empty over time, and for errors that are not
+  /// normal.
   std::vector<SignalMoments> signals = {};
   std::vector<double> collision_bound = {};  ///< see collision_bounds(), one per follower; empty without the gap
   std::string warning = {};  ///< the reason why a run with a theory is not compared with it; empty: none

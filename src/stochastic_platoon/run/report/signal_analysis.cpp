@@ -51,7 +51,7 @@ nlohmann::json to_json(const CollisionRisk& risk) {
           {"required_standstill_distances", numbers(risk.required_distance)}};
 }
 
-// By the names of amplification.csv, each a list over vehicles 0 .. N.
+// Lists over vehicles 0 .. N, with the column names of amplification.csv as keys.
 nlohmann::json to_json(const std::vector<Amplification>& of, std::int64_t from) {
   nlohmann::json document = {{"from_step", from}};
   for (const AmplificationFigure& figure : amplification_figures()) {

@@ -25,9 +25,9 @@ struct SweepAxes {
 };
 
 /// Stability at every combination. Losses in bursts keep their mean burst where the sweep does not vary it; a
-/// combination of probability and mean burst that no chain has is undecided. Throws std::invalid_argument for a value
-/// that the model file does not allow, and where there is no theory: see no_burst_theory(), and for headways or gains
-/// if the closed loop was given directly.
+/// combination of probability and mean burst for which no Markov chain exists is undecided. Throws
+/// std::invalid_argument for a value that the model file does not allow, where there is no theory (see
+/// no_burst_theory()), and for headways or gains if the closed loop was given directly.
 std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes);
 
 /// JSON for programs; missing values are null.

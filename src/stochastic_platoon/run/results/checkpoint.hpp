@@ -61,7 +61,7 @@ std::string identity_differences(const nlohmann::json& there, const nlohmann::js
 /// a killed write_results() left without its summary.
 void require_no_results(const std::string& output);
 
-/// Environment variable of a node that ends with its launch and is restarted by it.
+/// Environment variable of a node that its launch ends and restarts.
 constexpr char kEndsWithLaunch[] = "PLATOON_ENDS_WITH_LAUNCH";
 
 /// Creates the run's output folder if necessary and locks it for this launch. Throws ConfigurationError if it cannot be

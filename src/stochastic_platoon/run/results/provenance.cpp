@@ -91,7 +91,7 @@ RecordedResults read_summary(const std::string& file) {
   if (!summary.contains("configuration")) reject("states no configuration: written by an older version");
   nlohmann::json document = summary["configuration"];
   nlohmann::json& hosting = document["run"]["hosting"];
-  // Those without ROS are no choice of a launch file.
+  // A launch file cannot select the hostings without ROS.
   if (hosting == to_string(Hosting::monte_carlo) || hosting == to_string(Hosting::bag))
     hosting = to_string(Hosting::one_process);
   nlohmann::json checksums = summary.at("crc32");

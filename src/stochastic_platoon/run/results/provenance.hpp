@@ -8,14 +8,14 @@
 
 namespace platoon {
 
-/// Number of the roslaunch process that started this process, directly or not; 0 if none did.
+/// Number of the roslaunch process that is an ancestor of this process; 0 if there is none.
 long roslaunch_process();
 
 /// The command line of this process, or of the roslaunch that started it, from /proc; empty if it cannot be read.
 std::vector<std::string> command_line();
 
-/// Where and how results are made, for summary.json: `configuration` (the resolved model and all run options),
-/// `revision` of the sources, `date` (UTC, ISO 8601), `host`, `command_line`.
+/// The origin of results, for summary.json: `configuration` (the resolved model and all run options), `revision` of the
+/// sources, `date` (UTC, ISO 8601), `host`, `command_line`.
 nlohmann::json provenance(const Configuration& configuration);
 
 /// The results of a finished run in a folder.

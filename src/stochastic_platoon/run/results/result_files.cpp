@@ -111,10 +111,10 @@ std::string statistics_csv(const Configuration& configuration, const Prediction&
 
 namespace {
 
-// Stands in for the summary's own checksum while that is computed.
+// Replaces the summary's own checksum while that is computed.
 const std::string kNoChecksum(8, '0');
 
-// Where it stands: nothing else in a summary reads like it, as quotes in strings are escaped.
+// Its position: no other text of a summary matches, because quotes in strings are escaped.
 std::size_t place_of_checksum(const std::string& text) {
   const std::string own = "\n    \"summary\": \"";
   const std::size_t found = text.find(own);

@@ -27,14 +27,14 @@ struct ResultTables {
 };
 
 /// Reads the files of a result. `read` returns the content of a file by its name; `folder` names them in messages.
-/// Throws std::invalid_argument if one is not as it was written, and whatever `read` throws.
+/// Throws std::invalid_argument if a file has changed since it was written, and passes on exceptions of `read`.
 ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder);
 
-/// Name of summary.json until statistics.csv is there: with it, a statistics.csv without summary.json is what a killed
-/// write_results() left.
+/// Name of summary.json until statistics.csv is written. A folder with this file and statistics.csv, but without
+/// summary.json, is left by a killed write_results().
 std::string unfinished_summary_file(const std::string& output);
 
-/// Whether a summary's text is as write_results() wrote it.
+/// Whether a summary's text is unchanged since write_results() wrote it.
 bool is_whole_summary(const std::string& text);
 
 /// The content of statistics.csv.

@@ -13,8 +13,8 @@ namespace {
 // independent errors that an average over time must be worth for asymptotic results to hold.
 constexpr std::uint64_t kEnoughForAnyDistribution = 1000;
 
-// The share of a follower's average over time: by the theory, in which each attempt is one stretch, else as measured.
-// Unknown during the decay of the start.
+// The share of a follower's average over time: that of the theory, in which each attempt is one stretch, else the
+// measured one. Unknown while the transient of the start decays.
 IndependentShare share_of(const Prediction& prediction, const RunResult& result, std::size_t follower) {
   const std::vector<ErrorCorrelation>& known = prediction.error_correlation;
   if (follower <= known.size() && known[follower - 1].length() > 0) {

@@ -54,7 +54,7 @@ struct ResultCell {
 /// Fourth central moment of each cell's error [m^4] if packets are lost and the theory has it; else empty. With the
 /// theoretical variance v it is the larger of
 ///
-///     3 v^2 + fourth_cumulant: the theory to first order (see linked_error_moments()), which is all there is if losses
+///     3 v^2 + fourth_cumulant: the theory to first order (see linked_error_moments()), the only information if losses
 ///         are so rare that a run may contain none; and
 ///     v^2 times the measured kurtosis over all steps of the follower, which includes losses in a row.
 ///

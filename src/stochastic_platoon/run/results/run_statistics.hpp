@@ -14,8 +14,8 @@
 
 namespace platoon {
 
-/// Statistics of a run from the positions of its vehicles, from topics or from a bag: an SignalAssembly connected to
-/// the run's ErrorAverages.
+/// Statistics of a run from the positions of its vehicles, from topics or from a bag: a SignalAssembly connected to the
+/// run's ErrorAverages.
 ///
 /// A message passes three steps:
 ///
@@ -92,7 +92,7 @@ private:
   std::unique_ptr<ErrorAverages> averages_;
   SignalAssembly assembly_;
 
-  /// Vehicle 0 of the model, to be compared with the actual leader, which may manoeuvre in an endless run.
+  /// Vehicle 0 of the model, for comparison with the actual leader, which may manoeuvre in an endless run.
   struct ModelLeader {
     LeaderVehicle vehicle;
     double ahead;  ///< [m] position of the actual leader minus that of the model

@@ -7,9 +7,9 @@
 
 namespace platoon {
 
-/// The content of trajectories.csv: every vehicle of one realization at every step, with what it received of that step
-/// of its predecessor, its control input and that of its predecessor as received, tracking error and all signals.
-/// Values that do not exist are empty. Throws ConfigurationError unless the run has this realization.
+/// The content of trajectories.csv: per vehicle and step of one realization its position, its predecessor's position as
+/// received, its control input, its predecessor's control input as received, tracking error and all signals. Values
+/// that do not exist are empty. Throws ConfigurationError unless the run has this realization.
 std::string trajectories_csv(const Configuration& configuration, std::uint64_t realization);
 
 }  // namespace platoon

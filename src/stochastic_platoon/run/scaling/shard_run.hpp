@@ -14,8 +14,8 @@ namespace platoon {
 /// A shard of a run; shard 0/1 is the whole run. Its folder is configuration.run.output; configuration.run.realizations
 /// is that of the whole run.
 ///
-/// The folder holds a checkpoint of the range's realizations: while some are missing, to continue from; then for
-/// merge(). The checkpoint's digest detects every change of a byte.
+/// The folder holds a checkpoint of the range's realizations. An incomplete shard continues from it; merge() reads that
+/// of a complete one. The checkpoint's digest detects every change of a byte.
 struct ShardRun {
   Configuration configuration;
   Shard shard;

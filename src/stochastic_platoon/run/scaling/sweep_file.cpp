@@ -35,7 +35,7 @@ bool is_setting(const std::string& name) {
   return std::any_of(all.begin(), all.end(), [&](const Setting& setting) { return name == setting.name; });
 }
 
-// A file that a sweep names lies beside it.
+// Paths in a sweep file are relative to its folder.
 std::string beside(const std::string& sweep_file, const std::string& named) {
   return (std::filesystem::path(sweep_file).parent_path() / named).string();
 }

@@ -52,8 +52,8 @@ struct Sweep {
 /// A value as one word without a comma: "2.4", "[1 -2 1]".
 std::string word_of(const YAML::Node& value);
 
-/// Reads a sweep file. The settings `given` take precedence over the file's; `model` is the model if the file names
-/// none.
+/// Reads a sweep file. The settings `given` take precedence over the file's; `model` is used if the file names no
+/// model.
 ///
 /// Counts the points before creating any, and checks the configuration of every point. Throws ConfigurationError with
 /// all problems.

@@ -6,14 +6,14 @@
 
 namespace platoon {
 
-/// The Monte Carlo of a whole run, beside what the theory predicts of it.
+/// The result of a whole run with the prediction of the theory.
 struct WholeRun {
   Prediction prediction;
   RunResult result;
 };
 
-/// Computes a run in this process. With an output folder it is locked, a run that was interrupted there continues, and
-/// the results are written as far as the run came; without one they are only returned. Throws as compute_shard() does.
+/// Computes a run in this process. With an output folder, locks it, continues an interrupted run there, and writes the
+/// results so far; without one, only returns them. Throws as compute_shard() does.
 WholeRun compute_run(Configuration configuration, const ShardSettings& settings);
 
 }  // namespace platoon

@@ -42,7 +42,7 @@ export class Controls {
     }
   }
 
-  // What one sample period is on the slider.
+  // One sample period in the slider's unit.
   headwayUnit() {
     return this.inSeconds ? this.period : 1;
   }

@@ -1,4 +1,4 @@
-// A chart along the string: a slot per follower, of which the pointer chooses one.
+// A chart along the string: a slot per follower; the pointer chooses one of them.
 import { followerTicks, short } from "./scale.js";
 
 export const LEFT = 52, TOP = 22;

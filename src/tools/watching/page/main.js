@@ -62,7 +62,7 @@ function connect() {
   for (const [kind, handler] of Object.entries(take)) own.addEventListener(kind, event => handler(JSON.parse(event.data)));
 }
 
-// A paused page has no stream. The server keeps the strip, the curves and the log, and sends all of them when it goes on.
+// A paused page has no stream. The server keeps the strip, the curves and the log, and sends all of them on resumption.
 function togglePause() {
   if (source) {
     source.close();

@@ -46,7 +46,7 @@ export class Road {
     if (told) this.told = [...this.told.slice(-7), told];
   }
 
-  // Received minus true positions [m] at the latest step of which both are known, at most 5 steps ago; the marks move with the
+  // Received minus true positions [m] at the latest step with both known, at most 5 steps ago; the marks move with the
   // vehicles in between. Both streams are thinned independently.
   offsets() {
     for (const snapshot of [...this.shown].reverse()) {
