@@ -96,7 +96,7 @@ def main(folder: str, *arguments: str) -> int:
             return 0
         log.seek(0)
         print(log.read())
-    print("The run did not end complete; the above is " + log_name, file=sys.stderr)
+    print("run incomplete; the log above is " + log_name, file=sys.stderr)
     return 1
 
 

@@ -138,7 +138,7 @@ int main(int argc, char** argv) {
       {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"},
   };
   std::map<std::string, std::string> settings =
-      platoon::parse_command_line(argc, argv, "What the theory says of a platoon",
+      platoon::parse_command_line(argc, argv, "Results of the theory for a platoon",
                                   {"model", "followers", "headway", "headway_seconds", "noise_variance", "loss",
                                    "mean_burst", "delay", "leader", "steps", "burn_in"},
                                   extra);

@@ -175,7 +175,7 @@ int main(int argc, char** argv) {
        {"first", "first vehicle that the launch starts"},
        {"last", "last vehicle that the launch starts"},
        {"own", "renamed: external (rejected when given)"},
-       {"quote_in_path", "true: refuse a quote in a path, which a launch file cannot pass on"},
+       {"quote_in_path", "true: reject a quote in a path, which a launch file cannot pass on"},
        {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
        {"unverified", "true: with --bag, also of recordings without checksums"}});
   try {

@@ -84,11 +84,11 @@ void run_task(const platoon::Sweep& sweep, const std::string& text, const platoo
 int main(int argc, char** argv) {
   std::vector<std::string> files;
   std::map<std::string, std::string> options = platoon::parse_command_line(
-      argc, argv, "sweep FILE --output DIR: a table over what the file says", {"realizations"},
-      {{"output", "folder for sweep.csv, and for what to go on from"},
+      argc, argv, "sweep FILE --output DIR: a table of the runs in the file", {"realizations"},
+      {{"output", "folder for sweep.csv and checkpoints"},
        {"threads", "worker threads (one per core); the result does not depend on it"},
        {"task",
-        "as an array of jobs: number of the task to compute (point x shards + shard); count: print how many there are; merge: make the table of what they left"}},
+        "as an array of jobs: number of the task to compute (point x shards + shard); count: print how many there are; merge: join their results to the table"}},
       &files);
   platoon::ignore_file_size_signal();
   try {

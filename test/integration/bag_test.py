@@ -315,7 +315,7 @@ class FullDisk(BagTest):
                 self.limit(terminal, node, resource.RLIM_INFINITY)
                 terminal.wait()
                 text = terminal.text()
-                self.assertEqual(text.count("The platoon waits, and goes on when there is room"), 1, text)
+                self.assertEqual(text.count("The platoon waits, and continues when there is space"), 1, text)
                 self.assertIn("MB are free there", text)
                 self.assertIn(bag + ": is recorded again", text)
                 self.assertTrue(live_platoon.completed_summary(output), text)

@@ -105,7 +105,7 @@ class Demo(unittest.TestCase):
         done = self.run_demo(0)
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("realizations: 0: must be", done.stdout)
-        self.assertIn("The run did not end complete", done.stdout)
+        self.assertIn("run incomplete", done.stdout)
         self.assertNotIn("h = 2.4", done.stdout)
 
 

@@ -36,7 +36,7 @@ REPLACED = [
     ("time_headway: 3.2", "time_headway:", "model/time_headway: missing: " + POSITIVE),
     ("time_headway: 3.2", "time_headway: [3.2]", "model/time_headway: [3.2]: " + POSITIVE),
     ("time_headway: 3.2", "time_headway: {h: 3.2}", "model/time_headway: {h: 3.2}: " + POSITIVE),
-    ("time_headway: 3.2", "time_headway: 3.2\ntime_headway: 2.4", "model/time_headway: given twice: must stand once"),
+    ("time_headway: 3.2", "time_headway: 3.2\ntime_headway: 2.4", "model/time_headway: given twice: must be given once"),
     ("time_headway: 3.2", 'time_headway: "\\e[31m3.2\\n"', "model/time_headway: \\x1b[31m3.2 : " + POSITIVE),
     ("time_headway: 3.2", "time_headway: " + "9" * 100 + "x", "model/time_headway: " + "9" * 80 + "...: " + POSITIVE),
     ("time_headway: 3.2", "headway: 3.2", "model/headway: unknown key: " + ALLOWED),

@@ -353,7 +353,7 @@ class Sweeps(PlotTest):
                             saying=["line 2: variance: much: must be a number"])
         self.assert_refuses("sweep", self.make_sweep(self.row(0, "a", "[1 2]")), saying=["no number varies in it: loss, headway"])
         self.assert_refuses("sweep", self.make_sweep(self.row(0, 0, 3, variance="nan")), saying=["variance is NaN everywhere"])
-        self.assert_refuses("sweep", self.grid(), "--over", "delay", saying=["--over: delay: must be what varies in", "loss, headway"])
+        self.assert_refuses("sweep", self.grid(), "--over", "delay", saying=["--over: delay: must be a varying parameter of", "loss, headway"])
 
     def test_refuses_more_curves_than_can_be_told_apart(self):
         rows = [self.row(2 * i + j, i, j) for i in range(8) for j in range(2)]

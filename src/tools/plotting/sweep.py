@@ -45,7 +45,7 @@ def chosen_axis(sweep: sp.Sweep, over: Optional[str]) -> str:
     """The parameter `over` if given, otherwise the numeric parameter with the most values."""
     if over:
         if over not in sweep.varied:
-            raise ValueError("--over: {}: must be what varies in {}: {}".format(over, sweep.path, ", ".join(sweep.varied)))
+            raise ValueError("--over: {}: must be a varying parameter of {}: {}".format(over, sweep.path, ", ".join(sweep.varied)))
         return over
     columns = {name: sweep.columns[name] for name in sweep.varied}
     sizes = {name: np.unique(column).size for name, column in columns.items()

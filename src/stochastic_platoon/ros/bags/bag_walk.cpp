@@ -181,7 +181,7 @@ std::optional<RawMessage> BagWalk::take_from_chunk() {
     const std::uint32_t length = take_length(rest_);
     const RecordKind kind = header.kind();
     if (kind != RecordKind::message && kind != RecordKind::connection)
-      throw BagDamage("a chunk holds what no chunk holds");
+      throw BagDamage("a chunk contains an invalid record");
     const auto connection = header.number<std::uint32_t>("conn");
     const auto time = kind == RecordKind::message ? header.number<std::uint64_t>("time") : 0;
     if (kind == RecordKind::message && connections_.count(connection) == 0)
@@ -235,7 +235,7 @@ void BagWalk::require_whole() const {
   if (index_.without_summary() > 0 || summarized_.size() < connections_.size())
     throw BagCut("the end of its index is missing");
   if (summarized_.size() != connection_count_ || index_.chunks() != chunk_count_)
-    throw BagDamage("its counts are not those of what it holds");
+    throw BagDamage("its counts contradict its content");
 }
 
 }  // namespace platoon

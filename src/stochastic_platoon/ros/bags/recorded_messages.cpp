@@ -86,7 +86,7 @@ auto RecordedMessages::guarded(const Read& read) -> decltype(read()) {
     if (source_.accept == Accept::whole) {
       throw BagError(
           file_ + ": was not closed, or its end is missing (" + reason.what() +
-          "): its recorder was killed or is still running, or the file was cut off; --partial reads what is whole of it");
+          "): its recorder was killed or is still running, or the file was cut off; --partial reads its complete batches");
     }
     ending_ = std::string("ends early, ") + place() + ": " + reason.what();
     return {};

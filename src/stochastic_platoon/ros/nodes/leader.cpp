@@ -88,9 +88,9 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
     if (!reporter->second.admits(event.getConnectionHeaderPtr(), message->run)) return;
     if (!may_be_reported(schedule_, report)) {
       ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report of \""
-                                        << reporter->first << "\" of what this run does not have: attempt "
-                                        << report.attempt << ", realizations from " << report.first_realization
-                                        << ", step " << report.step);
+                                        << reporter->first << "\" beyond this run: attempt " << report.attempt
+                                        << ", realizations from " << report.first_realization << ", step "
+                                        << report.step);
       return;
     }
   }

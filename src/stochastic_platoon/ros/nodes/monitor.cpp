@@ -258,7 +258,7 @@ void Monitor::show_manoeuvre(bool departs) {
   if (departs == departs_) return;
   departs_ = departs;
   if (departs) {
-    ROS_INFO("the leader manoeuvres: averages leave out what it causes");
+    ROS_INFO("the leader manoeuvres: averages are paused until its effect has decayed");
   } else {
     const std::int64_t burn_in = configuration_.run.burn_in;
     ROS_INFO_STREAM("the leader drives by the model file again: averages go on in "

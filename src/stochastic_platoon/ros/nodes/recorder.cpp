@@ -36,7 +36,7 @@ void Recorder::write(const Work& work) {
   } catch (const std::runtime_error& error) {
     refusal_ = configuration_.run.record + ": cannot be written: " + error.what() + "; " +
                free_space(configuration_.run.record);
-    if (!pause_.is_on()) ROS_ERROR_STREAM(refusal_ << ". The platoon waits, and goes on when there is room");
+    if (!pause_.is_on()) ROS_ERROR_STREAM(refusal_ << ". The platoon waits, and continues when there is space");
     if (recording_) {
       reported_ = recording_->arrivals();
       recording_->abandon();
@@ -129,8 +129,7 @@ void Recorder::finish() {
   if (recording_->needs_rewriting()) ROS_INFO("writing the bag once more, without the attempts that were given up");
   recording_->finish();
   if (!recording_->finished()) {
-    ROS_WARN_STREAM(configuration_.run.record
-                    << ": a part of what was recorded cannot be read any more: what follows it is recorded again");
+    ROS_WARN_STREAM(configuration_.run.record << ": a part of the recording is unreadable: recording again from there");
     return report();
   }
   pause_.succeeded();

@@ -170,7 +170,7 @@ void override_value(YAML::Node& document, const std::string& name, const YAML::N
       return;
     }
     if (put_model_key(setting, value, document["model"])) return;
-    throw ConfigurationError({name + ": leads through what is no mapping in the model file"});
+    throw ConfigurationError({name + ": leads through a value of the model file that is not a mapping"});
   }
   if (put_at(name, value, document["model"])) return;
   throw ConfigurationError({name + ": must be a setting, or lead to a key of the model file"});

@@ -51,7 +51,7 @@ void read_loop(Section& section, const VehicleModel* base, double sample_period,
   const bool designed = section.has("plant") || section.has("controller");
   if (section.has("closed_loop")) {
     for (const char* key : {"plant", "controller"}) {
-      if (section.has(key)) section.reject(key, "given", "absent beside closed_loop, which stands in its place");
+      if (section.has(key)) section.reject(key, "given", "absent beside closed_loop, which replaces it");
     }
     vehicle.design.reset();
     const std::optional<ClosedLoop> given =

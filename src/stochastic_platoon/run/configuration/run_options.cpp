@@ -167,7 +167,7 @@ RunOptions read_run_options(Section section) {
     section.reject("realizations x steps x followers",
                    std::to_string(options.realizations) + " x " + std::to_string(options.steps) + " x " +
                        std::to_string(followers),
-                   "below 2^63, which is what can be counted");
+                   "below 2^63, the limit of the counter");
   }
   if (options.steps == 0) options.realizations = 1;
   if (options.batch == 0) options.batch = chosen_batch(options);

@@ -284,7 +284,7 @@ void Section::reject_unknown_keys() {
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
     if (known_.count(key) == 0) problems_.push_back(name(shown(entry.first)) + ": unknown key: allowed are " + allowed);
-    if (!seen.insert(key).second) problems_.push_back(name(key) + ": given twice: must stand once");
+    if (!seen.insert(key).second) problems_.push_back(name(key) + ": given twice: must be given once");
   }
 }
 

@@ -150,7 +150,7 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   if (own.feed_forward) text += formatted(", radio %g (m/s^2)^2", own.feed_forward->noise_variance);
   text += ": ";
   if (analysis.theory == Theory::none)
-    return text + "no theory, as " + reason_without_theory(model) + ": monte_carlo measures what they do\n" +
+    return text + "no theory, as " + reason_without_theory(model) + ": monte_carlo measures their effect\n" +
            age_report(model) + report(model, analysis.signals);
   text += stability.reason + "\n";
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
@@ -174,7 +174,7 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   const auto largest = std::max_element(means.begin(), means.end(),
                                         [](double one, double other) { return std::abs(one) < std::abs(other); });
   if (largest != means.end() && *largest != 0.0 && std::isfinite(*largest)) {
-    text += formatted("Stationary mean: up to %.6g m, of follower %zu: what delay and loss leave at constant speed\n",
+    text += formatted("Stationary mean: up to %.6g m, of follower %zu, caused by delay and loss at constant speed\n",
                       *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
   }
   text += report(model, analysis.signals);
@@ -192,18 +192,18 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
             " (alpha_2 " + figure(bounds.alpha_2, "m^2") + ", beta_2 " + figure(bounds.beta_2, "m^2") +
             "; the paper's beta_2 " + figure(bounds.stated_beta_2, "m^2") + ")\n";
   } else if (!is_papers(model)) {
-    text += "Bounds of Theorem 2: none, as they are of the paper's platoon\n";
+    text += "Bounds of Theorem 2: none, as they apply to the paper's platoon only\n";
   } else {
     text += "Bounds of Theorem 2: none, as rho(A) is not below 1\n";
   }
   if (analysis.rounding > 1e-9) {
     text += formatted(
-        "Warning: a run keeps a position of 1 m to %.1g m only, as the coefficients of A, B and C lose digits in double; the figures above do not, but hold for the numbers given, each of which is a rounded one\n",
+        "Warning: a run keeps a position of 1 m to %.1g m only, as the coefficients of A, B and C lose digits in double. The figures above do not lose them: they hold for the given, rounded numbers\n",
         analysis.rounding);
   }
   if (analysis.integral_defect > 1e-9) {
     text += formatted(
-        "Warning: A, B and C have T(1) = 1 and dT/dz(1) = -h to %.1g only: a verdict so near to its border, and as many digits of the limit, they do not determine\n",
+        "Warning: A, B and C have T(1) = 1 and dT/dz(1) = -h to %.1g only, which does not determine a verdict so near to its border, nor the limit to more digits\n",
         analysis.integral_defect);
   }
   return text;

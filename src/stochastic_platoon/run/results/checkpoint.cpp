@@ -153,7 +153,7 @@ void require_no_results(const std::string& output) {
   if (!statistics && !holds(output + "/summary.json")) return;
   throw ConfigurationError(
       {"output: " + output +
-       ": holds results already, which are never written over, and no checkpoint to go on from: must be another folder"});
+       ": holds results already, which are never overwritten, and no checkpoint to continue from: must be another folder"});
 }
 
 std::string extent_of(const Checkpoint& checkpoint) {

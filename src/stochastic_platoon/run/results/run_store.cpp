@@ -19,7 +19,7 @@ RunStore::RunStore(const Configuration& configuration, RetriedWrite::Log failed,
       write_(
           [failed = std::move(failed), output = configuration.run.output](const std::string& error) {
             failed(error + "; " + free_space(checkpoint_file(output)) +
-                   ". It is tried again until there is room; the run goes on");
+                   ". Retrying until there is space; the run continues");
           },
           [recovered = std::move(recovered), output = configuration.run.output] {
             recovered(output + ": can be written again");

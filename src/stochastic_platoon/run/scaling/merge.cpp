@@ -62,7 +62,7 @@ private:
       identity_ = found.identity;
     }
     const std::string differing = differences(found, run);
-    if (!differing.empty()) return refuse(folder, "is of another run than " + first_folder_ + ": " + differing);
+    if (!differing.empty()) return refuse(folder, "belongs to another run than " + first_folder_ + ": " + differing);
     const RealizationRange range = run.range();
     std::uint64_t gaps = 0;
     for (const RealizationRange& gap : found.totals.moments.missing(range)) gaps += gap.size();

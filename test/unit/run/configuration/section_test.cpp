@@ -212,7 +212,7 @@ TEST(Section, RejectsAKeyThatStandsTwice) {
   Section section(YAML::Load("{a: 1, a: 2}"), "", problems);
   section.number("a", kAnyFinite);
   section.reject_unknown_keys();
-  EXPECT_EQ(problems, std::vector<std::string>{"a: given twice: must stand once"});
+  EXPECT_EQ(problems, std::vector<std::string>{"a: given twice: must be given once"});
 }
 
 TEST(Section, ReadsAWholeNumberWithAnExponent) {

@@ -127,7 +127,7 @@ std::string named_difference(const std::function<void(ShardRun&)>& change) {
   ShardRun other = paper_shard(folders[2], 2, 3);
   change(other);
   compute_locked(other);
-  const std::string said = refusal(folders), begin = folders[2] + ": is of another run than " + folders[0] + ": ";
+  const std::string said = refusal(folders), begin = folders[2] + ": belongs to another run than " + folders[0] + ": ";
   EXPECT_NE(said.find(begin), std::string::npos) << said;
   EXPECT_NE(said.find("shards 2 of 3: missing"), std::string::npos) << said;
   return said.substr(std::min(said.size(), said.find(begin) + begin.size()));
@@ -155,7 +155,7 @@ TEST(Merge, NamesAnotherVersionAndAnotherMachinesBits) {
     Checkpoint shard = *read_checkpoint(folders[2]);
     shard.identity[key] = "other";
     write_checkpoint(folders[2], shard);
-    EXPECT_NE(refusal(folders).find(folders[2] + ": is of another run than " + folders[0] + ": " + key),
+    EXPECT_NE(refusal(folders).find(folders[2] + ": belongs to another run than " + folders[0] + ": " + key),
               std::string::npos);
     EXPECT_NE(refusal({folders[2]}).find("is of a run that this machine would compute otherwise: " + std::string(key)),
               std::string::npos);
