@@ -47,6 +47,13 @@ class Reference(unittest.TestCase):
         for name in ("string_stability", "error_moments", "stationary_variances", "stable_headways"):
             self.assertTrue("</span>{}()".format(name) in self.pages["group__math__string.html"], name)
 
+    def test_the_main_page_leads_to_the_python_module(self):
+        for name, page, words in (("Model", "classstochastic__platoon_1_1model_1_1Model.html", "replace"),
+                                  ("analyze", "namespacestochastic__platoon_1_1theory.html", "stability_map"),
+                                  ("Results", "classstochastic__platoon_1_1results_1_1Results.html", "standard_error_of_variance")):
+            self.assertRegex(self.pages["index.html"], 'href="{}[^"]*"[^>]*>sp.{}</a>'.format(page, name))
+            self.assertTrue(words in self.pages[page], name)
+
     def test_the_stationary_variance_is_a_formula(self):
         formula = r"\[ P_1 = \|H T\|_2^2 P_d, \qquad P_i = P_{i-1} + \|S T^{i-1}\|_2^2 P_d, \]"
         self.assertTrue('<p class="formulaDsp">\n' + formula in self.pages["group__math__string.html"])
