@@ -146,7 +146,7 @@ void write_trajectories(const platoon::Configuration& configuration, const std::
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
   if (std::filesystem::exists(file))
     throw platoon::ConfigurationError(
-        {"output: " + file + ": exists and is never written over: must be another folder"});
+        {"output: " + file + ": exists and is never overwritten: must be another folder"});
   platoon::write_atomically(file, text);
   std::cout << "Realization " << realization << ": " << file << "\n";
 }

@@ -453,7 +453,7 @@ class SmallBag(unittest.TestCase):
         bag_statistics(self.small, "--output", output)
         result = bag_statistics(self.small, "--output", output)
         self.assertEqual(result.returncode, 1)
-        self.assertIn("holds results already, which are never written over", result.stderr)
+        self.assertIn("holds results already, which are never overwritten", result.stderr)
 
     def test_a_hole_is_named_by_topic_and_step(self):
         bag = self.altered("hole.bag", lambda topic, message: 0 if topic.endswith("vehicle_1/position") and message.step == 2

@@ -267,7 +267,7 @@ class FullDisk(LaunchTest):
         resource.prlimit(monitor, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
         terminal.wait()
         text = terminal.text()
-        self.assertEqual(text.count("It is tried again until there is room; the run goes on"), 1, text)
+        self.assertEqual(text.count("Retrying until there is space; the run continues"), 1, text)
         self.assertIn("File too large", text)
         self.assertIn("MB are free there", text)
         self.assertIn(self.output + ": can be written again", text)

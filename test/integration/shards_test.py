@@ -110,7 +110,7 @@ class Shards(ShardsTest):
         self.assertIn("/nowhere: holds no shard", self.run_tool("merge", "/nowhere", "--output", self.path("x"), status=1))
         self.shard("0/1", "--realizations", "100")
         self.run_tool("merge", self.path("0_of_1"), "--output", self.path("merged"))
-        self.assertIn("holds results already, which are never written over",
+        self.assertIn("holds results already, which are never overwritten",
                       self.run_tool("merge", self.path("0_of_1"), "--output", self.path("merged"), status=1))
 
 

@@ -139,7 +139,7 @@ class Signals(LaunchTest):
         i, k = worst["vehicle"], worst["step"]
         self.assertEqual(position[i - 1, k] - position[i, k] - 0.25, worst["gap"])
         again = run("monte_carlo", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=0, output=self.path("worst"))
-        self.assertIn("exists and is never written over", again.stderr)
+        self.assertIn("exists and is never overwritten", again.stderr)
 
     def test_behind_losses_signals_are_measured_only(self):
         text = self.monte_carlo("lossy", loss=0.1)

@@ -138,7 +138,7 @@ class Wire(unittest.TestCase):
             counts = [re.search(r"vehicle_2/position: .*so far (\d+) out of turn, (\d+) of wrong size, (\d+) not finite, (\d+) of another run", text)
                       for text in cls.said]
             cls.counted = [match.groups() for match in counts if match and "0" not in match.groups()]
-            return cls.counted and any("of what this run does not have" in text for text in cls.said)
+            return cls.counted and any("beyond this run: attempt" in text for text in cls.said)
 
         live_platoon.wait_for(all_counted, "a report that counts all kinds", 20)
 

@@ -354,7 +354,7 @@ TEST(StartingPoint, RefusesResultsWithoutACheckpointAndLeavesThem) {
       configuration.run.resume = resume;
       EXPECT_EQ(refusal(configuration),
                 "output: " + folder.path() +
-                    ": holds results already, which are never written over, and no checkpoint to go on from: "
+                    ": holds results already, which are never overwritten, and no checkpoint to continue from: "
                     "must be another folder");
     }
     EXPECT_EQ(content_of(folder / name), "of another run");

@@ -148,7 +148,7 @@ TEST(ComputeShard, RefusesTheFolderOfAWholeRunAndOfResults) {
   EXPECT_EQ(refusal(run),
             "output: " + run_folder.path() + ": holds a run of 32 realizations and no shard: must be another folder");
   results.file("statistics.csv", "of another run");
-  EXPECT_NE(refusal(paper_shard(results.path(), 0, 7)).find("holds results already, which are never written over"),
+  EXPECT_NE(refusal(paper_shard(results.path(), 0, 7)).find("holds results already, which are never overwritten"),
             std::string::npos);
 }
 
