@@ -100,7 +100,7 @@ class Refused(unittest.TestCase):
             os.chmod(unshare, 0o755)
             done = self.run_isolated("echo", "started", PATH=folder + ":" + os.environ["PATH"])
         self.assertEqual(done.returncode, 1)
-        self.assertIn("gives no network namespace (unshare failed: Operation not permitted)", done.stdout)
+        self.assertIn("cannot create a network namespace (unshare failed: Operation not permitted)", done.stdout)
         self.assertNotIn("started", done.stdout.replace("Nothing was started", ""))
 
     def test_a_command_that_is_missing_is_named(self):

@@ -162,7 +162,7 @@ class Manoeuvres(Orders):
         speed_is(20.0)
         speed.publish(25.0)
         speed_is(25.0)
-        terminal.wait_for_text("averages are paused until it has decayed", 60)
+        terminal.wait_for_text("averages are paused until its effect has decayed", 60)
         self.assertTrue(self.trigger("brake").success)
         speed_is(0.0)
         self.assertTrue(self.trigger("accelerate").success)

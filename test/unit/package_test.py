@@ -2,6 +2,7 @@
 """The package's files agree with each other: package.xml declares the imported packages, and the named files exist."""
 
 import ast
+import collections
 import os
 import re
 import subprocess
@@ -13,6 +14,10 @@ PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file
 TOP = {"CHANGELOG.rst", "CMakeLists.txt", "LICENSE", "README.md", "config", "launch", "msg", "package.xml", "src", "test"}  # and dot-files
 OURS = {"plotting", "stochastic_platoon", "watching"}
 NAMED_FILE = re.compile(r"(?<![\w/.*-])((?:src|launch|config|msg|test)/[\w/.-]+\.(?:py|cpp|hpp|launch|yaml|md|msg|srv|js|html))\b")
+
+# A constant, an alias or a type at the level of a namespace, as clang-format lays it out.
+GLOBAL_NAME = re.compile(r"^(?:constexpr [\w:<>, ]+[ >](?P<constant>k\w+)(?:\[\])? ?[={]|using (?P<alias>\w+) = (?P<meaning>[^;]*);|"
+                         r"(?:struct|class|enum class) (?P<type>\w+)\b[^;\n]*{)", re.M)
 
 
 def text_of(name):
@@ -62,6 +67,19 @@ class Package(unittest.TestCase):
                     self.assertTrue(any(os.path.exists(os.path.join(PACKAGE, place)) for place in (path, beside)),
                                     "{} names {}, which does not exist".format(name, path))
         self.assertGreater(found, 50)
+
+    def test_constants_and_types_of_a_library_have_names_of_their_own(self):
+        """Two files of a library that define the same name in unnamed namespaces cannot be compiled as one file (CMAKE_UNITY_BUILD)."""
+        places, meanings = collections.defaultdict(set), collections.defaultdict(set)
+        for name in source_files():
+            library = re.match(r"src/stochastic_platoon/(\w+)/.*\.cpp$", name)
+            for definition in GLOBAL_NAME.finditer(text_of(name)) if library else ():
+                key = library[1], definition["constant"] or definition["alias"] or definition["type"]
+                places[key].add(name)
+                meanings[key].add(definition["meaning"] or name)  # equal aliases may be repeated
+        self.assertGreater(len(places), 150)
+        for key, files in places.items():
+            self.assertTrue(len(files) == 1 or len(meanings[key]) == 1, "{} is defined in {}".format(key[1], ", ".join(sorted(files))))
 
     @unittest.skipUnless(os.path.exists(os.path.join(PACKAGE, ".git")), "needs the repository")
     def test_nothing_else_lies_at_the_top_level(self):

@@ -21,7 +21,7 @@ sys.dont_write_bytecode = True
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "tools")
 sys.path.insert(0, TOOLS)
 
-from watching import server, state, table  # noqa: E402
+from watching import description, server, state, table  # noqa: E402
 
 NAN = math.nan
 RUN = {"realizations": 1000, "batch": 100, "rate": 0.0, "seed": 1, "hosting": "processes", "output": "/tmp/run", "burn_in": 200,

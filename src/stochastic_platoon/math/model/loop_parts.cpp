@@ -12,7 +12,7 @@ namespace platoon {
 
 namespace {
 
-constexpr std::size_t kLanes = 32;  // realizations per pass
+constexpr std::size_t kPartLanes = 32;  // realizations per pass
 
 /// The canonical form of n / d, both multiplied by powers of z = 1 + s so that n / d alone is the fraction.
 template <class Scalar>
@@ -143,7 +143,7 @@ PLATOON_INLINE ControlInputs from(const ControlInputs& control, std::size_t r) {
 
 PLATOON_INLINE void parts_lanes(const LoopParts& parts, std::size_t place, std::size_t lanes, double* state,
                                 const double* input, double offset, double* positions, const ControlInputs& control) {
-  std::array<double, kLanes> y, e, u, first;
+  std::array<double, kPartLanes> y, e, u, first;
   double* const controller = state + parts.plant.order() * kTile;
   double* const before = controller + parts.controller.order() * kTile;
   double* const inputs = before + kTile;  // with a headway filter and no delay, u(k-1) alone
@@ -183,8 +183,8 @@ PLATOON_VECTOR_CLONES
 void parts_tile(const LoopParts& parts, std::size_t place, std::size_t size, double* state, const double* input,
                 double offset, double* positions, const ControlInputs& control) {
   std::size_t r = 0;
-  for (; r + kLanes <= size; r += kLanes)
-    parts_lanes(parts, place, kLanes, state + r, input + r, offset, positions + r, from(control, r));
+  for (; r + kPartLanes <= size; r += kPartLanes)
+    parts_lanes(parts, place, kPartLanes, state + r, input + r, offset, positions + r, from(control, r));
   parts_lanes(parts, place, size - r, state + r, input + r, offset, positions + r, from(control, r));
 }
 

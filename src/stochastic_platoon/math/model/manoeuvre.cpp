@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/model/manoeuvre.hpp"
 
 #include <algorithm>
+#include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -9,6 +10,8 @@
 namespace platoon {
 
 namespace {
+
+using boost::math::double_constants::pi;
 
 void require_speed(double speed) {
   if (std::abs(speed) <= Manoeuvre::kLargestSpeed) return;  // false for NaN
@@ -54,7 +57,6 @@ void Manoeuvre::cruise() {
 }
 
 double Manoeuvre::next_speed(double profile) {
-  constexpr double kPi = 3.14159265358979323846;
   switch (kind_) {
     case Kind::none:
       speed_ = profile;
@@ -64,7 +66,7 @@ double Manoeuvre::next_speed(double profile) {
       break;
     case Kind::swing:
       step_ = (step_ + 1) % kPeriod;
-      speed_ = target_ + kAmplitude * std::sin(2.0 * kPi * static_cast<double>(step_) / kPeriod);
+      speed_ = target_ + kAmplitude * std::sin(2.0 * pi * static_cast<double>(step_) / kPeriod);
       break;
     case Kind::back:
       speed_ = moved(speed_, profile, kAcceleration * sample_period_);

@@ -85,7 +85,7 @@ Eigen::VectorXd residual_of(const Polynomial& p, const Polynomial& f, const Poly
 
 // The gap between the singular values limits the accuracy of a null vector. Gauss-Newton steps on g u - N = 0, g v - D
 // = 0 (v and g monic) refine u, v and g to the rounding of the coefficients.
-Reduction refined(const TransferFunction& fraction, const Reduction& rough) {
+Reduction refined_reduction(const TransferFunction& fraction, const Reduction& rough) {
   Polynomial u = rough.minimal.numerator(), v = rough.minimal.denominator(), g = rough.common_factor;
   const Polynomial& n = fraction.numerator();
   const Polynomial& d = fraction.denominator();
@@ -180,7 +180,7 @@ Reduction reduce(const TransferFunction& fraction, double tolerance) {
     Polynomial u = null->tail(degree + 1) * (n_size / d_size);
     u.head(relative_degree).setZero();  // only rounding errors
     if (std::abs(v(0)) < tolerance || !u.allFinite() || !(u / v(0)).allFinite()) continue;
-    const Reduction candidate = refined(stripped, {TransferFunction(u, v), exact_quotient(d, v / v(0))});
+    const Reduction candidate = refined_reduction(stripped, {TransferFunction(u, v), exact_quotient(d, v / v(0))});
     if (!is_factorization(stripped, candidate) || !is_same_function(candidate.minimal, stripped)) continue;
     return {candidate.minimal, multiply(common, candidate.common_factor)};
   }

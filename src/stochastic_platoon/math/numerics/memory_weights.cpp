@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <cstddef>
 
@@ -9,9 +10,10 @@ namespace platoon {
 
 namespace {
 
+using boost::math::double_constants::pi;
+
 using DoubleComplex = std::complex<double>;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kNodes = 16;  // per panel
 constexpr double kFar = 2.2;   // distance from a panel's middle [half lengths] beyond which its own weights are exact
 constexpr double kNear = 1.3;  // ellipse about the panel in which the recurrence of Q_l upwards keeps its digits
@@ -85,7 +87,7 @@ DoubleComplex beside_pole(DoubleComplex u) {
 }  // namespace
 
 MemoryWeights::MemoryWeights(const Quadrature& rule, double memory)
-    : rule_(rule), turn_(memory < 0.0 ? kPi : 0.0), decay_(-std::log(std::abs(memory))) {
+    : rule_(rule), turn_(memory < 0.0 ? pi : 0.0), decay_(-std::log(std::abs(memory))) {
   for (const double nu : rule.node) remembered_.push_back(std::polar(1.0, nu) * memory);
 }
 
@@ -97,9 +99,9 @@ std::vector<DoubleComplex> MemoryWeights::at(double w) const {
   factors.reserve(remembered_.size());
   for (std::size_t panel = 0; panel < rule_.middle.size(); ++panel) {
     const double half = rule_.half_length[panel], from = rule_.middle[panel] - w - turn_,
-                 offset = from > kPi    ? from - 2.0 * kPi
-                          : from < -kPi ? from + 2.0 * kPi
-                                        : from;
+                 offset = from > pi    ? from - 2.0 * pi
+                          : from < -pi ? from + 2.0 * pi
+                                       : from;
     if (offset * offset + decay_ * decay_ > kFar * kFar * half * half) {
       for (std::size_t k = 0; k < kNodes; ++k) {
         const DoubleComplex y = product(remembered_[panel * kNodes + k], back);

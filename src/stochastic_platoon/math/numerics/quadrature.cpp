@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
 
 #include <algorithm>
+#include <boost/math/constants/constants.hpp>
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 #include <cstddef>
@@ -11,7 +12,8 @@ namespace platoon {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using boost::math::double_constants::pi;
+
 constexpr int kHalvings = 26;
 constexpr double kShortest = 1e-13;  // panel length; shorter panels have nodes that nearly coincide
 
@@ -33,7 +35,7 @@ std::vector<std::complex<double>> images(const std::vector<std::complex<double>>
     if (w.imag() == 0.0) {
       throw std::invalid_argument("singular frequency " + std::to_string(w.real()) + ": must not be real");
     }
-    for (const double turn : {-2.0 * kPi, 0.0, 2.0 * kPi}) {
+    for (const double turn : {-2.0 * pi, 0.0, 2.0 * pi}) {
       result.push_back(w + turn);
       result.push_back(turn - w);
     }
@@ -56,14 +58,14 @@ void add_resolved(std::vector<Panel>& panels, const Panel& panel, const std::vec
 
 /// Cuts of [0, pi] whose spacing halves towards every peak from both sides.
 std::vector<double> graded_cuts(const std::vector<double>& peaks) {
-  std::vector<double> cuts{0.0, kPi};
+  std::vector<double> cuts{0.0, pi};
   for (const double peak : peaks) {
-    if (peak < 0.0 || peak > kPi) continue;
+    if (peak < 0.0 || peak > pi) continue;
     cuts.push_back(peak);
     for (int j = 0; j <= kHalvings; ++j) {
       const double offset = std::ldexp(1.0, -j);
       if (peak - offset > 0.0) cuts.push_back(peak - offset);
-      if (peak + offset < kPi) cuts.push_back(peak + offset);
+      if (peak + offset < pi) cuts.push_back(peak + offset);
     }
   }
   std::sort(cuts.begin(), cuts.end());
@@ -78,7 +80,7 @@ Quadrature gauss_legendre(int count) {
   if (count < 1) throw std::invalid_argument("count: " + std::to_string(count) + ": must be >= 1");
   Quadrature rule;
   for (int i = 0; i < count; ++i) {
-    double x = -std::cos(kPi * (i + 0.75) / (count + 0.5));
+    double x = -std::cos(pi * (i + 0.75) / (count + 0.5));
     double slope = 1.0;
     for (int iteration = 0; iteration < 100; ++iteration) {
       double p = x;
@@ -151,7 +153,7 @@ Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singu
       rule.half_length.push_back(half);
       for (std::size_t k = 0; k < gauss.node.size(); ++k) {
         rule.node.push_back(middle + half * gauss.node[k]);
-        rule.weight.push_back(gauss.weight[k] * half / kPi);
+        rule.weight.push_back(gauss.weight[k] * half / pi);
       }
     }
   }

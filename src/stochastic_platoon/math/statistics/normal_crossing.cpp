@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/statistics/normal_crossing.hpp"
 
 #include <algorithm>
+#include <boost/math/constants/constants.hpp>
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/owens_t.hpp>
@@ -12,7 +13,8 @@ namespace platoon {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using boost::math::double_constants::pi;
+
 constexpr double kNegligibleExponent = 40.0;  // e^-40 is 4e-18
 constexpr double kUnderflow = 745.0;
 
@@ -26,7 +28,7 @@ double above(double a) {
 /// Phi(a) - Phi(b) for a > b.
 double between(double a, double b) {
   if (a - b < 1.0) {
-    const auto density = [](double u) { return std::exp(-0.5 * u * u) / std::sqrt(2.0 * kPi); };
+    const auto density = [](double u) { return std::exp(-0.5 * u * u) / std::sqrt(2.0 * pi); };
     return Rule::integrate(density, b, a);
   }
   return a + b > 0.0 ? above(b) - above(a) : above(-a) - above(-b);
@@ -61,7 +63,7 @@ double crossing_integral(double a, double b, double half) {
   double sum = 0.0;
   for (double panel = 0.0; panel < panels; panel += 1.0)
     sum += Rule::integrate(value, from + panel * length, from + (panel + 1.0) * length);
-  return std::exp(-least - apart - both) * sum / kPi;
+  return std::exp(-least - apart - both) * sum / pi;
 }
 
 }  // namespace

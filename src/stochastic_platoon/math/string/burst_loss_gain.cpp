@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kFewestNodes = 128, kMostNodes = std::size_t{1} << 18;
 constexpr std::size_t kMostKernelNodes = 2400;
-using Values = std::function<std::vector<double>(const BurstSpectra&)>;
+using SpectralValues = std::function<std::vector<double>(const BurstSpectra&)>;
 
 // Enough nodes for the oscillation of the longest delay.
 std::size_t first_nodes(const BurstPattern& pattern) {
@@ -104,7 +104,7 @@ double loss_gain_for_sign(const BurstPattern& pattern) {
 }
 
 /// values(spectra) on the nodes of a quadrature, refined until they settle; none if that takes too many nodes.
-std::optional<std::vector<double>> settled_on_few(const BurstPattern& pattern, const Values& values) {
+std::optional<std::vector<double>> settled_on_few(const BurstPattern& pattern, const SpectralValues& values) {
   std::vector<double> coarse;
   for (int refinement = 0;; ++refinement) {
     const Quadrature rule = resolving_quadrature(pattern, refinement);
@@ -159,7 +159,7 @@ Eigen::VectorXd LossOperator::operator()(const Eigen::VectorXd& given) const {
   return drives(added);
 }
 
-std::vector<double> settled_values(const BurstPattern& pattern, const Values& values) {
+std::vector<double> settled_values(const BurstPattern& pattern, const SpectralValues& values) {
   std::size_t nodes = first_nodes(pattern);
   const double resolving = resolving_nodes(pattern);
   std::vector<double> coarse = values(BurstSpectra(pattern, nodes));
@@ -174,7 +174,7 @@ std::vector<double> settled_values(const BurstPattern& pattern, const Values& va
   return coarse;
 }
 
-std::vector<double> settled_values_of_endless(const BurstPattern& pattern, const Values& values) {
+std::vector<double> settled_values_of_endless(const BurstPattern& pattern, const SpectralValues& values) {
   constexpr double kManyNodes = 4096.0;
   if (resolving_nodes(pattern) > kManyNodes) {
     if (const std::optional<std::vector<double>> found = settled_on_few(pattern, values)) return *found;

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/string/burst_spectra.hpp"
 
 #include <algorithm>
+#include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <complex>
 #include <utility>
@@ -9,15 +10,15 @@ namespace platoon {
 
 namespace {
 
-using DoubleComplex = std::complex<double>;
+using boost::math::double_constants::pi;
 
-constexpr double kPi = 3.14159265358979323846;
+using DoubleComplex = std::complex<double>;
 
 }  // namespace
 
 BurstSpectra::BurstSpectra(const BurstPattern& pattern, std::size_t nodes) : pattern_(&pattern) {
   const auto half = static_cast<Eigen::Index>(nodes / 2);
-  node_ = kPi * (Eigen::ArrayXd::LinSpaced(half, 0.0, static_cast<double>(half - 1)) + 0.5) / static_cast<double>(half);
+  node_ = pi * (Eigen::ArrayXd::LinSpaced(half, 0.0, static_cast<double>(half - 1)) + 0.5) / static_cast<double>(half);
   weight_ = Eigen::ArrayXd::Constant(half, 1.0 / static_cast<double>(half));
   evaluate(nullptr);
 }
@@ -50,7 +51,7 @@ BurstSpectra::Type BurstSpectra::values_of(const BurstVehicle& vehicle,
   for (Eigen::Index k = 0; k < count; ++k) {
     const double w = node_(k);
     const LinkedVehicleValue plain = vehicle.plain().at(w);
-    DoubleComplex mean = plain.undelayed * std::polar(1.0, -std::remainder(delay * w, 2.0 * kPi));  // H T^
+    DoubleComplex mean = plain.undelayed * std::polar(1.0, -std::remainder(delay * w, 2.0 * pi));  // H T^
     type.own(k) = plain.gain;
     type.headway(k) = plain.headway;
     type.noise(k) = plain.input[0].noise;

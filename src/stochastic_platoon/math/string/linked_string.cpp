@@ -17,8 +17,8 @@ namespace platoon {
 
 namespace {
 
-constexpr double kLossGainDoubt = 1e-12;  // accuracy of the quadrature
-constexpr double kMarginAccuracy = 1e-4;  // of a margin whose sign decides
+constexpr double kQuadratureDoubt = 1e-12;      // accuracy of the quadrature
+constexpr double kLinkedMarginAccuracy = 1e-4;  // of a margin whose sign decides
 
 /// Whether 1 - |prod T^|^2 vanishes faster at w = 0 than the numerators it divides in a variance: the noises, times |1
 /// - H T^|^2 for the errors and |1 - L|^2 for the losses.
@@ -75,7 +75,7 @@ void judge(const LinkedPattern& pattern, double speed, StringStability& verdict)
     return v.vehicle().link.loss || varied_link(v.vehicle()).loss;
   });
   if (has_stage) verdict.loss_gain = loss_gain;
-  if (!judge_losses(loss_gain, kLossGainDoubt, "losses", verdict)) return;
+  if (!judge_losses(loss_gain, kQuadratureDoubt, "losses", verdict)) return;
   verdict.string_stable = true;
   const std::vector<double> limits = refined(
       [&](int refinement) { return limits_by(PatternSpectra(pattern, gain, true, refinement), pattern, speed); });
@@ -149,7 +149,7 @@ double linked_gain_margin(const LinkedPattern& pattern) {
   const MeanSquare worst = mean_square(pattern);
   if (!worst.stable()) return std::max(-1.0, worst.margin());
   const PatternGain gain = pattern.gain();
-  const double least = gain.least(kMarginAccuracy).value;
+  const double least = gain.least(kLinkedMarginAccuracy).value;
   return least > 0.0 && grows_at_zero(pattern, gain) ? 0.0 : least;
 }
 

@@ -6,12 +6,13 @@
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/string/linked_responses.hpp"
+#include "stochastic_platoon/math/string/mean_vehicle.hpp"
 
 namespace platoon {
 
 namespace {
 
-using Sequence = LinkedResponses::Sequence;
+using Sequence = MeanVehicle::Sequence;
 
 /// y_{i-1} - y_i (of relative signals only) plus factor D^order y_i; from step -1 on, without offsets.
 Sequence signal_values(const Signal& signal, const Sequence& predecessor, const Sequence& own) {

@@ -8,7 +8,7 @@ namespace platoon {
 namespace {
 
 // Smaller states count as zero: arithmetic with subnormal numbers is a hundred times slower.
-constexpr long double kNegligibleState = 1e-290L;
+constexpr long double kVanishedState = 1e-290L;
 
 }  // namespace
 
@@ -40,7 +40,7 @@ Motion VehicleResponse::by_parts(Sequence state, const Motion& received) const {
     input = advance(*parts_, state, received.position[k],
                     received.input.empty() ? 0.0L : feed_forward_ * received.input[k]);
     for (long double& value : state) {
-      if (std::abs(value) < kNegligibleState) value = 0.0L;
+      if (std::abs(value) < kVanishedState) value = 0.0L;
     }
   }
   return own;

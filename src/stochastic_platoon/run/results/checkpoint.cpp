@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 
 namespace platoon {
@@ -193,14 +193,8 @@ void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
 namespace {
 
 // Throws std::runtime_error with the file and the problem.
-Checkpoint read_file(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error(file + ": cannot be opened");
-  // In pieces: merge reads thousands of files, and stream iterators read one byte at a time.
-  std::string bytes;
-  std::vector<char> piece(1 << 16);
-  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0)
-    bytes.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
+Checkpoint checkpoint_in(const std::string& file) {
+  const std::string bytes = read_file(file);
   const std::string any_heading = descriptor_of("");
   try {
     if (bytes.compare(0, sizeof kFormat - 1, kFormat) != 0)
@@ -222,14 +216,14 @@ std::optional<Checkpoint> read_checkpoint(const std::string& output) {
   std::string damage;
   if (std::filesystem::exists(latest)) {
     try {
-      return read_file(latest);
+      return checkpoint_in(latest);
     } catch (const std::runtime_error& error) {
       if (!std::filesystem::exists(previous)) throw;
       damage = error.what();
     }
   }
   if (!std::filesystem::exists(previous)) return std::nullopt;
-  Checkpoint checkpoint = read_file(previous);
+  Checkpoint checkpoint = checkpoint_in(previous);
   checkpoint.damage = damage;
   return checkpoint;
 }

@@ -16,7 +16,7 @@ namespace platoon {
 
 namespace {
 
-constexpr char kFormat[] = "stochastic_platoon sweep point 1";
+constexpr char kPointFormat[] = "stochastic_platoon sweep point 1";
 
 std::string line_of(std::uint64_t digest) {
   return formatted("%016llx\n", static_cast<unsigned long long>(digest));
@@ -35,7 +35,7 @@ std::uint64_t identity_of(const Sweep& sweep, std::uint64_t point) {
 }
 
 // "1", "0", or empty without a verdict.
-std::string truth(const std::optional<bool>& value) {
+std::string truth_column(const std::optional<bool>& value) {
   return value ? *value ? "1" : "0" : "";
 }
 
@@ -100,8 +100,9 @@ std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configurat
     for (const std::vector<ResultCell>& at_step : cells) {
       const ResultCell& of = at_step[i - 1];
       text += begin + formatted(",%zu,%lld,", i, static_cast<long long>(of.step)) + measured_columns(of) +
-              (known ? formatted("%.17g,%.17g,", of.theoretical_mean, of.theoretical_variance) : ",,") + truth(stable) +
-              "," + truth(agrees) + signal_columns(configuration, prediction, result, i, of.step) + "\n";
+              (known ? formatted("%.17g,%.17g,", of.theoretical_mean, of.theoretical_variance) : ",,") +
+              truth_column(stable) + "," + truth_column(agrees) +
+              signal_columns(configuration, prediction, result, i, of.step) + "\n";
     }
   }
   return text;
@@ -118,7 +119,7 @@ std::string shard_folder(const std::string& output, std::uint64_t point, std::ui
 
 std::string point_content(const Sweep& sweep, std::uint64_t point, const std::string& rows) {
   const std::string content = line_of(identity_of(sweep, point)) + rows;
-  return kFormat + std::string("\n") + line_of(digest(content)) + content;
+  return kPointFormat + std::string("\n") + line_of(digest(content)) + content;
 }
 
 std::optional<std::string> read_point(const Sweep& sweep, const std::string& output, std::uint64_t point,
@@ -127,7 +128,7 @@ std::optional<std::string> read_point(const Sweep& sweep, const std::string& out
   if (!std::filesystem::exists(file)) return std::nullopt;
   std::ifstream stream(file, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-  const std::string format = kFormat + std::string("\n"), any_line = line_of(0);
+  const std::string format = kPointFormat + std::string("\n"), any_line = line_of(0);
   const std::size_t heading = format.size() + any_line.size();
   const std::string content = bytes.size() < heading ? "" : bytes.substr(heading);
   if (bytes.compare(0, heading, format + line_of(digest(content))) != 0 || content.size() < any_line.size()) {

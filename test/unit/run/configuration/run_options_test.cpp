@@ -45,7 +45,7 @@ TEST(RunOptions, ThatNeedMoreMemoryThanThereIsAreRefusedInTheirOwnWords) {
   Problems problems;
   read(settings({{"steps", "1000000"}, {"realizations", "70368744177664"}}), &problems);
   EXPECT_EQ(problems, Problems{"run/realizations x steps x followers: 70368744177664 x 1000000 x 20: must be below "
-                               "2^63, which is what can be counted"});
+                               "2^63, the limit of the counter"});
 }
 
 TEST(RunOptions, HaveTheDefaultsOfTheLaunchFile) {
