@@ -113,6 +113,8 @@ class Models(InFolder):
         self.assertRaisesText(ValueError, "time_heedway: unknown key", model.replace, time_heedway=1)
         self.assertRaisesText(ValueError, "seed: belongs to a run", model.replace, seed=2)
         self.assertRaisesText(ValueError, "must be YAML", sp.Model.parse, "a: [1")
+        for function in (sp.analyze, sp.monte_carlo, sp.stability_map):
+            self.assertRaisesText(TypeError, "model: 'paper.yaml': must be a Model", function, "paper.yaml")
         document = model.to_dict()
         document["noise_variance"] = -0.5
         with open(self.path("bad.yaml"), "w") as file:

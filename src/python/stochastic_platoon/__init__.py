@@ -7,8 +7,8 @@
     results = sp.monte_carlo(model, realizations=10**6)
     print(analysis.string_stable, results.variance[-1, -1], analysis.variance[-1, -1])
 
-Errors are ValueError for a value, FileNotFoundError for a file and KeyError for a name, with the texts of the tools. The
-messages of this package's topics are in stochastic_platoon.msg.
+Errors are ValueError for a model or a setting, FileNotFoundError for a file and KeyError for a result that does not exist, with
+the texts of the tools. The messages of this package's topics are in stochastic_platoon.msg.
 """
 
 from ._platoon import version as __version__

@@ -150,6 +150,13 @@ class Configuration:
         return cls(Model(handle), run)
 
 
+def handle_of(model: object) -> _platoon.Model:
+    """The model as the C++ functions take it. Raises TypeError if it is none, as the path of a model file."""
+    if not isinstance(model, Model):
+        raise TypeError("model: {!r}: must be a Model, as Model.load() returns".format(model))
+    return model._handle
+
+
 def shipped_file(name: str, folder: str = "config") -> str:
     """The path of a file that this package ships, as "acc.yaml", or "city.csv" in the folder "config/leaders"; `name` itself if there
     is none, or a file of this name in the working folder."""

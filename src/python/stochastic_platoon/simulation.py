@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Callable, Dict, Iterable, Optional
 import numpy as np
 
 from . import _platoon
-from .model import Model, PathLike
+from .model import Model, PathLike, handle_of
 from .results import Results
 from .tables import Columns, Grid, numbers, read_table
 
@@ -50,7 +50,7 @@ def monte_carlo(model: Model, *, realizations: int = 10000, followers: int = 20,
             progress(done, realizations)
 
     summary, tables, report = _platoon.monte_carlo(
-        model._handle, settings, threads or 0, checkpoint_seconds, report_progress, lambda text: warnings.warn(text, stacklevel=3))
+        handle_of(model), settings, threads or 0, checkpoint_seconds, report_progress, lambda text: warnings.warn(text, stacklevel=3))
     return Results(summary, tables, settings.get("output", "monte_carlo"), report)
 
 
@@ -96,4 +96,4 @@ def trajectories(model: Model, realization: int, *, realizations: int = 10000, f
         raise ValueError("realization: {}: must be 0 or more".format(realization))
     settings = run_settings(followers=followers, steps=steps, realizations=realizations, seed=seed)
     name = "realization {}".format(realization)
-    return Trajectories(_platoon.trajectories(model._handle, settings, realization), name, name)
+    return Trajectories(_platoon.trajectories(handle_of(model), settings, realization), name, name)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Mapping, Option
 import numpy as np
 
 from . import _platoon
-from .model import Model, PathLike
+from .model import Model, PathLike, handle_of
 from .simulation import listed, run_settings
 from .tables import Columns, numbers, read_table
 
@@ -135,7 +135,7 @@ def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, s
     satisfies it. `burn_in`: steps that the amplification leaves out. Raises ValueError with all problems of the settings.
     """
     settings = run_settings(followers=followers, steps=steps, burn_in=burn_in)
-    document, report = _platoon.analyze(model._handle, settings, listed(signals),
+    document, report = _platoon.analyze(handle_of(model), settings, listed(signals),
                                         "" if collision_probability is None else repr(float(collision_probability)))
     return Analysis(document, "analysis", report)
 
@@ -184,5 +184,5 @@ def stability_map(model: Model, *, headway: Iterable[float] = (), gain: Iterable
                   mean_burst: Iterable[float] = ()) -> StabilityMap:
     """String stability over a grid of two of these parameters of the default vehicle. Raises ValueError."""
     axes = [[float(value) for value in values] for values in (headway, gain, loss, mean_burst)]
-    table = _platoon.stability_map(model._handle, _platoon.SweepAxes(*axes))
+    table = _platoon.stability_map(handle_of(model), _platoon.SweepAxes(*axes))
     return StabilityMap._of(table, "map")
