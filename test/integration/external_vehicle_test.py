@@ -1,81 +1,14 @@
 #!/usr/bin/python3
 """External vehicles in the string: the examples, the conformance test check_vehicle, and violations of the vehicle contract."""
 
-import csv
-import json
-import math
 import os
 import re
-import shutil
 import signal
 import subprocess
-import tempfile
 import unittest
 
-import rosbag
-
 import live_platoon
-from terminal import LaunchTest, start_master
-
-HERE = os.path.dirname(os.path.abspath(__file__))
-CLAUSES = ("one_publisher", "answer", "size", "finite", "stamp", "turn", "attempt", "start_anew", "causal", "queues", "run",
-           "spacing")
-
-
-def rows(output):
-    """statistics.csv as {(vehicle, step): [mean, variance, theoretical mean, theoretical variance]}; empty cells are None."""
-    with open(os.path.join(output, "statistics.csv")) as file:
-        return {(int(row["vehicle"]), int(row["step"])):
-                [float(row[name]) if row[name] else None
-                 for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")] for row in csv.DictReader(file)}
-
-
-class ExternalTest(LaunchTest):
-    @classmethod
-    def setUpClass(cls):
-        cls.home = tempfile.mkdtemp()
-        cls.addClassCleanup(shutil.rmtree, cls.home, ignore_errors=True)
-        core, cls.master = start_master(cls.home)
-        cls.addClassCleanup(core.wait)
-        cls.addClassCleanup(core.terminate)
-
-    def setUp(self):
-        super().setUp()
-        self.environment = dict(os.environ, ROS_MASTER_URI=self.master, ROS_HOSTNAME="localhost", ROS_HOME=self.folder)
-
-    def start(self, *command):
-        """Starts an external vehicle."""
-        process = subprocess.Popen(command, env=self.environment)
-        self.addCleanup(process.wait)
-        self.addCleanup(process.terminate)
-        return process
-
-    def start_example(self, index):
-        return self.start(live_platoon.shared("launch", "examples", "rospy_follower.py"), str(index))
-
-    def check_vehicle(self, index, *options):
-        return subprocess.run([live_platoon.executable("check_vehicle"), str(index)] + list(options), env=self.environment,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, timeout=100)
-
-    def assert_keeps_the_contract(self, index, *options):
-        done = self.check_vehicle(index, *options)
-        self.assertEqual(done.returncode, 0, done.stdout)
-        self.assertEqual(re.findall(r"^ ?(\d+) holds ", done.stdout, re.M), [str(n + 1) for n in range(len(CLAUSES))])
-        self.assertIn("vehicle_{} keeps the vehicle contract".format(index), done.stdout)
-
-    def assert_broken(self, clause, index, *options):
-        number = CLAUSES.index(clause) + 1
-        done = self.check_vehicle(index, "--patience", "1", *options)
-        self.assertEqual(done.returncode, 1, done.stdout)
-        self.assertEqual(re.findall(r"^ ?(\d+) BROKEN ", done.stdout, re.M), [str(number)], done.stdout)
-        self.assertIn("breaks clause {} of the vehicle contract: ".format(number), done.stdout)
-        return done.stdout
-
-    def run_to_the_end(self, **arguments):
-        terminal = self.launch(master=self.master, **arguments)
-        terminal.wait()
-        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
-        return terminal
+from external import CLAUSES, ExternalTest, HERE, rows
 
 
 class Example(ExternalTest):
@@ -234,134 +167,6 @@ class Contract(ExternalTest):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:none")
         terminal = self.run_to_the_end(followers=2, external=2, steps=20, realizations=500, batch=10)
         self.assertRegex(terminal.text(), r"/platoon/vehicle_2/position has two publishers: .*; the vehicle is external: clause 1 of the vehicle contract: ")
-
-
-class Car(ExternalTest):
-    """A simulated car, in 8 s of wall time; with PLATOON_MINUTE=1 in the environment in real time, one minute."""
-
-    STEPS = 600 if "PLATOON_MINUTE" in os.environ else 400
-    SPEED = 5.0   # [m/s]
-    START = 123.0  # [m] of the car, in the frame of its odometry
-    HEADWAY = 3.2
-
-    def recorded(self, bag, topic):
-        """The position at each step, in order (one realization)."""
-        with rosbag.Bag(bag) as opened:
-            found = {message.step: message.position for _, message, _ in opened.read_messages(["/platoon/" + topic])}
-        self.assertEqual(sorted(found), list(range(-1, self.STEPS)))
-        return [found[step][0] for step in sorted(found)]
-
-    def test_a_car_that_has_never_heard_of_positions_drives_as_vehicle_2_of_4(self):
-        """Checks values that pass through the adapter, to the bit. The car's position at a step depends on scheduling."""
-        period = 0.1 if "PLATOON_MINUTE" in os.environ else 0.02
-        model = self.model_with(sample_period=period, noise_variance=0.0001,
-                                leader="{{speed: [{{from_step: 0, value: {}}}]}}".format(self.SPEED))
-        diagnostics, log, bag = (os.path.join(self.folder, name) for name in ("diagnostics", "car", "run.bag"))
-        terminal = self.launch(master=self.master, followers=4, external=2, realizations=1, steps=self.STEPS, model=model,
-                               rate=round(1.0 / period), stall_timeout=0, record=bag)
-        terminal.wait_for_text("waiting for external vehicle_2: start its node")
-        self.start(os.path.join(HERE, "car.py"), log, "__ns:=/car")
-        self.start(os.path.join(live_platoon.shared("src", "nodes"), "odometry_vehicle"), "_index:=2", "~odometry:=/car/odom",
-                   "~reference:=/car/reference")
-        with open(diagnostics, "w") as file:
-            listener = subprocess.Popen(["/usr/bin/python3", "-c", LISTENER], env=self.environment, stdout=file)
-        self.addCleanup(listener.wait)
-        self.addCleanup(listener.terminate)
-        terminal.wait()
-        summary = live_platoon.completed_summary(self.output)
-        self.assertTrue(summary, terminal.text())
-        self.assertEqual(summary["positions_lost"], 0)
-        measured = rows(self.output)
-        self.assertEqual({vehicle for vehicle, step in measured if measured[vehicle, step][2] is None}, {2, 3, 4})
-        before, own, received = (self.recorded(bag, topic) for topic in
-                                 ("vehicle_1/position", "vehicle_2/position", "vehicle_2/predecessor_position"))
-        self.check_what_passes(log, own, received)
-        for k in range(self.STEPS):  # lists begin with step -1
-            error = before[k + 1] - own[k + 1] - self.HEADWAY * (own[k + 1] - own[k])
-            self.assertAlmostEqual(measured[2, k][0], error, 9)
-        # The car follows a second later, plus its lag.
-        self.assertGreater(own[-1], 0.3 * before[-1])
-        self.assertLess(own[-1], before[-1])
-        self.assertAlmostEqual(measured[1, self.STEPS - 1][0], 0.0, delta=0.2)
-        with open(diagnostics) as file:
-            said = [values for values in map(json.loads, file) if "largest latency [s]" in values]
-        self.assertTrue(said, "nothing of the car's on /diagnostics")
-        self.assertTrue(0 < int(said[-1]["steps"]) <= self.STEPS + 1)
-        self.assertGreater(float(said[-1]["largest latency [s]"]), 0.0)
-        self.assertGreaterEqual(int(said[-1]["missed ticks"]), 0)
-
-    def check_what_passes(self, log, own, received):
-        """Checks that the platoon received positions that the car reported, in order, and the car references from the platoon."""
-        with open(log) as file:
-            lines = [line.split() for line in file.read().splitlines()]
-        places = [float(x) - self.START for word, x in lines if word == "at"]
-        at = 0
-        for step, position in enumerate(own, -1):
-            while at < len(places) and places[at] != position:
-                at += 1
-            self.assertLess(at, len(places), "at step {} the car was said to be at {} m, where it has not been since".format(step, position))
-        references = [float(x) for word, x in lines if word == "to"]
-        self.assertGreater(len(references), 0)
-        self.assertEqual(set(references) - {position + self.START for position in received}, set())
-
-    def test_a_batch_of_many_is_refused_in_words(self):
-        self.start(os.path.join(HERE, "car.py"), "__ns:=/car")
-        log = os.path.join(self.folder, "said")
-        with open(log, "w") as file:
-            adapter = subprocess.Popen([os.path.join(live_platoon.shared("src", "nodes"), "odometry_vehicle"), "_index:=2",
-                                        "~odometry:=/car/odom"], env=self.environment, stderr=file)
-        self.addCleanup(adapter.wait)
-        self.addCleanup(adapter.terminate)
-        self.launch(master=self.master, followers=2, external=2, realizations=30, batch=10, stall_timeout=0)
-
-        def refused():
-            with open(log) as file:
-                return "a message of 10 positions: must be one, as there is one car" in file.read()
-
-        live_platoon.wait_for(refused, "its words", 30)
-
-
-LISTENER = r"""
-import json, rospy, sys
-from diagnostic_msgs.msg import DiagnosticArray
-def heard(message):
-    for status in message.status:
-        # One write: each publisher's messages come in a thread of their own.
-        sys.stdout.write(json.dumps({pair.key: pair.value for pair in status.values}) + "\n")
-        sys.stdout.flush()
-rospy.init_node("listener")
-rospy.Subscriber("/diagnostics", DiagnosticArray, heard)
-rospy.spin()
-"""
-
-
-class OtherPackage(ExternalTest):
-    def test_a_package_of_its_own_builds_against_the_devel_space_and_saturates(self):
-        build = os.path.join(self.folder, "build")
-        subprocess.run(["cmake", "-S", live_platoon.shared("launch", "examples", "saturated_follower"), "-B", build,
-                        "-DPYTHON_EXECUTABLE=/usr/bin/python3"], env=self.environment, check=True, stdout=subprocess.DEVNULL)
-        subprocess.run(["make", "-C", build], env=self.environment, check=True, stdout=subprocess.DEVNULL)
-        program = os.path.join(build, "devel", "lib", "saturated_follower", "saturated_follower")
-        # Headway and standstill distance of the run, other than the constants of a follower.
-        settings = dict(followers=3, steps=40, realizations=1000, headway=2.4, model=self.model_with(standstill_distance=5.0))
-        means, variances = [], []
-        for limit in ("1e9", "0.02"):
-            node = self.start(program, "_index:=3", "_limit:=" + limit)
-            if not variances:
-                self.assert_keeps_the_contract(3, "--model", live_platoon.shared("config", "mixed.yaml"))  # it is a truck
-            self.output = os.path.join(self.folder, limit)
-            self.run_to_the_end(external=3, output=self.output, **settings)
-            means.append(rows(self.output)[3, 39][0])
-            variances.append([rows(self.output)[vehicle, 39][1] for vehicle in (1, 2, 3)])
-            node.terminate()
-            node.wait()
-        live_platoon.reference(self.folder, **settings)
-        built_in = rows(os.path.join(self.folder, "reference"))
-        for vehicle, own in enumerate(variances[0], 1):  # an actuator that never saturates
-            self.assertAlmostEqual(own, built_in[vehicle, 39][1], 9)
-        self.assertEqual(variances[1][:2], [built_in[vehicle, 39][1] for vehicle in (1, 2)])
-        self.assertAlmostEqual(means[0], built_in[3, 39][0], 9)
-        self.assertGreater(means[1], 10.0)    # it cannot keep up with an accelerating leader
 
 
 if __name__ == "__main__":

@@ -1,99 +1,16 @@
 #!/usr/bin/python3
-"""Control of an endless platoon from outside, in both hostings: snapshots, manoeuvres, change of headway, stall diagnosis."""
+"""Control of an endless platoon from outside, in both hostings: snapshots, manoeuvres, change of headway."""
 
 import csv
 import json
 import math
 import os
-import shutil
 import signal
 import subprocess
-import tempfile
 import unittest
 
 import live_platoon
-from terminal import LaunchTest, start_master
-
-FOLLOWERS = 20
-HEADWAY = 3.2
-NOISE_VARIANCE = 0.6
-
-
-class Topic:
-    """Collects the messages of a topic."""
-
-    def __init__(self, name, kind):
-        import rospy
-        self.messages = []
-        self.subscriber = rospy.Subscriber(name, kind, self.messages.append, queue_size=100000)
-
-    def connections(self):
-        return list(self.subscriber.impl.connections)
-
-    def of_step(self):
-        return {message.step: message for message in list(self.messages)}
-
-    def newest(self, condition=lambda message: True, what="a message"):
-        def found():
-            fitting = [message for message in list(self.messages)[-5:] if condition(message)]
-            return fitting[-1] if fitting else None
-        return live_platoon.wait_for(found, what, 60)
-
-    def close(self):
-        self.subscriber.unregister()
-
-
-def setUpModule():
-    """Starts one master for all tests: rospy cannot change its master."""
-    import rospy
-    folder = tempfile.mkdtemp()
-    unittest.addModuleCleanup(shutil.rmtree, folder, ignore_errors=True)
-    os.environ["ROS_HOSTNAME"] = "localhost"
-    core, os.environ["ROS_MASTER_URI"] = start_master(folder)
-    unittest.addModuleCleanup(core.wait)
-    unittest.addModuleCleanup(core.terminate)
-    rospy.init_node("watcher", disable_signals=True)
-    unittest.addModuleCleanup(rospy.signal_shutdown, "done")
-
-
-class Orders(LaunchTest):
-    @property
-    def master(self):
-        return os.environ["ROS_MASTER_URI"]
-
-    def listen(self, name, kind):
-        topic = Topic("/platoon/" + name if not name.startswith("/") else name, kind)
-        self.addCleanup(topic.close)
-        return topic
-
-    def endless(self, hosting, **settings):
-        arguments = dict(followers=FOLLOWERS, steps=0, rate=40, burn_in=100, hosting=hosting, stall_timeout=1.0)
-        arguments.update(settings)
-        self.terminal = self.launch(master=self.master, **arguments)
-        self.terminal.wait_for_text("process[platoon/")
-        return self.terminal
-
-    def trigger(self, service):
-        import rospy
-        from std_srvs.srv import Trigger
-        rospy.wait_for_service("/platoon/leader/" + service, 60)
-        return rospy.ServiceProxy("/platoon/leader/" + service, Trigger)()
-
-    def change(self, **values):
-        import rospy
-        from std_srvs.srv import Trigger
-        rospy.wait_for_service("/platoon/change_run", 60)
-        rospy.set_param("/platoon/change_run", values)
-        return rospy.ServiceProxy("/platoon/change_run", Trigger)()
-
-    def in_both(self, check):
-        for hosting in ("processes", "one_process"):
-            with self.subTest(hosting=hosting):
-                self.output = os.path.join(self.folder, hosting)
-                try:
-                    check(hosting)
-                finally:
-                    self.terminal.end()
+from orders import FOLLOWERS, HEADWAY, NOISE_VARIANCE, Orders, setUpModule  # noqa: F401: unittest calls setUpModule
 
 
 class Watched(Orders):
@@ -325,87 +242,6 @@ class Changes(Orders):
             return (model["time_headway"], model["noise_variance"]) == (2.8, 0.3)
         live_platoon.wait_for(both, "a run of both orders", 30)
         self.terminal.end()
-
-
-class Diagnosed(Orders):
-    def statuses(self, topic):
-        """The latest status for each name as (level, dictionary)."""
-        found = {}
-        for message in list(topic.messages):
-            for status in message.status:
-                found[status.name.split(": ")[-1]] = (ord(status.level) if isinstance(status.level, bytes) else status.level,
-                                                      {value.key: value.value for value in status.values})
-        return found
-
-    def test_every_component_reports_and_the_monitor_names_who_stands(self):
-        self.in_both(self.check_diagnostics)
-
-    def check_diagnostics(self, hosting):
-        from diagnostic_msgs.msg import DiagnosticArray
-        topic = self.listen("/diagnostics", DiagnosticArray)
-        terminal = self.endless(hosting, record=os.path.join(self.folder, hosting + ".bag"))
-        one = hosting == "one_process"
-        names = {"leader", "followers" if one else "follower", "channel", "monitor", "recorder"}
-
-        def all_report():
-            found = self.statuses(topic)
-            return set(found) == names and all(int(values.get("step", -2)) > 10 for _, values in found.values())
-        live_platoon.wait_for(all_report, "all components to report", 60)
-        found = self.statuses(topic)
-        for name, (level, values) in found.items():
-            self.assertEqual(level, 0, name)
-            for key in ("steps per second", "attempts", "dropped: out of turn", "dropped: of another run"):
-                self.assertIn(key, values, name)
-        self.assertRegex(found["leader"][1]["credit"], r"^\d+ of \d+ steps$")
-        self.assertEqual(found["monitor"][1]["culprit"], "")
-        if one:
-            self.assertLessEqual(max(len(message.status) for message in topic.messages), 5)
-            return
-        process = live_platoon.process_of("/platoon/vehicle_3", self.master)
-        os.kill(process, signal.SIGSTOP)
-        try:
-            live_platoon.wait_for(lambda: "vehicle_3 has sent nothing" in self.statuses(topic)["monitor"][1]["culprit"],
-                                  "the culprit", 60)
-            self.assertEqual(self.statuses(topic)["monitor"][0], 2)
-            terminal.wait_for_text("run stalled: vehicle_3 has sent nothing", 20)
-        finally:
-            os.kill(process, signal.SIGCONT)
-        live_platoon.wait_for(lambda: self.statuses(topic)["monitor"][1]["culprit"] == "", "the platoon to move", 60)
-
-    def test_a_stall_is_one_state_until_a_step_is_complete_and_counts_retries(self):
-        from diagnostic_msgs.msg import DiagnosticArray
-        topic = self.listen("/diagnostics", DiagnosticArray)
-        terminal = self.endless("processes", followers=5, stall_timeout=0.5)
-
-        def of_monitor():
-            """(culprit, retries) of each status of the monitor."""
-            found = []
-            for message in list(topic.messages):
-                for status in message.status:
-                    values = {value.key: value.value for value in status.values}
-                    if "culprit" in values:
-                        found.append((values["culprit"], int(values.get("retries", -1))))
-            return found
-        live_platoon.wait_for(lambda: of_monitor() and int(self.statuses(topic)["monitor"][1]["step"]) > 10, "the platoon to move", 60)
-        process = live_platoon.process_of("/platoon/vehicle_3", self.master)
-        os.kill(process, signal.SIGSTOP)
-        try:
-            live_platoon.wait_for(lambda: of_monitor()[-1][0], "the culprit", 60)
-            begin = len(of_monitor())
-            live_platoon.wait_for(lambda: len(of_monitor()) >= begin + 10, "ten more statuses", 60)
-            during = of_monitor()[begin:]
-        finally:
-            os.kill(process, signal.SIGCONT)
-        self.assertEqual([culprit for culprit, _ in during if "vehicle_3 has sent nothing since step" not in culprit], [])
-        retries = [count for _, count in during]
-        self.assertEqual(retries, sorted(retries))
-        self.assertGreater(retries[-1], 2)
-        live_platoon.wait_for(lambda: of_monitor()[-1] == ("", 0), "the platoon to move", 60)
-        terminal.wait_for_text("run continues, after ", 20)
-        said = terminal.text()
-        self.assertEqual((said.count("run stalled: vehicle_3"), said.count("run stalled"), said.count("run continues")),
-                         (1, 1, 1), said)
-        terminal.end()
 
 
 if __name__ == "__main__":

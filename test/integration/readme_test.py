@@ -23,11 +23,11 @@ ORDERS = ("rosparam", "rosservice", "rostopic")  # orders to the platoon of the 
 NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it",
            "./launch/demo live": "demo_test.py runs it",
            "cmake -S launch/examples/saturated_follower -B /tmp/follower -DPYTHON_EXECUTABLE=/usr/bin/python3 && make -C /tmp/follower":
-           "external_vehicle_test.py builds it",
-           "/tmp/follower/devel/lib/saturated_follower/saturated_follower _index:=3 _limit:=0.5": "external_vehicle_test.py starts it",
-           "rosrun stochastic_platoon odometry_vehicle _index:=2 ~odometry:=/car/odom ~reference:=/car/reference": "external_vehicle_test.py gives it a car",
+           "external_car_test.py builds it",
+           "/tmp/follower/devel/lib/saturated_follower/saturated_follower _index:=3 _limit:=0.5": "external_car_test.py starts it",
+           "rosrun stochastic_platoon odometry_vehicle _index:=2 ~odometry:=/car/odom ~reference:=/car/reference": "external_car_test.py gives it a car",
            "roslaunch stochastic_platoon platoon.launch followers:=4 external:=2 realizations:=1 steps:=600 rate:=10 stall_timeout:=0":
-           "external_vehicle_test.py gives it a car",
+           "external_car_test.py gives it a car",
            "roslaunch stochastic_platoon replay.launch bag:=/tmp/external.bag drive:=vehicle_3 external:=3": "external_vehicle_test.py replays into it"}
 
 # (beginning of a line, arguments that the test adds); the first match applies.

@@ -1,0 +1,158 @@
+#!/usr/bin/python3
+"""A launch in adverse surroundings: unusual paths, a full disk, the death of the master, of roslaunch and of nodes."""
+
+import os
+import re
+import resource
+import signal
+import subprocess
+import time
+import unittest
+import xmlrpc.client
+
+import live_platoon
+from terminal import LaunchTest
+
+
+class Surroundings(LaunchTest):
+    """The environment of a launch: unusual paths, a read-only home folder, the death of the master and of roslaunch."""
+
+    def test_a_quote_in_a_path_is_refused_in_words(self):
+        for argument in ("output", "record", "model"):
+            terminal = self.launch(**{argument: self.folder + "/it's.bag"})
+            self.assertNotEqual(terminal.wait(), 0)
+            self.assertIn("a path with a quote (')", terminal.text())
+            self.assertNotIn("No closing quotation", terminal.text())
+
+    def test_other_odd_paths_work(self):
+        output = self.folder + "/a folder with blanks, \"quotes\" and $signs"
+        self.launch(output=output, followers=1, steps=5, realizations=10).wait()
+        self.assertTrue(live_platoon.completed_summary(output))
+
+    def test_a_home_that_cannot_be_written_is_named(self):
+        blocked = self.folder + "/file"
+        open(blocked, "w").close()
+        environment = dict(os.environ, ROS_HOSTNAME="localhost", ROS_LOG_DIR=blocked + "/log")
+        terminal = self.launch(environment=environment)
+        self.assertNotEqual(terminal.wait(), 0)
+        self.assertIn("ROS_LOG_DIR: " + blocked + "/log: cannot be made: Not a directory: must be a folder", terminal.text())
+
+    def nodes_of(self, master):
+        names = ["/platoon/" + name for name in ("vehicle_0", "vehicle_1", "vehicle_2", "channel", "monitor", "until_complete")]
+        return [live_platoon.wait_for(lambda name=name: live_platoon.process_of(name, master), name) for name in names]
+
+    def test_kill_9_of_roslaunch_leaves_no_node_and_the_next_launch_works_at_once(self):
+        master = self.roscore()
+        terminal = self.launch(master=master, followers=2, rate=20)
+        processes = self.nodes_of(master)
+        terminal.wait_for_text("process[platoon/monitor")
+        terminal.process.kill()
+        terminal.wait()
+        live_platoon.wait_for(lambda: not any(os.path.exists("/proc/{}".format(process)) for process in processes),
+                              "the nodes to end", 10.0)
+        settings = dict(followers=2, steps=20, realizations=100)
+        second = os.path.join(self.folder, "second")
+        self.launch(master=master, output=second, **settings).wait()
+        self.assertLessEqual(live_platoon.completed_summary(second)["attempts"], live_platoon.UNDISTURBED)
+        self.assertEqual(live_platoon.statistics(second), live_platoon.reference(self.folder, **settings))
+
+    def test_a_run_whose_launch_was_killed_with_its_monitor_is_gone_on_with_at_once(self):
+        settings = dict(followers=2, steps=20, realizations=1000)
+        terminal = self.launch(batch=50, rate=300, **settings)
+        live_platoon.wait_for(lambda: os.path.exists(self.output + "/checkpoint.cbor"), "a checkpoint")
+        processes = self.nodes_of(terminal.master) + [live_platoon.process_of("/rosout", terminal.master)]
+        with xmlrpc.client.ServerProxy(terminal.master) as master:
+            processes.append(master.getPid("/launch_test")[2])
+        for process in [terminal.process.pid] + processes:
+            os.kill(process, signal.SIGKILL)
+        terminal.wait()
+        again = self.launch(resume="true", **settings)
+        again.wait()
+        self.assertNotIn("in use", again.text())
+        self.assertTrue(live_platoon.completed_summary(self.output), again.text())
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
+    def test_a_node_that_comes_back_at_the_address_it_had_is_connected_to(self):
+        shim, port = os.path.join(self.folder, "forced_port.so"), os.path.join(self.folder, "port")
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", shim, os.path.join(os.path.dirname(__file__), "forced_port.c"), "-ldl"], check=True)
+        settings = dict(followers=2, steps=20, realizations=10000)
+        terminal = self.launch(environment=dict(os.environ, ROS_HOSTNAME="localhost", LD_PRELOAD=shim, FORCED_PORT=port),
+                               batch=100, rate=300, stall_timeout=0.5, **settings)
+        for name in ("vehicle_0", "vehicle_1", "channel", "monitor"):
+            shown = len(re.findall("/10000 realizations", terminal.text()))
+            live_platoon.wait_for(lambda: len(re.findall("/10000 realizations", terminal.text())) > shown, "the platoon to move")
+            with xmlrpc.client.ServerProxy(terminal.master) as master:
+                address = master.lookupNode("/launch_test", "/platoon/" + name)[2]
+            with open(port, "w") as file:
+                file.write(address.rsplit(":", 1)[1].strip("/"))
+            live_platoon.kill("/platoon/" + name, terminal.master)
+            live_platoon.wait_for(lambda: not os.path.exists(port), "a node at that port")
+        terminal.wait()
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
+    def test_a_killed_channel_with_state_needs_no_timeout(self):
+        settings = dict(followers=3, steps=400, realizations=2, model=live_platoon.shared("config", "lossy.yaml"))
+        terminal = self.launch(batch=1, rate=100, stall_timeout=100, **settings)
+        terminal.wait_for_text("1/2 realizations")  # in the last batch: a later batch would reveal the gap
+        live_platoon.kill("/platoon/channel", terminal.master)
+        terminal.wait(60.0)
+        self.assertEqual(live_platoon.completed_summary(self.output)["attempts"], 2)
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
+    def test_kill_9_of_until_complete_ends_the_launch_and_loses_nothing(self):
+        settings = dict(followers=2, steps=20, realizations=2000)
+        terminal = self.launch(batch=100, rate=100, **settings)
+        terminal.wait_for_text("/2000 realizations")
+        os.kill(live_platoon.process_of("/platoon/until_complete", terminal.master), signal.SIGKILL)
+        terminal.wait()
+        self.assertIn("resume:=true goes on from there", terminal.text())
+        self.launch(resume="true", **settings).wait()
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
+    def test_nodes_outlive_a_master_that_is_started_anew(self):
+        port = live_platoon.free_port()
+        environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
+                           ROS_HOME=self.folder)
+
+        def master():
+            process = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL)
+            self.addCleanup(process.wait)
+            self.addCleanup(process.kill)
+            return process
+
+        first = master()
+        settings = dict(followers=2, steps=20, realizations=3000)
+        terminal = self.launch(master=environment["ROS_MASTER_URI"], batch=100, rate=150, **settings)
+        terminal.wait_for_text("/3000 realizations")
+        first.kill()
+        first.wait()
+        master()
+        summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
+        self.assertLessEqual(summary["attempts"], live_platoon.UNDISTURBED)
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
+
+class FullDisk(LaunchTest):
+    def test_the_monitor_says_so_once_and_writes_when_there_is_room(self):
+        settings = dict(followers=6, steps=100, realizations=1000)
+        terminal = self.launch(rate=400, batch=100, **settings)
+        monitor = live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/monitor", terminal.master), "the monitor")
+        resource.prlimit(monitor, resource.RLIMIT_FSIZE, (9000, resource.RLIM_INFINITY))  # its log is smaller
+        terminal.wait_for_text("100 %")
+        time.sleep(2.0)
+        self.assertIsNone(terminal.process.poll(), "ended without results")
+        self.assertFalse(os.path.exists(self.output + "/summary.json"))
+        resource.prlimit(monitor, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        terminal.wait()
+        text = terminal.text()
+        self.assertEqual(text.count("Retrying until there is space; the run continues"), 1, text)
+        self.assertIn("File too large", text)
+        self.assertIn("MB are free there", text)
+        self.assertIn(self.output + ": can be written again", text)
+        self.assertLessEqual(live_platoon.completed_summary(self.output)["attempts"], live_platoon.UNDISTURBED)
+        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+
+
+if __name__ == "__main__":
+    unittest.main()
