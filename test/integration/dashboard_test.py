@@ -246,7 +246,7 @@ class Ensemble(Page):
             Promise.all([send("application/json", "cors"), send("text/plain", "no-cors"),
               fetch(arguments[0] + "/state.json").then(() => "read", () => "refused")]).then(done)""", self.url)
         # Without a preflight request a page may send text, without access to the answer: the server rejects it
-        # (test/unit/watching_test.py).
+        # (test/unit/watching_server_test.py).
         self.assertEqual(outcome, ["refused", "opaque", "refused"])
         browser.complaints()
 

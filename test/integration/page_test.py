@@ -16,7 +16,7 @@ from browser import Browser
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "unit"))
-from watching_test import TOOLS, configuration, endless, message, snapshot  # noqa: E402
+from watching_messages import TOOLS, configuration, endless, message, snapshot  # noqa: E402
 from watching import server, state  # noqa: E402
 
 SIZES = ((1366, 768), (390, 844))

@@ -9,7 +9,7 @@ import numpy as np
 import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
-from plot_test import PlotTest, plot, transfer  # noqa: E402
+from plot_files import PlotTest, plot, transfer  # noqa: E402
 
 FIGURES = list(sp.Amplification.FIGURES)
 

@@ -10,7 +10,7 @@ import numpy as np
 import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
-from plot_test import PlotTest, plot  # noqa: E402
+from plot_files import PlotTest, plot  # noqa: E402
 
 HEADWAY, GAIN, NOISE, STANDSTILL, PERIOD = 3.2, 1.35, 0.6, 2.0, 0.1
 SIGMA = np.sqrt(0.169296)  # [m] of follower 1's gap in the steady state

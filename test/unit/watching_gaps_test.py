@@ -7,7 +7,8 @@ import sys
 import unittest
 
 sys.dont_write_bytecode = True
-from watching_test import configuration, overview, state, table  # noqa: E402
+from watching_messages import configuration, overview  # noqa: E402
+from watching import state, table  # noqa: E402
 
 NAMES = ("smallest_gap", "smallest_gap_realization", "smallest_gap_step", "collisions", "collision_bound")
 

@@ -1,0 +1,213 @@
+#!/usr/bin/python3
+"""Tests of the page's server and of the commands that it accepts, without ROS."""
+
+import http.client
+import json
+import math
+import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+import types
+import unittest
+
+sys.dont_write_bytecode = True
+from watching_messages import TOOLS, configuration, message, snapshot  # noqa: E402
+from watching import server, state  # noqa: E402
+
+
+class Served(unittest.TestCase):
+    def setUp(self):
+        self.state = state.PlatoonState()
+        self.asked = []
+        self.server = server.PageServer("localhost", 0, self.state, self.obey, os.path.join(TOOLS, "watching", "page"))
+        thread = threading.Thread(target=self.server.serve_forever, kwargs={"poll_interval": 0.02})
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(self.server.server_close)
+        self.addCleanup(self.server.shutdown)
+        self.addCleanup(self.server.closing.set)
+        self.own = "localhost:{}".format(self.server.server_port)
+
+    def obey(self, content):
+        self.asked.append(content)
+        return True, "done"
+
+    def ask(self, method, path, body=None, **headers):
+        connection = http.client.HTTPConnection("localhost", self.server.server_port, timeout=10)
+        self.addCleanup(connection.close)
+        connection.putrequest(method, path, skip_host=True)
+        for name, value in dict({"Host": self.own}, **headers).items():
+            connection.putheader(name.replace("_", "-"), value)
+        if body is not None:
+            connection.putheader("Content-Length", str(len(body)))
+        connection.endheaders(body)
+        answer = connection.getresponse()
+        return answer.status, answer.read()
+
+    def test_serves_its_page_and_every_file_that_the_page_names(self):
+        status, page = self.ask("GET", "/")
+        self.assertEqual(status, 200)
+        self.assertNotRegex(page.decode(), r"(src|href)=\"(https?:)?//")
+        for path in ("/style.css", "/main.js", "/words.js", "/icon.svg"):
+            self.assertEqual(self.ask("GET", path)[0], 200, path)
+        for path in ("/../server.py", "/..%2fserver.py", "/server.py", "//etc/passwd", "/index.htm"):
+            self.assertEqual(self.ask("GET", path)[0], 404, path)
+
+    def test_takes_commands_of_its_own_page_only(self):
+        body, kind = b'{"command": "brake"}', "application/json"
+        own = "http://" + self.own
+        for headers in ({"Origin": own}, {}):
+            self.assertEqual(self.ask("POST", "/command", body, Content_Type=kind, **headers)[0], 200)
+        self.assertEqual(self.asked, [{"command": "brake"}] * 2)
+        for origin in ("http://evil.example", "http://localhost:1", "https://" + self.own + ".evil.example", "null", ""):
+            self.assertEqual(self.ask("POST", "/command", body, Content_Type=kind, Origin=origin)[0], 403, origin)
+        # A page of another origin can send this without a preflight request.
+        self.assertEqual(self.ask("POST", "/command", body, Content_Type="text/plain", Origin=own)[0], 415)
+        self.assertEqual(len(self.asked), 2)
+
+    def test_refuses_a_name_that_was_rebound_to_this_machine(self):
+        for host in ("evil.example", "evil.example:80", "localhost.evil.example", "", "[", "127.0.0.1.evil.example"):
+            for method, path, body in (("POST", "/command", b"{}"), ("GET", "/", None), ("GET", "/state.json", None), ("GET", "/events", None)):
+                status, _ = self.ask(method, path, body, Host=host, Origin="http://" + host, Content_Type="application/json")
+                self.assertEqual(status, 421, (host, path))
+        for host in ("127.0.0.1", "localhost:9999", "[::1]:80", "LOCALHOST"):
+            self.assertEqual(self.ask("GET", "/state.json", Host=host)[0], 200, host)
+        self.assertEqual(self.asked, [])
+
+    def test_refuses_what_is_no_command(self):
+        for body in (b"", b"[]", b"nonsense", b'{"command": ' + b" " * 5000 + b"1}", b"\xff\xfe", b"[" * 4000):
+            self.assertEqual(self.ask("POST", "/command", body, Content_Type="application/json")[0], 400, body[:20])
+        self.assertEqual(self.ask("POST", "/", b"{}", Content_Type="application/json")[0], 404)
+        self.assertEqual(self.asked, [])
+
+    def test_one_page_too_many_is_told_so_and_a_place_that_is_left_is_free(self):
+        streams = [self.server.streams.open(()) for _ in range(server.MOST_PAGES)]
+        status, text = self.ask("GET", "/events")
+        self.assertEqual(status, 503)
+        self.assertIn("pages are open already", text.decode())
+        self.server.streams.close(streams[0])
+        self.assertIsNotNone(self.server.streams.open(()))
+
+    def test_a_page_that_does_not_read_holds_the_latest_news_only(self):
+        self.state.take_configuration(configuration())
+        stream = self.server.streams.open(self.state.KINDS)
+        stream.take(0)
+        for step in range(1000):
+            self.state.take_snapshot(snapshot(step))
+            self.server.streams.send("snapshot")
+        items = stream.take(0)
+        self.assertEqual([kind for kind, _ in items], ["snapshot"])
+        self.assertEqual(json.loads(items[0][1])["step"], 999)
+
+
+    def test_a_command_that_fails_is_answered_with_the_reason(self):
+        def fail(content):
+            raise OverflowError("int too large to convert to float")
+        self.server.obey = fail
+        status, text = self.ask("POST", "/command", b'{"command": "brake"}', Content_Type="application/json")
+        self.assertEqual((status, json.loads(text)["message"]), (500, "OverflowError: int too large to convert to float"))
+
+
+STARVED = """
+import os, resource, sys
+sys.dont_write_bytecode = True
+sys.path.insert(0, sys.argv[1])
+from watching import server, state
+pages = server.PageServer("localhost", 0, state.PlatoonState(), None, os.path.join(sys.argv[1], "watching", "page"))
+print(pages.server_port, flush=True)
+most = max(map(int, os.listdir("/proc/self/fd"))) + 5
+resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+pages.serve_forever()
+"""
+
+
+class Starved(unittest.TestCase):
+    def seconds_of_work(self, process):
+        with open("/proc/{}/stat".format(process)) as file:
+            words = file.read().rsplit(")", 1)[1].split()
+        return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+
+    def test_without_a_free_descriptor_it_answers_with_the_reason_and_does_not_spin(self):
+        child = subprocess.Popen([sys.executable, "-c", STARVED, TOOLS], stdout=subprocess.PIPE, universal_newlines=True)
+        self.addCleanup(child.stdout.close)
+        self.addCleanup(child.wait)
+        self.addCleanup(child.kill)
+        port = int(child.stdout.readline())
+        pages = [socket.create_connection(("localhost", port), timeout=30) for _ in range(12)]  # one descriptor each
+        for page in pages:
+            self.addCleanup(page.close)
+            page.sendall(b"GET /events HTTP/1.0\r\nHost: localhost\r\n\r\n")
+        answers = [page.recv(1000).decode() for page in pages]
+        served = [answer.startswith("HTTP/1.0 200") for answer in answers]
+        self.assertTrue(served[0] and not served[-1], answers)
+        self.assertIn("503", answers[-1])
+        self.assertIn("no file descriptor is free: close some pages, or try again", answers[-1] + pages[-1].recv(1000).decode())
+        waiting = socket.create_connection(("localhost", port), timeout=30)
+        self.addCleanup(waiting.close)
+        before, began = self.seconds_of_work(child.pid), time.monotonic()
+        time.sleep(2.0)
+        share = (self.seconds_of_work(child.pid) - before) / (time.monotonic() - began)
+        self.assertLess(share, 0.5, "it spins")
+        # A closed page frees its descriptor for another.
+        for page in pages[:6]:
+            page.close()
+
+        def served_again():
+            with socket.create_connection(("localhost", port), timeout=30) as page:
+                page.sendall(b"GET / HTTP/1.0\r\nHost: localhost\r\n\r\n")
+                return page.recv(12).endswith(b"200")
+        for _ in range(100):
+            if served_again():
+                return
+            time.sleep(0.1)
+        self.fail("it serves no page any more")
+
+
+class Ordered(unittest.TestCase):
+    """Commands with a stub of ROS."""
+
+    def setUp(self):
+        named = {"rospy": types.ModuleType("rospy"), "std_msgs": types.ModuleType("std_msgs"), "std_msgs.msg": types.ModuleType("std_msgs.msg"),
+                 "std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": types.ModuleType("std_srvs.srv")}
+        self.published = []
+        named["rospy"].Publisher = lambda *_, **__: types.SimpleNamespace(publish=self.published.append, get_num_connections=lambda: 1,
+                                                                          resolved_name="/platoon/leader/speed")
+        named["std_msgs.msg"].Float64 = named["std_srvs.srv"].Trigger = None
+        before = {name: sys.modules.get(name) for name in list(named) + ["watching.commands"]}
+        sys.modules.update(named)
+
+        def restore():
+            for name, module in before.items():
+                sys.modules.pop(name, None)
+                if module is not None:
+                    sys.modules[name] = module
+        self.addCleanup(restore)
+        sys.modules.pop("watching.commands", None)
+        from watching import commands
+        self.known = {"endless": True}
+        self.commands = commands.Commands(lambda: self.known)
+
+    def test_a_speed_that_is_no_finite_number_is_refused_in_words(self):
+        for value in (10 ** 400, -10 ** 400, math.inf, math.nan, True, "20", [20], 1000.5, -1e6):
+            success, message = self.commands.obey({"command": "speed", "speed": value})
+            self.assertFalse(success)
+            self.assertRegex(message, r"^speed: .{1,43}: must be a finite number")
+        self.assertFalse(self.commands.obey({"command": "speed"})[0])
+        self.assertEqual(self.published, [])
+
+    def test_a_speed_is_refused_where_the_leader_takes_none(self):
+        for known, words in (({"endless": False}, "rejected: in a run of many realizations"), (None, "nothing is known of a run yet")):
+            self.known = known
+            success, message = self.commands.obey({"command": "speed", "speed": 20})
+            self.assertFalse(success)
+            self.assertIn(words, message)
+        self.known = {"endless": True}
+        self.assertEqual(self.commands.obey({"command": "speed", "speed": 20}), (True, "speed 20 m/s"))
+        self.assertEqual(self.published, [20.0])
+
+
+if __name__ == "__main__":
+    unittest.main()
