@@ -9,6 +9,7 @@ import unittest
 
 import live_platoon
 from external import CLAUSES, ExternalTest, HERE, rows
+from recording import bag_statistics
 
 
 class Example(ExternalTest):
@@ -58,9 +59,8 @@ class Example(ExternalTest):
     def check_what_reads_the_results(self, bag):
         with open(os.path.join(self.output, "statistics.csv")) as file:
             measured = file.read()
-        csv_of_bag = subprocess.run([live_platoon.executable("bag_statistics"), bag, "--csv"], stdout=subprocess.PIPE,
-                                    universal_newlines=True, check=True).stdout
-        self.assertEqual(csv_of_bag, measured)
+        found = bag_statistics(bag, "--csv")
+        self.assertEqual((found.returncode, found.stdout), (0, measured))
         figure = os.path.join(self.folder, "errors")
         plot = os.path.join(live_platoon.shared("src", "tools"), "plot")
         subprocess.run([plot, "errors", self.output, "--output", figure], check=True, stdout=subprocess.DEVNULL)

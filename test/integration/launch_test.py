@@ -4,6 +4,7 @@
 import glob
 import json
 import os
+import re
 import signal
 import subprocess
 import time
@@ -143,15 +144,14 @@ class Endless(LaunchTest):
             rows = [line.split(",") for line in live_platoon.statistics(self.output).decode().splitlines()[1:]]
             return summary["attempts"], [int(row[2]) for row in rows], [int(row[1]) for row in rows]
 
-        def overview(field):
-            done = subprocess.run(["rostopic", "echo", "-n", "1", "/platoon/overview/" + field], stdout=subprocess.PIPE,
-                                  universal_newlines=True, timeout=60, env=dict(os.environ, ROS_MASTER_URI=terminal.master))
-            return json.loads(done.stdout.split("---")[0] or "null")
-
         def thousand_steps_of_another(attempt):
             """The number of an attempt newer than `attempt`, after a thousand of its steps."""
             def found():
-                return overview("step")[-1] > 1000 and overview("attempt") > attempt and overview("attempt")
+                # Attempt and step of one message: an old step beside a new attempt would be too early.
+                done = subprocess.run(["rostopic", "echo", "-n", "1", "/platoon/overview"], stdout=subprocess.PIPE, timeout=60,
+                                      universal_newlines=True, env=dict(os.environ, ROS_MASTER_URI=terminal.master))
+                overview = dict(re.findall(r"^(attempt|step): (.*)$", done.stdout, re.M))
+                return json.loads(overview["step"])[-1] > 1000 and int(overview["attempt"]) > attempt and int(overview["attempt"])
             return live_platoon.wait_for(found, "a thousand steps of an attempt after {}".format(attempt), 60)
 
         attempt = thousand_steps_of_another(0)

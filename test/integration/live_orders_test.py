@@ -11,6 +11,7 @@ import unittest
 
 import live_platoon
 from orders import FOLLOWERS, HEADWAY, NOISE_VARIANCE, Orders, setUpModule  # noqa: F401: unittest calls setUpModule
+from recording import bag_statistics
 
 
 class Watched(Orders):
@@ -191,8 +192,7 @@ class Changes(Orders):
         # Each run has its own bag, recorded up to the end of the run.
         for suffix, headway in (("", 3.2), ("-run2", 2.4)):
             read = os.path.join(self.folder, hosting + suffix + "-read")
-            subprocess.run([live_platoon.executable("bag_statistics"), bag + suffix + ".bag.active", "--output", read], check=True,
-                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.assertEqual(bag_statistics(bag + suffix + ".bag.active", "--output", read).returncode, 0)
             with open(os.path.join(read, "summary.json")) as file:
                 summary = json.load(file)
             self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)

@@ -12,6 +12,7 @@ import rosgraph
 import yaml
 
 import live_platoon
+from recording import bag_statistics
 from terminal import LaunchTest
 
 FOLLOWERS, STEPS, REALIZATIONS = 4, 60, 3000
@@ -57,8 +58,8 @@ class Radio(LaunchTest):
             for topic in ("/platoon/vehicle_{}/input".format(i), "/platoon/vehicle_{}/predecessor_input".format(i + 1)):
                 self.assertEqual(counts[topic], BATCHES * (STEPS + 1), topic)
         self.assertNotIn("/platoon/vehicle_{}/input".format(FOLLOWERS), counts, "nobody hears the last vehicle")
-        found = subprocess.run([live_platoon.executable("bag_statistics"), bag, "--csv"], stdout=subprocess.PIPE, check=True)
-        self.assertEqual(found.stdout, measured)
+        found = bag_statistics(bag, "--csv")
+        self.assertEqual((found.returncode, found.stdout.encode()), (0, measured))
         again = os.path.join(self.folder, "again")
         text = self.replayed(bag, output=again)
         self.assertTrue(live_platoon.completed_summary(again), text)

@@ -28,7 +28,7 @@ def radio_of(model: Dict[str, Any]) -> Optional[Dict[str, Any]]:
 
 
 def link_of(model: Dict[str, Any]) -> str:
-    """The default vehicle's links in words."""
+    """A text that describes the links of the default vehicle."""
     words, radio = channel_words(model.get("channel", {}), "m"), radio_of(model)
     if radio:
         words.append("radio with " + ", ".join(channel_words(radio["channel"], "m/s²")))
@@ -56,7 +56,7 @@ def described(text: str) -> Dict[str, Any]:
 
 
 def start_of(topics: Set[str], followers: int, external: Sequence[int]) -> str:
-    """The state of a platoon before its first step, in words: missing vehicles, or the next stage."""
+    """A text on a platoon before its first step: missing vehicles, or the next stage."""
     missing = [i for i in range(followers + 1) if "vehicle_{}/position".format(i) not in topics]
     if not missing:
         return "all {} vehicles are running, the {}".format(followers + 1, "first step is under way" if "overview" in topics else "monitor starts")

@@ -48,7 +48,7 @@ class EventLog:
             if before is not None or new is not None) if changes else "another run with the same configuration")
 
     def add_changes(self, before: Any, now: Any) -> bool:
-        """Adds the changes between two overviews of a run; `before` may be None. Returns whether the run has begun again."""
+        """Adds the changes between two overviews of a run; `before` may be None. Returns whether the run has restarted."""
         began_again = bool(before is not None and 0 < before.attempt < now.attempt)
         if began_again:
             self.add_restart(before, now)

@@ -53,7 +53,7 @@ class PlatoonState:
         self.text: Optional[str] = None
         self.culprit: Optional[str] = None
         self.retries = 0
-        self.start: Optional[str] = None  # the state before the first step, in words
+        self.start: Optional[str] = None  # a text on the platoon before its first step
         self.log = EventLog()
         self.early: Optional[Tuple[Any, float]] = None  # (overview, arrival time) of a run whose configuration has not arrived yet
         self.over: Optional[int] = None  # the previous run
@@ -101,7 +101,7 @@ class PlatoonState:
     def take_overview(self, message: Any, now: float) -> None:
         with self.lock:
             if message.run == self.over:
-                return  # of the previous run, late
+                return  # a late overview of the previous run
             known = self.configuration
             # Each topic has its own connection: an overview may arrive before its configuration. A second overview of another run
             # means that the present run is over.

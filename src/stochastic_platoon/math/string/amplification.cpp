@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 
 namespace platoon {
 
 namespace {
 
-constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
 constexpr double kClearSquare = 10.0;    ///< least ratio of a sum of squares to the noise subtracted from it
 constexpr double kClearMaximum = 100.0;  ///< standard errors that a maximum must exceed
 
@@ -38,11 +37,11 @@ double root_mean_square(const VehicleRow& of, double centre) {
   for (std::size_t c = of.first; c < of.end; ++c)
     square += (of.rows.mean[c] - centre) * (of.rows.mean[c] - centre) - of.rows.variance_of_mean[c];
   square /= static_cast<double>(of.end - of.first);
-  return square >= kClearSquare * of.average(of.rows.variance_of_mean) ? std::sqrt(square) : kUndefined;
+  return square >= kClearSquare * of.average(of.rows.variance_of_mean) ? std::sqrt(square) : kNaN;
 }
 
 struct SpeedNorms {
-  double l2 = kUndefined, linf = kUndefined;
+  double l2 = kNaN, linf = kNaN;
 };
 
 SpeedNorms speed_norms(const VehicleRow& of) {
@@ -52,7 +51,7 @@ SpeedNorms speed_norms(const VehicleRow& of) {
   if (std::isnan(centre)) return {};
   if (linf < kConstantSpeed) return {0.0, 0.0};
   const double standard_error = std::sqrt(of.largest(of.rows.variance_of_mean));
-  return {root_mean_square(of, centre), linf >= kClearMaximum * standard_error ? linf : kUndefined};
+  return {root_mean_square(of, centre), linf >= kClearMaximum * standard_error ? linf : kNaN};
 }
 
 double root_mean_square_with_noise(const VehicleRow& of) {
@@ -62,7 +61,7 @@ double root_mean_square_with_noise(const VehicleRow& of) {
 }
 
 double ratio(double of, double to) {
-  return of > 0.0 && to > 0.0 ? of / to : kUndefined;
+  return of > 0.0 && to > 0.0 ? of / to : kNaN;
 }
 
 std::size_t vehicles_of(const SignalsByName& signals, std::int64_t steps, std::int64_t from) {
@@ -121,9 +120,8 @@ SignalRows with_leader(const PlatoonModel& model, const std::string& name, const
 }
 
 std::vector<Amplification> amplification(const SignalsByName& signals, std::int64_t steps, std::int64_t from) {
-  std::vector<Amplification> found(
-      vehicles_of(signals, steps, from),
-      {kUndefined, kUndefined, kUndefined, kUndefined, kUndefined, kUndefined, kUndefined, kUndefined, kUndefined});
+  std::vector<Amplification> found(vehicles_of(signals, steps, from),
+                                   {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN});
   const auto row = [&](const SignalRows& rows, std::size_t i) {
     const auto length = static_cast<std::size_t>(steps);
     return VehicleRow{rows, i * length + static_cast<std::size_t>(from), (i + 1) * length};

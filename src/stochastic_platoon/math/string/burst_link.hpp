@@ -11,7 +11,7 @@ namespace platoon {
 /// Losses of one link in bursts, as a filter on the unit circle.
 ///
 /// theta(k) is a two-state Markov chain (0 arrived, 1 lost) with transitions Pi and stationary pi = (p, q), independent
-/// of the sent values. x(k) = (r(k), ..., r(k-n+1)), n the length of the predictor, obeys x(k) = A_theta x(k-1) +
+/// of the sent values. With n the length of the predictor, x(k) = (r(k), ..., r(k-n+1)) obeys x(k) = A_theta x(k-1) +
 /// B_theta s(k): an arrival shifts s(k) in, a loss shifts the prediction c' x(k-1) in. Relative to s, a sent e^{j nu k}
 /// drives the registers at losses alone, by -u, u = 1 - L(e^{j nu}). Per unit of this drive,
 ///

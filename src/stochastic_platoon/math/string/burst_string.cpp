@@ -16,7 +16,6 @@ namespace platoon {
 namespace {
 
 constexpr double kLossGainDoubt = 1e-11;  // accuracy of the means and of the root
-constexpr double kMarginAccuracy = 1e-4;  // of a margin whose sign decides
 
 void require_theory(const PlatoonModel& model) {
   if (const std::optional<std::string> reason = no_burst_theory(model))
@@ -140,7 +139,7 @@ double burst_gain_margin(const BurstPattern& pattern) {
   const double settles = 1.0 - std::max(worst_radius(pattern), worst_second_moment(pattern));
   if (!(settles > 0.0)) return std::max(-1.0, settles);
   const PatternGain gain = pattern.gain();
-  const double least = gain.least(kMarginAccuracy).value;
+  const double least = gain.least(PatternGain::kSignAccuracy).value;
   return least > 0.0 && grows_at_zero(pattern, gain) ? 0.0 : least;
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
@@ -15,7 +16,6 @@ namespace platoon {
 
 namespace {
 
-constexpr double kHalfTurn = 3.14159265358979323846;
 constexpr double kEndOfCorrelation = 1e-15;  // relative size at which an autocorrelation ends
 constexpr double kResolved = 1e-13;          // the same at the end of a transform, whose rounding grows with its peaks
 constexpr std::size_t kFirstLength = 1024, kMostLength = std::size_t{1} << 20;
@@ -33,7 +33,7 @@ public:
       for (auto* values : {&type.gain, &type.complement, &type.added, &type.of_added}) values->resize(count);
       for (Eigen::Index f = 0; f < count; ++f) {
         const LinkedVehicleValue value =
-            vehicle.at(2.0 * kHalfTurn * static_cast<double>(f) / static_cast<double>(length));
+            vehicle.at(2.0 * boost::math::double_constants::pi * static_cast<double>(f) / static_cast<double>(length));
         type.gain(f) = value.gain;
         type.complement(f) = value.complement;
         type.added(f) = 0.0;

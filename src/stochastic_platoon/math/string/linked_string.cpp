@@ -17,8 +17,7 @@ namespace platoon {
 
 namespace {
 
-constexpr double kQuadratureDoubt = 1e-12;      // accuracy of the quadrature
-constexpr double kLinkedMarginAccuracy = 1e-4;  // of a margin whose sign decides
+constexpr double kQuadratureDoubt = 1e-12;  // accuracy of the quadrature
 
 /// Whether 1 - |prod T^|^2 vanishes faster at w = 0 than the numerators it divides in a variance: the noises, times |1
 /// - H T^|^2 for the errors and |1 - L|^2 for the losses.
@@ -149,7 +148,7 @@ double linked_gain_margin(const LinkedPattern& pattern) {
   const MeanSquare worst = mean_square(pattern);
   if (!worst.stable()) return std::max(-1.0, worst.margin());
   const PatternGain gain = pattern.gain();
-  const double least = gain.least(kLinkedMarginAccuracy).value;
+  const double least = gain.least(PatternGain::kSignAccuracy).value;
   return least > 0.0 && grows_at_zero(pattern, gain) ? 0.0 : least;
 }
 

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/string/linked_vehicle.hpp"
 
 #include <algorithm>
+#include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -191,9 +192,8 @@ std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
   }
   if (!vehicle_.feed_forward) return found;
   // The difference of the delays rotates T^; a panel may cover two radians.
-  constexpr double kHalfTurn = 3.14159265358979323846;
   const auto turns = static_cast<double>(std::max(links_[0].delay(), links_[1].delay()));
-  for (double w = 0.0; w <= kHalfTurn; w += 1.0 / turns) found.emplace_back(w, 1.0 / turns);
+  for (double w = 0.0; w <= boost::math::double_constants::pi; w += 1.0 / turns) found.emplace_back(w, 1.0 / turns);
   return found;
 }
 

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/string/loop_response.hpp"
 
 #include <algorithm>
+#include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -10,9 +11,6 @@
 namespace platoon {
 
 namespace {
-
-// Smaller states count as zero: arithmetic with subnormal numbers is a hundred times slower.
-constexpr long double kNegligibleState = 1e-290L;
 
 constexpr long double kWellConditioned = 100.0L;  // two of the nineteen digits
 
@@ -57,7 +55,7 @@ std::vector<Place> places_of(const DeltaPolynomial& denominator) {
   constexpr int kOctaves = 40;
   std::vector<Place> places;
   for (int j = 0; j < kOctaves; ++j) {
-    const long double w = std::ldexp(3.14159265358979323846L, -j), sine = std::sin(w / 2.0L);
+    const long double w = std::ldexp(boost::math::long_double_constants::pi, -j), sine = std::sin(w / 2.0L);
     const std::complex<long double> s(-2.0L * sine * sine, std::sin(w));
     std::complex<long double> sum = 0.0L;
     for (auto c = denominator.rbegin(); c != denominator.rend(); ++c) sum = sum * s + *c;

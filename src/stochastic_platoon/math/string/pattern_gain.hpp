@@ -39,6 +39,9 @@ public:
   /// Whether |prod T| = 1 at every frequency, as for a pure delay.
   bool is_one() const { return attenuation_.is_zero(); }
 
+  /// Accuracy of a margin whose sign alone decides.
+  static constexpr double kSignAccuracy = 1e-4;
+
   /// Minimum of -ln |prod T|^2 with these zeros divided out, to this relative accuracy; its sign is exact.
   LeastMargin least(double accuracy = 1e-12) const;
 

@@ -5,13 +5,6 @@
 
 namespace platoon {
 
-namespace {
-
-// Smaller states count as zero: arithmetic with subnormal numbers is a hundred times slower.
-constexpr long double kVanishedState = 1e-290L;
-
-}  // namespace
-
 VehicleResponse::VehicleResponse(const VehicleModel& vehicle) {
   if (vehicle.feed_forward) feed_forward_ = vehicle.feed_forward->gain;
   if (vehicle.design && vehicle.design->in_radio_string) {
@@ -40,7 +33,7 @@ Motion VehicleResponse::by_parts(Sequence state, const Motion& received) const {
     input = advance(*parts_, state, received.position[k],
                     received.input.empty() ? 0.0L : feed_forward_ * received.input[k]);
     for (long double& value : state) {
-      if (std::abs(value) < kVanishedState) value = 0.0L;
+      if (std::abs(value) < LoopResponse::kNegligibleState) value = 0.0L;
     }
   }
   return own;

@@ -16,8 +16,9 @@ namespace platoon {
 namespace {
 
 constexpr std::size_t kMostLabels = 30;
-constexpr double kSmoothing = 0.05;  // of the view, per snapshot: keeps the camera still while the last vehicle swings
-constexpr double kClosed = 0.5;      // of the desired distance
+constexpr double kSmoothing =
+    0.05;                        // of the view, per snapshot: keeps the camera still while the last vehicle oscillates
+constexpr double kClosed = 0.5;  // of the desired distance
 
 geometry_msgs::TransformStamped frame(const std::string& name, double x, const ros::Time& time) {
   geometry_msgs::TransformStamped made;

@@ -15,7 +15,7 @@ namespace platoon {
 /// is that of the whole run.
 ///
 /// The folder holds a checkpoint of the range's realizations. An incomplete shard continues from it; merge() reads that
-/// of a complete one. The checkpoint's digest detects every change of a byte.
+/// of a complete one. The checkpoint's digest detects any changed byte.
 struct ShardRun {
   Configuration configuration;
   Shard shard;

@@ -9,7 +9,7 @@ const write = (element, text) => { if (element.textContent !== text) element.tex
 const seconds = (steps, { sample_period }) => `${+(steps * sample_period).toPrecision(6)} s`;
 const atStep = (step, run) => step == null ? "–" : `${step} (${seconds(step, run)})`;
 
-// The present content of the averages, in words.
+// Text on the present content of the averages.
 function averagesOf(of, run, health) {
   if (of.step === null && health?.start) return health.start;
   if (!of.time_average) return of.step === null ? "theory; nothing is measured yet" : `at step ${atStep(of.step, run)}, ${spaced(of.realizations)} realizations`;
