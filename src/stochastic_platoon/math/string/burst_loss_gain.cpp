@@ -6,10 +6,10 @@
 #include <memory>
 #include <optional>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/numerics/delta_form.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/burst_string.hpp"
 
 namespace platoon {

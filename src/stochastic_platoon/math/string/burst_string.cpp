@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/burst_loss_gain.hpp"
 
 namespace platoon {

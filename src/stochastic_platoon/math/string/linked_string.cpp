@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/pattern_spectra.hpp"
 
 namespace platoon {

@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/signal.hpp"
-#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/pattern_spectra.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 

@@ -1,6 +1,6 @@
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
-#include "stochastic_platoon/math/model/special_values.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/string_pattern.hpp"
 
 namespace platoon {

@@ -8,7 +8,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 
 namespace platoon {
 namespace {

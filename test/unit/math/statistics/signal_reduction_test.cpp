@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "unit/paper_run.hpp"
 #include "unit/same_gaps.hpp"
 #include "unit/temporary_folder.hpp"
