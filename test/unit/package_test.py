@@ -3,6 +3,7 @@
 
 import ast
 import collections
+import glob
 import os
 import re
 import subprocess
@@ -67,6 +68,40 @@ class Package(unittest.TestCase):
                     self.assertTrue(any(os.path.exists(os.path.join(PACKAGE, place)) for place in (path, beside)),
                                     "{} names {}, which does not exist".format(name, path))
         self.assertGreater(found, 50)
+
+    def test_the_table_of_equations_names_sources_and_tests_that_exist(self):
+        """`folder/name` names src/stochastic_platoon/folder/name.* or test/unit/folder/name_test.*; later names of a cell lie beside it."""
+        table = text_of("README.md").split("| paper | source | test |")[1].split("\n\n")[0]
+        found = 0
+        for row in table.splitlines()[2:]:
+            for cell in row.split("|")[2:4]:
+                folder = ""
+                for path in re.findall(r"`([\w/.*]+)`", cell):
+                    if "." in path and not glob.glob(os.path.join(PACKAGE, path)):
+                        places = [os.path.join("test", "**", path)]
+                    else:
+                        folder = os.path.dirname(path) or folder
+                        name = os.path.join(folder, os.path.basename(path))
+                        places = [name, os.path.join("src", "stochastic_platoon", name + ".*"), os.path.join("test", "unit", name + "_test.*"), name + ".*"]
+                    self.assertTrue(any(glob.glob(os.path.join(PACKAGE, place), recursive=True) for place in places), path)
+                    found += 1
+        self.assertGreater(found, 50)
+
+    def test_folders_depend_on_each_other_in_one_direction(self):
+        """Folders of src/stochastic_platoon by their includes: no circle, and no wing includes one above it."""
+        wings, below = ["math", "run", "ros"], collections.defaultdict(set)
+        for name in source_files():
+            own = re.match(r"src/stochastic_platoon/(\w+/\w+)/", name)
+            for used in re.findall(r'#include "stochastic_platoon/(\w+/\w+)/', text_of(name)) if own else ():
+                self.assertLessEqual(wings.index(used.split("/")[0]), wings.index(own[1].split("/")[0]), name)
+                if used != own[1]:
+                    below[own[1]].add(used)
+        self.assertGreater(len(below), 20)
+        while below:
+            ground = [folder for folder in below if not below[folder] & set(below)]
+            self.assertTrue(ground, "these folders include each other: {}".format(sorted(below)))
+            for folder in ground:
+                del below[folder]
 
     def test_constants_and_types_of_a_library_have_names_of_their_own(self):
         """Two files of a library that define the same name in unnamed namespaces cannot be compiled as one file (CMAKE_UNITY_BUILD)."""

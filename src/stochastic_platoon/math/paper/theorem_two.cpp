@@ -11,8 +11,8 @@
 #include "stochastic_platoon/math/paper/norms.hpp"
 #include "stochastic_platoon/math/paper/resolvent.hpp"
 #include "stochastic_platoon/math/paper/string_matrices.hpp"
+#include "stochastic_platoon/math/response/loop_filter.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
-#include "stochastic_platoon/math/string/loop_filter.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 
 namespace platoon {

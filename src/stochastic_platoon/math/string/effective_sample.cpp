@@ -9,8 +9,8 @@
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
+#include "stochastic_platoon/math/links/linked_vehicle.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/string/linked_vehicle.hpp"
 
 namespace platoon {
 

@@ -6,17 +6,17 @@
 #include <string>
 #include <utility>
 
-#include "stochastic_platoon/math/string/burst_moments.hpp"
-#include "stochastic_platoon/math/string/burst_vehicle.hpp"
-#include "stochastic_platoon/math/string/linked_moments.hpp"
-#include "stochastic_platoon/math/string/linked_responses.hpp"
-#include "stochastic_platoon/math/string/loop_filter.hpp"
+#include "stochastic_platoon/math/bursts/burst_moments.hpp"
+#include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
+#include "stochastic_platoon/math/links/linked_moments.hpp"
+#include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/response/loop_filter.hpp"
 
 namespace platoon {
 
 namespace {
 
-using Sequence = std::vector<double>;
+using DoubleSequence = std::vector<double>;
 
 /// Whether T by powers of z and arithmetic in double give the documented accuracy. They do not for a realization given
 /// in its own coordinates or for slow poles.
@@ -28,8 +28,8 @@ bool has_digits_in_double(const ClosedLoop& loop) {
 }
 
 /// (H u)(k) = (1 + h) u(k) - h u(k-1), with u zero before its first value.
-Sequence with_headway(const Sequence& u, double headway) {
-  Sequence result(u.size());
+DoubleSequence with_headway(const DoubleSequence& u, double headway) {
+  DoubleSequence result(u.size());
   double before = 0.0;
   for (std::size_t k = 0; k < u.size(); ++k) {
     result[k] = (1 + headway) * u[k] - headway * before;
@@ -38,8 +38,8 @@ Sequence with_headway(const Sequence& u, double headway) {
   return result;
 }
 
-Sequence difference(const Sequence& u, const Sequence& v) {
-  Sequence result(u.size());
+DoubleSequence difference(const DoubleSequence& u, const DoubleSequence& v) {
+  DoubleSequence result(u.size());
   for (std::size_t k = 0; k < u.size(); ++k) result[k] = u[k] - v[k];
   return result;
 }
@@ -61,12 +61,12 @@ public:
     const InitialPosition& initial = vehicle_.initial_position;
     const bool placed = initial.mean != 0.0 || initial.variance != 0.0;
     // Responses of zeta_j, zeta_{j+1}, ... to a cause at vehicle j: `now`, then T^{m-1} applied to `next`.
-    const Sequence ht = with_headway(filter_(impulse_), vehicle_.headway);
-    Sequence noise_now = difference(zero_, ht), noise_next = filter_(difference(impulse_, ht));
-    const Sequence w = filter_.free_response(unit_equilibrium(vehicle_.loop.realization), count + 1);
-    Sequence placed_now = difference(Sequence(count + 1, 0.0), with_headway(w, vehicle_.headway)),
-             placed_next = difference(w, with_headway(filter_(w), vehicle_.headway));
-    Sequence leader = leader_error(), mean_shift(count, 0.0), variance(count, 0.0);
+    const DoubleSequence ht = with_headway(filter_(impulse_), vehicle_.headway);
+    DoubleSequence noise_now = difference(zero_, ht), noise_next = filter_(difference(impulse_, ht));
+    const DoubleSequence w = filter_.free_response(unit_equilibrium(vehicle_.loop.realization), count + 1);
+    DoubleSequence placed_now = difference(DoubleSequence(count + 1, 0.0), with_headway(w, vehicle_.headway)),
+                   placed_next = difference(w, with_headway(filter_(w), vehicle_.headway));
+    DoubleSequence leader = leader_error(), mean_shift(count, 0.0), variance(count, 0.0);
     ErrorMoments moments{static_cast<std::int64_t>(count), followers, {}, {}};
     moments.mean.reserve(followers * count);
     moments.variance.reserve(followers * count);
@@ -88,7 +88,7 @@ public:
   }
 
 private:
-  void advance(Sequence& now, Sequence& next) const {
+  void advance(DoubleSequence& now, DoubleSequence& next) const {
     now = std::move(next);
     next = filter_(now);
   }
@@ -96,14 +96,14 @@ private:
   /// zeta_0(k). With x = e r_0 + g, e = (I - A)^-1 B, the large positions drop out:
   ///     g(k+1) = A g(k) - e (r_0(k+1) - r_0(k)),   y_0 = T(1) r_0 + C g,
   /// with T(1) = 1 up to the digits of the model.
-  Sequence leader_error() const {
+  DoubleSequence leader_error() const {
     const StateSpace& loop = vehicle_.loop.realization;
     const Eigen::VectorXd equilibrium =
         Eigen::MatrixXd(Eigen::MatrixXd::Identity(loop.order(), loop.order()) - loop.a()).fullPivLu().solve(loop.b());
     const double gain = vehicle_.loop.integrators.value_or(0) > 0 ? 1.0 : static_cast<double>(loop.c() * equilibrium);
     const double h = vehicle_.headway;
     Eigen::VectorXd g = Eigen::VectorXd::Zero(loop.order());
-    Sequence error(zero_);
+    DoubleSequence error(zero_);
     double lag_before = 0.0;
     for (std::size_t k = 1; k < error.size(); ++k) {
       const auto step = static_cast<std::int64_t>(k);
@@ -119,7 +119,7 @@ private:
   const PlatoonModel& model_;
   const VehicleModel& vehicle_;
   LoopFilter filter_;
-  Sequence impulse_, zero_;
+  DoubleSequence impulse_, zero_;
 };
 
 }  // namespace

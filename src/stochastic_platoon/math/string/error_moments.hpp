@@ -4,26 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/links/linked_moments.hpp"
 
 namespace platoon {
-
-/// Mean and variance of the tracking errors zeta_i(k) for i = 1 .. followers, k = 0 .. steps-1; the index of follower i
-/// at step k is (i-1) steps + k.
-struct ErrorMoments {
-  std::int64_t steps;
-  std::size_t followers;
-  std::vector<double> mean;      ///< [m]
-  std::vector<double> variance;  ///< [m^2]
-
-  double mean_at(std::size_t follower, std::int64_t step) const { return mean[index(follower, step)]; }
-  double variance_at(std::size_t follower, std::int64_t step) const { return variance[index(follower, step)]; }
-
-private:
-  std::size_t index(std::size_t follower, std::int64_t step) const {
-    return (follower - 1) * static_cast<std::size_t>(steps) + static_cast<std::size_t>(step);
-  }
-};
 
 /// Exact mean and variance of every tracking error, as in Lemma 1 (lem:mean_square_all), from the structure of the
 /// string. By eq. (mu_z_recursive_all) and S = 1 - HT, the response of zeta_{j+m} to the noise d_j is

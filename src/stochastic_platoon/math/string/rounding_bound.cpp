@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "stochastic_platoon/math/string/loop_filter.hpp"
+#include "stochastic_platoon/math/response/loop_filter.hpp"
 
 namespace platoon {
 

@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/links/mean_vehicle.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
-#include "stochastic_platoon/math/string/linked_responses.hpp"
-#include "stochastic_platoon/math/string/mean_vehicle.hpp"
 
 namespace platoon {
 

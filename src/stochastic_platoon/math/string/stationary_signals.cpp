@@ -4,10 +4,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/links/pattern_spectra.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/string/pattern_spectra.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
 namespace platoon {

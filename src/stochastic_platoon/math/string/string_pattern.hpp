@@ -2,8 +2,8 @@
 
 #include <stdexcept>
 
-#include "stochastic_platoon/math/string/burst_string.hpp"
-#include "stochastic_platoon/math/string/linked_string.hpp"
+#include "stochastic_platoon/math/bursts/burst_string.hpp"
+#include "stochastic_platoon/math/links/linked_string.hpp"
 
 namespace platoon {
 

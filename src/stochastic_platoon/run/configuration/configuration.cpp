@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stochastic_platoon/math/bursts/burst_moments.hpp"
+#include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/string/burst_moments.hpp"
-#include "stochastic_platoon/math/string/burst_vehicle.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"

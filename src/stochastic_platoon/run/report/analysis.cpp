@@ -5,10 +5,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/bursts/burst_moments.hpp"
+#include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/string/burst_moments.hpp"
-#include "stochastic_platoon/math/string/burst_vehicle.hpp"
-#include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/run/report/age_analysis.hpp"

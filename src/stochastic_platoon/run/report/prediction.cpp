@@ -5,14 +5,13 @@
 #include <limits>
 #include <string>
 
+#include "stochastic_platoon/math/bursts/burst_moments.hpp"
+#include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
+#include "stochastic_platoon/math/links/linked_moments.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/string/burst_moments.hpp"
-#include "stochastic_platoon/math/string/burst_vehicle.hpp"
 #include "stochastic_platoon/math/string/collision_risk.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
-#include "stochastic_platoon/math/string/linked_moments.hpp"
-#include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"

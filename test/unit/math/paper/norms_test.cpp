@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "unit/math/string/example_loops.hpp"
+#include "unit/math/example_loops.hpp"
 
 namespace platoon {
 namespace {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/paper/lemma_one.hpp"
-#include "unit/math/string/example_loops.hpp"
+#include "unit/math/example_loops.hpp"
 
 namespace platoon {
 namespace {

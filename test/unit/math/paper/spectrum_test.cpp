@@ -5,10 +5,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/links/linked_vehicle.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
-#include "stochastic_platoon/math/string/linked_vehicle.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
-#include "unit/math/string/example_loops.hpp"
+#include "unit/math/example_loops.hpp"
 
 namespace platoon {
 namespace {

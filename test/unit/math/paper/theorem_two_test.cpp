@@ -13,7 +13,7 @@
 #include "stochastic_platoon/math/paper/norms.hpp"
 #include "stochastic_platoon/math/paper/string_matrices.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
-#include "unit/math/string/example_loops.hpp"
+#include "unit/math/example_loops.hpp"
 
 namespace platoon {
 namespace {

@@ -6,9 +6,9 @@
 #include <functional>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/string/linked_vehicle.hpp"
+#include "stochastic_platoon/math/links/linked_vehicle.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
-#include "unit/math/string/example_loops.hpp"
+#include "unit/math/example_loops.hpp"
 
 namespace platoon {
 namespace {

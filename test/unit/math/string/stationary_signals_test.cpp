@@ -7,8 +7,8 @@
 
 #include "stochastic_platoon/math/string/signal_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
+#include "unit/math/example_loops.hpp"
 #include "unit/math/radio_cars.hpp"
-#include "unit/math/string/example_loops.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {

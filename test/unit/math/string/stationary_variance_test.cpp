@@ -7,7 +7,7 @@
 #include "stochastic_platoon/math/paper/lemma_one.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
-#include "unit/math/string/example_loops.hpp"
+#include "unit/math/example_loops.hpp"
 
 namespace platoon {
 namespace {

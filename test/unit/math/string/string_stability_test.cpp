@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "unit/math/example_loops.hpp"
 #include "unit/math/paper/spectrum.hpp"
-#include "unit/math/string/example_loops.hpp"
 
 namespace platoon {
 namespace {

@@ -1,0 +1,198 @@
+#include "stochastic_platoon/math/bursts/burst_loss_gain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <optional>
+
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
+#include "stochastic_platoon/math/numerics/krylov.hpp"
+#include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr std::size_t kFewestNodes = 128, kMostNodes = std::size_t{1} << 18;
+constexpr std::size_t kMostKernelNodes = 2400;
+using SpectralValues = std::function<std::vector<double>(const BurstSpectra&)>;
+
+// Enough nodes for the oscillation of the longest delay.
+std::size_t first_nodes(const BurstPattern& pattern) {
+  std::int64_t delay = 0;
+  for (const BurstVehicle& vehicle : pattern.types) delay = std::max(delay, vehicle.vehicle().link.delay);
+  std::size_t nodes = kFewestNodes;
+  while (nodes < kMostNodes / 4 && static_cast<std::int64_t>(nodes) < 4 * delay) nodes *= 2;
+  return nodes;
+}
+
+/// A quadrature that resolves the vehicles and the margin of the pattern.
+Quadrature resolving_quadrature(const BurstPattern& pattern, int refinement) {
+  std::vector<std::complex<double>> singular = pattern.gain().margin_frequencies();
+  for (const BurstVehicle& vehicle : pattern.types) {
+    for (const std::complex<double>& w : vehicle.plain().pole_frequencies()) singular.push_back(w);
+    if (!vehicle.losses()) continue;
+    for (const std::complex<double>& w : frequencies_of(vehicle.losses()->factor().poles)) singular.push_back(w);
+  }
+  return half_circle_quadrature(singular, {}, refinement);
+}
+
+/// Distance of the vehicles' and chains' poles from the unit circle.
+double least_decay(const BurstPattern& pattern) {
+  double width = 1.0;
+  for (const BurstVehicle& vehicle : pattern.types) {
+    double radius = std::max(vehicle.spectral_radius(), std::sqrt(vehicle.loss_feedback()));
+    if (vehicle.losses()) radius = std::max(radius, std::abs(vehicle.losses()->memory()));
+    width = std::min(width, 1.0 - radius);
+  }
+  return width;
+}
+
+/// Number of equally spaced nodes that resolve every vehicle, chain and peak to the last digit.
+double resolving_nodes(const BurstPattern& pattern) {
+  constexpr double kDigits = 40.0;  // -ln of the last digit
+  double width = least_decay(pattern);
+  for (const std::complex<double>& w : pattern.gain().margin_frequencies()) width = std::min(width, std::abs(w.imag()));
+  return kDigits / width;
+}
+
+/// Whether twice as many nodes gain nothing. Beyond the resolving nodes a change is rounding, which near the border of
+/// stability is magnified.
+bool has_settled(double change, double before, bool resolved) {
+  return change <= 1e-12 || is_converged(change, before) || (resolved && change <= 1e-6 && change >= 0.1 * before);
+}
+
+/// The loss gain, on the correct side of 1; near 1 to kShare of its distance from 1.
+double near_root(const BurstSpectra& spectra) {
+  constexpr double kFar = 2.0, kShare = 1e-4;
+  const LossOperator losses(spectra);
+  const RootBounds bounds = perron_bounds(losses, losses.dimensions());
+  if (bounds.most < 1.0 / kFar || bounds.least > kFar) return std::sqrt(bounds.least * bounds.most);
+  return perron_root(losses, losses.dimensions(), kShare);
+}
+
+/// The loss gain by near_root(), with the number of equally spaced nodes doubled until they resolve the poles to two
+/// digits and decide its side of 1; none if `most` nodes do not suffice.
+std::optional<double> by_equal_nodes(const BurstPattern& pattern, std::size_t most) {
+  constexpr double kDigits = 5.0;  // -ln of the second digit
+  std::size_t nodes = first_nodes(pattern);
+  while (nodes < most && static_cast<double>(2 * nodes) * least_decay(pattern) <= kDigits) nodes *= 2;
+  if (nodes >= most) return std::nullopt;
+  for (double coarse = near_root(BurstSpectra(pattern, nodes)); nodes < most;) {
+    nodes *= 2;
+    const double fine = near_root(BurstSpectra(pattern, nodes)), change = std::abs(fine - coarse);
+    if (change < std::max(0.01 * std::abs(fine - 1.0), 1e-12)) return fine;
+    coarse = fine;
+  }
+  return std::nullopt;
+}
+
+/// The loss gain by few equally spaced nodes if they suffice, else by a quadrature, refined near 1, else by many
+/// equally spaced nodes.
+double loss_gain_for_sign(const BurstPattern& pattern) {
+  constexpr double kDoubt = 1e-7;  // of a quadrature without refinement, mostly below 1e-11
+  if (const std::optional<double> found = by_equal_nodes(pattern, 2 * first_nodes(pattern))) return *found;
+  for (const int refinement : {0, 1}) {
+    const Quadrature rule = resolving_quadrature(pattern, refinement);
+    if (rule.node.size() > kMostKernelNodes) break;
+    const double found = near_root(BurstSpectra(pattern, rule));
+    if (refinement > 0 || std::abs(found - 1.0) > kDoubt) return found;
+  }
+  return by_equal_nodes(pattern, kMostNodes).value_or(1.0);
+}
+
+/// values(spectra) on the nodes of a quadrature, refined until they settle; none if that takes too many nodes.
+std::optional<std::vector<double>> settled_on_few(const BurstPattern& pattern, const SpectralValues& values) {
+  std::vector<double> coarse;
+  for (int refinement = 0;; ++refinement) {
+    const Quadrature rule = resolving_quadrature(pattern, refinement);
+    if (rule.node.size() > kMostKernelNodes) return std::nullopt;
+    std::vector<double> fine = values(BurstSpectra(pattern, rule));
+    if (refinement > 0 && largest_change(coarse, fine) <= 1e-12) return fine;
+    coarse.swap(fine);
+  }
+}
+
+}  // namespace
+
+LossOperator::LossOperator(const BurstSpectra& spectra)
+    : spectra_(spectra), margin_(spectra.pattern_margin()), drive_(spectra.pattern().size(), -1) {
+  for (std::size_t j = 0; j < drive_.size(); ++j) {
+    const std::shared_ptr<const BurstScatter>& losses = spectra.of(j).losses;
+    for (std::size_t l = j; losses && drive_[j] < 0 && l < drive_.size(); ++l) {
+      if (spectra.of(l).losses != losses) continue;
+      drive_[l] = static_cast<Eigen::Index>(lossy_.size());
+      lossy_.push_back(l);
+    }
+  }
+}
+
+void LossOperator::add(const Eigen::VectorXd& drives, std::vector<Eigen::ArrayXd>& added) const {
+  for (std::size_t l = 0; l < lossy_.size();) {
+    const BurstScatter* const losses = spectra_.of(lossy_[l]).losses.get();
+    std::size_t end = l;
+    while (end < lossy_.size() && spectra_.of(lossy_[end]).losses.get() == losses) ++end;
+    const Eigen::Map<const Eigen::MatrixXd> alike(drives.data() + static_cast<Eigen::Index>(l) * spectra_.size(),
+                                                  spectra_.size(), static_cast<Eigen::Index>(end - l));
+    const Eigen::MatrixXd scattered = (*losses)(alike);
+    for (Eigen::Index k = 0; l < end; ++l, ++k)
+      added[lossy_[l]] += spectra_.of(lossy_[l]).own * scattered.col(k).array();
+  }
+}
+
+Eigen::VectorXd LossOperator::drives(const std::vector<Eigen::ArrayXd>& added) const {
+  Eigen::VectorXd result(dimensions());
+  Eigen::ArrayXd spectrum = spectra_.in_front(added, margin_);
+  for (std::size_t j = 0; j < added.size(); ++j) {
+    const BurstSpectra::Type& type = spectra_.of(j);
+    if (drive_[j] >= 0) result.segment(drive_[j] * spectra_.size(), spectra_.size()) = type.losses->surprise * spectrum;
+    spectrum = type.gain * spectrum + added[j];
+  }
+  return result;
+}
+
+Eigen::VectorXd LossOperator::operator()(const Eigen::VectorXd& given) const {
+  std::vector<Eigen::ArrayXd> added(spectra_.pattern().size(), Eigen::ArrayXd::Zero(spectra_.size()));
+  add(given, added);
+  return drives(added);
+}
+
+std::vector<double> settled_values(const BurstPattern& pattern, const SpectralValues& values) {
+  std::size_t nodes = first_nodes(pattern);
+  const double resolving = resolving_nodes(pattern);
+  std::vector<double> coarse = values(BurstSpectra(pattern, nodes));
+  for (double before = kInfinity; nodes < kMostNodes;) {
+    nodes *= 2;
+    std::vector<double> fine = values(BurstSpectra(pattern, nodes));
+    const double change = largest_change(coarse, fine);
+    if (has_settled(change, before, static_cast<double>(nodes) > resolving)) return fine;
+    coarse.swap(fine);
+    before = change;
+  }
+  return coarse;
+}
+
+std::vector<double> settled_values_of_endless(const BurstPattern& pattern, const SpectralValues& values) {
+  constexpr double kManyNodes = 4096.0;
+  if (resolving_nodes(pattern) > kManyNodes) {
+    if (const std::optional<std::vector<double>> found = settled_on_few(pattern, values)) return *found;
+  }
+  return settled_values(pattern, values);
+}
+
+double loss_gain(const BurstPattern& pattern) {
+  if (!pattern.has_losses()) return 0.0;
+  const auto root = [](const BurstSpectra& spectra) {
+    const LossOperator losses(spectra);
+    return std::vector<double>{perron_root(losses, losses.dimensions())};
+  };
+  return settled_values_of_endless(pattern, root).front();
+}
+
+double loss_margin(const BurstPattern& pattern) {
+  return pattern.has_losses() ? 1.0 / loss_gain_for_sign(pattern) - 1.0 : kInfinity;
+}
+
+}  // namespace platoon

@@ -1,0 +1,268 @@
+#include "stochastic_platoon/math/bursts/burst_moments.hpp"
+
+#include <Eigen/Dense>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "stochastic_platoon/math/links/linked_responses.hpp"
+
+namespace platoon {
+
+namespace {
+
+using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+using Vector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+
+/// Moments of a sequence from step -1 on: its means, and the covariance of every two steps.
+struct SequenceMoments {
+  Vector mean;
+  Matrix covariance;
+};
+
+/// Moments of the positions that a vehicle uses, and their covariance at step k (row) with the predecessor's at step l
+/// >= k.
+struct Received {
+  SequenceMoments own;
+  Matrix with_sent;
+};
+
+/// The recursion over the steps of one link with losses. A state has n entries of mode 0 and n of mode 1.
+class LossRecursion {
+public:
+  explicit LossRecursion(const LossModel& loss)
+      : n_(static_cast<Eigen::Index>(loss.predictor.size())),
+        p_(1.0L - static_cast<long double>(loss.probability)),
+        q_(loss.probability),
+        to_loss_(loss.after_arrival()),
+        stays_lost_(loss.after_loss()),
+        predictor_(n_) {
+    for (Eigen::Index j = 0; j < n_; ++j) predictor_(j) = loss.predictor[static_cast<std::size_t>(j)];
+  }
+
+  /// From the moments of the arriving positions, and their covariance with the sent ones.
+  Received operator()(const SequenceMoments& arriving, const Matrix& with_sent) const {
+    const Eigen::Index count = arriving.mean.size();
+    const Vector innovation = innovations(arriving.mean);
+    Matrix mean = Matrix::Zero(2 * n_, 1);
+    Vector received_mean = Vector::Zero(count);
+    Matrix cross = started(arriving.covariance.row(0)), sent = started(with_sent.row(0));
+    Matrix of_arrived = Matrix::Constant(n_, n_, p_ * arriving.covariance(0, 0)),
+           of_lost = Matrix::Constant(n_, n_, q_ * arriving.covariance(0, 0));
+    Received received{{arriving.mean, Matrix(count, count)}, Matrix::Zero(count, count)};
+    for (Eigen::Index k = 0; k < count; ++k) {
+      if (k > 0) {
+        advance(cross, k);
+        advance(sent, k);
+        advance(mean, 0);
+        advance_squares(of_arrived, of_lost);
+        add_driven(cross.col(k).head(n_), p_ * arriving.covariance(k, k), of_arrived);
+        add_driven(-innovation(k) * mean.col(0).tail(n_), q_ * innovation(k) * innovation(k), of_lost);
+        mean(n_) -= q_ * innovation(k);
+        cross.row(0) += p_ * arriving.covariance.row(k);
+        sent.row(0) += p_ * with_sent.row(k);
+      }
+      received_mean(k) = mean(0) + mean(n_);
+      received.with_sent.row(k).tail(count - k) = (sent.row(0) + sent.row(n_)).tail(count - k);
+      Matrix later(2 * n_, 1);
+      later << of_arrived.col(0), of_lost.col(0);
+      add_later(k, later, mean, cross, innovation, received.own.covariance);
+    }
+    received.own.covariance -= (received_mean * received_mean.transpose()).eval();
+    received.own.mean += received_mean;
+    return received;
+  }
+
+private:
+  // u(k); positions before step -1 are that of step -1.
+  Vector innovations(const Vector& mean) const {
+    Vector innovation = mean;
+    for (Eigen::Index k = 0; k < mean.size(); ++k) {
+      for (Eigen::Index j = 0; j < n_; ++j) innovation(k) -= predictor_(j) * mean(std::max<Eigen::Index>(k - 1 - j, 0));
+    }
+    return innovation;
+  }
+
+  // At step -1 all registers hold the position of step -1, in either mode.
+  Matrix started(const Matrix& covariance) const {
+    Matrix state(2 * n_, covariance.cols());
+    state << covariance.replicate(n_, 1) * p_, covariance.replicate(n_, 1) * q_;
+    return state;
+  }
+
+  // The states in columns `from` and later, one step of the chain later: A_c sum_a Pi_ac state_a.
+  void advance(Matrix& states, Eigen::Index from) const {
+    for (Eigen::Index c = from; c < states.cols(); ++c) {
+      long double* const state = states.col(c).data();
+      long double predicted = 0.0L;
+      for (Eigen::Index j = n_ - 1; j >= 0; --j) {
+        const long double arriving = (1.0L - to_loss_) * state[j] + (1.0L - stays_lost_) * state[n_ + j];
+        const long double lost = to_loss_ * state[j] + stays_lost_ * state[n_ + j];
+        predicted += predictor_(j) * lost;
+        if (j + 1 == n_) continue;
+        state[j + 1] = arriving;
+        state[n_ + j + 1] = lost;
+      }
+      state[0] = 0.0L;
+      state[n_] = predicted;
+    }
+  }
+
+  // A_c sum_a Pi_ac Q_a A_c' for both modes.
+  void advance_squares(Matrix& of_arrived, Matrix& of_lost) const {
+    const Matrix arriving = (1.0L - to_loss_) * of_arrived + (1.0L - stays_lost_) * of_lost;
+    const Matrix lost = to_loss_ * of_arrived + stays_lost_ * of_lost;
+    const Eigen::Index kept = n_ - 1;
+    of_arrived.setZero();
+    of_arrived.bottomRightCorner(kept, kept) = arriving.topLeftCorner(kept, kept);
+    const Vector predicted = lost * predictor_;
+    of_lost.bottomRightCorner(kept, kept) = lost.topLeftCorner(kept, kept);
+    of_lost.col(0).tail(kept) = predicted.head(kept);
+    of_lost.row(0).tail(kept) = predicted.head(kept).transpose();
+    of_lost(0, 0) = predictor_.dot(predicted);
+  }
+
+  void add_driven(const Vector& drive, long double squared, Matrix& square) const {
+    square.col(0) += drive;
+    square.row(0) += drive.transpose();
+    square(0, 0) += squared;
+  }
+
+  // Row and column k of E r~(l) r~(k), l >= k. `state`: the Y of step k.
+  void add_later(Eigen::Index k, Matrix state, const Matrix& mean, const Matrix& cross, const Vector& innovation,
+                 Matrix& second) const {
+    const long double memory = stays_lost_ - to_loss_;
+    const long double of_mean = mean(0) + mean(n_), mean_by_mode = p_ * mean(n_) - q_ * mean(0);
+    second(k, k) = state(0) + state(n_);
+    long double power = 1.0L;
+    for (Eigen::Index l = k + 1; l < second.rows(); ++l) {
+      power *= memory;
+      advance(state, 0);
+      state(0) += p_ * (cross(0, l) + cross(n_, l)) + power * (q_ * cross(0, l) - p_ * cross(n_, l));
+      state(n_) -= innovation(l) * (q_ * of_mean + power * mean_by_mode);
+      second(l, k) = state(0) + state(n_);
+      second(k, l) = second(l, k);
+    }
+  }
+
+  Eigen::Index n_;
+  long double p_, q_, to_loss_, stays_lost_;
+  Vector predictor_;
+};
+
+/// One follower and its link.
+class BurstFollower {
+public:
+  BurstFollower(const VehicleModel& vehicle, std::size_t steps)
+      : model_(vehicle),
+        count_(static_cast<Eigen::Index>(steps) + 1),
+        vehicle_(vehicle),
+        free_(filled(vehicle_.free_motion(steps + 1).position)),
+        noise_(Matrix::Zero(count_, count_)) {
+    const Vector colour = filled(filtered_impulse(vehicle.link.noise_filter, steps));
+    const long double variance = vehicle.noise_variance, step = vehicle.link.quantisation_step;
+    for (Eigen::Index a = 1; a < count_; ++a) {
+      for (Eigen::Index b = 1; b <= a; ++b) {
+        noise_(a, b) = noise_(a - 1, b - 1) + variance * colour(a) * colour(b);
+        noise_(b, a) = noise_(a, b);
+      }
+    }
+    for (Eigen::Index a = 1; a < count_; ++a) noise_(a, a) += step * step / 12.0L;
+  }
+
+  /// The positions that the vehicle uses, given those sent.
+  Received receives(const SequenceMoments& sent) const {
+    SequenceMoments arriving{Vector(count_), Matrix(count_, count_)};
+    Matrix with_sent(count_, count_);
+    for (Eigen::Index a = 0; a < count_; ++a) {
+      arriving.mean(a) = sent.mean(before(a));
+      with_sent.row(a) = sent.covariance.row(before(a));
+      for (Eigen::Index b = 0; b < count_; ++b)
+        arriving.covariance(a, b) = sent.covariance(before(a), before(b)) + noise_(before(a), before(b));
+    }
+    if (!model_.link.loses()) return {std::move(arriving), std::move(with_sent)};
+    return LossRecursion(*model_.link.loss)(arriving, with_sent);
+  }
+
+  SequenceMoments drives(const SequenceMoments& used) const {
+    const InitialPosition& initial = model_.initial_position;
+    SequenceMoments own{passed(used.mean) + static_cast<long double>(initial.mean) * free_,
+                        passed(passed(used.covariance).transpose())};
+    own.covariance += static_cast<long double>(initial.variance) * (free_ * free_.transpose());
+    return own;
+  }
+
+  /// Appends mean and variance of every tracking error.
+  void add_errors(const SequenceMoments& predecessor, const SequenceMoments& own, const Matrix& used_with_sent,
+                  ErrorMoments& moments) const {
+    const Matrix shared = passed(used_with_sent);  // own step (row) with the predecessor's
+    const long double h = model_.headway, g = 1.0L + h;
+    for (Eigen::Index a = 1; a < count_; ++a) {
+      moments.mean.push_back(
+          static_cast<double>(predecessor.mean(a) - own.mean(a) - h * (own.mean(a) - own.mean(a - 1))));
+      const long double variance = predecessor.covariance(a, a) + g * g * own.covariance(a, a) +
+                                   h * h * own.covariance(a - 1, a - 1) - 2.0L * g * h * own.covariance(a, a - 1) -
+                                   2.0L * g * shared(a, a) + 2.0L * h * shared(a - 1, a);
+      moments.variance.push_back(static_cast<double>(std::max(variance, 0.0L)));
+    }
+  }
+
+private:
+  Eigen::Index before(Eigen::Index a) const { return std::max<Eigen::Index>(a - model_.link.delay, 0); }
+
+  static Vector filled(const MeanVehicle::Sequence& values) {
+    return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
+  }
+
+  // The closed loop's response to every column.
+  Matrix passed(const Matrix& columns) const {
+    Matrix result(columns.rows(), columns.cols());
+    for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+      const Vector column = columns.col(c);
+      result.col(c) =
+          filled(vehicle_({MeanVehicle::Sequence(column.data(), column.data() + column.size()), {}}).position);
+    }
+    return result;
+  }
+
+  VehicleModel model_;
+  Eigen::Index count_;
+  VehicleResponse vehicle_;
+  Vector free_;
+  Matrix noise_;  ///< covariance of the noise of the link
+};
+
+}  // namespace
+
+ErrorMoments burst_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
+  if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
+  if (has_feed_forward(model))
+    throw std::invalid_argument("inputs: a radio: must be absent for the theory of losses in bursts");
+  const auto count = static_cast<std::size_t>(steps);
+  std::vector<BurstFollower> vehicles;
+  for (const VehicleModel& vehicle : pattern(model)) {
+    unit_equilibrium(vehicle.loop.realization);
+    if (vehicles.size() == followers) break;
+    vehicles.emplace_back(vehicle, count);
+  }
+  const MeanVehicle::Sequence leader = leader_motion(model, count).position;
+  const auto size = static_cast<Eigen::Index>(leader.size());
+  SequenceMoments predecessor{Eigen::Map<const Vector>(leader.data(), size), Matrix::Zero(size, size)};
+  ErrorMoments moments{steps, followers, {}, {}};
+  for (std::size_t i = 0; i < followers; ++i) {
+    const BurstFollower& vehicle = vehicles[i % vehicles.size()];
+    Received received = vehicle.receives(predecessor);
+    SequenceMoments own = vehicle.drives(received.own);
+    vehicle.add_errors(predecessor, own, received.with_sent, moments);
+    predecessor = std::move(own);
+  }
+  return moments;
+}
+
+bool has_feasible_burst_moments(std::size_t followers, std::int64_t steps) {
+  const auto count = static_cast<double>(steps);
+  return count <= kMostBurstSteps && static_cast<double>(followers) * count * count <= kMostBurstCells;
+}
+
+}  // namespace platoon

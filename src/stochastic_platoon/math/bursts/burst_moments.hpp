@@ -1,0 +1,38 @@
+#pragma once
+
+#include "stochastic_platoon/math/links/linked_moments.hpp"
+
+namespace platoon {
+
+/// Exact mean and variance of every tracking error of a platoon whose positions are lost in bursts, homogeneous or
+/// patterned, from the first step on; links with independent losses or without losses may be among them.
+///
+/// The covariance of the positions passes from vehicle to vehicle. With s = m + s~ the positions that arrive on a link,
+/// S their covariance including the noise of the link, x the registers relative to m (see BurstLink), u(k) = m(k) - c_1
+/// m(k-1) - ..., e = (1, 0, ..., 0)' and r~ = e' x,
+///
+///     mu_c(k) = A_c sum_a Pi_ac mu_a(k-1) - 1{c = 1} q u(k) e,
+///     X_c(k, l) = A_c sum_a Pi_ac X_a(k-1, l) + 1{c = 0} p S(k, l) e  for all l,
+///     Q_c(k) = A_c sum_a Pi_ac Q_a(k-1) A_c' + sym(b_c e') + e e' (p S(k, k) or q u(k)^2),
+///     mu_c = E[x 1{theta = c}],   X_c = E[x(k) 1{theta(k) = c} s~(l)],   sym(M) = M + M',
+///     b_0 = A_0 sum_a Pi_a0 X_a(k-1, k),   b_1 = -u(k) A_1 sum_a Pi_a1 mu_a(k-1),
+///
+/// and Y_c(l) = E[x(l) 1{theta(l) = c} r~(k)], l > k, from Q_c(k) e on by
+///
+///     Y_c(l) = A_c sum_a Pi_ac Y_a(l-1) + e (E[s~(l) 1{theta(l) = 0} r~(k)] or -u(l) E[1{theta(l) = 1} r~(k)]),
+///
+/// both expectations by the powers of Pi. Their sum over c gives the covariance of the positions that the vehicle uses;
+/// its closed loop filters it, and the initial position adds its own.
+///
+/// O(followers steps^2) time and O(steps^2) memory. 1e-11 relative; for a mean relative to the positions. Throws
+/// std::invalid_argument unless followers >= 1 and steps >= 1, for a string with radios, and if a loop has no
+/// equilibrium.
+ErrorMoments burst_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
+
+/// Limits of followers x steps^2, about half a minute, and of steps, as some matrices of steps^2 numbers are kept.
+constexpr double kMostBurstCells = 1e8, kMostBurstSteps = 2000.0;
+
+/// Whether burst_error_moments() is within both limits.
+bool has_feasible_burst_moments(std::size_t followers, std::int64_t steps);
+
+}  // namespace platoon

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "stochastic_platoon/math/links/link_filter.hpp"
+#include "stochastic_platoon/math/links/vehicle_pattern.hpp"
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+#include "stochastic_platoon/math/response/designed_gain.hpp"
+
+namespace platoon {
+
+/// Gains of one input of a follower at one frequency, with F of its link and N from the received value to the own
+/// position (see LinkFilter, DesignedGain; N = T for positions).
+struct InputValue {
+  double loss_gain;   ///< |N F|^2: from the loss noise w
+  double passed;      ///< p^2 |N F|^2: from the noise of the link
+  double innovation;  ///< |(1 - L) F|^2: from the sent value to its prediction error e
+  double noise;       ///< |W|^2 P_d + D^2 / 12 [m^2] or [(m/s^2)^2]
+};
+
+/// Gains of one follower and the links into it at one frequency, with H = (1 + h) - h / z. T^ leads from the
+/// predecessor's position to the mean of the own: p F z^-m T for one input; with feed-forward Gamma = (G K + F z^-m) /
+/// (H (1 + G K)), each input with the mean effect of its link.
+struct LinkedVehicleValue {
+  double gain;                      ///< |T^|^2
+  double margin;                    ///< 1 - |T^|^2, given that T^(1) = 1 exactly
+  double complement;                ///< |1 - H T^|^2
+  double headway;                   ///< |H|^2
+  double of_gap;                    ///< |1 - T^|^2
+  std::complex<double> undelayed;   ///< H T^ without the delay z^-m of the position
+  std::complex<double> response;    ///< T^ without it
+  double sent;                      ///< |1 / G|^2: from the spectrum of y to that of the own input; 0 without radios
+  std::array<InputValue, 2> input;  ///< the position, and the predecessor's input (zero without feed-forward)
+};
+
+/// One follower behind its links with independent losses, on the unit circle, w in rad/sample.
+class LinkedVehicle {
+public:
+  /// `known`: the same vehicle with another headway or other links; it saves the search for zeros that do not depend on
+  /// the headway. Throws std::invalid_argument for losses in bursts.
+  explicit LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known = nullptr);
+
+  LinkedVehicleValue at(const CirclePoint& point) const;
+  LinkedVehicleValue at(double frequency) const { return at(CirclePoint(frequency)); }
+
+  /// |T^|^2 as a factor of the pattern's.
+  const RatedFactor& factor() const { return factor_; }
+
+  /// The complex frequencies at which any of the above is singular, plus as many as resolve the delays of a radio.
+  std::vector<std::complex<double>> pole_frequencies() const;
+
+  ZerosAtZero zeros_at_zero() const;
+
+  double spectral_radius() const { return spectral_radius_; }  ///< rho(A)
+  double loss_feedback() const;                                ///< the largest of its links; infinite: an F is unstable
+
+  /// The links of the position and, with feed-forward, of the predecessor's input.
+  const std::vector<LinkFilter>& links() const { return links_; }
+  bool has_losses() const;
+
+  /// Mean lag of the received position at constant speed [steps]. Inputs are 0 there.
+  double lag() const { return links_.front().lag(); }
+
+  /// Whether this object describes `vehicle`, which differs at most in headway and links.
+  bool is_of(const VehicleModel& vehicle) const;
+
+  const VehicleModel& vehicle() const { return vehicle_; }
+
+private:
+  /// T about one centre.
+  struct Half {
+    CirclePolynomial numerator, denominator;
+  };
+  RatedFactor designed_factor(const LinkedVehicle* known) const;
+  std::complex<long double> designed_response(const CirclePoint& point,
+                                              const std::array<LinkFilter::Value, 2>& of_links,
+                                              LinkedVehicleValue& value) const;
+  int feed_forward_zeros() const;
+
+  VehicleModel vehicle_;
+  std::vector<LinkFilter> links_;
+  double spectral_radius_;
+  Half near_, far_;
+  std::optional<DesignedGain> designed_;  ///< of a vehicle by parts
+  CirclePolynomial margin_;               ///< of any other one: |D^|^2 - |N^|^2 over t, about z = 1
+  RatedFactor factor_;
+};
+
+using LinkedPattern = VehiclePattern<LinkedVehicle>;
+
+}  // namespace platoon

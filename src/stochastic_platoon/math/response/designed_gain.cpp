@@ -1,0 +1,111 @@
+#include "stochastic_platoon/math/response/designed_gain.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/numerics/delayed_zeros.hpp"
+
+namespace platoon {
+
+namespace {
+
+using Complex = std::complex<long double>;
+
+/// |1 + w|^2 - 1.
+long double excess_of(Complex w) {
+  return 2.0L * w.real() + std::norm(w);
+}
+
+/// z^n, n of either sign, on the unit circle.
+Complex turned(Complex z, std::int64_t n) {
+  return power(n < 0 ? std::conj(z) : z, static_cast<std::size_t>(std::abs(n)));
+}
+
+/// 1 - z^n on the unit circle, without cancellation near z = 1.
+Complex one_minus_power(double frequency, std::int64_t n) {
+  const long double half = 0.5L * static_cast<long double>(n) * static_cast<long double>(frequency);
+  return Complex(0.0L, -2.0L * std::sin(half)) * std::polar(1.0L, half);
+}
+
+}  // namespace
+
+DesignedGain::DesignedGain(const LoopDesign& design, double headway, double feed_forward)
+    : delay_(design.plant.exact().delay + design.controller.exact().delay),
+      controller_delay_(design.controller.exact().delay),
+      filtered_(design.headway_filter),
+      sends_(design.in_radio_string),
+      headway_(headway),
+      feed_forward_(feed_forward) {
+  const ExactTransfer &plant = design.plant.exact(), &controller = design.controller.exact();
+  ExactPolynomial of_controller = controller.denominator;
+  if (design.divide_by_one_plus_headway) {
+    for (Exact& coefficient : of_controller) coefficient *= Exact(1) + Exact(headway);
+  }
+  open_numerator_ = multiply(plant.numerator, controller.numerator);
+  open_denominator_ = multiply(plant.denominator, of_controller);
+  numerator_ = rounded_delta(open_numerator_);
+  denominator_ = rounded_delta(open_denominator_);
+  plant_numerator_ = rounded_delta(plant.numerator);
+  plant_denominator_ = rounded_delta(plant.denominator);
+  controller_denominator_ = rounded_delta(of_controller);
+}
+
+DesignedGain::Value DesignedGain::at(const CirclePoint& point, const Links& links) const {
+  const bool near = point.centre == Centre::kOne;
+  const Complex s = near ? point.offset : point.offset - 2.0L, z = 1.0L + s;
+  const long double from_one = -s.real();  // 1 - cos w
+  const Complex n = evaluate(numerator_, s), d = evaluate(denominator_, s) * turned(z, delay_);
+  const Complex policy = Complex(1.0L + headway_) - headway_ * std::conj(z);
+  const Complex closed = filtered_ ? policy * (d + n) : d + policy * n;
+  Value value{n / closed, 0.0L, 0.0L, 0.0L, std::numeric_limits<long double>::infinity()};
+  // T^ is its position part times 1 + ratio W.
+  Complex ratio = 0.0L, one_minus_ratio = 1.0L;
+  if (feed_forward_ != 0.0L) {
+    const Complex plant = evaluate(plant_numerator_, s);
+    value.input = feed_forward_ * plant * evaluate(controller_denominator_, s) * turned(z, controller_delay_) / closed;
+    const Complex difference = one_minus_power(point.frequency, links.position_delay - links.input_delay),
+                  turn = feed_forward_ * turned(z, links.position_delay - links.input_delay), x = links.position_excess,
+                  y = links.input_excess;
+    value.through_input = turn * d / closed;
+    ratio = turn * (1.0L + x) / (1.0L + y);
+    one_minus_ratio = (y - turn * x + (1.0L - feed_forward_) + feed_forward_ * difference) / (1.0L + y);
+  }
+  if (sends_) value.sent = std::norm(evaluate(plant_denominator_, s)) / std::norm(evaluate(plant_numerator_, s));
+  if (std::norm(n) == 0.0L) return value;
+  const Complex w = d / n;
+  const long double of_policy = 2.0L * headway_ * (1.0L + headway_) * from_one;
+  const long double of_ratio = excess_of(ratio * w), of_link = excess_of(links.position_excess);
+  if (of_ratio == -1.0L) return value;  // T^ = 0
+  const Complex compared = filtered_ ? one_minus_ratio : one_minus_ratio - headway_ * s;
+  const long double of_square = 2.0L * one_minus_ratio.real() - std::norm(one_minus_ratio);  // 1 - |ratio|^2
+  long double excess = 2.0L * (compared * w).real() + std::norm(w) * of_square;
+  if (!filtered_) excess += of_policy;
+  excess /= 1.0L + of_ratio;
+  if (filtered_) excess += of_policy * (1.0L + excess);
+  value.excess = excess + of_link * (1.0L + excess);
+  return value;
+}
+
+std::vector<std::complex<long double>> DesignedGain::zeros(const ExactPolynomial& position_registers,
+                                                           const ExactPolynomial& input_registers,
+                                                           long double position_arrival, long double input_arrival,
+                                                           const Links& links) const {
+  // p R_input z^n n z^(-q - m) + p' R_position z^n' F d z^-m', without the powers of z that both terms share.
+  const auto scaled = [](ExactPolynomial p, const Exact& factor) {
+    for (Exact& coefficient : p) coefficient *= factor;
+    return p;
+  };
+  const auto position_registers_count = static_cast<std::ptrdiff_t>(position_registers.size()) - 1,
+             input_registers_count = static_cast<std::ptrdiff_t>(input_registers.size()) - 1;
+  const ExactPolynomial of_position = scaled(multiply(open_numerator_, input_registers), Exact(position_arrival)),
+                        of_input = scaled(multiply(open_denominator_, position_registers),
+                                          Exact(feed_forward_) * Exact(input_arrival));
+  const std::ptrdiff_t behind = static_cast<std::ptrdiff_t>(links.position_delay - links.input_delay) + delay_ +
+                                input_registers_count - position_registers_count;
+  return behind >= 0 ? zeros_behind_delay(of_input, static_cast<std::size_t>(behind), of_position)
+                     : zeros_behind_delay(of_position, static_cast<std::size_t>(-behind), of_input);
+}
+
+}  // namespace platoon

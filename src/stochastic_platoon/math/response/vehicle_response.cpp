@@ -1,0 +1,42 @@
+#include "stochastic_platoon/math/response/vehicle_response.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace platoon {
+
+VehicleResponse::VehicleResponse(const VehicleModel& vehicle) {
+  if (vehicle.feed_forward) feed_forward_ = vehicle.feed_forward->gain;
+  if (vehicle.design && vehicle.design->in_radio_string) {
+    parts_ = loop_parts<long double>(*vehicle.design, vehicle.headway);
+  } else {
+    loop_.emplace(vehicle.loop);
+  }
+}
+
+Motion VehicleResponse::operator()(const Motion& received) const {
+  if (loop_) return {(*loop_)(received.position), {}};
+  return by_parts(Sequence(parts_->order(), 0.0L), received);
+}
+
+Motion VehicleResponse::free_motion(std::size_t count) const {
+  if (loop_) return {loop_->free_response(count), {}};
+  return by_parts(unit_equilibrium(*parts_), {Sequence(count, 0.0L), {}});
+}
+
+Motion VehicleResponse::by_parts(Sequence state, const Motion& received) const {
+  Motion own;
+  long double input = 0.0L;
+  for (std::size_t k = 0; k < received.position.size(); ++k) {
+    own.position.push_back(state.front());
+    own.input.push_back(input);
+    input = advance(*parts_, state, received.position[k],
+                    received.input.empty() ? 0.0L : feed_forward_ * received.input[k]);
+    for (long double& value : state) {
+      if (std::abs(value) < LoopResponse::kNegligibleState) value = 0.0L;
+    }
+  }
+  return own;
+}
+
+}  // namespace platoon

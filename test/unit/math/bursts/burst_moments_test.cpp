@@ -1,0 +1,69 @@
+#include "stochastic_platoon/math/bursts/burst_moments.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "stochastic_platoon/math/links/linked_moments.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "unit/paper_platoon.hpp"
+
+namespace platoon {
+namespace {
+
+PlatoonModel with_bursts(double probability, double mean_burst, const std::vector<double>& predictor) {
+  PlatoonModel model = eventful_platoon(3.2);
+  model.default_vehicle().link.loss = LossModel{probability, mean_burst, predictor};
+  return model;
+}
+
+TEST(BurstMoments, OfIndependentLossesAreThoseOfTheirTheory) {
+  PlatoonModel model = with_bursts(0.2, 1.25, {1.5, -0.8, 0.3});
+  VehicleModel truck = paper_platoon(4.0).default_vehicle();
+  truck.link.loss = LossModel{0.3, {}, {1.0}};
+  truck.link.delay = 2;
+  truck.link.quantisation_step = 0.3;
+  truck.link.noise_filter = TransferFunction(Eigen::Vector2d(0.8, 0.3), Eigen::Vector2d(1.0, -0.5));
+  truck.initial_position = {-1.0, 2.0};
+  model.types.push_back({"truck", truck});
+  model.types.push_back({"plain", paper_platoon(3.6).default_vehicle()});
+  model.string = {0, 1, 2, 0};
+  const ErrorMoments expected = linked_error_moments(model, 6, 60), found = burst_error_moments(model, 6, 60);
+  for (std::size_t c = 0; c < expected.mean.size(); ++c) {
+    EXPECT_NEAR(found.mean[c], expected.mean[c], 1e-12) << c;
+    EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-11 * expected.variance[c]) << c;
+  }
+}
+
+TEST(BurstMoments, SettleAtTheStationaryValues) {
+  for (const PlatoonModel& model : {with_bursts(0.1, 2.0, {1.0}), with_bursts(0.1, 1.5, {2.0, -1.0})}) {
+    const ErrorMoments moments = burst_error_moments(model, 4, 400);
+    const std::vector<double> variance = stationary_variances(model, 4), mean = stationary_means(model, 4);
+    for (std::size_t i = 1; i <= 4; ++i) {
+      EXPECT_NEAR(moments.variance_at(i, 399) / variance[i - 1], 1.0, 1e-10);
+      EXPECT_NEAR(moments.mean_at(i, 399), mean[i - 1], 1e-10);
+    }
+  }
+}
+
+// One lost position of a vehicle at rest: the first step of the chain has its stationary probability.
+TEST(BurstMoments, BeginWithTheStationaryChain) {
+  PlatoonModel model = paper_platoon();
+  model.default_vehicle().link.loss = LossModel{0.3, 4.0, {1.0}};
+  const ErrorMoments moments = burst_error_moments(model, 1, 2);
+  EXPECT_EQ(moments.variance_at(1, 0), 0.0);
+  PlatoonModel without = paper_platoon();
+  EXPECT_NEAR(moments.variance_at(1, 1), 0.7 * error_moments(without, 1, 2).variance_at(1, 1), 1e-14);
+}
+
+TEST(BurstMoments, RejectWhatHasNoTheory) {
+  const PlatoonModel model = with_bursts(0.1, 2.0, {1.0});
+  EXPECT_THROW(burst_error_moments(model, 0, 5), std::invalid_argument);
+  EXPECT_THROW(burst_error_moments(model, 1, 0), std::invalid_argument);
+  PlatoonModel radio = model;
+  radio.default_vehicle().feed_forward = FeedForward();
+  EXPECT_THROW(burst_error_moments(radio, 1, 5), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace platoon

@@ -1,0 +1,182 @@
+#include "stochastic_platoon/math/bursts/burst_string.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/bursts/burst_spectra.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
+#include "unit/paper_platoon.hpp"
+
+namespace platoon {
+namespace {
+
+PlatoonModel with_bursts(double probability, double mean_burst, const std::vector<double>& predictor,
+                         double headway = 3.2) {
+  PlatoonModel model = paper_platoon(headway);
+  model.default_vehicle().link.loss = LossModel{probability, mean_burst, predictor};
+  return model;
+}
+
+constexpr double kPi = 3.14159265358979323846;
+
+// The mean and the square of the prediction error per unit of its drive, by 4000 steps of the chain.
+TEST(BurstLink, PassesAndScattersWhatTheChainDoes) {
+  const LossModel loss{0.3, 2.2, {1.5, -0.8, 0.3}};
+  const BurstLink link(loss);
+  const double nu = 0.7;
+  const std::complex<double> back = std::polar(1.0, -nu);
+  Eigen::Matrix3d arrived = Eigen::Matrix3d::Zero();
+  arrived.diagonal(-1).setOnes();
+  Eigen::Matrix3d lost = arrived;
+  lost.row(0) << 1.5, -0.8, 0.3;
+  const double p[2][2] = {{1.0 - loss.after_arrival(), loss.after_arrival()},
+                          {1.0 - loss.after_loss(), loss.after_loss()}};
+  Eigen::Vector3cd d[2] = {Eigen::Vector3cd::Zero(), Eigen::Vector3cd::Zero()};
+  Eigen::Matrix3cd q[2] = {Eigen::Matrix3cd::Zero(), Eigen::Matrix3cd::Zero()};
+  for (int k = 0; k < 4000; ++k) {
+    const Eigen::Vector3cd to_loss = back * lost * (p[0][1] * d[0] + p[1][1] * d[1]);
+    const Eigen::Vector3cd to_arrival = back * arrived * (p[0][0] * d[0] + p[1][0] * d[1]);
+    const Eigen::Matrix3cd cross = to_loss * Eigen::RowVector3cd::Unit(0);
+    const Eigen::Matrix3cd squared = lost * (p[0][1] * q[0] + p[1][1] * q[1]) * lost.transpose() + cross +
+                                     cross.adjoint() +
+                                     0.3 * Eigen::Matrix3cd::Identity().col(0) * Eigen::RowVector3cd::Unit(0);
+    q[0] = (arrived * (p[0][0] * q[0] + p[1][0] * q[1]) * arrived.transpose()).eval();
+    q[1] = squared;
+    d[0] = to_arrival;
+    d[1] = to_loss + 0.3 * Eigen::Vector3cd::Unit(0);
+  }
+  const BurstLink::Value value = link.at(nu);
+  EXPECT_NEAR(std::abs(value.deviation - d[0](0) - d[1](0)), 0.0, 1e-13);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    EXPECT_NEAR(std::abs(value.scattered(i) - q[0](i, 0) + d[0](i) * std::conj(value.deviation)), 0.0, 1e-12);
+    EXPECT_NEAR(std::abs(value.scattered(3 + i) - q[1](i, 0) + d[1](i) * std::conj(value.deviation)), 0.0, 1e-12);
+  }
+}
+
+// Parseval: the mean of the scattered spectrum is the variance of the received positions.
+TEST(BurstLink, ScattersASpectrumOfTheVarianceAtTheReceiver) {
+  for (const LossModel& loss :
+       {LossModel{0.2, 6.0, {1.0}}, LossModel{0.6, 1.6, {1.0}}, LossModel{0.1, 1.5, {2.0, -1.0}}}) {
+    const BurstLink link(loss);
+    for (const double nu : {0.0, 0.3, 2.0}) {
+      const BurstLink::Value sent = link.at(nu);
+      double sum = 0.0;
+      constexpr int kNodes = 1024;
+      for (int j = 0; j < kNodes; ++j) {
+        const double w = 2.0 * kPi * j / kNodes;
+        const double density = link.kernel(link.at(w), w, sent, nu);
+        EXPECT_GT(density, -1e-12);
+        sum += density / kNodes;
+      }
+      EXPECT_NEAR(sum, sent.scattered(link.registers()).real(), 1e-12);
+    }
+  }
+}
+
+TEST(BurstLink, RejectsLossesWithoutTheory) {
+  EXPECT_THROW(BurstLink(LossModel{0.0, 2.0, {1.0}}), std::invalid_argument);
+  EXPECT_THROW(BurstLink(LossModel{0.5, 1.0, {1.0}}), std::invalid_argument);        // strictly alternating
+  EXPECT_THROW(BurstLink(LossModel{0.4, 4.0, {2.0, -1.0}}), std::invalid_argument);  // predictions grow
+  EXPECT_THROW(BurstLink(LossModel{0.1, 2.0, {}}), std::invalid_argument);
+  EXPECT_NO_THROW(BurstLink(LossModel{0.5, 1.01, {1.0}}));
+}
+
+// Transforms on equally spaced nodes and the kernel on other nodes give the same mean.
+TEST(BurstSpectra, ScatterTheSameOnAllNodes) {
+  for (const double mean_burst : {1.05, 3.0}) {
+    const BurstPattern pattern(with_bursts(0.2, mean_burst, {1.0}));
+    const BurstSpectra equally_spaced(pattern, 2048), others(pattern, half_circle_quadrature({{0.0, 0.05}}, {}, 2));
+    const auto mean = [](const BurstSpectra& spectra) {
+      const BurstSpectra::Type& type = spectra.of(0);
+      return spectra.mean(type.own * spectra.scattered(0, type.own));
+    };
+    EXPECT_NEAR(mean(others) / mean(equally_spaced), 1.0, 1e-12);
+  }
+}
+
+// Reference: dense second moments of three vehicles with all their registers and modes.
+TEST(BurstString, HasTheVariancesOfTheWholeState) {
+  const std::vector<double> hold = stationary_variances(with_bursts(0.1, 2.0, {1.0}), 3);
+  const std::vector<double> extrapolate = stationary_variances(with_bursts(0.1, 1.5, {2.0, -1.0}), 3);
+  const double held[] = {6.949241, 9.448674, 10.647768}, extrapolated[] = {3.422210, 5.155340, 6.096187};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(hold[i], held[i], 5e-7);
+    EXPECT_NEAR(extrapolate[i], extrapolated[i], 5e-7);
+  }
+  EXPECT_NEAR(*string_stability(with_bursts(0.2, 3.0, {1.0})).loss_gain, 0.426077, 5e-7);
+}
+
+// With the mean burst of independent losses the results are those of their theory, which shares only the vehicle.
+TEST(BurstString, OfIndependentLossesIsTheTheoryOfThem) {
+  const auto compare = [](const PlatoonModel& model) {
+    const BurstPattern pattern(model);
+    const double speed = metres_per_step(model);
+    const std::vector<double> expected = stationary_variances(model, 8), means = stationary_means(model, 8);
+    const std::vector<double> found = stationary_variances(pattern, speed, 8);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_NEAR(found[i] / expected[i], 1.0, 1e-11) << i;
+      EXPECT_NEAR(speed * pattern[i].lag(), means[i], 1e-11) << i;
+    }
+    const StringStability linked = string_stability(model);
+    EXPECT_NEAR(1.0 + pattern.gain().peak().excess, linked.peak_gain, 1e-11);
+    EXPECT_EQ(pattern.gain_margin() > 0.0, linked.loss_gain.has_value());
+    if (!linked.loss_gain) return;
+    EXPECT_NEAR(loss_gain(pattern), *linked.loss_gain, 1e-10);
+    EXPECT_EQ(loss_margin(pattern) > 0.0, linked.string_stable);
+    if (!linked.string_stable) return;
+    const std::vector<double> limits = limit_variances(pattern, speed);
+    EXPECT_NEAR(*std::max_element(limits.begin(), limits.end()) / *linked.limit_variance, 1.0, 1e-10);
+  };
+  for (const double headway : {2.4, 3.2, 400.0}) {
+    compare(with_bursts(0.1, 1.0 / 0.9, {2.0, -1.0}, headway));
+    compare(with_bursts(0.6, 2.5, {1.0}, headway));
+    PlatoonModel model = with_bursts(0.2, 1.25, {1.5, -0.8, 0.3}, headway);
+    model.default_vehicle().link.delay = 3;
+    model.default_vehicle().link.quantisation_step = 0.5;
+    VehicleModel truck = model.default_vehicle();
+    truck.link.loss = LossModel{0.3, 1.0 / 0.7, {1.0}};
+    truck.link.noise_filter = TransferFunction(Eigen::Vector2d(0.8, 0.3), Eigen::Vector2d(1.0, -0.5));
+    model.types.push_back({"truck", truck});
+    model.types.push_back({"deaf", paper_platoon(4.0).default_vehicle()});
+    model.string = {0, 1, 2};
+    compare(model);
+  }
+}
+
+// The verdict and the growth of the variance along the string agree.
+TEST(BurstString, GrowsAlongTheStringExactlyIfTheLossGainIsAboveOne) {
+  const StringStability stable = string_stability(with_bursts(0.1, 2.0, {2.0, -1.0}));
+  const StringStability unstable = string_stability(with_bursts(0.1, 3.0, {2.0, -1.0}));
+  EXPECT_TRUE(stable.string_stable);
+  EXPECT_LT(*stable.loss_gain, 1.0);
+  EXPECT_FALSE(unstable.string_stable);
+  EXPECT_GT(*unstable.loss_gain, 1.0);
+  EXPECT_EQ(unstable.reason.find("not string stable: the loss gain is "), 0u);
+  const std::vector<double> growing = stationary_variances(with_bursts(0.1, 3.0, {2.0, -1.0}), 200);
+  EXPECT_GT(growing[199] / growing[198], 1.1);
+  const std::vector<double> settling = stationary_variances(with_bursts(0.1, 2.0, {2.0, -1.0}), 500);
+  EXPECT_LT(settling.back(), *stable.limit_variance);
+  EXPECT_NEAR(settling.back() / *stable.limit_variance, 1.0, 1e-3);
+}
+
+TEST(BurstString, HasNoStationaryVarianceWherePredictionsGrow) {
+  const PlatoonModel model = with_bursts(0.3, 6.0, {2.0, -1.0});
+  EXPECT_EQ(string_stability(model).reason.find("not mean square stable: the second moments of predictions"), 0u);
+  EXPECT_TRUE(std::isnan(stationary_variances(model, 2)[1]));
+  EXPECT_TRUE(std::isnan(stationary_means(model, 2)[1]));
+}
+
+TEST(BurstString, RejectsWhatHasNoTheory) {
+  EXPECT_THROW(stationary_variances(with_bursts(0.1, 2.0, {1.0}), 0), std::invalid_argument);
+  EXPECT_THROW(string_stability(with_bursts(0.5, 1.0, {1.0})), std::invalid_argument);
+  PlatoonModel radio = with_bursts(0.1, 2.0, {1.0});
+  radio.default_vehicle().feed_forward = FeedForward();
+  EXPECT_THROW(stationary_means(radio, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace platoon

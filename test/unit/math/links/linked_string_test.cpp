@@ -1,0 +1,288 @@
+#include "stochastic_platoon/math/links/linked_string.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/links/linked_moments.hpp"
+#include "stochastic_platoon/math/string/critical_headway.hpp"
+#include "stochastic_platoon/math/string/critical_loss.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
+#include "unit/math/example_loops.hpp"
+#include "unit/paper_platoon.hpp"
+
+namespace platoon {
+namespace {
+
+PlatoonModel with_loss(double probability, const std::vector<double>& predictor, double headway = 3.2) {
+  PlatoonModel model = paper_platoon(headway);
+  model.default_vehicle().link.loss = LossModel{probability, {}, predictor};
+  return model;
+}
+
+// Reference: the sums for the paper's platoon, in double.
+TEST(LinkedString, WithoutLossesHasThePapersErrors) {
+  for (const double headway : {2.4, 3.2}) {
+    const PlatoonModel model = paper_platoon(headway);
+    const ErrorMoments expected = error_moments(model, 5, 40), found = linked_error_moments(model, 5, 40);
+    for (std::size_t c = 0; c < expected.variance.size(); ++c) {
+      EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-12 * expected.variance.back());
+      EXPECT_NEAR(found.mean[c], expected.mean[c], 1e-11);
+    }
+  }
+}
+
+// A string of two types with the same vehicle is homogeneous.
+TEST(LinkedString, OfAlikeTypesIsHomogeneous) {
+  const PlatoonModel model = with_loss(0.2, {2.0, -1.0});
+  PlatoonModel patterned = model;
+  patterned.types.push_back({"twin", vehicle(model, 1)});
+  patterned.string = {0, 1, 1};
+  const StringStability one = string_stability(model), other = string_stability(patterned);
+  EXPECT_NEAR(*other.loss_gain, *one.loss_gain, 1e-10);
+  EXPECT_NEAR(*other.limit_variance / *one.limit_variance, 1.0, 1e-9);
+  const ErrorMoments expected = linked_error_moments(model, 7, 30), found = linked_error_moments(patterned, 7, 30);
+  for (std::size_t c = 0; c < expected.variance.size(); ++c)
+    EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-12 * expected.variance.back());
+}
+
+TEST(LinkedString, SaysInOneSentenceWhy) {
+  EXPECT_EQ(string_stability(with_loss(0.3, {2.0, -1.0})).reason.find("not string stable: the loss gain is "), 0u);
+  EXPECT_EQ(string_stability(with_loss(0.1, {2.0, -1.0}, 2.4)).reason.find("not string stable: |T^| exceeds 1 by "),
+            0u);
+  EXPECT_EQ(string_stability(with_loss(0.4, {2.0, -1.0})).reason.find("not mean square stable: p q ||L F||^2 = "), 0u);
+  EXPECT_EQ(string_stability(with_loss(0.1, {1.0})).reason.find("string stable: rho(A) = "), 0u);
+}
+
+TEST(LinkedString, HasALossGainOfZeroWhereALinkMayLoseButDoesNot) {
+  EXPECT_EQ(string_stability(with_loss(0.0, {1.0})).loss_gain, 0.0);
+  EXPECT_FALSE(string_stability(paper_platoon()).loss_gain);
+  PlatoonModel delayed = with_loss(0.0, {1.0});
+  delayed.default_vehicle().link.delay = 1;
+  EXPECT_EQ(string_stability(delayed).loss_gain, 0.0);
+}
+
+// Extrapolation settles while p q ||L F||^2 < 1, that is q < 1/3; the string only below the critical loss.
+TEST(LinkedString, HasNoStationaryVarianceWherePredictionsGrow) {
+  EXPECT_TRUE(std::isfinite(stationary_variances(with_loss(0.333, {2.0, -1.0}), 1).front()));
+  EXPECT_TRUE(std::isnan(stationary_variances(with_loss(0.334, {2.0, -1.0}), 1).front()));
+}
+
+TEST(LinkedString, ShowsTheMeanThatDelayAndHoldingLeave) {
+  PlatoonModel model = with_loss(0.25, {1.0});
+  model.default_vehicle().link.delay = 3;
+  for (const double mean : stationary_means(model, 3)) EXPECT_DOUBLE_EQ(mean, 2.0 * (3.0 + 0.25 / 0.75));
+  for (const double mean : stationary_means(with_loss(0.25, {2.0, -1.0}), 3)) EXPECT_EQ(mean, 0.0);
+  EXPECT_TRUE(std::isnan(stationary_means(with_loss(0.4, {2.0, -1.0}), 1).front()));
+}
+
+TEST(StableLosses, AreFoundToTheLastDigitsThatDecide) {
+  const std::optional<StableLosses> losses = stable_losses(with_loss(0.1, {2.0, -1.0}));
+  ASSERT_TRUE(losses && losses->critical);
+  EXPECT_TRUE(string_stability(with_loss(*losses->critical - 1e-9, {2.0, -1.0})).string_stable);
+  EXPECT_FALSE(string_stability(with_loss(*losses->critical + 1e-9, {2.0, -1.0})).string_stable);
+  const std::optional<StableLosses> held = stable_losses(with_loss(0.1, {1.0}));
+  EXPECT_EQ(stable_losses(paper_platoon())->critical, held->critical) << "without a loss stage it holds";
+  EXPECT_FALSE(held->critical) << "stable throughout";
+  ASSERT_EQ(held->intervals.size(), 1u);
+  EXPECT_EQ(held->intervals.front().from, 0.0);
+  EXPECT_EQ(held->intervals.front().to, 0.99);
+  EXPECT_FALSE(stable_losses(with_loss(0.1, {2.0, -1.0}, 2.4))->critical) << "unstable without losses";
+}
+
+/// Cars, the default vehicle, and a truck every so many followers: a longer headway and a delay.
+PlatoonModel cars_and_a_truck(std::size_t vehicles) {
+  PlatoonModel model = paper_platoon(3.2);
+  model.default_vehicle().design =
+      LoopDesign{TransferFunction{Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0)},
+                 TransferFunction{Eigen::Vector2d(1.35, 0.0), Eigen::Vector2d(1.0, 0.89)}, true};
+  VehicleModel truck = vehicle(model, 1);
+  truck.headway = 4.0;
+  truck.loop = close_loop(*truck.design, 4.0);
+  truck.link.delay = 1;
+  model.types.push_back({"truck", truck, {false, true, true, true}});
+  model.string.assign(vehicles, 0);
+  model.string.back() = 1;
+  return model;
+}
+
+// Each of them is string stable by itself, hence their product.
+TEST(LinkedString, LongPatternsAreDecidedFromTheirVehicles) {
+  for (const std::size_t vehicles : {8u, 12u, 30u, 300u, 1000u}) {
+    const StringStability verdict = string_stability(cars_and_a_truck(vehicles));
+    EXPECT_EQ(verdict.decision(), true) << vehicles << ": " << verdict.reason;
+    EXPECT_GT(*verdict.limit_variance, 0.0) << vehicles;
+  }
+  const std::optional<StableHeadways> headways = stable_headways(cars_and_a_truck(8));
+  ASSERT_TRUE(headways && headways->critical) << "long headways are stable, too";
+  EXPECT_TRUE(string_stability(with_headway(cars_and_a_truck(8), *headways->critical + 1e-9)).string_stable);
+  EXPECT_FALSE(string_stability(with_headway(cars_and_a_truck(8), *headways->critical - 1e-9)).string_stable);
+}
+
+// A pattern and its repetitions have the same limit.
+TEST(LinkedString, LimitOfALossyPatternDoesNotDependOnHowItIsWritten) {
+  PlatoonModel once = cars_and_a_truck(3);
+  once.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
+  once.types[1].vehicle.link.loss = LossModel{0.2, {}, {2.0, -1.0}};
+  PlatoonModel twice = once;
+  twice.string = {0, 0, 1, 0, 0, 1};
+  PlatoonModel often = once;
+  for (int i = 0; i < 30; ++i) often.string.insert(often.string.end(), once.string.begin(), once.string.end());
+  const StringStability expected = string_stability(once);
+  ASSERT_TRUE(expected.string_stable) << expected.reason;
+  for (const PlatoonModel& model : {twice, often}) {  // 6 and 93 links, below and above the size of a Krylov space
+    const StringStability found = string_stability(model);
+    EXPECT_NEAR(*found.limit_variance / *expected.limit_variance, 1.0, 1e-10);
+    const double periods = static_cast<double>(model.string.size()) / 3.0;
+    EXPECT_GT(*found.loss_gain, 0.0) << periods;
+    EXPECT_LT(*found.loss_gain, 1.0) << periods;
+  }
+}
+
+TEST(LinkedString, TypesThatInheritTheHeadwayFollowIt) {
+  PlatoonModel model = cars_and_a_truck(3);
+  model.types[1].inherited.headway = true;
+  model.types[1].vehicle = model.default_vehicle();
+  model.types[1].vehicle.link.delay = 1;
+  const std::optional<StableHeadways> found = stable_headways(model);
+  ASSERT_TRUE(found && found->critical);
+  EXPECT_EQ(found->types, (std::vector<std::string>{"default", "truck"}));
+  EXPECT_NEAR(*found->critical, 2.8, 1e-9);  // that of one vehicle
+  EXPECT_TRUE(string_stability(with_headway(model, *found->critical + 1e-6)).string_stable);
+  EXPECT_FALSE(string_stability(with_headway(model, *found->critical - 1e-6)).string_stable);
+  model.string = {1};
+  EXPECT_EQ(stable_headways(model)->types, std::vector<std::string>{"truck"});
+  model.types[1].inherited.headway = false;
+  EXPECT_FALSE(stable_headways(model)) << "no vehicle of the string follows the default headway";
+}
+
+TEST(LinkedString, TypesThatInheritTheLossProbabilityFollowIt) {
+  PlatoonModel model = cars_and_a_truck(2);
+  model.default_vehicle().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+  model.types[1].vehicle.link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+  const std::optional<StableLosses> followed = stable_losses(model);
+  EXPECT_EQ(followed->types, (std::vector<std::string>{"default", "truck"}));
+  model.types[1].inherited.loss_probability = false;
+  const std::optional<StableLosses> alone = stable_losses(model);
+  EXPECT_EQ(alone->types, std::vector<std::string>{"default"});
+  EXPECT_LT(*followed->critical, *alone->critical);
+  model.string = {1};
+  EXPECT_FALSE(stable_losses(model));
+}
+
+// 1 - |T^|^2 vanishes like w^4. So does abs(1 - H T^)^2 without a delay, and like w^2 with one.
+TEST(LinkedString, FlatGainsGrowWhereTheErrorsVanishMoreSlowly) {
+  const ExampleLoop flat = string_stable_loops().back();
+  PlatoonModel model = model_with(flat.loop, flat.headway);
+  EXPECT_EQ(string_stability(model).decision(), true);
+  model.default_vehicle().link.delay = 1;
+  const StringStability delayed = string_stability(model);
+  EXPECT_EQ(delayed.decision(), false);
+  EXPECT_NE(delayed.reason.find("vanishes so fast"), std::string::npos) << delayed.reason;
+  const std::vector<double> variances = stationary_variances(model, 4096);
+  const double early = variances[1023] - variances[511], late = variances[4095] - variances[2047];
+  EXPECT_GT(late, early) << "they grow like N^(1/4)";
+}
+
+// With extrapolation abs(1 - L)^2 vanishes like w^4, too: the losses add no more than the string attenuates.
+TEST(LinkedString, FlatGainsBehindExtrapolationHaveALimit) {
+  PlatoonModel model = paper_platoon(3.0);
+  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(5, 5);
+  shift.diagonal(1).setOnes();
+  Eigen::VectorXd b(5);
+  b << -0.075, 0.3526315789473684, 0.4447368421052632, 0.3526315789473684, -0.075;
+  model.default_vehicle().loop = closed_loop_from(StateSpace(shift, b, Eigen::VectorXd::Unit(5, 0).transpose()));
+  model.default_vehicle().link.loss = LossModel{0.05, {}, {2.0, -1.0}};
+  const LinkedPattern pattern(model);
+  ASSERT_EQ(pattern.gain().zeros(), 2);
+  EXPECT_EQ(pattern[0].zeros_at_zero().innovation, 2);
+  EXPECT_EQ(pattern[0].zeros_at_zero().complement, 2);
+  const StringStability verdict = string_stability(model);
+  ASSERT_EQ(verdict.decision(), true) << verdict.reason;
+  // The distance to the limit decays like N^(-1/4).
+  const std::vector<double> variances = stationary_variances(model, 10000);
+  const double missing = *verdict.limit_variance - variances[9999], before = *verdict.limit_variance - variances[624];
+  EXPECT_NEAR(before / missing, 2.0, 0.1);
+  EXPECT_NEAR(variances[9999], 47.64, 0.01);
+}
+
+// Short delays agree with the table over time; a delay of a million steps takes no longer.
+TEST(LinkedString, DelaysAreExactHoweverLong) {
+  PlatoonModel model = with_loss(0.2, {1.0});
+  for (const std::int64_t delay : {1, 7, 9, 20, 33}) {
+    model.default_vehicle().link.delay = delay;
+    const std::vector<double> stationary = stationary_variances(model, 3);
+    model.default_vehicle().initial_position = {};
+    const ErrorMoments table = linked_error_moments(model, 3, 400 + 4 * delay);
+    for (std::size_t i = 1; i <= 3; ++i)
+      EXPECT_NEAR(table.variance_at(i, table.steps - 1) / stationary[i - 1], 1.0, 1e-10) << delay << " " << i;
+  }
+  model.default_vehicle().link.delay = 1000000;
+  const std::vector<double> late = stationary_variances(model, 2);
+  EXPECT_TRUE(std::isfinite(late[1]));
+}
+
+TEST(LinkedTheory, ThrowsForWhatItDoesNotKnow) {
+  PlatoonModel bursts = with_loss(0.1, {1.0});
+  bursts.default_vehicle().link.loss->mean_burst = 3.0;
+  EXPECT_THROW(LinkedPattern{bursts}, std::invalid_argument);
+  EXPECT_THROW(linked_error_moments(bursts, 2, 5), std::invalid_argument);
+  EXPECT_THROW(stationary_variances(with_loss(0.1, {1.0}), 0), std::invalid_argument);
+  EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 0, 5), std::invalid_argument);
+  EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 2, 0), std::invalid_argument);
+}
+
+/// Errors of two followers that hold lost positions, without noise, behind a leader at one metre per step, for one
+/// pattern of losses: bit 2 k + i - 1 is set if the position of step k into follower i is lost.
+std::vector<std::vector<double>> errors_of(const PlatoonModel& model, unsigned pattern, std::size_t steps) {
+  std::vector<double> ahead;
+  for (std::size_t k = 0; k <= steps; ++k) ahead.push_back(static_cast<double>(k));  // from step -1 on
+  std::vector<std::vector<double>> errors;
+  for (std::size_t i = 0; i < 2; ++i) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(model.default_vehicle().loop.realization.order());
+    double used = ahead.front();
+    std::vector<double> own{0.0};
+    errors.emplace_back();
+    for (std::size_t k = 0; k < steps; ++k) {
+      own.push_back(model.default_vehicle().loop.realization.c() * x);
+      errors.back().push_back(ahead[k + 1] - own[k + 1] - model.default_vehicle().headway * (own[k + 1] - own[k]));
+      if ((pattern >> (2 * k + i) & 1U) == 0) used = ahead[k + 1];
+      x = (model.default_vehicle().loop.realization.a() * x + model.default_vehicle().loop.realization.b() * used)
+              .eval();
+    }
+    ahead = own;
+  }
+  return errors;
+}
+
+// Reference: all 2^14 patterns of losses of two links over seven steps.
+TEST(LinkedErrorMoments, HaveTheFourthCumulantsOfRareLosses) {
+  constexpr std::size_t kSteps = 7;
+  PlatoonModel model = with_loss(1e-6, {1.0});
+  model.default_vehicle().noise_variance = 0.0;
+  for (std::size_t k = 0; k <= kSteps; ++k) model.recorded_leader.push_back(static_cast<double>(k));
+  std::vector<double> cumulants;
+  const ErrorMoments moments = linked_error_moments(model, 2, kSteps, &cumulants);
+  std::vector<double> variance(2 * kSteps, 0.0), fourth(2 * kSteps, 0.0);
+  for (unsigned pattern = 0; pattern < 1U << (2 * kSteps); ++pattern) {
+    const double lost = __builtin_popcount(pattern);
+    const double chance = std::pow(1e-6, lost) * std::pow(1.0 - 1e-6, 2.0 * kSteps - lost);
+    const auto errors = errors_of(model, pattern, kSteps);
+    for (std::size_t c = 0; c < fourth.size(); ++c) {
+      const double square = std::pow(errors[c / kSteps][c % kSteps] - moments.mean[c], 2);
+      variance[c] += chance * square;
+      fourth[c] += chance * square * square;
+    }
+  }
+  ASSERT_EQ(cumulants.size(), fourth.size());
+  for (std::size_t c = 0; c < fourth.size(); ++c) {
+    EXPECT_NEAR(moments.variance[c], variance[c], 1e-9 * variance[c] + 1e-25) << c;
+    EXPECT_NEAR(cumulants[c], fourth[c] - 3.0 * variance[c] * variance[c], 1e-4 * fourth[c] + 1e-25) << c;
+  }
+  EXPECT_GT(fourth.back(), 1e-8);
+}
+
+}  // namespace
+}  // namespace platoon
