@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "stochastic_platoon/math/numerics/krylov.hpp"
-#include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/loop_spectrum.hpp"
 

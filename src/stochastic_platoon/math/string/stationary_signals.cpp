@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/signal.hpp"
-#include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/pattern_means.hpp"
