@@ -1,20 +1,17 @@
 #include "stochastic_platoon/math/model/loop_design.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
 
 namespace {
 
 void require(bool met, const char* name, double value, const char* allowed) {
-  if (met) return;
-  std::ostringstream text;
-  text << name << ": " << value << ": must be " << allowed;
-  throw std::invalid_argument(text.str());
+  if (!met) throw std::invalid_argument(formatted("%s: %g: must be %s", name, value, allowed));
 }
 
 std::shared_ptr<const ExactTransfer> held(const ContinuousPlant& plant, double sample_period) {

@@ -114,7 +114,7 @@ namespace {
 const SignalKind& kind_of(const std::string& name) {
   const std::vector<SignalKind>& kinds = signal_kinds();
   const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const SignalKind& of) { return name == of.name; });
-  if (kind == kinds.end()) throw std::invalid_argument(name + ": is no signal");
+  if (kind == kinds.end()) throw std::invalid_argument("signal " + name + ": must be one of " + all_signal_names());
   return *kind;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/burst_moments.hpp"
 #include "stochastic_platoon/math/string/burst_pattern.hpp"

@@ -6,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "unit/fractions.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {
@@ -36,7 +37,7 @@ StateSpace large_loop() {
 std::vector<StateSpace> loops() {
   const StateSpace first_order(Eigen::MatrixXd::Constant(1, 1, 0.4), Eigen::VectorXd::Constant(1, 0.6),
                                Eigen::RowVectorXd::Ones(1));
-  return {paper_platoon(3.2).default_vehicle().loop.realization, observable_canonical(transfer_function(large_loop())),
+  return {paper_platoon(3.2).default_vehicle().loop.realization, observable_canonical(transfer_of(large_loop())),
           first_order, dense_loop(), large_loop()};
 }
 

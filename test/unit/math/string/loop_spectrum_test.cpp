@@ -47,7 +47,7 @@ TEST(LoopSpectrum, CountsTheZerosAtZeroFrequency) {
   EXPECT_EQ(LoopSpectrum(flat.loop, flat.headway).margin_zeros(), 2);
   const TransferFunction plant(Polynomial::Constant(1, 0.02), with_zeros({1.0, 1.0, 1.0}, {}));
   const TransferFunction controller(Eigen::Vector3d(1.0, -1.9, 0.905), Eigen::Vector3d(1.0, 0.0, 0.0));
-  EXPECT_EQ(LoopSpectrum(close_loop(plant, controller, 3.0), 3.0).sensitivity_zeros(), 3);
+  EXPECT_EQ(LoopSpectrum(close_loop({plant, controller}, 3.0), 3.0).sensitivity_zeros(), 3);
 }
 
 TEST(LoopSpectrum, CoordinatesAndFrequenciesAreInverse) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "unit/fractions.hpp"
 #include "unit/math/paper/spectrum.hpp"
 #include "unit/math/string/example_loops.hpp"
 
