@@ -151,7 +151,7 @@ ClosedLoop close_loop(const LoopDesign& design, double headway, const ClosedLoop
 ClosedLoop closed_loop_from(const StateSpace& realization) {
   require_order(realization.order());
   const Resolvent r = resolvent(realization);
-  const Reduction t = reduce({r.transfer_numerator, r.denominator});
+  const Reduction t = reduce(r.transfer);
   return {t.minimal, realization, {}, {}, r.delta_transfer};
 }
 

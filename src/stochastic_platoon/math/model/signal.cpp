@@ -76,13 +76,9 @@ std::vector<double> SignalPositions::of(const Signal& signal) const {
   return values;
 }
 
-Signal tracking_error(double headway, double standstill_distance) {
-  return {true, standstill_distance, 1, -headway};
-}
-
 Signal tracking_error(const PlatoonModel& model, std::size_t follower) {
   const VehicleModel& own = vehicle(model, follower);
-  return tracking_error(own.headway, own.standstill_distance);
+  return {true, own.standstill_distance, 1, -own.headway};
 }
 
 namespace {

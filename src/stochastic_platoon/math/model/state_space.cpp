@@ -63,8 +63,7 @@ Resolvent resolvent(const StateSpace& system) {
   const ExactFraction by_powers_of_s{shifted_to_one(transfer), shifted_to_one(exact.denominator)};
   Resolvent result{{},
                    rounded_delta(by_powers_of_s.denominator),
-                   rounded(exact.denominator),
-                   rounded(transfer),
+                   {rounded(transfer), rounded(exact.denominator)},
                    std::make_shared<const ExactFraction>(by_powers_of_s)};
   for (const ExactPolynomial& numerator : exact.numerators)
     result.delta_numerators.push_back(rounded_delta(shifted_to_one(numerator)));

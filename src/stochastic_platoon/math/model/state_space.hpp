@@ -48,8 +48,7 @@ StateSpace observable_canonical(const TransferFunction& transfer);
 struct Resolvent {
   std::vector<DeltaPolynomial> delta_numerators;  ///< of the n entries, those of C adj(zI - A), by powers of s = z - 1
   DeltaPolynomial delta_denominator;              ///< det(zI - A), by powers of s
-  Polynomial denominator;                         ///< the same by powers of z
-  Polynomial transfer_numerator;                  ///< of T = N / det(zI - A), by powers of z
+  TransferFunction transfer;                      ///< T, not reduced
   std::shared_ptr<const ExactFraction> delta_transfer;  ///< T by powers of s, to a hundred digits
 };
 

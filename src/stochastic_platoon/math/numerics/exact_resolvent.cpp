@@ -20,7 +20,7 @@ ExactResolvent exact_resolvent(const ExactMatrix& m, const ExactMatrix& c) {
     const ExactMatrix row = c * adjugate_term;
     for (Eigen::Index j = 0; j < n; ++j) result.numerators[static_cast<std::size_t>(j)].push_back(row(0, j));
     adjugate_term = (m * adjugate_term).eval();
-    const Exact coefficient = -adjugate_term.trace() / Exact(k);
+    const Exact coefficient = (Exact(0) - adjugate_term.trace()) / Exact(k);  // 0, not -0, for a trace of 0
     result.denominator.push_back(coefficient);
     adjugate_term.diagonal().array() += coefficient;
   }

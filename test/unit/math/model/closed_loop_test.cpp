@@ -9,8 +9,8 @@
 #include <string>
 
 #include "stochastic_platoon/math/model/loop_assumptions.hpp"
-#include "unit/fractions.hpp"
 #include "unit/paper_platoon.hpp"
+#include "unit/sensitivity.hpp"
 #include "unit/zeros.hpp"
 
 namespace platoon {
@@ -75,7 +75,7 @@ TEST(ClosedLoop, IsTheFeedbackOfControllerPlantAndHeadway) {
       const std::complex<double> kg = controller(z) * plant(z);
       const std::complex<double> expected = kg / (1.0 + kg * (1.0 + h - h / z));
       EXPECT_LT(std::abs(loop.transfer(z) - expected), 1e-11 * std::abs(expected));
-      EXPECT_LT(std::abs(transfer_of(loop.realization)(z) - expected), 1e-11 * std::abs(expected));
+      EXPECT_LT(std::abs(resolvent(loop.realization).transfer(z) - expected), 1e-11 * std::abs(expected));
     }
   }
 }

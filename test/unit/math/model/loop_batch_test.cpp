@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "unit/fractions.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {
@@ -39,7 +38,7 @@ StateSpace large_loop() {
 std::vector<StateSpace> loops() {
   const StateSpace first_order(Eigen::MatrixXd::Constant(1, 1, 0.4), Eigen::VectorXd::Constant(1, 0.6),
                                Eigen::RowVectorXd::Ones(1));
-  return {paper_platoon(3.2).default_vehicle().loop.realization, observable_canonical(transfer_of(large_loop())),
+  return {paper_platoon(3.2).default_vehicle().loop.realization, observable_canonical(resolvent(large_loop()).transfer),
           first_order, dense_loop(), large_loop()};
 }
 

@@ -11,7 +11,6 @@
 #include "stochastic_platoon/math/model/closed_loop.hpp"
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/math/model/loop_assumptions.hpp"
-#include "unit/fractions.hpp"
 
 namespace platoon {
 namespace {
@@ -122,7 +121,7 @@ TEST(LoopByParts, HasTheTransferFunctionOfItsDesign) {
       const Complex open = at(design.plant.exact()) * at(design.controller.exact()) / (filter ? policy : 1.0);
       const Complex expected = open / (1.0 + open * policy);
       EXPECT_LT(std::abs(loop.transfer(z) - expected), 1e-7 * std::abs(expected)) << w;
-      EXPECT_LT(std::abs(transfer_of(loop.realization)(z) - expected), 1e-7 * std::abs(expected)) << w;
+      EXPECT_LT(std::abs(resolvent(loop.realization).transfer(z) - expected), 1e-7 * std::abs(expected)) << w;
     }
   }
 }

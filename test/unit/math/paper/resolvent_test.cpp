@@ -6,8 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/paper/lemma_one.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+#include "stochastic_platoon/math/paper/lemma_one.hpp"
 #include "unit/math/string/example_loops.hpp"
 
 namespace platoon {

@@ -1,5 +1,5 @@
 #include "unit/math/paper/spectrum.hpp"
-#include "unit/fractions.hpp"
+#include "unit/sensitivity.hpp"
 
 #include <gtest/gtest.h>
 

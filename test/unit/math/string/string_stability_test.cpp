@@ -6,9 +6,9 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
-#include "unit/fractions.hpp"
 #include "unit/math/paper/spectrum.hpp"
 #include "unit/math/string/example_loops.hpp"
+#include "unit/sensitivity.hpp"
 
 namespace platoon {
 namespace {
