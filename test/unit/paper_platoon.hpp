@@ -9,7 +9,7 @@ namespace platoon {
 inline PlatoonModel paper_platoon(double headway = 3.2) {
   const TransferFunction plant(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0));
   const TransferFunction controller(Eigen::Vector2d(1.35 / (1.0 + headway), 0.0), Eigen::Vector2d(1.0, 0.89));
-  return {VehicleModel{close_loop(plant, controller, headway), headway, 0.0, 0.6}, LeaderProfile({{0, 20.0}}, 0.1)};
+  return {VehicleModel{close_loop({plant, controller}, headway), headway, 0.0, 0.6}, LeaderProfile({{0, 20.0}}, 0.1)};
 }
 
 /// The paper's example with all options: standstill distance, random initial positions, changes of speed.

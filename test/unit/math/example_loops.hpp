@@ -19,7 +19,7 @@ struct ExampleLoop {
 inline ClosedLoop paper_loop(double headway) {
   const TransferFunction plant(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0));
   const TransferFunction controller(Eigen::Vector2d(1.35 / (1.0 + headway), 0.0), Eigen::Vector2d(1.0, 0.89));
-  return close_loop(plant, controller, headway);
+  return close_loop({plant, controller}, headway);
 }
 
 /// Monic polynomial with these real zeros and these zeros r e^{+-j phi}.
@@ -68,7 +68,7 @@ inline std::vector<ExampleLoop> example_loops() {
                                multiply(Eigen::Vector3d(1.0, -2.0, 1.0), with_zeros({0.8, 0.5}, {})));
   const TransferFunction controller(multiply(with_zeros({0.8}, {}), Eigen::Vector2d(1.0, -0.9)),
                                     with_zeros({0.1, -0.2}, {}));
-  loops.push_back({"cancellation", 5.0, close_loop(plant, controller, 5.0)});
+  loops.push_back({"cancellation", 5.0, close_loop({plant, controller}, 5.0)});
 
   // The paper's loop in other coordinates, dense.
   Eigen::Matrix3d basis;

@@ -16,6 +16,7 @@
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
 #include "stochastic_platoon/run/configuration/model_file.hpp"
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
+#include "unit/transmitted.hpp"
 
 namespace platoon {
 namespace {
@@ -73,11 +74,11 @@ TEST(HowToAdd, AChannelAsAStageOfTheLink) {
   LeaderVehicle leader(model);
   FollowerVehicle follower(model, kSeed, 1);
   const Signal error = tracking_error(model, 1);
-  std::vector<double> own(1), received;
+  std::vector<double> own(1);
   double sent = leader.start(), largest = 0.0;
   follower.start(0, 1, own);
   for (std::int64_t k = -1; k < kSteps; ++k) {
-    link.transmit(k, 0, {sent}, received);
+    const std::vector<double> received = transmitted(link, k, 0, {sent});
     EXPECT_LE(std::abs(received.front() - sent), 0.5);
     const double before = own.front();
     follower.step(received, own);

@@ -39,7 +39,7 @@ void add_noise(double deviation, const double* noise, std::size_t size, double* 
 
 ColouredNoise::ColouredNoise(double noise_variance, const TransferFunction& filter, std::uint64_t seed,
                              std::uint32_t receiver)
-    : deviation_(noise_deviation(noise_variance)), draws_(seed), receiver_(receiver) {
+    : deviation_(standard_deviation("noise variance", noise_variance)), draws_(seed), receiver_(receiver) {
   const Polynomial &n = filter.numerator(), &d = filter.denominator();
   if (n.size() > d.size()) throw std::invalid_argument("noise filter: must be proper: no more zeros than poles");
   const Eigen::Index order = d.size() - 1, lead = d.size() - n.size();

@@ -4,7 +4,8 @@
 
 #include "stochastic_platoon/math/channel/link_stage.hpp"
 #include "stochastic_platoon/math/model/transfer_function.hpp"
-#include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
+#include "stochastic_platoon/math/numerics/aligned_values.hpp"
 
 namespace platoon {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/channel/link_stage.hpp"
-#include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/math/numerics/aligned_values.hpp"
 
 namespace platoon {
 

@@ -23,8 +23,7 @@ std::vector<std::unique_ptr<LinkStage>> stages_of(const LinkModel& link, double 
   if (noise_variance > 0.0)
     stages.push_back(std::make_unique<ColouredNoise>(noise_variance, link.noise_filter, seed, receiver));
   if (link.delay > 0) stages.push_back(std::make_unique<DelayLine>(link.delay));
-  if (link.loss && link.loss->probability > 0.0)
-    stages.push_back(std::make_unique<PacketLoss>(*link.loss, seed, receiver));
+  if (link.loses()) stages.push_back(std::make_unique<PacketLoss>(*link.loss, seed, receiver));
   return stages;
 }
 
@@ -32,7 +31,7 @@ std::vector<std::unique_ptr<LinkStage>> stages_of(const LinkModel& link, double 
 
 Link::Link(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver)
     : noise_(vehicle(model, receiver).noise_variance, seed, receiver), length_(vehicle(model, receiver - 1).length) {
-  const VehicleModel own = vehicle(model, receiver);
+  const VehicleModel& own = vehicle(model, receiver);
   if (!own.link.is_white_noise_only()) take(stages_of(own.link, own.noise_variance, seed, receiver));
 }
 

@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
+#include "stochastic_platoon/math/channel/awgn_channel.hpp"
 #include "stochastic_platoon/math/channel/link_stage.hpp"
 #include "stochastic_platoon/math/model/link_model.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/model/vehicle.hpp"
 
 namespace platoon {
 

@@ -5,7 +5,8 @@
 
 #include "stochastic_platoon/math/channel/link_stage.hpp"
 #include "stochastic_platoon/math/model/link_model.hpp"
-#include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
+#include "stochastic_platoon/math/numerics/aligned_values.hpp"
 
 namespace platoon {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/math/numerics/aligned_values.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {

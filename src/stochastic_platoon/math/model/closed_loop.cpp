@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <sstream>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -67,11 +66,6 @@ private:
   ExactPolynomial numerator_, fed_back_, open_;  ///< T = z numerator / (open z^delay + fed_back), over the policy
 };
 
-// Modes are computed as zeros of polynomials, so a mode within rounding of the unit circle counts as on it.
-bool is_inside_unit_circle(std::complex<double> mode) {
-  return std::abs(mode) < 1.0 - 1e-6;
-}
-
 ClosedLoop loop_by_parts(const LoopDesign& design, double headway, const ClosedLoop* before) {
   const ExactTransfer &plant = design.plant.exact(), &controller = design.controller.exact();
   const auto order = static_cast<Eigen::Index>(plant.denominator.size() + controller.denominator.size() - 1);
@@ -105,7 +99,7 @@ ClosedLoop form_loop(const LoopDesign& design, double headway) {
   const int integrators = multiplicity_at_one(plant.denominator()) + multiplicity_at_one(controller.denominator()) -
                           multiplicity_at_one(plant.numerator()) - multiplicity_at_one(controller.numerator());
   ClosedLoop loop{t.minimal, observable_canonical(t.minimal), roots(t.common_factor), integrators, {}};
-  if (std::all_of(loop.hidden_modes.begin(), loop.hidden_modes.end(), is_inside_unit_circle))
+  if (unstable_hidden_modes(loop).empty())
     loop.exact = std::make_shared<const ExactFraction>(DesignedLoop(design, headway).transfer());
   return loop;
 }
@@ -124,6 +118,13 @@ DeltaFraction delta_fraction(const ClosedLoop& loop) {
 
 std::vector<std::complex<long double>> poles_of(const ClosedLoop& loop) {
   return loop.poles.empty() ? zeros(delta_fraction(loop).denominator) : loop.poles;
+}
+
+std::vector<std::complex<double>> unstable_hidden_modes(const ClosedLoop& loop) {
+  std::vector<std::complex<double>> modes;
+  std::copy_if(loop.hidden_modes.begin(), loop.hidden_modes.end(), std::back_inserter(modes),
+               [](const std::complex<double>& mode) { return !(std::abs(mode) < 1.0 - 1e-6); });
+  return modes;
 }
 
 double spectral_radius(const ClosedLoop& loop) {
@@ -147,108 +148,11 @@ ClosedLoop close_loop(const LoopDesign& design, double headway, const ClosedLoop
   return is_by_parts(design) ? loop_by_parts(design, headway, before) : form_loop(design, headway);
 }
 
-ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway) {
-  return form_loop({plant, controller}, headway);
-}
-
 ClosedLoop closed_loop_from(const StateSpace& realization) {
   require_order(realization.order());
   const Resolvent r = resolvent(realization);
-  const Reduction t = reduce({r.transfer_numerator, r.denominator});
+  const Reduction t = reduce(r.transfer);
   return {t.minimal, realization, {}, {}, r.delta_transfer};
-}
-
-TransferFunction sensitivity(const TransferFunction& transfer, double headway) {
-  const TransferFunction ht = series(headway_policy(headway), transfer);
-  return {add(ht.denominator(), -ht.numerator()), ht.denominator()};
-}
-
-namespace {
-
-struct RampGain {
-  long double value;  ///< T(1)
-  long double slope;  ///< dT/dz(1)
-};
-
-RampGain ramp_gain(const DeltaFraction& t) {
-  const auto at = [](const DeltaPolynomial& p, std::size_t j) { return j < p.size() ? p[j] : 0.0L; };
-  const long double value = at(t.numerator, 0) / at(t.denominator, 0);
-  return {value, (at(t.numerator, 1) - value * at(t.denominator, 1)) / at(t.denominator, 0)};
-}
-
-// Double integral action as a property of T, to the accuracy of a realization given to six digits: T(1) = 1 and
-// dT/dz(1) = -h, as H(1) T(1) = 1 and (H T)'(1) = 0.
-bool tracks_a_ramp(const RampGain& gain, double headway) {
-  return std::abs(gain.value - 1.0L) < 1e-4L && std::abs(gain.slope + headway) < 1e-3L * (1.0L + headway);
-}
-
-std::string missing_integral_action(const ClosedLoop& loop, const RampGain& gain, double headway) {
-  std::ostringstream text;
-  text
-      << "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and dT/dz(1) = -h for h = "
-      << headway << "; here T(1) = " << gain.value << " and dT/dz(1) = " << gain.slope;
-  if (loop.integrators) {
-    text << ", as G(z) K(z) has " << std::max(*loop.integrators, 0)
-         << (*loop.integrators == 1 ? " pole there" : " poles there");
-  }
-  return text.str();
-}
-
-/// The reason why the vehicles, whose coefficients of T are rounded to double, do not realize T; empty if they do.
-std::string rounded_away(const ClosedLoop& loop, double headway) {
-  const RampGain gain = ramp_gain({delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())});
-  if (loop.parts) return {};  // T(1) = 1 and dT/dz(1) = -h by construction
-  if (tracks_a_ramp(gain, headway) && (spectral_radius(loop) >= 1.0 || spectral_radius(loop.realization) < 1.0))
-    return {};
-  std::ostringstream text;
-  text
-      << "the closed loop is too slow for its sample period: its poles lie so close to z = 1 that in double its coefficients have T(1) = "
-      << gain.value << " and dT/dz(1) = " << gain.slope << " instead of 1 and -h for h = " << headway
-      << ": increase sample_period";
-  return text.str();
-}
-
-}  // namespace
-
-double integral_defect(const ClosedLoop& loop, double headway) {
-  const RampGain gain = ramp_gain(delta_fraction(loop));
-  return static_cast<double>(std::abs(gain.value - 1.0L) + std::abs(gain.slope + headway) / (1.0L + headway));
-}
-
-std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double headway, bool allow_unstable) {
-  std::vector<std::string> found;
-  const auto report = [&found](const std::ostringstream& text) { found.push_back(text.str()); };
-  if (!loop.transfer.is_strictly_proper()) {
-    found.push_back("T(z) is not strictly proper: it must have more poles than zeros (relative degree of G K >= 1)");
-  }
-  const RampGain gain = ramp_gain(delta_fraction(loop));
-  if ((loop.integrators && *loop.integrators < 2) || !tracks_a_ramp(gain, headway)) {
-    found.push_back(missing_integral_action(loop, gain, headway));
-  } else if (loop.integrators) {
-    const std::string text = rounded_away(loop, headway);
-    if (!text.empty()) return {text};  // rounding hides all other properties
-  }
-  const double rho = spectral_radius(loop);
-  if (rho >= 1.0 && !allow_unstable) {
-    std::ostringstream text;
-    text << "the closed loop is unstable: rho(A) = " << rho << ", must be < 1 (allow_unstable: true runs it anyway)";
-    report(text);
-  }
-  for (const std::complex<double>& mode : loop.hidden_modes) {
-    if (is_inside_unit_circle(mode) || allow_unstable || mode.imag() < 0.0) continue;
-    std::ostringstream text;
-    text << "G(z) K(z) cancels an unstable mode at z = " << mode.real() << (mode.imag() > 0.0 ? " +- i " : "");
-    if (mode.imag() > 0.0) text << mode.imag();
-    text << ": cancelled modes must lie inside the unit circle (allow_unstable: true runs it anyway)";
-    report(text);
-  }
-  if (rho >= 1.0 && !allow_unstable) return found;
-  try {
-    unit_equilibrium(loop.realization);
-  } catch (const std::invalid_argument& error) {
-    found.emplace_back(error.what());
-  }
-  return found;
 }
 
 }  // namespace platoon

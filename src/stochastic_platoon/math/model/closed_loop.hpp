@@ -3,7 +3,6 @@
 #include <complex>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "stochastic_platoon/math/model/loop_design.hpp"
@@ -48,13 +47,12 @@ DeltaFraction delta_fraction(const ClosedLoop& loop);
 /// The poles of T as s = z - 1, with those that `transfer` has cancelled; see ClosedLoop::exact.
 std::vector<std::complex<long double>> poles_of(const ClosedLoop& loop);
 
+/// The hidden modes outside the open unit disk. They are computed as zeros of polynomials, so a mode within rounding of
+/// the unit circle counts as on it.
+std::vector<std::complex<double>> unstable_hidden_modes(const ClosedLoop& loop);
+
 /// rho(A) of the loop defined by plant and controller, or by A, B and C; 1 - rho(A) is as accurate as rho(A).
 double spectral_radius(const ClosedLoop& loop);
-
-/// The deviation of the given loop from double integral action,
-/// \f[ |T(1) - 1| + |T'(1) + h| / (1 + h). \f]
-/// Given plant and controller it is rounding alone; given A, B and C it depends on their number of digits.
-double integral_defect(const ClosedLoop& loop, double headway);
 
 /// The closed loop of plant G and controller K,
 /// \f[ T = \frac{K G}{1 + K G H}, \qquad H = (1 + h) - h / z, \f]
@@ -65,21 +63,10 @@ double integral_defect(const ClosedLoop& loop, double headway);
 ///
 /// Throws std::invalid_argument if T is not strictly proper, if G K is zero, if T has more than kHighestOrder poles, or
 /// if a coefficient of T is not finite.
-ClosedLoop close_loop(const TransferFunction& plant, const TransferFunction& controller, double headway);
 ClosedLoop close_loop(const LoopDesign& design, double headway, const ClosedLoop* before = nullptr);
 
 /// The closed loop given by its own realization, which is kept unchanged. Throws std::invalid_argument if it has more
 /// than kHighestOrder states.
 ClosedLoop closed_loop_from(const StateSpace& realization);
-
-/// The sensitivity \f$ S(z) = 1 - H(z) T(z) \f$, not reduced (paper, section 3).
-TransferFunction sensitivity(const TransferFunction& transfer, double headway);
-
-/// The assumptions that the loop violates, one sentence each; empty for a loop that can run. The assumptions are:
-/// - T is strictly proper and G K has double integral action: S has two zeros at z = 1 (paper, assumption 1 a and b);
-/// - the realization in double keeps this: T(1) = 1 also for the rounded coefficients;
-/// - rho(A) < 1 and no hidden mode outside the open unit disk, unless `allow_unstable`;
-/// - an equilibrium exists; the vehicles start in it.
-std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double headway, bool allow_unstable);
 
 }  // namespace platoon

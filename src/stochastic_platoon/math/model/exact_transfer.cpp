@@ -1,17 +1,15 @@
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
-#include <boost/multiprecision/eigen.hpp>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
+
 namespace platoon {
 
 namespace {
-
-using ExactMatrix = Eigen::Matrix<Exact, Eigen::Dynamic, Eigen::Dynamic>;
 
 /// p without its zeros at the origin; adds their number to `count`.
 ExactPolynomial without_zeros_at_origin(const Polynomial& p, std::ptrdiff_t& count) {
@@ -61,26 +59,6 @@ Held held_for(const ExactMatrix& a, const ExactMatrix& b, const Exact& interval)
   return {moved.topLeftCorner(n, n), moved.topRightCorner(n, 1)};
 }
 
-/// C adj(sI - M) B and det(sI - M) by ascending powers of s, by the Faddeev-LeVerrier recursion.
-ExactTransfer transfer_of(const ExactMatrix& m, const std::vector<ExactMatrix>& inputs, const ExactMatrix& c,
-                          std::vector<ExactPolynomial>& numerators) {
-  const auto n = static_cast<std::size_t>(m.rows());
-  ExactTransfer transfer{{}, ExactPolynomial(n + 1, Exact(0)), 0};
-  transfer.denominator[n] = 1;
-  numerators.assign(inputs.size(), ExactPolynomial(n, Exact(0)));
-  ExactMatrix adjugate_term = ExactMatrix::Identity(m.rows(), m.cols());
-  for (std::size_t k = 1; k <= n; ++k) {
-    for (std::size_t i = 0; i < inputs.size(); ++i) numerators[i][n - k] = (c * adjugate_term * inputs[i])(0, 0);
-    adjugate_term = (m * adjugate_term).eval();
-    Exact trace = 0;
-    for (Eigen::Index i = 0; i < m.rows(); ++i) trace += adjugate_term(i, i);
-    const Exact coefficient = -trace / Exact(k);
-    transfer.denominator[n - k] = coefficient;
-    for (Eigen::Index i = 0; i < m.rows(); ++i) adjugate_term(i, i) += coefficient;
-  }
-  return transfer;
-}
-
 }  // namespace
 
 int ExactTransfer::integrators() const {
@@ -117,22 +95,20 @@ ExactTransfer zero_order_hold(const Polynomial& numerator, const Polynomial& den
   const Exact period = sample_period;
   const Exact fraction = whole ? Exact(0) : Exact(input_delay) - Exact(steps) * period;  // [s]
   const Held late = held_for(a, b, period - fraction);
-  std::vector<ExactMatrix> inputs{late.gamma};
-  ExactMatrix moved = late.phi;
-  if (!whole) {
-    const Held early = held_for(a, b, fraction);
-    inputs.push_back(late.phi * early.gamma);
-    moved = (late.phi * early.phi).eval();
-  }
-  std::vector<ExactPolynomial> numerators;
-  ExactTransfer transfer = transfer_of(moved - ExactMatrix::Identity(n, n), inputs, c, numerators);
-  // Each pole at s = 0 of the continuous plant is one of the sampled plant; rounding in the 100th digit goes.
+  const Held early = held_for(a, b, fraction);
+  const auto ascending = [](ExactPolynomial p) {
+    std::reverse(p.begin(), p.end());
+    return p;
+  };
+  const ExactResolvent resolvent = exact_resolvent(late.phi * early.phi - ExactMatrix::Identity(n, n), c);  // in s
+  ExactTransfer transfer{ascending(resolvent.numerator(late.gamma)), ascending(resolvent.denominator),
+                         static_cast<std::ptrdiff_t>(steps)};
+  // Each pole at s = 0 of the continuous plant is one at z = 1 of the sampled plant, but for the 100th digit.
   for (Eigen::Index i = 0; i < n && denominator(n - i) == 0.0; ++i)
     transfer.denominator[static_cast<std::size_t>(i)] = 0;
-  transfer.delay = static_cast<std::ptrdiff_t>(steps);
-  transfer.numerator = numerators[0];
-  if (!whole) {
-    transfer.numerator = add(multiply(numerators[0], {Exact(1), Exact(1)}), numerators[1]);
+  if (!whole) {  // Gamma_0 + Gamma_1 / z, see Plant
+    transfer.numerator =
+        add(multiply(transfer.numerator, {Exact(1), Exact(1)}), ascending(resolvent.numerator(late.phi * early.gamma)));
     ++transfer.delay;
   }
   return transfer;

@@ -14,11 +14,6 @@ struct ExactTransfer {
   ExactPolynomial denominator;
   std::ptrdiff_t delay = 0;
 
-  /// Number of poles of the fraction minus number of its zeros.
-  std::ptrdiff_t relative_degree() const {
-    return delay + static_cast<std::ptrdiff_t>(denominator.size()) - static_cast<std::ptrdiff_t>(numerator.size());
-  }
-
   /// Number of poles at z = 1 minus number of zeros there.
   int integrators() const;
 };

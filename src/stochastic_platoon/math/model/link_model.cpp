@@ -14,15 +14,32 @@ bool LossModel::is_independent() const {
   return !mean_burst || std::abs(after_loss() - after_arrival()) < 1e-15;
 }
 
+namespace {
+
+/// The predictor's registers r(k-1), r(k-2), ... one step later, after an arrival (without the arrived value) and after
+/// a loss.
+struct RegisterMaps {
+  Eigen::MatrixXd arrived, lost;
+
+  explicit RegisterMaps(const std::vector<double>& predictor) {
+    const auto n = static_cast<Eigen::Index>(predictor.size());
+    arrived = Eigen::MatrixXd::Zero(n, n);
+    arrived.diagonal(-1).setOnes();
+    lost = arrived;
+    lost.row(0) = Eigen::Map<const Eigen::RowVectorXd>(predictor.data(), n);
+  }
+};
+
+Eigen::MatrixXd squared(const Eigen::MatrixXd& map) {
+  return Eigen::kroneckerProduct(map, map);
+}
+
+}  // namespace
+
 double second_moment_radius(const LossModel& loss) {
   if (loss.predictor.empty()) return 0.0;
-  const auto n = static_cast<Eigen::Index>(loss.predictor.size());
-  Eigen::MatrixXd arrived = Eigen::MatrixXd::Zero(n, n);  // r(k) does not depend on the registers
-  arrived.diagonal(-1).setOnes();
-  Eigen::MatrixXd lost = arrived;
-  lost.row(0) = Eigen::Map<const Eigen::RowVectorXd>(loss.predictor.data(), n);
-  const Eigen::MatrixXd a = Eigen::kroneckerProduct(arrived, arrived).eval(),
-                        b = Eigen::kroneckerProduct(lost, lost).eval();
+  const RegisterMaps maps(loss.predictor);
+  const Eigen::MatrixXd a = squared(maps.arrived), b = squared(maps.lost);
   if (loss.is_independent()) {
     const double q = loss.probability;
     return spectral_radius((1.0 - q) * a + q * b);
@@ -36,17 +53,31 @@ double second_moment_radius(const LossModel& loss) {
 double loss_feedback(const LossModel& loss) {
   if (loss.predictor.empty()) return 0.0;
   // Gramian X = sum R R' of the impulse response R = [r(k), r(k-1), ..] of F; L F is c R one step later.
-  const auto n = static_cast<Eigen::Index>(loss.predictor.size());
-  const Eigen::VectorXd c = Eigen::Map<const Eigen::VectorXd>(loss.predictor.data(), n);
-  Eigen::MatrixXd step = Eigen::MatrixXd::Zero(n, n);
-  step.diagonal(-1).setOnes();
-  step.row(0) = loss.probability * c.transpose();
+  Eigen::MatrixXd step = RegisterMaps(loss.predictor).lost;
+  const Eigen::Index n = step.rows();
+  const Eigen::VectorXd c = step.row(0).transpose();
+  step.row(0) *= loss.probability;
   if (spectral_radius(step) >= 1.0) return std::numeric_limits<double>::infinity();
-  const Eigen::VectorXd x = (Eigen::MatrixXd::Identity(n * n, n * n) - Eigen::kroneckerProduct(step, step).eval())
-                                .partialPivLu()
-                                .solve(Eigen::VectorXd::Unit(n * n, 0));
+  const Eigen::VectorXd x =
+      (Eigen::MatrixXd::Identity(n * n, n * n) - squared(step)).partialPivLu().solve(Eigen::VectorXd::Unit(n * n, 0));
   const Eigen::MatrixXd gramian = Eigen::Map<const Eigen::MatrixXd>(x.data(), n, n);
   return (1.0 - loss.probability) * loss.probability * c.dot(gramian * c);
+}
+
+double growth(const LossTrace& trace, const std::vector<double>& predictor) {
+  if (predictor.empty()) return 0.0;
+  const RegisterMaps maps(predictor);
+  Eigen::MatrixXd product = Eigen::MatrixXd::Identity(maps.lost.rows(), maps.lost.rows());
+  double exponent = 0.0;
+  for (std::size_t k = 0; k < trace.size(); ++k) {
+    product = (trace.is_lost(k) ? maps.lost : maps.arrived) * product;
+    const double size = product.cwiseAbs().maxCoeff();
+    if (size == 0.0) return 0.0;
+    product /= size;
+    exponent += std::log(size);
+  }
+  return std::exp(
+      std::min(exponent + std::log(spectral_radius(product)), std::log(std::numeric_limits<double>::max())));
 }
 
 bool LinkModel::has_white_noise() const {

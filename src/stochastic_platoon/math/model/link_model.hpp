@@ -54,6 +54,10 @@ double second_moment_radius(const LossModel& loss);
 /// p q ||L F||_2^2 of independent losses (see above); infinite if F is unstable.
 double loss_feedback(const LossModel& loss);
 
+/// Factor by which predictions r(k) = c_1 r(k-1) + c_2 r(k-2) + ... grow over one period of a trace: the spectral
+/// radius of the product of the registers' matrices, one per entry. r(k) is bounded if it is below 1.
+double growth(const LossTrace& trace, const std::vector<double>& predictor);
+
 /// The link into one follower, without its noise variance:
 ///
 ///     quantise -> + noise d = W g -> delay of m steps -> loss.

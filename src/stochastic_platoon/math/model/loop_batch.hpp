@@ -1,43 +1,66 @@
 #pragma once
 
 #include <algorithm>
-#include <boost/align/aligned_allocator.hpp>
 #include <cstddef>
 #include <memory>
 #include <vector>
 
+#include "stochastic_platoon/math/numerics/aligned_values.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
+
 namespace platoon {
 
 struct ClosedLoop;
-
-/// Realizations per tile: the states of one vehicle for a tile fit in the first level cache.
-constexpr std::size_t kTile = 512;
-
-/// 64-byte aligned, as a load across two cache lines costs two.
-using AlignedValues = std::vector<double, boost::alignment::aligned_allocator<double, 64>>;
 
 /// The control inputs of one step, of vehicles computed part by part.
 struct ControlInputs {
   const double* heard = nullptr;  ///< the predecessor's, as received [m/s^2]; null: none
   double gain = 0.0;              ///< F, by which it is fed forward
   double* own = nullptr;          ///< output: u(k) [m/s^2]; null: not written
+
+  /// The same from this realization on.
+  PLATOON_INLINE ControlInputs from(std::size_t realization) const {
+    return {heard == nullptr ? nullptr : heard + realization, gain, own == nullptr ? nullptr : own + realization};
+  }
 };
 
-/// One vehicle's closed loop for a batch of realizations.
+/// One vehicle's closed loop for a batch of realizations. Every realization undergoes the same operations in the same
+/// order, so its bits do not depend on the batch.
 class LoopBatch {
 public:
   virtual ~LoopBatch() = default;
 
   /// Equilibrium with y = p at these positions p [m].
-  virtual void start_at_equilibrium(const std::vector<double>& positions) = 0;
+  void start_at_equilibrium(const std::vector<double>& positions);
 
   /// One step with the input [m] minus offset [m]; writes y [m]. All arrays have the size of the batch. Control inputs
   /// are for loops by parts only.
-  virtual void step(const double* input, double offset, double* positions, const ControlInputs& control) = 0;
-  void step(const double* input, double offset, double* positions) { step(input, offset, positions, {}); }
+  void step(const double* input, double offset, double* positions, const ControlInputs& control);
 
   /// y [m], resized to the batch.
-  virtual void output(std::vector<double>& positions) const = 0;
+  void output(std::vector<double>& positions) const;
+
+protected:
+  /// `equilibrium`: the states of y = 1 at rest. `places`: see place().
+  LoopBatch(std::vector<double> equilibrium, std::size_t places);
+
+  std::size_t order() const { return equilibrium_.size(); }
+
+  /// Number of steps since the start, modulo `places`: where a ring of states begins.
+  std::size_t place() const { return place_; }
+
+private:
+  // The same for one tile, whose states follow one another at a distance of kTile.
+  virtual void step_tile(double* state, std::size_t size, const double* input, double offset, double* positions,
+                         const ControlInputs& control) = 0;
+  virtual void output_tile(const double* state, std::size_t size, double* positions) const = 0;
+
+  std::size_t tile_size(std::size_t first) const { return std::min(kTile, size_ - first); }
+
+  std::vector<double> equilibrium_;
+  std::size_t places_, place_ = 0;
+  std::size_t size_ = 0;  ///< realizations
+  AlignedValues state_;   ///< tile by tile, state by state
 };
 
 /// The batch computation of the loop, by its parts if it has any, else by its realization. Throws std::invalid_argument

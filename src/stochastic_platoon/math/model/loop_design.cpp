@@ -1,20 +1,17 @@
 #include "stochastic_platoon/math/model/loop_design.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
 
 namespace {
 
 void require(bool met, const char* name, double value, const char* allowed) {
-  if (met) return;
-  std::ostringstream text;
-  text << name << ": " << value << ": must be " << allowed;
-  throw std::invalid_argument(text.str());
+  if (!met) throw std::invalid_argument(formatted("%s: %g: must be %s", name, value, allowed));
 }
 
 std::shared_ptr<const ExactTransfer> held(const ContinuousPlant& plant, double sample_period) {
@@ -28,7 +25,7 @@ std::shared_ptr<const ExactTransfer> held(const ContinuousPlant& plant, double s
       zero_order_hold(trimmed(plant.numerator), trimmed(plant.denominator), plant.input_delay, sample_period));
 }
 
-// With z = 1 + s: (kp z s + kd / T_s s^2 + ki T_s z^2) / (z s), without the factors that cancel.
+// With z = 1 + s: (kp z s + kd / T_s s^2 + ki T_s z^2) / (z s), without the factor s if ki = 0 and without z if kd = 0.
 std::shared_ptr<const ExactTransfer> of_gains(const ControllerGains& gains, double sample_period) {
   require(sample_period > 0.0 && std::isfinite(sample_period), "sample_period", sample_period, "finite and > 0 [s]");
   for (const double gain : {gains.kp, gains.kd, gains.ki}) require(std::isfinite(gain), "gain", gain, "finite");
@@ -37,11 +34,11 @@ std::shared_ptr<const ExactTransfer> of_gains(const ControllerGains& gains, doub
   const Exact kp = gains.kp, derivative = Exact(gains.kd) / Exact(sample_period),
               integral = Exact(gains.ki) * Exact(sample_period);
   const bool differentiates = gains.kd != 0.0, integrates = gains.ki != 0.0;
-  const auto with = [&](const ExactPolynomial& p) { return integrates ? multiply(p, {Exact(0), Exact(1)}) : p; };
-  const auto late = [&](const ExactPolynomial& p) { return times_power_of_z(p, differentiates ? 1 : 0); };
-  ExactTransfer transfer{late(with({kp})), with({Exact(1)}), differentiates ? 1 : 0};
-  if (differentiates) transfer.numerator = add(transfer.numerator, with({Exact(0), derivative}));
-  if (integrates) transfer.numerator = add(transfer.numerator, late({integral, integral}));
+  const auto times_s = [&](const ExactPolynomial& p) { return integrates ? multiply(p, {Exact(0), Exact(1)}) : p; };
+  const auto times_z = [&](const ExactPolynomial& p) { return times_power_of_z(p, differentiates ? 1 : 0); };
+  ExactTransfer transfer{times_z(times_s({kp})), times_s({Exact(1)}), differentiates ? 1 : 0};
+  if (differentiates) transfer.numerator = add(transfer.numerator, times_s({Exact(0), derivative}));
+  if (integrates) transfer.numerator = add(transfer.numerator, times_z({integral, integral}));
   while (transfer.numerator.size() > 1 && transfer.numerator.back() == 0) transfer.numerator.pop_back();
   return std::make_shared<const ExactTransfer>(transfer);
 }

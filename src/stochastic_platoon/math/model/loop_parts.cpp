@@ -1,8 +1,8 @@
 #include "stochastic_platoon/math/model/loop_parts.hpp"
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
-#include <utility>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/math/model/loop_design.hpp"
@@ -136,11 +136,6 @@ PLATOON_INLINE void advance_filter(const BasicDeltaFilter<double>& part, std::si
   }
 }
 
-PLATOON_INLINE ControlInputs from(const ControlInputs& control, std::size_t r) {
-  return {control.heard == nullptr ? nullptr : control.heard + r, control.gain,
-          control.own == nullptr ? nullptr : control.own + r};
-}
-
 PLATOON_INLINE void parts_lanes(const LoopParts& parts, std::size_t place, std::size_t lanes, double* state,
                                 const double* input, double offset, double* positions, const ControlInputs& control) {
   std::array<double, kPartLanes> y, e, u, first;
@@ -184,37 +179,22 @@ void parts_tile(const LoopParts& parts, std::size_t place, std::size_t size, dou
                 double offset, double* positions, const ControlInputs& control) {
   std::size_t r = 0;
   for (; r + kPartLanes <= size; r += kPartLanes)
-    parts_lanes(parts, place, kPartLanes, state + r, input + r, offset, positions + r, from(control, r));
-  parts_lanes(parts, place, size - r, state + r, input + r, offset, positions + r, from(control, r));
+    parts_lanes(parts, place, kPartLanes, state + r, input + r, offset, positions + r, control.from(r));
+  parts_lanes(parts, place, size - r, state + r, input + r, offset, positions + r, control.from(r));
 }
 
 }  // namespace detail
 
-LoopPartsBatch::LoopPartsBatch(LoopParts parts) : parts_(std::move(parts)), equilibrium_(unit_equilibrium(parts_)) {}
+LoopPartsBatch::LoopPartsBatch(const LoopParts& parts)
+    : LoopBatch(unit_equilibrium(parts), std::max<std::size_t>(parts.delay, 1)), parts_(parts) {}
 
-void LoopPartsBatch::start_at_equilibrium(const std::vector<double>& positions) {
-  size_ = positions.size();
-  place_ = 0;
-  const std::size_t order = equilibrium_.size();
-  state_.resize((size_ + kTile - 1) / kTile * order * kTile);
-  for (std::size_t r = 0; r < size_; ++r) {
-    double* const state = &state_[r / kTile * order * kTile + r % kTile];
-    for (std::size_t j = 0; j < order; ++j) state[j * kTile] = equilibrium_[j] * positions[r];
-  }
+void LoopPartsBatch::step_tile(double* state, std::size_t size, const double* input, double offset, double* positions,
+                               const ControlInputs& control) {
+  detail::parts_tile(parts_, place(), size, state, input, offset, positions, control);
 }
 
-void LoopPartsBatch::step(const double* input, double offset, double* positions, const ControlInputs& control) {
-  for (std::size_t first = 0; first < size_; first += kTile) {
-    detail::parts_tile(parts_, place_, std::min(kTile, size_ - first), &state_[first * equilibrium_.size()],
-                       input + first, offset, positions + first, detail::from(control, first));
-  }
-  if (parts_.delay > 0) place_ = (place_ + 1) % parts_.delay;
-}
-
-void LoopPartsBatch::output(std::vector<double>& positions) const {
-  positions.resize(size_);
-  for (std::size_t first = 0; first < size_; first += kTile)
-    std::copy_n(&state_[first * equilibrium_.size()], std::min(kTile, size_ - first), &positions[first]);
+void LoopPartsBatch::output_tile(const double* state, std::size_t size, double* positions) const {
+  std::copy_n(state, size, positions);
 }
 
 }  // namespace platoon

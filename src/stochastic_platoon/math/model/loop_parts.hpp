@@ -62,23 +62,17 @@ std::vector<Scalar> unit_equilibrium(const BasicLoopParts<Scalar>& parts);
 /// A, B and C of the same loop.
 StateSpace realization(const LoopParts& parts);
 
-/// The parts of one vehicle for a batch of realizations. Every realization undergoes the same operations in the same
-/// order, so its bits do not depend on the batch.
+/// The parts of one vehicle for a batch of realizations. u(k - delay) is at place() among the delayed inputs.
 class LoopPartsBatch : public LoopBatch {
 public:
-  explicit LoopPartsBatch(LoopParts parts);
-
-  void start_at_equilibrium(const std::vector<double>& positions) override;
-  void step(const double* input, double offset, double* positions, const ControlInputs& control) override;
-  using LoopBatch::step;
-  void output(std::vector<double>& positions) const override;
+  explicit LoopPartsBatch(const LoopParts& parts);
 
 private:
+  void step_tile(double* state, std::size_t size, const double* input, double offset, double* positions,
+                 const ControlInputs& control) override;
+  void output_tile(const double* state, std::size_t size, double* positions) const override;
+
   LoopParts parts_;
-  std::vector<double> equilibrium_;  ///< states for y = 1
-  std::size_t size_ = 0;
-  std::size_t place_ = 0;  ///< of u(k-delay) among the delayed inputs
-  AlignedValues state_;    ///< tile by tile, state by state
 };
 
 }  // namespace platoon

@@ -47,8 +47,4 @@ void LossByDistance::probabilities(const double* gaps, std::size_t count, double
   }
 }
 
-bool operator==(const LossByDistance& one, const LossByDistance& other) {
-  return one.points() == other.points();
-}
-
 }  // namespace platoon

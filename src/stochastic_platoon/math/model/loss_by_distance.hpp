@@ -18,6 +18,7 @@ public:
 
   const std::vector<Point>& points() const { return points_; }
   double largest() const;  ///< of the probabilities
+  bool operator==(const LossByDistance& other) const { return points_ == other.points_; }
 
   /// The probability at each of `count` gaps [m].
   void probabilities(const double* gaps, std::size_t count, double* probabilities) const;
@@ -25,7 +26,5 @@ public:
 private:
   std::vector<Point> points_;
 };
-
-bool operator==(const LossByDistance& one, const LossByDistance& other);
 
 }  // namespace platoon

@@ -1,13 +1,8 @@
 #include "stochastic_platoon/math/model/loss_trace.hpp"
 
-#include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <sstream>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/numerics/eigenvalues.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
@@ -35,10 +30,12 @@ LossTrace LossTrace::of_runs(const std::string& runs) {
   bool arrives = true;
   for (long long run = 0; numbers >> run; arrives = !arrives) {
     if (run < (received.empty() && arrives ? 0 : 1) || static_cast<std::size_t>(run) > kLongest - received.size())
-      throw std::invalid_argument(formatted("a run of %lld entries", run));
+      throw std::invalid_argument(
+          formatted("a run of %lld entries: runs must be positive (only the first may be 0), %zu entries in all", run,
+                    static_cast<std::size_t>(kLongest)));
     received.insert(received.end(), static_cast<std::size_t>(run), arrives);
   }
-  if (!numbers.eof()) throw std::invalid_argument("not a list of whole numbers");
+  if (!numbers.eof()) throw std::invalid_argument("must be a list of whole numbers");
   return LossTrace(std::move(received));
 }
 
@@ -52,30 +49,6 @@ std::string LossTrace::runs() const {
     begin = end;
   }
   return text;
-}
-
-double LossTrace::growth(const std::vector<double>& predictor) const {
-  const auto n = static_cast<Eigen::Index>(predictor.size());
-  if (n == 0) return 0.0;
-  Eigen::MatrixXd arrived = Eigen::MatrixXd::Zero(n, n);  // r(k) does not depend on the registers
-  arrived.diagonal(-1).setOnes();
-  Eigen::MatrixXd lost = arrived;
-  lost.row(0) = Eigen::Map<const Eigen::RowVectorXd>(predictor.data(), n);
-  Eigen::MatrixXd product = Eigen::MatrixXd::Identity(n, n);
-  double exponent = 0.0;
-  for (const std::uint8_t is_lost : lost_) {
-    product = (is_lost != 0 ? lost : arrived) * product;
-    const double size = product.cwiseAbs().maxCoeff();
-    if (size == 0.0) return 0.0;
-    product /= size;
-    exponent += std::log(size);
-  }
-  return std::exp(
-      std::min(exponent + std::log(spectral_radius(product)), std::log(std::numeric_limits<double>::max())));
-}
-
-bool operator==(const LossTrace& one, const LossTrace& other) {
-  return one.size() == other.size() && one.runs() == other.runs();
 }
 
 }  // namespace platoon

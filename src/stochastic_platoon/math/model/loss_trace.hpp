@@ -28,15 +28,11 @@ public:
   /// losses, 40 arrivals and a loss; "0 ..." for a trace that begins with a loss.
   std::string runs() const;
 
-  /// Factor by which predictions r(k) = c_1 r(k-1) + c_2 r(k-2) + ... grow over one period of the trace: the spectral
-  /// radius of the product of the registers' matrices, one per entry. r(k) is bounded if it is below 1.
-  double growth(const std::vector<double>& predictor) const;
+  bool operator==(const LossTrace& other) const { return lost_ == other.lost_; }
 
 private:
   std::vector<std::uint8_t> lost_;
   double probability_ = 0.0, mean_burst_ = 1.0;
 };
-
-bool operator==(const LossTrace& one, const LossTrace& other);
 
 }  // namespace platoon

@@ -4,8 +4,9 @@
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
 
@@ -15,10 +16,8 @@ using boost::math::double_constants::pi;
 
 void require_speed(double speed) {
   if (std::abs(speed) <= Manoeuvre::kLargestSpeed) return;  // false for NaN
-  std::ostringstream text;
-  text << "leader speed: " << speed << ": must be a finite number of magnitude " << Manoeuvre::kLargestSpeed
-       << " at most [m/s]";
-  throw std::invalid_argument(text.str());
+  throw std::invalid_argument(formatted("leader speed: %g: must be a finite number of magnitude %g at most [m/s]",
+                                        speed, Manoeuvre::kLargestSpeed));
 }
 
 double moved(double from, double to, double most) {

@@ -64,7 +64,7 @@ struct VehicleType {
 /// Everything the mathematics of a platoon needs (paper, section 3): the contents of the model file. The platoon is
 /// homogeneous if all its followers have the default type; if the link is also the default one, it is the paper's.
 ///
-/// A plain value: each class that uses a part of it checks that part (ClosedLoopBatch, AwgnChannel, FollowerVehicle,
+/// A plain value: each class that uses a part of it checks that part (LoopBatch, AwgnChannel, FollowerVehicle,
 /// LeaderVehicle throw std::invalid_argument), and the parser of the model file checks all of it.
 struct PlatoonModel {
   /// One type, named default.

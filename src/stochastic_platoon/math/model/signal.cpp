@@ -76,13 +76,9 @@ std::vector<double> SignalPositions::of(const Signal& signal) const {
   return values;
 }
 
-Signal tracking_error(double headway, double standstill_distance) {
-  return {true, standstill_distance, 1, -headway};
-}
-
 Signal tracking_error(const PlatoonModel& model, std::size_t follower) {
   const VehicleModel& own = vehicle(model, follower);
-  return tracking_error(own.headway, own.standstill_distance);
+  return {true, own.standstill_distance, 1, -own.headway};
 }
 
 namespace {
@@ -114,7 +110,7 @@ namespace {
 const SignalKind& kind_of(const std::string& name) {
   const std::vector<SignalKind>& kinds = signal_kinds();
   const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const SignalKind& of) { return name == of.name; });
-  if (kind == kinds.end()) throw std::invalid_argument(name + ": is no signal");
+  if (kind == kinds.end()) throw std::invalid_argument("signal " + name + ": must be one of " + all_signal_names());
   return *kind;
 }
 

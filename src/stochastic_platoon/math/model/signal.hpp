@@ -44,11 +44,8 @@ struct SignalPositions {
   std::vector<double> of(const Signal& signal) const;
 };
 
-/// The tracking error [m], paper eq. (error1), including the distance delta:
+/// The tracking error [m] of follower i >= 1, paper eq. (error1), including its distance delta:
 /// \f[ \zeta_i(k) = y_{i-1}(k) - y_i(k) - \delta - h [y_i(k) - y_i(k-1)]. \f]
-Signal tracking_error(double headway, double standstill_distance);
-
-/// The same for follower i >= 1, with its own headway and distance.
 Signal tracking_error(const PlatoonModel& model, std::size_t follower);
 
 /// A signal that a run computes on request.

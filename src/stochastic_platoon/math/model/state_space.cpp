@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "stochastic_platoon/math/numerics/exact.hpp"
+#include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
 
 namespace platoon {
 
@@ -58,55 +58,16 @@ StateSpace observable_canonical(const TransferFunction& transfer) {
 }
 
 Resolvent resolvent(const StateSpace& system) {
-  const auto n = static_cast<std::size_t>(system.order());
-  const auto entry = [&](const auto& matrix, std::size_t row, std::size_t column) {
-    return Exact(matrix(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)));
-  };
-  std::vector<ExactPolynomial> rows(n, ExactPolynomial(n, Exact(0)));
-  ExactPolynomial transfer(n, Exact(0));
-  ExactPolynomial denominator(n + 1, Exact(0));
-  denominator[0] = 1;
-  // M = adj(zI - A) by descending powers of z: M_0 = I, M_k = A M_{k-1} + d_k I with d_k = -tr(A M_{k-1}) / k.
-  std::vector<ExactPolynomial> a(n, ExactPolynomial(n));
-  std::vector<ExactPolynomial> adjugate_term(n, ExactPolynomial(n, Exact(0)));
-  for (std::size_t i = 0; i < n; ++i) {
-    adjugate_term[i][i] = 1;
-    for (std::size_t j = 0; j < n; ++j) a[i][j] = entry(system.a(), i, j);
-  }
-  for (std::size_t k = 1; k <= n; ++k) {
-    std::vector<ExactPolynomial> product(n, ExactPolynomial(n, Exact(0)));
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j < n; ++j) {
-        rows[j][k - 1] += entry(system.c(), 0, i) * adjugate_term[i][j];
-        if (a[i][j] == 0) continue;
-        for (std::size_t l = 0; l < n; ++l) product[i][l] += a[i][j] * adjugate_term[j][l];
-      }
-      denominator[k] -= product[i][i];
-    }
-    denominator[k] /= k;
-    for (std::size_t i = 0; i < n; ++i) {
-      transfer[k - 1] += rows[i][k - 1] * entry(system.b(), i, 0);
-      product[i][i] += denominator[k];
-    }
-    adjugate_term.swap(product);
-  }
-  Resolvent result{
-      {},
-      rounded(denominator),
-      {},
-      rounded_delta(shifted_to_one(denominator)),
-      rounded(transfer),
-      std::make_shared<const ExactFraction>(ExactFraction{shifted_to_one(transfer), shifted_to_one(denominator)})};
-  for (const ExactPolynomial& row : rows) {
-    result.numerators.push_back(rounded(row));
-    result.delta_numerators.push_back(rounded_delta(shifted_to_one(row)));
-  }
+  const ExactResolvent exact = exact_resolvent(system.a().cast<Exact>(), system.c().cast<Exact>());
+  const ExactPolynomial transfer = exact.numerator(system.b().cast<Exact>());
+  const ExactFraction by_powers_of_s{shifted_to_one(transfer), shifted_to_one(exact.denominator)};
+  Resolvent result{{},
+                   rounded_delta(by_powers_of_s.denominator),
+                   {rounded(transfer), rounded(exact.denominator)},
+                   std::make_shared<const ExactFraction>(by_powers_of_s)};
+  for (const ExactPolynomial& numerator : exact.numerators)
+    result.delta_numerators.push_back(rounded_delta(shifted_to_one(numerator)));
   return result;
-}
-
-TransferFunction transfer_function(const StateSpace& system) {
-  const Resolvent r = resolvent(system);
-  return {r.transfer_numerator, r.denominator};
 }
 
 }  // namespace platoon

@@ -46,17 +46,12 @@ StateSpace observable_canonical(const TransferFunction& transfer);
 /// Computed by the Faddeev-LeVerrier recursion in a hundred digits, as it loses up to kappa^n in coordinates of
 /// condition kappa. Every coefficient is that of the given A, B and C, rounded once.
 struct Resolvent {
-  std::vector<Polynomial> numerators;             ///< of the n entries, those of C adj(zI - A), by powers of z
-  Polynomial denominator;                         ///< det(zI - A), by powers of z
-  std::vector<DeltaPolynomial> delta_numerators;  ///< the same by powers of s = z - 1
-  DeltaPolynomial delta_denominator;
-  Polynomial transfer_numerator;                        ///< of T = N / det(zI - A), by powers of z
+  std::vector<DeltaPolynomial> delta_numerators;  ///< of the n entries, those of C adj(zI - A), by powers of s = z - 1
+  DeltaPolynomial delta_denominator;              ///< det(zI - A), by powers of s
+  TransferFunction transfer;                      ///< T, not reduced
   std::shared_ptr<const ExactFraction> delta_transfer;  ///< T by powers of s, to a hundred digits
 };
 
 Resolvent resolvent(const StateSpace& system);
-
-/// T = C (zI - A)^-1 B from the resolvent, not reduced.
-TransferFunction transfer_function(const StateSpace& system);
 
 }  // namespace platoon

@@ -5,13 +5,16 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
 
 namespace {
+
+constexpr double kTolerance = 1e-13;  // of reduce()
 
 /// Quotient of a division without remainder.
 Polynomial exact_quotient(const Polynomial& dividend, const Polynomial& divisor) {
@@ -38,11 +41,11 @@ Eigen::MatrixXd cofactor_map(const Polynomial& n, const Polynomial& d, Eigen::In
 
 /// The null vector of a matrix with no more columns than rows, if it has one to the tolerance. Uses a QR decomposition
 /// at a tenth of the cost of singular values: up to a small factor, its last pivot is the smallest singular value.
-std::optional<Eigen::VectorXd> null_vector(const Eigen::MatrixXd& map, double tolerance) {
+std::optional<Eigen::VectorXd> null_vector(const Eigen::MatrixXd& map) {
   const Eigen::Index last = map.cols() - 1;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(map);
   const Eigen::MatrixXd& r = qr.matrixQR();
-  if (std::abs(r(last, last)) > 10.0 * tolerance * std::abs(r(0, 0))) return std::nullopt;
+  if (std::abs(r(last, last)) > 10.0 * kTolerance * std::abs(r(0, 0))) return std::nullopt;
   Eigen::VectorXd null(map.cols());
   null.head(last) = -r.topLeftCorner(last, last).triangularView<Eigen::Upper>().solve(r.col(last).head(last));
   null(last) = 1.0;
@@ -142,10 +145,9 @@ TransferFunction::TransferFunction(const Polynomial& numerator, const Polynomial
   numerator_ /= leading;
   denominator_ /= leading;
   if (!numerator_.allFinite() || !denominator_.allFinite()) {
-    std::ostringstream text;
-    text << "denominator: leading coefficient " << leading
-         << ": too small, as the other coefficients overflow when they are divided by it";
-    throw std::invalid_argument(text.str());
+    throw std::invalid_argument(formatted(
+        "denominator: leading coefficient %g: too small, as the other coefficients overflow when they are divided by it",
+        leading));
   }
 }
 
@@ -158,7 +160,7 @@ std::complex<double> TransferFunction::operator()(std::complex<double> z) const 
   return evaluate(numerator_, z) / evaluate(denominator_, z);
 }
 
-Reduction reduce(const TransferFunction& fraction, double tolerance) {
+Reduction reduce(const TransferFunction& fraction) {
   Eigen::Index at_origin = 0;
   const TransferFunction stripped = without_common_zeros_at_origin(fraction, &at_origin);
   Polynomial common = Polynomial::Zero(at_origin + 1);
@@ -171,15 +173,15 @@ Reduction reduce(const TransferFunction& fraction, double tolerance) {
   const Polynomial unit_n = n / n_size;
   const Polynomial unit_d = d / d_size;
   // The map of the largest degree includes those of all smaller degrees.
-  if (d.size() < 2 || !null_vector(cofactor_map(unit_n, unit_d, d.size() - 2), tolerance)) return {stripped, common};
+  if (d.size() < 2 || !null_vector(cofactor_map(unit_n, unit_d, d.size() - 2))) return {stripped, common};
   const Eigen::Index relative_degree = d.size() - n.size();  // also that of u / v: v has no smaller degree
   for (Eigen::Index degree = relative_degree; degree + 1 < d.size(); ++degree) {
-    const std::optional<Eigen::VectorXd> null = null_vector(cofactor_map(unit_n, unit_d, degree), tolerance);
+    const std::optional<Eigen::VectorXd> null = null_vector(cofactor_map(unit_n, unit_d, degree));
     if (!null) continue;
     const Polynomial v = null->head(degree + 1);
     Polynomial u = null->tail(degree + 1) * (n_size / d_size);
     u.head(relative_degree).setZero();  // only rounding errors
-    if (std::abs(v(0)) < tolerance || !u.allFinite() || !(u / v(0)).allFinite()) continue;
+    if (std::abs(v(0)) < kTolerance || !u.allFinite() || !(u / v(0)).allFinite()) continue;
     const Reduction candidate = refined_reduction(stripped, {TransferFunction(u, v), exact_quotient(d, v / v(0))});
     if (!is_factorization(stripped, candidate) || !is_same_function(candidate.minimal, stripped)) continue;
     return {candidate.minimal, multiply(common, candidate.common_factor)};

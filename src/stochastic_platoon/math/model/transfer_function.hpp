@@ -43,8 +43,8 @@ struct Reduction {
 /// exactly. The others are found without computing zeros, which are ill-conditioned if they are multiple: N/D = u/v
 /// with deg v < deg D exists exactly if the Sylvester-type matrix of the map (v, u) -> N v - D u is singular; the v of
 /// smallest degree follows from its null vector. The matrix counts as singular if the last pivot of its QR
-/// decomposition is below 10 `tolerance` times the first, for N and D scaled to unit norm.
-Reduction reduce(const TransferFunction& fraction, double tolerance = 1e-13);
+/// decomposition is below 1e-12 times the first, for N and D scaled to unit norm.
+Reduction reduce(const TransferFunction& fraction);
 
 /// \f$ H(z) = (1 + h) - h / z \f$, the feedback path of the constant headway policy (paper, section 3). h in sample
 /// periods.

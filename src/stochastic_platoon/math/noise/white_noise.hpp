@@ -46,6 +46,10 @@ private:
   std::uint64_t seed_;
 };
 
+/// The standard deviation [m] of a variance [m^2]. Throws std::invalid_argument, with the variance's name, unless it is
+/// finite and >= 0.
+double standard_deviation(const char* name, double variance);
+
 /// The reason for slow noise on this machine; empty if the noise is not slow.
 std::string slow_noise();
 

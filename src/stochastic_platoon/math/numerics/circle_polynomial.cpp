@@ -45,17 +45,6 @@ double frequency_at(long double t, Centre centre) {
   return static_cast<double>(2.0L * (centre == Centre::kOne ? std::asin(root) : std::acos(root)));
 }
 
-CirclePolynomial taylor(const Polynomial& p, Centre centre) {
-  CirclePolynomial b(p.data(), p.data() + p.size());
-  const long double c = centre == Centre::kOne ? 1.0L : -1.0L;
-  const std::size_t n = b.size();
-  for (std::size_t j = 0; j + 1 < n; ++j) {
-    for (std::size_t i = 1; i + j < n; ++i) b[i] += c * b[i - 1];
-  }
-  std::reverse(b.begin(), b.end());
-  return b;
-}
-
 CirclePolynomial recentred(CirclePolynomial b) {
   const std::size_t n = b.size();
   for (std::size_t j = 0; j + 1 < n; ++j) {

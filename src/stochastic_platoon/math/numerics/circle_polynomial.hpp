@@ -5,12 +5,10 @@
 #include <limits>
 #include <vector>
 
-#include "stochastic_platoon/math/numerics/polynomial.hpp"
-
 namespace platoon {
 
 /// Real polynomial in t by ascending powers, p(t) = p[0] + p[1] t + ... Extended precision keeps its rounding below
-/// that of the coefficients it was computed from.
+/// that of the coefficients it was computed from. Also by powers of z - 1 or z + 1, as DeltaPolynomial, the same type.
 using CirclePolynomial = std::vector<long double>;
 
 /// Centre of an expansion on the unit circle, used for the half of the circle near it: there t <= 1 and nothing
@@ -40,9 +38,6 @@ double frequency_at(long double t, Centre centre);
 
 /// Relative error bound of a coefficient that was computed from the numbers of a model.
 constexpr double kCoefficientRounding = 32.0 * std::numeric_limits<double>::epsilon();
-
-/// Coefficients b_j of p(z) = sum_j b_j (z - c)^j, c = 1 or -1.
-CirclePolynomial taylor(const Polynomial& p, Centre centre);
 
 /// Taylor coefficients about z = -1 of the polynomial that has the coefficients b_j about z = 1.
 CirclePolynomial recentred(CirclePolynomial b);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <boost/math/constants/constants.hpp>
+#include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace platoon {
 
@@ -14,7 +16,7 @@ using boost::math::double_constants::pi;
 
 using DoubleComplex = std::complex<double>;
 
-constexpr std::size_t kNodes = 16;  // per panel
+constexpr std::size_t kNodes = kGaussNodes;
 constexpr double kFar = 2.2;   // distance from a panel's middle [half lengths] beyond which its own weights are exact
 constexpr double kNear = 1.3;  // ellipse about the panel in which the recurrence of Q_l upwards keeps its digits
 using Factors = std::array<DoubleComplex, kNodes>;
@@ -27,26 +29,18 @@ DoubleComplex inverse(DoubleComplex a) {
   return std::conj(a) / std::norm(a);
 }
 
-/// (2 l + 1) P_l at the Gauss nodes.
-struct Legendre {
-  std::array<std::array<double, kNodes>, kNodes> value;  ///< [node][l]
-  std::array<double, kNodes> node;
-
-  Legendre() : value(), node() {
-    const Quadrature gauss = gauss_legendre(static_cast<int>(kNodes));
-    for (std::size_t k = 0; k < kNodes; ++k) {
-      node[k] = gauss.node[k];
-      double before = 0.0, legendre = 1.0;
-      for (std::size_t l = 0; l < kNodes; ++l) {
-        const auto degree = static_cast<double>(l);
-        value[k][l] = (2.0 * degree + 1.0) * legendre;
-        const double next = ((2.0 * degree + 1.0) * node[k] * legendre - degree * before) / (degree + 1.0);
-        before = legendre;
-        legendre = next;
-      }
+/// (2 l + 1) P_l at the Gauss nodes, by node and l.
+std::array<std::array<double, kNodes>, kNodes> legendre_values() {
+  std::array<std::array<double, kNodes>, kNodes> values;
+  for (std::size_t k = 0; k < kNodes; ++k) {
+    double before = 0.0, legendre = 1.0;
+    for (unsigned l = 0; l < kNodes; ++l) {
+      values[k][l] = (2.0 * l + 1.0) * legendre;
+      before = std::exchange(legendre, boost::math::legendre_next(l, gauss_legendre().node[k], legendre, before));
     }
   }
-};
+  return values;
+}
 
 /// Q_0(z), ..., Q_15(z), z off [-1, 1].
 Factors legendre_second(DoubleComplex z) {
@@ -93,7 +87,7 @@ MemoryWeights::MemoryWeights(const Quadrature& rule, double memory)
 
 // y / (1 - y) = 1 / (e^u - 1) with u = decay - j (nu - w), whose pole 1 / u is integrated exactly.
 std::vector<DoubleComplex> MemoryWeights::at(double w) const {
-  static const Legendre legendre;
+  static const auto legendre = legendre_values();
   const DoubleComplex back = std::polar(1.0, -w);
   std::vector<DoubleComplex> factors;
   factors.reserve(remembered_.size());
@@ -112,8 +106,9 @@ std::vector<DoubleComplex> MemoryWeights::at(double w) const {
     const Factors moments = legendre_second(DoubleComplex(-offset, -decay_) / half);
     for (std::size_t k = 0; k < kNodes; ++k) {
       DoubleComplex sum = 0.0;
-      for (std::size_t l = 0; l < kNodes; ++l) sum += legendre.value[k][l] * moments[l];
-      factors.push_back(beside_pole({decay_, -offset - half * legendre.node[k]}) - product({0.0, 1.0 / half}, sum));
+      for (std::size_t l = 0; l < kNodes; ++l) sum += legendre[k][l] * moments[l];
+      factors.push_back(beside_pole({decay_, -offset - half * gauss_legendre().node[k]}) -
+                        product({0.0, 1.0 / half}, sum));
     }
   }
   return factors;

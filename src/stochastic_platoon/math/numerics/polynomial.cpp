@@ -54,10 +54,11 @@ std::vector<std::complex<double>> roots(const Polynomial& p) {
   return {found.data(), found.data() + found.size()};
 }
 
-int multiplicity_at_one(const Polynomial& p, double tolerance) {
+int multiplicity_at_one(const Polynomial& p) {
+  constexpr double kTolerance = 1e-9;
   int multiplicity = 0;
   for (Polynomial q = trimmed(p); q.cwiseAbs().sum() > 0.0; q = derivative(q)) {
-    if (std::abs(q.sum()) > tolerance * q.cwiseAbs().sum()) break;
+    if (std::abs(q.sum()) > kTolerance * q.cwiseAbs().sum()) break;
     ++multiplicity;
   }
   return multiplicity;

@@ -29,7 +29,7 @@ std::complex<double> evaluate(const Polynomial& p, std::complex<double> z);
 std::vector<std::complex<double>> roots(const Polynomial& p);
 
 /// Number of zeros of p at z = 1, from the number of derivatives that vanish there. A value counts as zero if it is
-/// within tolerance times the sum of the moduli of its terms.
-int multiplicity_at_one(const Polynomial& p, double tolerance = 1e-9);
+/// within 1e-9 of the sum of the moduli of its terms.
+int multiplicity_at_one(const Polynomial& p);
 
 }  // namespace platoon

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <boost/math/constants/constants.hpp>
 #include <boost/math/special_functions/bessel.hpp>
+#include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace platoon {
 
@@ -43,7 +45,8 @@ std::vector<std::complex<double>> images(const std::vector<std::complex<double>>
   return result;
 }
 
-/// Halves a panel until every singularity is at least half its length away; 16 Gauss nodes then have an error of 4e-19.
+/// Halves a panel until every singularity is at least half its length away; kGaussNodes nodes then have an error of
+/// 4e-19.
 void add_resolved(std::vector<Panel>& panels, const Panel& panel, const std::vector<std::complex<double>>& singular) {
   double clearance = 0.0625;
   for (const std::complex<double>& w : singular) clearance = std::min(clearance, squared_distance(panel, w));
@@ -74,23 +77,17 @@ std::vector<double> graded_cuts(const std::vector<double>& peaks) {
   return cuts;
 }
 
-}  // namespace
-
-Quadrature gauss_legendre(int count) {
-  if (count < 1) throw std::invalid_argument("count: " + std::to_string(count) + ": must be >= 1");
+/// The nodes as zeros of the Legendre polynomial P_n, by Newton's method.
+Quadrature computed_gauss_legendre() {
+  constexpr int n = kGaussNodes;
   Quadrature rule;
-  for (int i = 0; i < count; ++i) {
-    double x = -std::cos(pi * (i + 0.75) / (count + 0.5));
+  for (int i = 0; i < n; ++i) {
+    double x = -std::cos(pi * (i + 0.75) / (n + 0.5));
     double slope = 1.0;
     for (int iteration = 0; iteration < 100; ++iteration) {
-      double p = x;
-      double before = 1.0;
-      for (int k = 2; k <= count; ++k) {
-        const double next = ((2.0 * k - 1.0) * x * p - (k - 1.0) * before) / k;
-        before = p;
-        p = next;
-      }
-      slope = count * (before - x * p) / (1.0 - x * x);
+      double p = x, before = 1.0;
+      for (unsigned l = 1; l < n; ++l) before = std::exchange(p, boost::math::legendre_next(l, x, p, before));
+      slope = n * (before - x * p) / (1.0 - x * x);
       const double step = p / slope;
       x -= step;
       if (std::abs(step) < 1e-16) break;
@@ -101,15 +98,21 @@ Quadrature gauss_legendre(int count) {
   return rule;
 }
 
+}  // namespace
+
+const Quadrature& gauss_legendre() {
+  static const Quadrature rule = computed_gauss_legendre();
+  return rule;
+}
+
 bool is_converged(double change, double change_before) {
   return change <= 1e-13 || (change <= 1e-10 && change >= 0.1 * change_before);
 }
 
 OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
-  constexpr double kResolved = 4.0;  // theta up to which 16 Gauss nodes integrate e^{-j theta x} to the last digit
+  constexpr double kResolved = 4.0;  // largest theta at which a panel's own weights integrate to the last digit
   if (rule.half_length.empty() || m * *std::max_element(rule.half_length.begin(), rule.half_length.end()) <= kResolved)
     return;
-  per_panel_ = rule.node.size() / rule.half_length.size();
   weights_.resize(rule.node.size());
   for (std::size_t panel = 0; panel < rule.half_length.size(); ++panel) {
     const double theta = m * rule.half_length[panel];
@@ -117,19 +120,15 @@ OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
     if (theta <= kResolved) continue;
     std::vector<std::complex<double>> moments;  // (2 l + 1) (-j)^l j_l(theta)
     std::complex<double> turn = std::polar(1.0, -m * rule.middle[panel]);
-    for (std::size_t l = 0; l < per_panel_; ++l, turn *= std::complex<double>(0.0, -1.0))
-      moments.push_back(turn * (2.0 * static_cast<double>(l) + 1.0) *
-                        boost::math::sph_bessel(static_cast<unsigned>(l), theta));
-    for (std::size_t k = panel * per_panel_; k < (panel + 1) * per_panel_; ++k) {
+    for (unsigned l = 0; l < kGaussNodes; ++l, turn *= std::complex<double>(0.0, -1.0))
+      moments.push_back(turn * (2.0 * l + 1.0) * boost::math::sph_bessel(l, theta));
+    for (std::size_t k = panel * kGaussNodes; k < (panel + 1) * kGaussNodes; ++k) {
       const double x = (rule.node[k] - rule.middle[panel]) / rule.half_length[panel];
       double before = 0.0, legendre = 1.0;
       std::complex<double> sum = 0.0;
-      for (std::size_t l = 0; l < per_panel_; ++l) {
+      for (unsigned l = 0; l < kGaussNodes; ++l) {
         sum += moments[l] * legendre;
-        const auto degree = static_cast<double>(l);
-        const double next = ((2.0 * degree + 1.0) * x * legendre - degree * before) / (degree + 1.0);
-        before = legendre;
-        legendre = next;
+        before = std::exchange(legendre, boost::math::legendre_next(l, x, legendre, before));
       }
       weights_[k] = rule.weight[k] * sum;
     }
@@ -138,7 +137,7 @@ OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
 
 Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular, const std::vector<double>& peaks,
                                   int refinement) {
-  static const Quadrature gauss = gauss_legendre(16);
+  const Quadrature& gauss = gauss_legendre();
   const std::vector<std::complex<double>> around = images(singular);
   const std::vector<double> cuts = graded_cuts(peaks);
   std::vector<Panel> panels;

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <complex>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace platoon {
@@ -10,11 +13,13 @@ namespace platoon {
 struct Quadrature {
   std::vector<double> node;
   std::vector<double> weight;
-  std::vector<double> middle, half_length;  ///< per panel, in order; all panels have equally many nodes
+  std::vector<double> middle, half_length;  ///< per panel of kGaussNodes nodes, in order; empty without panels
 };
 
-/// Gauss-Legendre rule on [-1, 1]. Throws std::invalid_argument unless count >= 1.
-Quadrature gauss_legendre(int count);
+constexpr int kGaussNodes = 16;  ///< per panel
+
+/// Gauss-Legendre rule of kGaussNodes nodes on [-1, 1].
+const Quadrature& gauss_legendre();
 
 /// Weights at the rule's nodes for integrals of f(w) e^{-j m w}, with f smooth on each panel. Exact for polynomials f
 /// of degree 15 on a panel, however fast e^{-j m w} oscillates (L. N. G. Filon, Proc. R. Soc. Edinburgh 49, 1928, with
@@ -25,12 +30,11 @@ public:
   OscillatingWeights(const Quadrature& rule, double m);
 
   /// Whether e^{-j m w} oscillates too fast on the node's panel for the rule's own weights.
-  bool applies_to(std::size_t node) const { return !weights_.empty() && applies_[node / per_panel_] != 0; }
+  bool applies_to(std::size_t node) const { return !weights_.empty() && applies_[node / kGaussNodes] != 0; }
   std::complex<double> operator[](std::size_t node) const { return weights_[node]; }
 
 private:
-  std::size_t per_panel_ = 1;
-  std::vector<char> applies_;
+  std::vector<char> applies_;  ///< per panel
   std::vector<std::complex<double>> weights_;
 };
 
@@ -41,11 +45,37 @@ bool is_converged(double change, double change_before);
 /// Quadrature over w in [0, pi] for even 2 pi periodic functions, with weights divided by pi: the sum is their mean
 /// over the circle, (1/2pi) integral from -pi to pi.
 ///
-/// Panels have 16 Gauss nodes. A panel is at most twice as long as its distance to the nearest complex frequency in
+/// Panels have kGaussNodes nodes. A panel is at most twice as long as its distance to the nearest complex frequency in
 /// `singular` (or its mirror images), so convergence is geometric however close to the real axis that frequency lies.
 /// Towards the real frequencies in `peaks` the panels halve 26 times, for functions that narrow there. Every panel is
 /// then cut into 2^refinement pieces. Throws std::invalid_argument for a singular frequency on the real axis.
 Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular, const std::vector<double>& peaks,
                                   int refinement = 0);
+
+/// The largest relative change from a to b, ignoring entries of b that are 0 or not finite.
+inline double largest_change(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!std::isfinite(b[i]) || b[i] == 0.0) continue;
+    const double change = std::abs(a[i] - b[i]) / b[i];
+    largest = std::isnan(change) ? std::numeric_limits<double>::infinity() : std::max(largest, change);
+  }
+  return largest;
+}
+
+/// values(refinement) of a quadrature, refined until the values settle, at most four times.
+template <class Values>
+std::vector<double> refined(const Values& values) {
+  std::vector<double> coarse = values(0);
+  double before = std::numeric_limits<double>::infinity();
+  for (int refinement = 1; refinement <= 4; ++refinement) {
+    std::vector<double> fine = values(refinement);
+    const double change = largest_change(coarse, fine);
+    if (is_converged(change, before)) return fine;
+    coarse.swap(fine);
+    before = change;
+  }
+  return coarse;
+}
 
 }  // namespace platoon

@@ -9,6 +9,7 @@
 #include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/math/numerics/aligned_values.hpp"
 
 namespace platoon {
 

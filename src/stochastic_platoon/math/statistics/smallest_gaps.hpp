@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "stochastic_platoon/math/model/loop_batch.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/numerics/aligned_values.hpp"
 
 namespace platoon {
 

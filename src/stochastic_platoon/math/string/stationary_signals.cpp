@@ -6,7 +6,7 @@
 
 #include "stochastic_platoon/math/links/pattern_spectra.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
-#include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 

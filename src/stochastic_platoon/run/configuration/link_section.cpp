@@ -118,9 +118,9 @@ void read_trace(Section& section, LossModel& loss) {
 }
 
 void check_trace_growth(Section& section, const LossModel& loss) {
-  const double growth = loss.trace->growth(loss.predictor);
-  if (growth < 1.0) return;
-  section.reject("on_loss", formatted("predictions that grow by a factor of %g over the trace", growth),
+  const double factor = growth(*loss.trace, loss.predictor);
+  if (factor < 1.0) return;
+  section.reject("on_loss", formatted("predictions that grow by a factor of %g over the trace", factor),
                  "ones that do not grow (allow_unstable: true runs them anyway)");
 }
 

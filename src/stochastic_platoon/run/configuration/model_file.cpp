@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/design_section.hpp"
 #include "stochastic_platoon/run/configuration/fraction.hpp"

@@ -12,6 +12,7 @@
 #include "stochastic_platoon/math/channel/packet_loss.hpp"
 #include "stochastic_platoon/math/channel/quantiser.hpp"
 #include "unit/paper_platoon.hpp"
+#include "unit/transmitted.hpp"
 
 namespace platoon {
 namespace {
@@ -33,9 +34,9 @@ std::vector<Values> through(Link& link, std::size_t count, std::size_t batch) {
   for (std::size_t first = 0; first < count; first += batch) {
     const std::size_t size = std::min(batch, count - first);
     for (std::int64_t k = -1; k < kSteps; ++k) {
-      Values in(size), out;
+      Values in(size);
       for (std::size_t r = 0; r < size; ++r) in[r] = sent(k, first + r);
-      link.transmit(k, first, in, out);
+      const Values out = transmitted(link, k, first, in);
       std::copy(out.begin(), out.end(),
                 received[static_cast<std::size_t>(k + 1)].begin() + static_cast<std::ptrdiff_t>(first));
     }
@@ -139,10 +140,7 @@ TEST(Link, OfThePaperIsTheAwgnChannelToTheBit) {
     const AwgnChannel channel(0.6, kSeed, kReceiver);
     for (const std::int64_t k : {-1, 5, 0}) {
       const Values in(700, 2.5);
-      Values one, other;
-      link.transmit(k, 100, in, one);
-      channel.transmit(k, 100, in, other);
-      EXPECT_EQ(one, other);
+      EXPECT_EQ(transmitted(link, k, 100, in), transmitted(channel, k, 100, in));
     }
   }
 }

@@ -8,7 +8,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "unit/paper_platoon.hpp"
+#include "unit/sensitivity.hpp"
 #include "unit/zeros.hpp"
 
 namespace platoon {
@@ -68,12 +70,12 @@ TEST(ClosedLoop, IsTheFeedbackOfControllerPlantAndHeadway) {
     const TransferFunction plant(0.1 * random_polynomial(trial % 2, generator),
                                  multiply(polynomial_with_zeros({1.0, 1.0}), random_polynomial(trial % 3, generator)));
     const TransferFunction controller(random_polynomial(1, generator), random_polynomial(1 + trial % 2, generator));
-    const ClosedLoop loop = close_loop(plant, controller, h);
+    const ClosedLoop loop = close_loop({plant, controller}, h);
     for (const std::complex<double>& z : {std::complex<double>(1.1, 0.0), {0.5, 2.0}, {-1.7, 0.3}}) {
       const std::complex<double> kg = controller(z) * plant(z);
       const std::complex<double> expected = kg / (1.0 + kg * (1.0 + h - h / z));
       EXPECT_LT(std::abs(loop.transfer(z) - expected), 1e-11 * std::abs(expected));
-      EXPECT_LT(std::abs(transfer_function(loop.realization)(z) - expected), 1e-11 * std::abs(expected));
+      EXPECT_LT(std::abs(resolvent(loop.realization).transfer(z) - expected), 1e-11 * std::abs(expected));
     }
   }
 }
@@ -96,11 +98,11 @@ TEST(ClosedLoop, IsMinimalWhenPlantAndControllerCancel) {
       plant_poles.insert(plant_poles.end(), lag.begin(), lag.end());
       const Zeros controller_poles = {0.1, {-0.2, 0.1}};
       const ClosedLoop plain =
-          close_loop(fraction(0.02, {}, plant_poles), fraction(1.0, controller_zeros, controller_poles), 5.0);
+          close_loop({fraction(0.02, {}, plant_poles), fraction(1.0, controller_zeros, controller_poles)}, 5.0);
       plant_poles.insert(plant_poles.end(), modes.begin(), modes.end());
       controller_zeros.insert(controller_zeros.end(), modes.begin(), modes.end());
       const ClosedLoop loop =
-          close_loop(fraction(0.02, {}, plant_poles), fraction(1.0, controller_zeros, controller_poles), 5.0);
+          close_loop({fraction(0.02, {}, plant_poles), fraction(1.0, controller_zeros, controller_poles)}, 5.0);
       EXPECT_EQ(loop.realization.order(), plain.realization.order());
       EXPECT_LT(distance(loop.transfer, plain.transfer), 1e-9);
       const auto hidden = static_cast<Eigen::Index>(loop.hidden_modes.size() - plain.hidden_modes.size());
@@ -156,8 +158,8 @@ TEST(ClosedLoop, GivenByARealizationThatIsNotMinimalHasAMinimalTransferFunction)
 
 TEST(ClosedLoop, ThatIsNotStrictlyProperIsRefused) {
   const TransferFunction plant = fraction(1.0, {}, {1.0, 1.0});
-  EXPECT_THROW(close_loop(plant, fraction(0.1, {0.5, 0.4, 0.3}, {0.2}), 3.2), std::invalid_argument);
-  EXPECT_THROW(close_loop(plant, fraction(0.1, {0.5, 0.4, 0.3, 0.1}, {0.2}), 3.2), std::invalid_argument);
+  EXPECT_THROW(close_loop({plant, fraction(0.1, {0.5, 0.4, 0.3}, {0.2})}, 3.2), std::invalid_argument);
+  EXPECT_THROW(close_loop({plant, fraction(0.1, {0.5, 0.4, 0.3, 0.1}, {0.2})}, 3.2), std::invalid_argument);
   const ClosedLoop paper = paper_platoon().default_vehicle().loop;
   const ClosedLoop proper{fraction(0.1, {0.5}, {0.2}), paper.realization, {}};
   EXPECT_TRUE(any_contains(violated_assumptions(proper, 3.2, true), "T(z) is not strictly proper"));
@@ -167,19 +169,19 @@ TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralAction) {
   const TransferFunction controller = fraction(0.05, {0.0}, {-0.89});
   for (const Zeros& poles : {Zeros{1.0, 0.5}, Zeros{0.5, 0.6}, Zeros{{0.9, 0.3}}}) {
     const std::vector<std::string> found =
-        violated_assumptions(close_loop(fraction(1.0, {}, poles), controller, 3.2), 3.2, true);
+        violated_assumptions(close_loop({fraction(1.0, {}, poles), controller}, 3.2), 3.2, true);
     ASSERT_EQ(found.size(), 1u);
     EXPECT_NE(found[0].find("no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and "
                             "dT/dz(1) = -h for h = 3.2; here T(1) = "),
               std::string::npos);
   }
   // A controller zero at 1 cancels one of the plant's two integrators.
-  const ClosedLoop loop = close_loop(fraction(0.1, {}, {1.0, 1.0}), fraction(1.0, {1.0}, {0.2}), 3.2);
+  const ClosedLoop loop = close_loop({fraction(0.1, {}, {1.0, 1.0}), fraction(1.0, {1.0}, {0.2})}, 3.2);
   EXPECT_TRUE(any_contains(violated_assumptions(loop, 3.2, true), "no double integral action"));
 }
 
 TEST(ViolatedAssumptions, AreSilentAboutTripleIntegralAction) {
-  const ClosedLoop loop = close_loop(fraction(0.02, {}, {1.0, 1.0}), fraction(1.0, {0.97, 0.9}, {1.0, 0.1}), 5.0);
+  const ClosedLoop loop = close_loop({fraction(0.02, {}, {1.0, 1.0}), fraction(1.0, {0.97, 0.9}, {1.0, 0.1})}, 5.0);
   EXPECT_TRUE(violated_assumptions(loop, 5.0, false).empty());
 }
 
@@ -187,7 +189,7 @@ TEST(ViolatedAssumptions, AreSilentAboutTripleIntegralAction) {
 // only.
 TEST(ViolatedAssumptions, NameTheMissingDoubleIntegralActionOfAFastSampledVehicle) {
   const TransferFunction plant = fraction(1e-6, {}, {1.0, 0.9999, 0.983});
-  const ClosedLoop loop = close_loop(plant, fraction(1.0, {0.99}, {0.5}), 200.0);
+  const ClosedLoop loop = close_loop({plant, fraction(1.0, {0.99}, {0.5})}, 200.0);
   EXPECT_TRUE(any_contains(violated_assumptions(loop, 200.0, true), "no double integral action"));
 }
 
@@ -207,7 +209,7 @@ TEST(ViolatedAssumptions, AcceptARealizationGivenToSixDigits) {
 }
 
 TEST(ViolatedAssumptions, NameTheUnstableLoopUnlessItIsAllowed) {
-  const ClosedLoop loop = close_loop(fraction(1.0, {}, {1.0, 1.0}), fraction(3.0, {0.0}, {-0.89}), 3.2);
+  const ClosedLoop loop = close_loop({fraction(1.0, {}, {1.0, 1.0}), fraction(3.0, {0.0}, {-0.89})}, 3.2);
   ASSERT_GT(spectral_radius(loop.realization), 1.0);
   const std::vector<std::string> found = violated_assumptions(loop, 3.2, false);
   ASSERT_EQ(found.size(), 1u);
@@ -218,7 +220,7 @@ TEST(ViolatedAssumptions, NameTheUnstableLoopUnlessItIsAllowed) {
 
 TEST(ViolatedAssumptions, NameTheHiddenUnstableModeUnlessItIsAllowed) {
   const ClosedLoop real =
-      close_loop(fraction(0.02, {}, {1.0, 1.0, 1.25}), fraction(1.0, {0.9, 1.25}, {0.1, -0.2}), 5.0);
+      close_loop({fraction(0.02, {}, {1.0, 1.0, 1.25}), fraction(1.0, {0.9, 1.25}, {0.1, -0.2})}, 5.0);
   ASSERT_LT(spectral_radius(real.realization), 1.0);
   EXPECT_EQ(violated_assumptions(real, 5.0, false),
             std::vector<std::string>{"G(z) K(z) cancels an unstable mode at z = 1.25: cancelled modes must lie inside "
@@ -226,7 +228,7 @@ TEST(ViolatedAssumptions, NameTheHiddenUnstableModeUnlessItIsAllowed) {
   EXPECT_TRUE(violated_assumptions(real, 5.0, true).empty());
   const std::complex<double> mode(0.75, 1.0);
   const ClosedLoop pair =
-      close_loop(fraction(0.02, {}, {1.0, 1.0, mode}), fraction(1.0, {0.9, mode}, {0.1, -0.2, 0.3}), 5.0);
+      close_loop({fraction(0.02, {}, {1.0, 1.0, mode}), fraction(1.0, {0.9, mode}, {0.1, -0.2, 0.3})}, 5.0);
   const std::vector<std::string> found = violated_assumptions(pair, 5.0, false);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NE(found[0].find("at z = 0.75 +- i 1:"), std::string::npos) << found[0];
@@ -238,7 +240,7 @@ TEST(ViolatedAssumptions, NameTheHiddenModeOnTheUnitCircle) {
   for (int trial = 0; trial < 100; ++trial) {
     const double pole = -0.5 + 0.01 * trial;
     const ClosedLoop loop =
-        close_loop(fraction(0.02, {}, {1.0, 1.0, 1.0}), fraction(1.0, {1.0, 0.9}, {pole, -0.2}), 5.0);
+        close_loop({fraction(0.02, {}, {1.0, 1.0, 1.0}), fraction(1.0, {1.0, 0.9}, {pole, -0.2})}, 5.0);
     ASSERT_EQ(loop.hidden_modes.size(), 1u);
     if (!any_contains(violated_assumptions(loop, 5.0, false), "cancels an unstable mode at z = 1")) ++silent;
   }
@@ -246,7 +248,8 @@ TEST(ViolatedAssumptions, NameTheHiddenModeOnTheUnitCircle) {
 }
 
 TEST(ViolatedAssumptions, AreSilentAboutAHiddenStableMode) {
-  const ClosedLoop loop = close_loop(fraction(0.02, {}, {1.0, 1.0, 0.8}), fraction(1.0, {0.9, 0.8}, {0.1, -0.2}), 5.0);
+  const ClosedLoop loop =
+      close_loop({fraction(0.02, {}, {1.0, 1.0, 0.8}), fraction(1.0, {0.9, 0.8}, {0.1, -0.2})}, 5.0);
   EXPECT_EQ(loop.hidden_modes.size(), 1u);
   EXPECT_TRUE(violated_assumptions(loop, 5.0, false).empty());
 }
@@ -263,7 +266,7 @@ TEST(ViolatedAssumptions, NameTheMissingEquilibrium) {
 }
 
 TEST(ViolatedAssumptions, NameBothGainsOfAMissingIntegrator) {
-  const ClosedLoop loop = close_loop(fraction(0.05, {}, {1.0, 0.5}), fraction(1.0, {0.3}, {0.1}), 3.0);
+  const ClosedLoop loop = close_loop({fraction(0.05, {}, {1.0, 0.5}), fraction(1.0, {0.3}, {0.1})}, 3.0);
   const std::vector<std::string> found = violated_assumptions(loop, 3.0, true);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NE(found[0].find("here T(1) = 1 and dT/dz(1) = "), std::string::npos) << found[0];
@@ -278,7 +281,7 @@ TEST(ViolatedAssumptions, SayWhenTheCoefficientsInDoubleAreNotThoseOfTheLoop) {
 TEST(ClosedLoop, OfAPlantOfZeroIsRefusedAsThat) {
   const TransferFunction zero(Polynomial::Zero(1), Eigen::Vector3d(1.0, -2.0, 1.0));
   try {
-    close_loop(zero, fraction(1.0, {0.0}, {-0.89}), 3.2);
+    close_loop({zero, fraction(1.0, {0.0}, {-0.89})}, 3.2);
     FAIL() << "was accepted";
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("G(z) K(z) = 0"), std::string::npos) << error.what();
@@ -287,7 +290,8 @@ TEST(ClosedLoop, OfAPlantOfZeroIsRefusedAsThat) {
 
 TEST(ClosedLoop, OfTooHighAnOrderIsRefusedBeforeAnythingIsComputed) {
   const Polynomial high = multiply(Eigen::Vector3d(1.0, -2.0, 1.0), polynomial_with_zeros(Zeros(38, 0.1)));
-  EXPECT_THROW(close_loop({Polynomial::Ones(1), high}, fraction(0.1, {0.9}, {0.1}), 3.2), std::invalid_argument);
+  EXPECT_THROW(close_loop({TransferFunction{Polynomial::Ones(1), high}, fraction(0.1, {0.9}, {0.1})}, 3.2),
+               std::invalid_argument);
   const StateSpace wide(Eigen::MatrixXd::Identity(200, 200) * 0.5, Eigen::VectorXd::Ones(200),
                         Eigen::RowVectorXd::Ones(200));
   EXPECT_THROW(closed_loop_from(wide), std::invalid_argument);
@@ -296,8 +300,10 @@ TEST(ClosedLoop, OfTooHighAnOrderIsRefusedBeforeAnythingIsComputed) {
 // A vehicle sampled at a kilohertz: D(1) is 1e-9 of D's coefficients, which have lost half their digits.
 TEST(ClosedLoop, HasAllDigitsOfASlowLoopByPowersOfZMinusOne) {
   const double a = 1.0 - std::ldexp(1.0, -7), gain = std::ldexp(1.0, -28);
-  const ClosedLoop loop = close_loop({Eigen::Vector2d(gain, gain), polynomial_with_zeros({1.0, 1.0, a})},
-                                     {Eigen::Vector2d(1024.0, -1023.75), Eigen::Vector2d(1.0, 0.0)}, 1500.0);
+  const ClosedLoop loop =
+      close_loop({TransferFunction{Eigen::Vector2d(gain, gain), polynomial_with_zeros({1.0, 1.0, a})},
+                  TransferFunction{Eigen::Vector2d(1024.0, -1023.75), Eigen::Vector2d(1.0, 0.0)}},
+                 1500.0);
   // D = z s^2 (s + 1 - a) + g (2 + s) (1/4 + 1024 s) (1 + 1501 s), by hand.
   const DeltaFraction t = delta_fraction(loop);
   ASSERT_EQ(t.denominator.size(), 6u);

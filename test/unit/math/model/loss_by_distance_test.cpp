@@ -8,6 +8,7 @@
 
 #include "stochastic_platoon/math/channel/link.hpp"
 #include "unit/paper_platoon.hpp"
+#include "unit/transmitted.hpp"
 
 namespace platoon {
 namespace {
@@ -42,13 +43,11 @@ TEST(Link, LosesByTheGapOfTheStepBefore) {
   model.default_vehicle().link.loss = loss;
   Link link(model, 1, 1);
   ASSERT_TRUE(link.depends_on_gap());
-  std::vector<double> received;
-  link.transmit(-1, 0, {50.0, 60.0}, received);
-  EXPECT_EQ(received, (std::vector<double>{50.0, 60.0}));
+  EXPECT_EQ(transmitted(link, -1, 0, {50.0, 60.0}), (std::vector<double>{50.0, 60.0}));
   const std::vector<double> predecessor{50.0, 60.0}, own{41.0, 50.0};
-  link.transmit(0, 0, {51.0, 61.0}, received, {predecessor.data(), own.data()});
-  EXPECT_EQ(received, (std::vector<double>{51.0, 60.0}));
-  EXPECT_THROW(link.transmit(1, 0, {52.0, 62.0}, received), std::logic_error);
+  EXPECT_EQ(transmitted(link, 0, 0, {51.0, 61.0}, LinkEnds{predecessor.data(), own.data()}),
+            (std::vector<double>{51.0, 60.0}));
+  EXPECT_THROW(transmitted(link, 1, 0, {52.0, 62.0}), std::logic_error);
 }
 
 }  // namespace

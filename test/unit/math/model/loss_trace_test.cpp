@@ -48,11 +48,11 @@ TEST(LossTrace, RejectsWhatIsNone) {
 
 // An arrival ends the growth of a held value; extrapolation remembers the value before a single arrival.
 TEST(LossTrace, KnowsTheGrowthOfPredictions) {
-  EXPECT_EQ(LossTrace(entries("1000")).growth({1.0}), 0.0);
-  EXPECT_EQ(LossTrace(entries("11000")).growth({2.0, -1.0}), 0.0) << "two arrivals end every prediction";
+  EXPECT_EQ(growth(LossTrace(entries("1000")), {1.0}), 0.0);
+  EXPECT_EQ(growth(LossTrace(entries("11000")), {2.0, -1.0}), 0.0) << "two arrivals end every prediction";
   // After one arrival among n losses the register before it has grown by -n, as r(k) = s + j (s - r(-1)).
   for (const int losses : {1, 2, 3, 7})
-    EXPECT_NEAR(LossTrace(entries("1" + std::string(static_cast<std::size_t>(losses), '0'))).growth({2.0, -1.0}),
+    EXPECT_NEAR(growth(LossTrace(entries("1" + std::string(static_cast<std::size_t>(losses), '0'))), {2.0, -1.0}),
                 losses, 1e-9);
 }
 

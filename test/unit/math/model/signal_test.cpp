@@ -10,13 +10,19 @@
 namespace platoon {
 namespace {
 
+Signal error_with(double headway, double standstill_distance) {
+  PlatoonModel model = paper_platoon(headway);
+  model.default_vehicle().standstill_distance = standstill_distance;
+  return tracking_error(model, 1);
+}
+
 TEST(TrackingError, IsTheDistanceLessStandstillDistanceLessHeadwayTimesDisplacement) {
-  const Signal zeta = tracking_error(3.0, 2.0);
+  const Signal zeta = error_with(3.0, 2.0);
   EXPECT_EQ(zeta(30.0, {20.0, 18.5}), 30.0 - 20.0 - 2.0 - 3.0 * 1.5);
 }
 
 TEST(TrackingError, VanishesInFormation) {
-  const Signal zeta = tracking_error(2.5, 7.0);
+  const Signal zeta = error_with(2.5, 7.0);
   EXPECT_EQ(zeta(-7.0, {-14.0, -14.0}), 0.0);
   const double displacement = 2.0;  // [m] per step, driven by both
   EXPECT_EQ(zeta(100.0, {100.0 - 7.0 - 2.5 * displacement, 100.0 - 7.0 - 3.5 * displacement}), 0.0);

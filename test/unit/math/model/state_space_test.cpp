@@ -58,7 +58,7 @@ TEST(StateSpace, TransferFunctionIsCTimesTheResolventTimesB) {
   std::mt19937 generator(1);
   for (Eigen::Index order = 1; order <= 6; ++order) {
     const StateSpace system = random_system(order, generator);
-    const TransferFunction transfer = transfer_function(system);
+    const TransferFunction transfer = resolvent(system).transfer;
     EXPECT_EQ(transfer.denominator().size(), order + 1);
     for (const std::complex<double>& z : {std::complex<double>(1.0, 0.0), {0.5, 2.0}, {-1.7, 0.3}}) {
       const Eigen::MatrixXcd resolvent = (z * Eigen::MatrixXcd::Identity(order, order) - system.a()).inverse();
@@ -78,7 +78,7 @@ TEST(StateSpace, TransferFunctionOfTheObservableCanonicalFormIsTheFractionItself
     EXPECT_EQ(system.order(), degree);
     EXPECT_EQ(system.c()(0), 1.0);
     EXPECT_EQ(system.c().tail(degree - 1).norm(), 0.0);
-    const TransferFunction again = transfer_function(system);
+    const TransferFunction again = resolvent(system).transfer;
     ASSERT_EQ(again.numerator().size(), fraction.numerator().size());
     EXPECT_LT((again.numerator() - fraction.numerator()).cwiseAbs().maxCoeff(), 1e-14);
     EXPECT_LT((again.denominator() - fraction.denominator()).cwiseAbs().maxCoeff(), 1e-13);
@@ -106,7 +106,7 @@ TEST(StateSpace, RestStateStaysAndHasTheOutputOne) {
   for (Eigen::Index order = 1; order <= 6; ++order) {
     const StateSpace system = random_system(order, generator);
     const Eigen::VectorXd state = unit_equilibrium(system);
-    const double gain = transfer_function(system)(1.0).real();
+    const double gain = resolvent(system).transfer(1.0).real();
     EXPECT_LT((system.a() * state + system.b() / gain - state).norm(), 1e-12 * (1.0 + state.norm()));
     EXPECT_NEAR(system.c() * state, 1.0, 1e-12);
   }
@@ -142,7 +142,7 @@ TEST(Resolvent, KeepsAllDigitsOfTInSkewedCoordinates) {
   for (const int shears : {4, 8, 11}) {
     const auto [basis, inverse] = skewed_basis(4, shears, 3.0);
     const StateSpace skewed(basis * canonical.a() * inverse, basis * canonical.b(), canonical.c() * inverse);
-    const TransferFunction t = transfer_function(skewed);
+    const TransferFunction t = resolvent(skewed).transfer;
     EXPECT_EQ(t.denominator(), d) << "condition " << basis.norm() * inverse.norm();
     EXPECT_EQ(t.numerator(), n) << "condition " << basis.norm() * inverse.norm();
     EXPECT_EQ(spectral_radius(skewed), spectral_radius(canonical));

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <complex>
 
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
+
 namespace platoon {
 namespace {
 
@@ -12,6 +14,11 @@ Polynomial sample_polynomial() {
   Polynomial p(6);
   p << 2.0, -1.5, 0.25, 3.0, -0.5, 0.75;
   return p;
+}
+
+/// Coefficients of p(z) by powers of z - 1 or z + 1.
+CirclePolynomial taylor(const Polynomial& p, Centre centre) {
+  return centre == Centre::kOne ? delta_form(p) : recentred(delta_form(p));
 }
 
 /// The product of (t - zero).

@@ -15,13 +15,10 @@ double integrate(const Quadrature& rule, const Function& f) {
   return sum;
 }
 
-TEST(Quadrature, GaussLegendreIsExactForPolynomialsBelowTwiceItsCount) {
-  for (const int count : {1, 2, 5, 16}) {
-    const Quadrature rule = gauss_legendre(count);
-    for (int power = 0; power < 2 * count; ++power) {
-      const double exact = power % 2 == 0 ? 2.0 / (power + 1) : 0.0;
-      EXPECT_NEAR(integrate(rule, [&](double x) { return std::pow(x, power); }), exact, 1e-14) << count << " " << power;
-    }
+TEST(Quadrature, GaussLegendreIsExactForPolynomialsBelowTwiceItsNodes) {
+  for (int power = 0; power < 2 * kGaussNodes; ++power) {
+    const double exact = power % 2 == 0 ? 2.0 / (power + 1) : 0.0;
+    EXPECT_NEAR(integrate(gauss_legendre(), [&](double x) { return std::pow(x, power); }), exact, 1e-14) << power;
   }
 }
 
@@ -78,8 +75,7 @@ TEST(OscillatingWeights, IntegrateWhatTurnsOftenOnEveryPanel) {
   }
 }
 
-TEST(Quadrature, RefusesNoNodesAndSingularitiesOnTheAxis) {
-  EXPECT_THROW(gauss_legendre(0), std::invalid_argument);
+TEST(Quadrature, RefusesSingularitiesOnTheAxis) {
   EXPECT_THROW(half_circle_quadrature({{1.0, 0.0}}, {}), std::invalid_argument);
 }
 

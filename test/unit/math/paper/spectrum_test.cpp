@@ -1,4 +1,5 @@
 #include "unit/math/paper/spectrum.hpp"
+#include "unit/sensitivity.hpp"
 
 #include <gtest/gtest.h>
 

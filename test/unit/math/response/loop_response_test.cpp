@@ -21,7 +21,7 @@ ClosedLoop delayed_car() {
   denominator.head(4) << 1.0, -2.980198673306755, 2.96039734661351, -0.980198673306755;
   controller << 40.0, -39.8;
   one_step << 1.0, 0.0;
-  return close_loop({numerator, denominator}, {controller, one_step}, 150.0);
+  return close_loop({TransferFunction{numerator, denominator}, TransferFunction{controller, one_step}}, 150.0);
 }
 
 /// y of D y = N u, in a hundred digits by powers of z.

@@ -88,7 +88,7 @@ TEST(SignalReduction, TakesSignalsOfAnyForm) {
   FollowerSignals odd = signals({"jerk", "gap", "speed"});
   odd.requested.front().factor = 1e-3;  // so that the least value is not that of the gap, either
   odd.error = {true, 1.5, 2, -0.3};
-  odd.requested.push_back(tracking_error(0.7, 2.0));
+  odd.requested.push_back({true, 2.0, 1, -0.7});
   odd.requested.push_back(odd.requested.front());
   expect_bits_of_the_values(odd, KeptMoments::two);
 }

@@ -25,7 +25,7 @@ StableHeadways stable_headways_of(const HeadwayLaw& law, const HeadwayRange& ran
 HeadwayLaw fixed_gain(double gain) {
   return [gain](double headway) {
     const TransferFunction plant(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0));
-    return close_loop(plant, {Eigen::Vector2d(gain, 0.0), Eigen::Vector2d(1.0, 0.89)}, headway);
+    return close_loop({plant, TransferFunction{Eigen::Vector2d(gain, 0.0), Eigen::Vector2d(1.0, 0.89)}}, headway);
   };
 }
 
@@ -35,7 +35,7 @@ ClosedLoop cancelling(double headway) {
                                multiply(Eigen::Vector3d(1.0, -2.0, 1.0), with_zeros({0.8, 0.5}, {})));
   const TransferFunction controller(multiply(with_zeros({0.8}, {}), Eigen::Vector2d(1.0, -0.9)),
                                     with_zeros({0.1, -0.2}, {}));
-  return close_loop(plant, controller, headway);
+  return close_loop({plant, controller}, headway);
 }
 
 TEST(CriticalHeadway, OfThePapersExampleIsKnownInClosedForm) {
@@ -117,7 +117,7 @@ TEST(CriticalHeadway, IsSoughtAboutTheModelsOwnHeadway) {
   const TransferFunction plant(Eigen::Vector2d(gain, gain),
                                Eigen::Vector4d(1.0, -2.9982201842503855, 2.996440368500771, -0.9982201842503855));
   const TransferFunction controller(Eigen::Vector2d(1235.158157878057, -1234.4254979937014), Eigen::Vector2d(1.0, 0.0));
-  const HeadwayLaw law = [&](double headway) { return close_loop(plant, controller, headway); };
+  const HeadwayLaw law = [&](double headway) { return close_loop({plant, controller}, headway); };
   ASSERT_TRUE(string_stability(model_with(law(h), h)).string_stable);
   const StableHeadways found = stable_headways_of(law, headways_about(h));
   ASSERT_EQ(found.intervals.size(), 1u);

@@ -23,15 +23,16 @@ std::vector<double> run_string(const PlatoonModel& model, std::size_t followers,
   for (std::size_t k = 0; k < steps; ++k) ahead.push_back(leader.step());
   if (!led) ahead.assign(steps + 1, 0.0);
   for (std::size_t i = 0; i < followers; ++i) {
-    ClosedLoopBatch loop(model.default_vehicle().loop.realization);
-    loop.start_at_equilibrium({initial[i]});
+    const std::unique_ptr<LoopBatch> loop = loop_batch(model.default_vehicle().loop);
+    loop->start_at_equilibrium({initial[i]});
     std::vector<double> own;
     for (std::size_t k = 0; k <= steps; ++k) {
       std::vector<double> y;
-      loop.output(y);
+      loop->output(y);
       own.push_back(y.front());
       const double d = k == 0 ? 0.0 : noise[i * steps + k - 1];
-      loop.step({ahead[k] + d}, model.default_vehicle().standstill_distance, y);
+      const double input = ahead[k] + d;
+      loop->step(&input, model.default_vehicle().standstill_distance, y.data(), {});
     }
     const Signal zeta = tracking_error(model, 1);
     for (std::size_t k = 1; k <= steps; ++k) errors.push_back(zeta(ahead[k], {own[k], own[k - 1]}));
@@ -156,7 +157,7 @@ TEST(ErrorMoments, HaveTheirDigitsAtFastSampling) {
   const double a = 1.0 - std::ldexp(1.0, -7), gain = std::ldexp(1.0, -28), h = 1426.0;
   const TransferFunction plant(Eigen::Vector2d(gain, gain), with_zeros({1.0, 1.0, a}, {}));
   const TransferFunction controller(Eigen::Vector2d(1024.0, -1023.75), Eigen::Vector2d(1.0, 0.0));
-  PlatoonModel model = model_with(close_loop(plant, controller, h), h);
+  PlatoonModel model = model_with(close_loop({plant, controller}, h), h);
   model.sample_period = 0.001;
   model.leader = LeaderProfile({{0, 13.75}}, 0.001);
   model.default_vehicle().initial_position = {0.0, 0.0};

@@ -8,6 +8,7 @@
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "unit/math/example_loops.hpp"
 #include "unit/math/paper/spectrum.hpp"
+#include "unit/sensitivity.hpp"
 
 namespace platoon {
 namespace {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/math/channel/awgn_channel.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/math/statistics/ensemble_statistics.hpp"
@@ -15,6 +16,7 @@
 #include "stochastic_platoon/run/delivery/pipeline.hpp"
 #include "stochastic_platoon/run/delivery/report_pace.hpp"
 #include "stochastic_platoon/run/delivery/signal_assembly.hpp"
+#include "unit/transmitted.hpp"
 
 namespace platoon {
 
@@ -261,8 +263,9 @@ private:
   void follow(std::size_t index, const Message& message) {
     Follower& follower = followers_[index - 1];
     const MessageId& id = message.id;
-    std::vector<double> received, own;
-    channels_[index - 1].transmit(id.step, id.first_realization, *message.positions, received);
+    std::vector<double> own;
+    const std::vector<double> received =
+        transmitted(channels_[index - 1], id.step, id.first_realization, *message.positions);
     if (follower.order.receive({id, received.size(), true}) != DropReason::none) return;
     if (id.step == kInitialStep) {
       follower.vehicle.start(id.first_realization, received.size(), own);

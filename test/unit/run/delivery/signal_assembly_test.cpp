@@ -14,7 +14,7 @@ namespace platoon {
 namespace {
 
 const BatchSchedule kSchedule{20, 8, 3};  // batches at 0, 8 and, of size 4, at 16; steps -1 .. 2
-const Signal kError = tracking_error(3.2, 0.5);
+const Signal kError{true, 0.5, 1, -3.2};
 constexpr std::size_t kFollowers = 2;
 
 // A different position for each vehicle, realization and step.

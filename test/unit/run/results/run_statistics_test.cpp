@@ -6,10 +6,12 @@
 #include <future>
 #include <mutex>
 
+#include "stochastic_platoon/math/channel/awgn_channel.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "unit/paper_run.hpp"
 #include "unit/same_gaps.hpp"
+#include "unit/transmitted.hpp"
 
 namespace platoon {
 namespace {
@@ -27,12 +29,11 @@ std::vector<std::vector<Positions>> positions_of(const Configuration& configurat
   for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
     FollowerVehicle follower(configuration.model, configuration.run.seed, i);
     const AwgnChannel channel(configuration.model.default_vehicle().noise_variance, configuration.run.seed, i);
-    std::vector<double> received, own;
+    std::vector<double> own;
     follower.start(first, count, own);
     all.push_back({share(own)});
     for (std::int64_t k = 0; k < steps; ++k) {
-      channel.transmit(k - 1, first, *all[i - 1][static_cast<std::size_t>(k)], received);
-      follower.step(received, own);
+      follower.step(transmitted(channel, k - 1, first, *all[i - 1][static_cast<std::size_t>(k)]), own);
       all[i].push_back(share(own));
     }
   }

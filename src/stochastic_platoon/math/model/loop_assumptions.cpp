@@ -1,0 +1,92 @@
+#include "stochastic_platoon/math/model/loop_assumptions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+
+namespace platoon {
+
+namespace {
+
+struct RampGain {
+  long double value;  ///< T(1)
+  long double slope;  ///< dT/dz(1)
+};
+
+RampGain ramp_gain(const DeltaFraction& t) {
+  const auto at = [](const DeltaPolynomial& p, std::size_t j) { return j < p.size() ? p[j] : 0.0L; };
+  const long double value = at(t.numerator, 0) / at(t.denominator, 0);
+  return {value, (at(t.numerator, 1) - value * at(t.denominator, 1)) / at(t.denominator, 0)};
+}
+
+// Double integral action as a property of T, to the accuracy of a realization given to six digits: T(1) = 1 and
+// dT/dz(1) = -h, as H(1) T(1) = 1 and (H T)'(1) = 0.
+bool tracks_a_ramp(const RampGain& gain, double headway) {
+  return std::abs(gain.value - 1.0L) < 1e-4L && std::abs(gain.slope + headway) < 1e-3L * (1.0L + headway);
+}
+
+std::string missing_integral_action(const ClosedLoop& loop, const RampGain& gain, double headway) {
+  const std::string text = formatted(
+      "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and dT/dz(1) = -h for h = %g; here T(1) = %Lg and dT/dz(1) = %Lg",
+      headway, gain.value, gain.slope);
+  if (!loop.integrators) return text;
+  return text + formatted(", as G(z) K(z) has %d pole%s there", std::max(*loop.integrators, 0),
+                          *loop.integrators == 1 ? "" : "s");
+}
+
+/// The reason why the vehicles, whose coefficients of T are rounded to double, do not realize T; empty if they do.
+std::string rounded_away(const ClosedLoop& loop, double headway) {
+  if (loop.parts) return {};  // T(1) = 1 and dT/dz(1) = -h by construction
+  const RampGain gain = ramp_gain({delta_form(loop.transfer.numerator()), delta_form(loop.transfer.denominator())});
+  if (tracks_a_ramp(gain, headway) && (spectral_radius(loop) >= 1.0 || spectral_radius(loop.realization) < 1.0))
+    return {};
+  return formatted(
+      "the closed loop is too slow for its sample period: its poles lie so close to z = 1 that in double its coefficients have T(1) = %Lg and dT/dz(1) = %Lg instead of 1 and -h for h = %g: increase sample_period",
+      gain.value, gain.slope, headway);
+}
+
+}  // namespace
+
+double integral_defect(const ClosedLoop& loop, double headway) {
+  const RampGain gain = ramp_gain(delta_fraction(loop));
+  return static_cast<double>(std::abs(gain.value - 1.0L) + std::abs(gain.slope + headway) / (1.0L + headway));
+}
+
+std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double headway, bool allow_unstable) {
+  std::vector<std::string> found;
+  if (!loop.transfer.is_strictly_proper()) {
+    found.push_back("T(z) is not strictly proper: it must have more poles than zeros (relative degree of G K >= 1)");
+  }
+  const RampGain gain = ramp_gain(delta_fraction(loop));
+  if ((loop.integrators && *loop.integrators < 2) || !tracks_a_ramp(gain, headway)) {
+    found.push_back(missing_integral_action(loop, gain, headway));
+  } else if (loop.integrators) {
+    const std::string text = rounded_away(loop, headway);
+    if (!text.empty()) return {text};  // rounding hides all other properties
+  }
+  const double rho = spectral_radius(loop);
+  if (rho >= 1.0 && !allow_unstable) {
+    found.push_back(
+        formatted("the closed loop is unstable: rho(A) = %g, must be < 1 (allow_unstable: true runs it anyway)", rho));
+  }
+  for (const std::complex<double>& mode : unstable_hidden_modes(loop)) {
+    if (allow_unstable || mode.imag() < 0.0) continue;
+    const std::string pair = mode.imag() > 0.0 ? formatted(" +- i %g", mode.imag()) : "";
+    found.push_back(formatted(
+        "G(z) K(z) cancels an unstable mode at z = %g%s: cancelled modes must lie inside the unit circle (allow_unstable: true runs it anyway)",
+        mode.real(), pair.c_str()));
+  }
+  if (rho >= 1.0 && !allow_unstable) return found;
+  try {
+    unit_equilibrium(loop.realization);
+  } catch (const std::invalid_argument& error) {
+    found.emplace_back(error.what());
+  }
+  return found;
+}
+
+}  // namespace platoon
