@@ -10,6 +10,7 @@
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 

@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 #include "stochastic_platoon/run/io/retried_write.hpp"
 
 namespace platoon {

@@ -10,6 +10,7 @@
 #include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 
