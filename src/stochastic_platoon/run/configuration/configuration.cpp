@@ -88,7 +88,7 @@ Configuration parse_configuration(const YAML::Node& document) {
   if (problems.empty()) require_version(root, problems);
   if (!problems.empty()) throw ConfigurationError(problems);
   RunOptions run = read_run_options(root.section("run"));
-  const std::optional<PlatoonModel> model = read_model(root.section("model"), problems);
+  const std::optional<PlatoonModel> model = read_model(root.section("model"));
   if (model && run.steps_chosen) choose_steps(*model, run);
   root.reject_unknown_keys();
   if (model && !model->recorded_leader.empty()) {

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <filesystem>
 #include <set>
 #include <vector>
@@ -17,8 +18,7 @@ namespace {
 void require_known(const std::map<std::string, std::string>& given) {
   std::set<std::string> known{"model"};
   for (const Setting& setting : settings()) known.insert(setting.name);
-  std::string allowed;
-  for (const std::string& name : known) allowed += (allowed.empty() ? "" : ", ") + name;
+  const std::string allowed = boost::algorithm::join(known, ", ");
   std::vector<std::string> problems;
   for (const auto& entry : given) {
     if (known.count(entry.first) == 0) problems.push_back(entry.first + ": unknown setting: allowed are " + allowed);

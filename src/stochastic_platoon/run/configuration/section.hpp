@@ -16,15 +16,15 @@ constexpr double kLargest = 1e100;
 constexpr Eigen::Index kUnlimited = -1;
 constexpr Eigen::Index kLongestRow = 100;  ///< far beyond the order of any closed loop
 
-/// The allowed range of a number. A NaN bound is no bound. Beyond 1e100 the square of a number and sums over a run
-/// would overflow.
+/// The allowed numbers: at least `least`, below `below`, and of a magnitude of at most `most`. Beyond 1e100 the square
+/// of a number and sums over a run would overflow.
 struct Allowed {
-  std::string text;                                         ///< end of the sentence "must be ..."
-  double above;                                             ///< exclusive lower bound
-  double at_least;                                          ///< inclusive lower bound
-  double most = kLargest;                                   ///< largest magnitude
-  double below = std::numeric_limits<double>::quiet_NaN();  ///< exclusive upper bound
+  std::string text;  ///< end of the sentence "must be ..."
+  double least = -std::numeric_limits<double>::infinity();
+  double most = kLargest;
+  double below = std::numeric_limits<double>::infinity();
 };
+constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();  ///< the smallest number above 0
 
 extern const Allowed kAnyFinite, kPositive, kNotNegative, kLossProbability;
 
@@ -67,6 +67,9 @@ public:
   /// Adds a problem whose text begins with the key.
   void report(const std::string& problem) { problems_.push_back(name(problem)); }
 
+  /// Adds a problem of the section as a whole.
+  void report_whole(const std::string& problem) { problems_.push_back((path_.empty() ? "" : path_ + ": ") + problem); }
+
   /// Number of errors so far in the whole document.
   std::size_t problems() const { return problems_.size(); }
 
@@ -87,5 +90,9 @@ private:
   std::vector<std::string>& problems_;
   std::set<std::string> known_;
 };
+
+/// The number in a text that is no part of a document, as an option of a command line. Throws ConfigurationError.
+double number_of(const std::string& key, const std::string& text, const Allowed& allowed);
+std::int64_t integer_of(const std::string& key, const std::string& text, std::int64_t least, std::int64_t most);
 
 }  // namespace platoon

@@ -64,7 +64,7 @@ std::vector<SweepAxis> read_axes(const YAML::Node& node, const std::string& file
     axes.push_back(axis);
   }
   section.reject_unknown_keys();
-  if (axes.empty() && section.is_mapping()) section.report(": no axis: must name at least one varying parameter");
+  if (axes.empty() && section.is_mapping()) section.report_whole("no axis: must name at least one varying parameter");
   return axes;
 }
 

@@ -121,7 +121,7 @@ TEST(SweepFile, NamesWhatIsWrongAllAtOnce) {
             "  shard: unknown key: allowed are batch, combine, delay, followers, headway, keep, leader, loss, "
             "mean_burst, model, noise_variance, realizations, seed, shards, steps, vary");
   EXPECT_EQ(refusal("followers: 3\n"), "vary: missing: must be a mapping of keys");
-  EXPECT_EQ(refusal("vary: {}\n"), "vary/: no axis: must name at least one varying parameter");
+  EXPECT_EQ(refusal("vary: {}\n"), "vary: no axis: must name at least one varying parameter");
 }
 
 TEST(SweepFile, NamesThePointsThatCannotRun) {
