@@ -216,7 +216,7 @@ class Sweeps(ShardsTest):
         output = ["--output", self.path("run")]
         self.refused("sweep FILE --output DIR: must be given one file", *output)
         self.refused("output: (empty): must be a folder", self.file)
-        self.refused("sweep: /nowhere: must be a file that can be read", "/nowhere", *output)
+        self.refused("sweep: /nowhere: must be a file of at most 256 MB that can be read (No such file or directory)", "/nowhere", *output)
         self.refused("task: 20: must be a whole number from 0 to 19", self.file, "--task", "20", *output)
         self.refused("task: all: must be a whole number", self.file, "--task", "all", *output)
         self.refused("1000000 x 1000000 = 1e+12 points: must be at most 100000",
