@@ -8,6 +8,7 @@
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
 
@@ -141,7 +142,7 @@ YAML::Node load_model(const std::string& file) {
 
 YAML::Node configuration_document(const std::map<std::string, std::string>& given) {
   require_known(given);
-  return document_of(load_model(given.count("model") > 0 ? given.at("model") : ""), given);
+  return document_of(load_model(given.count("model") > 0 ? given.at("model") : paper_model_file()), given);
 }
 
 YAML::Node configuration_document(const YAML::Node& model, const std::map<std::string, std::string>& given) {

@@ -178,13 +178,13 @@ std::string word_of(const YAML::Node& value) {
   return printable(text);
 }
 
-Sweep read_sweep(const std::string& file, const std::map<std::string, std::string>& given, const std::string& model) {
+Sweep read_sweep(const std::string& file, const std::map<std::string, std::string>& given) {
   const YAML::Node node = load_yaml(file, "sweep");
   std::vector<std::string> problems;
   Section document(node, "", problems);
   Sweep sweep;
   std::map<std::string, std::string> shared;
-  shared["model"] = document.has("model") ? beside(file, document.text("model")) : model;
+  if (document.has("model")) shared["model"] = beside(file, document.text("model"));
   for (const std::string& name : kShared) {
     if (document.has(name)) shared[name] = document.text(name);
   }
