@@ -3,19 +3,14 @@
 
 #include <unistd.h>
 
-#include <chrono>
-#include <condition_variable>
-#include <cstdio>
 #include <iostream>
-#include <mutex>
-#include <thread>
+#include <optional>
 
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/spaced.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
-#include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/report/analysis.hpp"
 #include "stochastic_platoon/run/report/stability_sweep.hpp"
 #include "tools/command_line.hpp"
@@ -34,44 +29,20 @@ std::vector<double> values_of(const platoon::CommandLine& given, const std::stri
   return values;
 }
 
-/// Shows the present computation on a terminal, from half a second on.
+/// Shows the present computation on a terminal until it ends.
 class StageDisplay {
 public:
-  StageDisplay() {
-    if (isatty(STDERR_FILENO) == 1) thread_ = std::thread([this] { show(); });
-  }
-  ~StageDisplay() {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      ended_ = true;
-    }
-    changed_.notify_one();
-    if (thread_.joinable()) thread_.join();
-  }
+  StageDisplay() = default;
+  ~StageDisplay() { show("\r\033[K"); }
   StageDisplay(const StageDisplay&) = delete;
   StageDisplay& operator=(const StageDisplay&) = delete;
 
-  void begins(const char* stage) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    stage_ = stage;
-  }
+  void begins(const std::string& stage) { show("\r\033[Kcomputing: " + stage); }
 
 private:
-  void show() {
-    const double began = platoon::now();
-    std::unique_lock<std::mutex> lock(mutex_);
-    if (changed_.wait_for(lock, std::chrono::milliseconds(500), [this] { return ended_; })) return;
-    do {
-      std::fprintf(stderr, "\r\033[Kcomputing: %s (%.0f s)", stage_, platoon::now() - began);
-    } while (!changed_.wait_for(lock, std::chrono::milliseconds(200), [this] { return ended_; }));
-    std::fputs("\r\033[K", stderr);
+  void show(const std::string& text) {
+    if (isatty(STDERR_FILENO) == 1) std::cerr << text << std::flush;
   }
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  const char* stage_ = "model";
-  bool ended_ = false;
-  std::thread thread_;
 };
 
 std::vector<platoon::SweepPoint> run_sweep(const platoon::PlatoonModel& model, const platoon::CommandLine& given) {

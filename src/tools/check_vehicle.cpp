@@ -60,8 +60,9 @@ void require_no_run(const ros::NodeHandle& platoon) {
   const std::string topic = platoon.resolveName(platoon::kConfigurationTopic);
   const std::vector<std::string> names = platoon::registered_publishers(topic);
   if (names.empty()) return;
-  throw std::runtime_error(names.front() + " publishes " + topic +
-                           ": a platoon is there; end it, or use another master or namespace (ROS_NAMESPACE)");
+  throw std::runtime_error(
+      names.front() + " publishes " + topic +
+      ": a platoon runs in this namespace: end it, or use another master or namespace (ROS_NAMESPACE)");
 }
 
 // Restores the parameter at the end.

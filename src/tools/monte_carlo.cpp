@@ -36,24 +36,10 @@ void request_stop(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
-// Shows the progress of a number of realizations, and checks for a stop request.
-class Display {
-public:
-  Display(const platoon::RunOptions& run, std::uint64_t realizations)
-      : display_(realizations, "realizations", static_cast<double>(run.followers) * static_cast<double>(run.steps),
-                 "vehicle-steps") {}
-
-  void connect(platoon::ShardSettings& settings) {
-    settings.progress = [this](std::uint64_t done) { display_.update(done, platoon::now()); };
-    settings.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
-    settings.stop = [] { return stop_requested.load(); };
-  }
-
-  void finish() { display_.finish(); }
-
-private:
-  platoon::ProgressDisplay display_;
-};
+platoon::ProgressDisplay display_of(const platoon::RunOptions& run, std::uint64_t realizations) {
+  return {realizations, "realizations", static_cast<double>(run.followers) * static_cast<double>(run.steps),
+          "vehicle-steps"};
+}
 
 // Returns whether all realizations are done.
 bool reported(const std::string& name, std::uint64_t done, std::uint64_t of) {
@@ -65,8 +51,8 @@ bool reported(const std::string& name, std::uint64_t done, std::uint64_t of) {
 
 // Returns whether the run is complete.
 bool run_whole(const platoon::Configuration& configuration, platoon::ShardSettings settings) {
-  Display display(configuration.run, configuration.run.realizations);
-  display.connect(settings);
+  platoon::ProgressDisplay display = display_of(configuration.run, configuration.run.realizations);
+  settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
   const platoon::WholeRun run = platoon::compute_run(configuration, settings);
   display.finish();
   if (run.result.realizations > 0) {
@@ -85,8 +71,8 @@ bool run_shard(platoon::Configuration configuration, const std::string& text, pl
   options.launch_id = name;
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(options);
   const platoon::RealizationRange range = shard.range();
-  Display display(options, range.size());
-  display.connect(settings);
+  platoon::ProgressDisplay display = display_of(options, range.size());
+  settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
   const auto [checkpoint, computed] = platoon::compute_shard({configuration, shard.shard}, settings);
   display.finish();
   const std::uint64_t done = checkpoint.totals.count();
@@ -172,6 +158,8 @@ int main(int argc, char** argv) {
   try {
     platoon::ShardSettings how;
     how.threads = platoon::threads_of(given);
+    how.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
+    how.stop = [] { return stop_requested.load(); };
     if (given.has("checkpoint_seconds"))
       how.checkpoint_seconds =
           platoon::number_of("checkpoint_seconds", given["checkpoint_seconds"], platoon::kPositive);

@@ -131,18 +131,18 @@ std::uint64_t run_identity(const Configuration& configuration) {
 }
 
 nlohmann::json statistics_identity(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
   nlohmann::json identity = to_json(configuration.model);
   identity["version"] = kVersion;
   for (const VehicleType& type : configuration.model.types)
     identity["realization"][type.name] = to_json(type.vehicle.loop.realization);
-  identity["seed"] = configuration.run.seed;
-  identity["followers"] = configuration.run.followers;
-  identity["steps"] = configuration.run.steps;
-  if (configuration.run.averaging() == Averaging::over_time) identity["burn_in"] = configuration.run.burn_in;
-  if (!configuration.run.external.empty()) identity["external"] = configuration.run.external;
-  if (!configuration.run.signals.empty()) identity["signals"] = configuration.run.signals;
-  if (configuration.run.has_amplification() && configuration.run.burn_in > 0)
-    identity["burn_in"] = configuration.run.burn_in;
+  identity["seed"] = run.seed;
+  identity["followers"] = run.followers;
+  identity["steps"] = run.steps;
+  if (!run.external.empty()) identity["external"] = run.external;
+  if (!run.signals.empty()) identity["signals"] = run.signals;
+  if (run.averaging() == Averaging::over_time || (run.has_amplification() && run.burn_in > 0))
+    identity["burn_in"] = run.burn_in;
   return identity;
 }
 

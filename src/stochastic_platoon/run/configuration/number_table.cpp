@@ -45,7 +45,8 @@ NumberTable::NumberTable(const std::string& file, std::int64_t skip_rows, std::v
   for (const std::string& column : columns_) {
     const auto found = std::find(names.begin(), names.end(), column);
     if (found == names.end())
-      fail("no column " + printable(column) + ": must be one of " + printable(shortened(boost::algorithm::join(names, ", "))));
+      fail("no column " + printable(column) + ": must be one of " +
+           printable(shortened(boost::algorithm::join(names, ", "))));
     places_.push_back(static_cast<std::size_t>(found - names.begin()));
   }
 }

@@ -22,7 +22,6 @@ constexpr std::int64_t kMaxCount = std::int64_t{1} << 46;
 // Cells of the statistics: followers times steps. A run keeps about 200 bytes per cell.
 constexpr std::int64_t kMaxCells = 20000000;
 
-
 constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
 
 // The paper's example has a sample period of 0.1 s and 100 steps.

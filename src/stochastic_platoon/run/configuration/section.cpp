@@ -1,5 +1,6 @@
 #include "stochastic_platoon/run/configuration/section.hpp"
 
+#include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 #include <cmath>
 #include <locale>
@@ -115,7 +116,7 @@ Section::Section(const YAML::Node& node, const std::string& path, std::vector<st
 
 bool Section::has(const std::string& key) {
   known_.insert(key);
-  return node_.IsMap() && static_cast<const YAML::Node&>(node_)[key];
+  return node_.IsMap() && node_[key];
 }
 
 void Section::reject(const std::string& key, const std::string& value, const std::string& allowed) {
@@ -125,7 +126,7 @@ void Section::reject(const std::string& key, const std::string& value, const std
 YAML::Node Section::require(const std::string& key, const std::string& allowed) {
   known_.insert(key);
   if (!node_.IsMap()) return {};
-  const YAML::Node value = static_cast<const YAML::Node&>(node_)[key];
+  const YAML::Node value = node_[key];
   if (!value || value.IsNull()) {
     problems_.push_back(name(key) + ": missing: must be " + allowed);
     return {};
@@ -172,8 +173,10 @@ bool Section::boolean(const std::string& key) {
 std::string Section::text(const std::string& key) {
   const YAML::Node node = require(key, "a text");
   if (node.IsNull()) return "";
-  if (!node.IsScalar()) reject(key, shown(node), "a text");
-  if (!node.IsScalar()) return "";
+  if (!node.IsScalar()) {
+    reject(key, shown(node), "a text");
+    return "";
+  }
   if (!is_utf8(node.Scalar())) reject(key, shown(node), kUtf8);
   return node.Scalar();
 }
@@ -182,9 +185,8 @@ std::string Section::choice(const std::string& key, const std::vector<std::strin
   const std::string allowed = boost::algorithm::join(choices, " or ");
   const YAML::Node node = require(key, allowed);
   if (node.IsNull()) return choices.front();
-  for (const std::string& choice : choices) {
-    if (node.IsScalar() && node.Scalar() == choice) return choice;
-  }
+  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  if (std::find(choices.begin(), choices.end(), text) != choices.end()) return text;
   reject(key, shown(node), allowed);
   return choices.front();
 }
@@ -196,7 +198,7 @@ Eigen::VectorXd Section::numbers(const std::string& key, Eigen::Index longest) {
   const std::optional<Eigen::VectorXd> values = parsed_numbers(node);
   if (!values) {
     reject(key, shown(node), allowed);
-  } else if (longest != kUnlimited && values->size() > longest) {
+  } else if (values->size() > longest) {
     reject(key, std::to_string(values->size()) + " numbers", "at most " + std::to_string(longest));
   } else if (values->cwiseAbs().maxCoeff() > kLargest) {
     reject(key, shown(node), at_most(kLargest));
@@ -267,7 +269,7 @@ std::vector<std::string> Section::keys() {
 }
 
 bool Section::is_list(const std::string& key) {
-  return has(key) && static_cast<const YAML::Node&>(node_)[key].IsSequence();
+  return has(key) && node_[key].IsSequence();
 }
 
 Section Section::section(const std::string& key) {

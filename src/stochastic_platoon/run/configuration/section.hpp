@@ -13,7 +13,6 @@
 namespace platoon {
 
 constexpr double kLargest = 1e100;
-constexpr Eigen::Index kUnlimited = -1;
 constexpr Eigen::Index kLongestRow = 100;  ///< far beyond the order of any closed loop
 
 /// The allowed numbers: at least `least`, below `below`, and of a magnitude of at most `most`. Beyond 1e100 the square
@@ -49,7 +48,7 @@ public:
   std::string text(const std::string& key);
   std::string choice(const std::string& key, const std::vector<std::string>& choices);
   /// A non-empty list of finite numbers, at most `longest`.
-  Eigen::VectorXd numbers(const std::string& key, Eigen::Index longest = kUnlimited);
+  Eigen::VectorXd numbers(const std::string& key, Eigen::Index longest = std::numeric_limits<Eigen::Index>::max());
   /// A non-empty list of rows of finite numbers, all of one length; at most kLongestRow rows and columns.
   Eigen::MatrixXd matrix(const std::string& key);
   /// A non-empty list of names.
@@ -85,7 +84,7 @@ public:
 private:
   YAML::Node require(const std::string& key, const std::string& allowed);
 
-  YAML::Node node_;
+  const YAML::Node node_;
   std::string path_;
   std::vector<std::string>& problems_;
   std::set<std::string> known_;

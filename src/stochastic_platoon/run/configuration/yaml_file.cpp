@@ -36,8 +36,8 @@ YAML::Node load_yaml(const std::string& file, const std::string& what) {
       throw ConfigurationError({what + ": " + file + ": several documents: must be one"});
     return document;
   } catch (const std::system_error& error) {
-    throw ConfigurationError({what + ": " + file + ": must be a file of at most 256 MB that can be read (" +
-                              error.code().message() + ")"});
+    throw ConfigurationError(
+        {what + ": " + file + ": must be a file of at most 256 MB that can be read (" + error.code().message() + ")"});
   } catch (const YAML::Exception& error) {
     throw ConfigurationError({what + ": " + file + ": must be YAML: " + error.what()});
   }
