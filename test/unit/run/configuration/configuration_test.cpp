@@ -131,7 +131,8 @@ TEST_F(ConfigurationTest, NamesEverySettingThatIsUnknown) {
 
 TEST_F(ConfigurationTest, NamesTheModelFileThatIsMissing) {
   EXPECT_EQ(problems_with({{"model", folder_ / "none.yaml"}}),
-            Problems{"model: " + folder_ / "none.yaml" + ": must be a file of at most 256 MB that can be read (No such file or directory)"});
+            Problems{"model: " + folder_ / "none.yaml" +
+                     ": must be a file of at most 256 MB that can be read (No such file or directory)"});
   EXPECT_EQ(problems_of([] { configuration_document({{"model", ""}}); }).size(), 1u);
 }
 

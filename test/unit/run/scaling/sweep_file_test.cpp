@@ -69,8 +69,7 @@ TEST(SweepFile, VariesRecordedDrivesThatLieBesideIt) {
     for (int second = 0; second <= 12; ++second) table += std::to_string(second) + "," + speed + "\n";
     folder.file(name, table);
   }
-  const Sweep sweep =
-      read_sweep(folder.file("sweep.yaml", "vary: {leader: [slow.csv, fast.csv, {speed: []}]}\n"), {});
+  const Sweep sweep = read_sweep(folder.file("sweep.yaml", "vary: {leader: [slow.csv, fast.csv, {speed: []}]}\n"), {});
   EXPECT_NEAR(sweep.configuration(0).model.recorded_leader.at(101), 10.0, 1e-9);
   EXPECT_NEAR(sweep.configuration(1).model.recorded_leader.at(101), 20.0, 1e-9);
   EXPECT_TRUE(sweep.configuration(2).model.recorded_leader.empty());
