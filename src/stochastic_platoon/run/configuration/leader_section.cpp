@@ -44,8 +44,7 @@ std::vector<double> read_drive(Section& section, double sample_period) {
   if (section.has("unit")) {
     std::vector<std::string> names;
     for (const auto& unit : units) names.push_back(unit.first);
-    const auto found = units.find(section.choice("unit", names));
-    if (found != units.end()) drive.unit = found->second;
+    drive.unit = units.at(section.choice("unit", names));
   }
   if (section.has("skip_rows")) drive.skip_rows = section.integer("skip_rows", 0, 1000000);
   if (section.has("from_second")) drive.from_second = section.number("from_second", kNotNegative);

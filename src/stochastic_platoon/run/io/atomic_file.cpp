@@ -90,7 +90,7 @@ std::string free_space(const std::string& file) {
   std::error_code error;
   const std::string folder = std::filesystem::absolute(file).parent_path().string();
   const std::uintmax_t bytes = std::filesystem::space(folder, error).available;
-  if (error) return folder + " cannot be looked at";
+  if (error) return "the free space of " + folder + " is unknown";
   return std::to_string(bytes / 1000000) + " MB are free there";
 }
 
