@@ -72,17 +72,8 @@ std::vector<std::string> read_signals(Section& section) {
 }  // namespace
 
 const char* to_string(Hosting hosting) {
-  switch (hosting) {
-    case Hosting::processes:
-      return "processes";
-    case Hosting::one_process:
-      return "one_process";
-    case Hosting::monte_carlo:
-      return "monte_carlo";
-    case Hosting::bag:
-      return "bag";
-  }
-  return "unknown";
+  static constexpr const char* kNames[] = {"processes", "one_process", "monte_carlo", "bag"};
+  return kNames[static_cast<std::size_t>(hosting)];
 }
 
 std::int64_t chosen_steps(const RunOptions& options, double sample_period, double seconds) {
