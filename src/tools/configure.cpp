@@ -7,8 +7,6 @@
 #include <ros/param.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
@@ -28,7 +26,7 @@
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
-#include "tools/settings.hpp"
+#include "tools/command_line.hpp"
 
 namespace {
 
@@ -39,30 +37,25 @@ std::string new_launch_name() {
   return std::string(date) + "-" + std::to_string(::getpid());
 }
 
-// ROS writes its files to ROS_HOME, by default ~/.ros.
+// ROS writes its files to ROS_HOME, by default ~/.ros; none if neither ROS_HOME nor HOME is set.
+std::optional<std::string> ros_home() {
+  if (const char* folder = std::getenv("ROS_HOME")) return folder;
+  if (const char* home = std::getenv("HOME")) return std::string(home) + "/.ros";
+  return std::nullopt;
+}
+
 std::string new_output_folder(const std::string& launch) {
-  const char* ros_home = std::getenv("ROS_HOME");
-  const char* home = std::getenv("HOME");
-  if (ros_home == nullptr && home == nullptr) {
+  const std::optional<std::string> home = ros_home();
+  if (!home)
     throw platoon::ConfigurationError({"output: (empty): must be a folder, as neither ROS_HOME nor HOME is set"});
-  }
-  return (ros_home != nullptr ? std::string(ros_home) : std::string(home) + "/.ros") + "/stochastic_platoon/" + launch;
+  return *home + "/stochastic_platoon/" + launch;
 }
 
 // The folder in which roslaunch and every node keep their logs. Without it the nodes fail one by one with an obscure
 // message.
 void require_log_folder() {
   const char* log_folder = std::getenv("ROS_LOG_DIR");
-  const char* ros_home = std::getenv("ROS_HOME");
-  const char* home = std::getenv("HOME");
-  std::string folder;
-  if (log_folder != nullptr) {
-    folder = log_folder;
-  } else if (ros_home != nullptr) {
-    folder = std::string(ros_home) + "/log";
-  } else if (home != nullptr) {
-    folder = std::string(home) + "/.ros/log";
-  }
+  const std::string folder = log_folder != nullptr ? log_folder : ros_home() ? *ros_home() + "/log" : "";
   if (folder.empty()) return;
   try {
     platoon::require_writable_folder(folder);
@@ -97,15 +90,15 @@ void require_free_recording(const platoon::RunOptions& run) {
 }
 
 // Throws ConfigurationError if a platoon runs in the namespace already, or a vehicle that this launch would start.
-void require_free_namespace(std::map<std::string, std::string> launch, const platoon::RunOptions& run) {
+void require_free_namespace(const platoon::CommandLine& line, const platoon::RunOptions& run) {
   if (platoon::roslaunch_process() == 0) return;
   const char* environment = std::getenv("ROS_MASTER_URI");
   ros::init(ros::M_string{{"__master", platoon::master_address(platoon::command_line(), environment)}}, "configure",
             ros::init_options::AnonymousName | ros::init_options::NoRosout | ros::init_options::NoSigintHandler);
   std::string problem;
-  if (!ros::names::validate(launch["ns"], problem))
-    throw platoon::ConfigurationError({"ns: " + launch["ns"] + ": " + problem});
-  const std::string name_space = ros::names::resolve(launch["ns"]);
+  if (!ros::names::validate(line["ns"], problem))
+    throw platoon::ConfigurationError({"ns: " + line["ns"] + ": " + problem});
+  const std::string name_space = ros::names::resolve(line["ns"]);
   using Topic = platoon::PlatoonTopic;
   const auto publisher = [&name_space](const auto& selected) {
     return platoon::live_publisher([&](const std::string& name) {
@@ -124,23 +117,22 @@ void require_free_namespace(std::map<std::string, std::string> launch, const pla
     const auto configuration = nlohmann::json::parse(text, nullptr, false);
     const std::string output =
         configuration.is_object() ? configuration.value(nlohmann::json::json_pointer("/run/output"), "") : "";
-    throw platoon::ConfigurationError({"ns: " + launch["ns"] + ": a platoon runs in it already (node " + running->node +
+    throw platoon::ConfigurationError({"ns: " + line["ns"] + ": a platoon runs in it already (node " + running->node +
                                        ", results in " + output +
                                        "): must be another namespace, as in ns:=platoon2, or wait for its end"});
   }
-  const auto number = [&launch](const char* key) { return std::strtoull(launch[key].c_str(), nullptr, 10); };
+  const auto number = [&line](const char* key) { return std::strtoull(line[key].c_str(), nullptr, 10); };
   const auto vehicle = publisher([&](const Topic& topic) {
-    const bool is_external = std::count(run.external.begin(), run.external.end(), topic.vehicle) > 0;
     return topic.kind == Topic::Kind::position && topic.vehicle >= number("first") && topic.vehicle <= number("last") &&
-           !is_external;
+           !run.is_external(topic.vehicle);
   });
   if (!vehicle) return;
   throw platoon::ConfigurationError({vehicle->topic + ": node " + vehicle->node +
                                      " publishes it already: must be outside first:= .. last:=, or in external:="});
 }
 
-// The settings that are not empty, that is, those given to the launch file.
-std::map<std::string, std::string> given(const std::map<std::string, std::string>& settings) {
+// The settings that are given to the launch file.
+std::map<std::string, std::string> not_empty(const std::map<std::string, std::string>& settings) {
   std::map<std::string, std::string> found;
   for (const auto& entry : settings) {
     if (!entry.second.empty()) found.insert(entry);
@@ -166,56 +158,46 @@ platoon::Configuration recorded(const platoon::BagSource& bags) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::set<std::string> accepted{"model"};
-  for (const platoon::Setting& setting : platoon::settings()) accepted.insert(setting.name);
-  std::map<std::string, std::string> settings = platoon::parse_command_line(
-      argc, argv, "Checks a platoon's configuration and prints it for the parameter server", accepted,
-      {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
-       {"ns", "namespace of the platoon, which must be free"},
-       {"first", "first vehicle that the launch starts"},
-       {"last", "last vehicle that the launch starts"},
-       {"own", "renamed: external (rejected when given)"},
-       {"quote_in_path", "true: reject a quote in a path, which a launch file cannot pass on"},
-       {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
-       {"unverified", "true: with --bag, also of recordings without checksums"}});
+  std::set<std::string> all_settings{"model"};
+  for (const platoon::Setting& setting : platoon::settings()) all_settings.insert(setting.name);
+  const platoon::CommandLine line = platoon::parse_command_line(
+      argc, argv,
+      {"Checks a platoon's configuration and prints it for the parameter server",
+       all_settings,
+       {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
+        {"ns", "namespace of the platoon, which must be free"},
+        {"first", "first vehicle that the launch starts"},
+        {"last", "last vehicle that the launch starts"},
+        {"own", "renamed: external (rejected when given)"},
+        {"quote_in_path", "true: reject a quote in a path, which a launch file cannot pass on"},
+        {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
+        {"unverified", "true: with --bag, also of recordings without checksums"}}});
   try {
-    if (settings["quote_in_path"] == "true") {
+    if (line["quote_in_path"] == "true") {
       throw platoon::ConfigurationError(
           {"model, output, record, bag: a path with a quote ('): must be without, as a launch file cannot pass it on (a symbolic link can give it another name)"});
     }
-    settings.erase("quote_in_path");
-    if (!settings["own"].empty()) {
+    if (!line["own"].empty())
       throw platoon::ConfigurationError(
-          {"own: " + settings["own"] + ": renamed: must be given as external:=" + settings["own"]});
-    }
-    settings.erase("own");
+          {"own: " + line["own"] + ": renamed: must be given as external:=" + line["own"]});
     const std::vector<std::string> undeclared =
         platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch");
     if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);
     require_log_folder();
-    std::map<std::string, std::string> launch;
-    for (const char* key : {"ns", "first", "last"}) {
-      launch[key] = settings[key];
-      settings.erase(key);
-    }
-    const platoon::BagSource bags{platoon::bag_files(settings["bag"]), platoon::Accept::whole,
-                                  is_true(settings["unverified"])};
-    const bool behind_recorded_leader = settings["recorded_leader"] == "true";
-    settings.erase("bag");
-    settings.erase("unverified");
-    settings.erase("recorded_leader");
+    const platoon::BagSource bags{platoon::bag_files(line["bag"]), platoon::Accept::whole, is_true(line["unverified"])};
+    std::map<std::string, std::string> settings = line.settings;
     if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);
     settings["output"] = absolute(settings["output"]);
     if (!settings["record"].empty()) settings["record"] = absolute(settings["record"]);
     platoon::Configuration configuration = platoon::parse_configuration(
         bags.files.empty() ? platoon::configuration_document(settings)
-                           : platoon::configuration_document(recorded(bags), given(settings)));
-    if (behind_recorded_leader) {
+                           : platoon::configuration_document(recorded(bags), not_empty(settings)));
+    if (line["recorded_leader"] == "true") {
       configuration.model.recorded_leader = platoon::recorded_leader(bags, configuration.run.steps);
       configuration = platoon::parse_configuration(platoon::to_json(configuration).dump());
     }
-    require_free_namespace(launch, configuration.run);
+    require_free_namespace(line, configuration.run);
     require_free_recording(configuration.run);
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
     const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);

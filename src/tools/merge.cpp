@@ -1,6 +1,5 @@
 // Joins the shards computed by monte_carlo --shard: bit for bit the results of one run.
 
-#include <filesystem>
 #include <iostream>
 
 #include "stochastic_platoon/run/io/atomic_file.hpp"
@@ -8,21 +7,23 @@
 #include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/scaling/merge.hpp"
-#include "tools/settings.hpp"
+#include "tools/command_line.hpp"
 
 int main(int argc, char** argv) {
-  std::vector<std::string> folders;
-  const std::map<std::string, std::string> options = platoon::parse_command_line(
-      argc, argv, "merge DIR... --output DIR: the shards of a run, joined to the results of one", {},
-      {{"output", "folder for the results"}}, &folders);
+  const platoon::CommandLine given =
+      platoon::parse_command_line(argc, argv,
+                                  {"merge DIR... --output DIR: the shards of a run, joined to the results of one",
+                                   {},
+                                   {{"output", "folder for the results"}},
+                                   true});
   platoon::ignore_file_size_signal();
   try {
-    if (folders.empty() || options.count("output") == 0)
+    if (given.words.empty() || !given.has("output"))
       throw platoon::ConfigurationError(
           {"merge DIR... --output DIR: must be given the folders of the shards, and one for the results"});
-    platoon::MergedRun merged = platoon::merge(folders);
+    platoon::MergedRun merged = platoon::merge(given.words);
     platoon::Configuration& configuration = merged.configuration;
-    configuration.run.output = options.at("output");
+    configuration.run.output = given["output"];
     configuration.run.resume = false;
     configuration.run.launch_id.clear();
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);

@@ -3,8 +3,6 @@
 // summary.json again. A run that was interrupted or killed continues with the same command.
 
 #include <atomic>
-#include <charconv>
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
@@ -12,9 +10,10 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
+#include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
-#include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
@@ -22,15 +21,11 @@
 #include "stochastic_platoon/run/results/trajectories_csv.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "stochastic_platoon/run/scaling/whole_run.hpp"
-#include "tools/settings.hpp"
+#include "tools/command_line.hpp"
 
 namespace {
 
 constexpr int kInterrupted = 130;  // exit status, as the shell's after Ctrl-C
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // Ctrl-C or a scheduler's SIGTERM stops the run after the batches that have begun; the same signal again ends the
 // program at once.
@@ -41,24 +36,10 @@ void request_stop(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
-// Shows the progress of a number of realizations, and checks for a stop request.
-class Display {
-public:
-  Display(const platoon::RunOptions& run, std::uint64_t realizations)
-      : display_(realizations, "realizations", static_cast<double>(run.followers) * static_cast<double>(run.steps),
-                 "vehicle-steps") {}
-
-  void connect(platoon::ShardSettings& settings) {
-    settings.progress = [this](std::uint64_t done) { display_.update(done, now()); };
-    settings.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
-    settings.stop = [] { return stop_requested.load(); };
-  }
-
-  void finish() { display_.finish(); }
-
-private:
-  platoon::ProgressDisplay display_;
-};
+platoon::ProgressDisplay display_of(const platoon::RunOptions& run, std::uint64_t realizations) {
+  return {realizations, "realizations", static_cast<double>(run.followers) * static_cast<double>(run.steps),
+          "vehicle-steps"};
+}
 
 // Returns whether all realizations are done.
 bool reported(const std::string& name, std::uint64_t done, std::uint64_t of) {
@@ -70,8 +51,8 @@ bool reported(const std::string& name, std::uint64_t done, std::uint64_t of) {
 
 // Returns whether the run is complete.
 bool run_whole(const platoon::Configuration& configuration, platoon::ShardSettings settings) {
-  Display display(configuration.run, configuration.run.realizations);
-  display.connect(settings);
+  platoon::ProgressDisplay display = display_of(configuration.run, configuration.run.realizations);
+  settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
   const platoon::WholeRun run = platoon::compute_run(configuration, settings);
   display.finish();
   if (run.result.realizations > 0) {
@@ -90,8 +71,8 @@ bool run_shard(platoon::Configuration configuration, const std::string& text, pl
   options.launch_id = name;
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(options);
   const platoon::RealizationRange range = shard.range();
-  Display display(options, range.size());
-  display.connect(settings);
+  platoon::ProgressDisplay display = display_of(options, range.size());
+  settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
   const auto [checkpoint, computed] = platoon::compute_shard({configuration, shard.shard}, settings);
   display.finish();
   const std::uint64_t done = checkpoint.totals.count();
@@ -137,10 +118,8 @@ void require_equal(const platoon::RecordedResults& recorded, const std::string& 
 
 // Writes the trajectories of one realization in place of a run.
 void write_trajectories(const platoon::Configuration& configuration, const std::string& only) {
-  std::uint64_t realization = 0;
-  const auto read = std::from_chars(only.data(), only.data() + only.size(), realization);
-  if (read.ec != std::errc() || read.ptr != only.data() + only.size())
-    throw platoon::ConfigurationError({"only: " + only + ": must be the number of a realization, 0 or more"});
+  const auto last = static_cast<std::int64_t>(configuration.run.realizations) - 1;
+  const auto realization = static_cast<std::uint64_t>(platoon::integer_of("only", only, 0, last));
   const std::string text = platoon::trajectories_csv(configuration, realization),
                     file = configuration.run.output + "/trajectories.csv";
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
@@ -154,41 +133,39 @@ void write_trajectories(const platoon::Configuration& configuration, const std::
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::map<std::string, std::string> own_help = {
-      {"threads", "worker threads (one per core); the result does not depend on it"},
-      {"shard", "I/N: only part I = 0 .. N - 1 of the realizations, for merge"},
-      {"checkpoint_seconds", "seconds between checkpoints (10), from which the same command continues"},
-      {"repeat", "summary.json of a run: repeats it into another output folder and compares the results"},
-      {"only", "number of a realization of the run: with --trajectories, instead of the run"},
-      {"trajectories", "writes trajectories.csv: every position, input and signal of that realization"}};
-  std::map<std::string, std::string> help = own_help;
-  help["steps"] = "steps per realization, 1 or more (100)";
-  help["batch"] = "realizations that a thread computes at once (" + std::string(platoon::kMonteCarloBatch) +
-                  ", with signals " + platoon::kMonteCarloBatchWithSignals + ")";
-  help["output"] = "folder for the results";
-  help["burn_in"] = "steps that amplification.csv leaves out (none)";
-  std::map<std::string, std::string> settings =
-      platoon::parse_command_line(argc, argv, "Monte Carlo of the platoon in one process",
-                                  {"model", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst",
-                                   "delay", "leader", "followers", "realizations", "seed", "signals"},
-                                  help, nullptr, {"trajectories"});
-  std::map<std::string, std::string> own;
-  for (const auto& entry : own_help) {
-    if (settings.count(entry.first) > 0) own[entry.first] = settings[entry.first];
-    settings.erase(entry.first);
-  }
+  const platoon::CommandLine given = platoon::parse_command_line(
+      argc, argv,
+      {"Monte Carlo of the platoon in one process",
+       {"model", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst", "delay", "leader", "followers",
+        "steps", "realizations", "batch", "seed", "signals", "output", "burn_in"},
+       {{"threads", "worker threads (one per core); the result does not depend on it"},
+        {"shard", "I/N: only part I = 0 .. N - 1 of the realizations, for merge"},
+        {"checkpoint_seconds", "seconds between checkpoints (10), from which the same command continues"},
+        {"repeat", "summary.json of a run: repeats it into another output folder and compares the results"},
+        {"only", "number of a realization of the run: with --trajectories, instead of the run"},
+        {"trajectories", "writes trajectories.csv: every position, input and signal of that realization"}},
+       false,
+       {"trajectories"},
+       {{"steps", "steps per realization, 1 or more; empty: 10 s of driving, from 100 to 10000 steps"},
+        {"batch", std::string("realizations that a thread computes at once (") + platoon::kMonteCarloBatch +
+                      ", with signals " + platoon::kMonteCarloBatchWithSignals + ")"},
+        {"output", "folder for the results"},
+        {"burn_in", "steps that amplification.csv leaves out (none)"}}});
   platoon::ignore_file_size_signal();
   for (const int signal : {SIGINT, SIGTERM}) {
     if (std::signal(signal, request_stop) == SIG_IGN) std::signal(signal, SIG_IGN);  // a job in the background
   }
   try {
     platoon::ShardSettings how;
-    how.threads = platoon::threads_of(own["threads"]);
-    if (own.count("checkpoint_seconds") > 0)
-      how.checkpoint_seconds = platoon::seconds_of("checkpoint-seconds", own["checkpoint_seconds"]);
+    how.threads = platoon::threads_of(given);
+    how.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
+    how.stop = [] { return stop_requested.load(); };
+    if (given.has("checkpoint_seconds"))
+      how.checkpoint_seconds =
+          platoon::number_of("checkpoint_seconds", given["checkpoint_seconds"], platoon::kPositive);
     std::optional<platoon::RecordedResults> recorded;
-    if (own.count("repeat") > 0) recorded = repeated(own["repeat"], settings);
-    settings.emplace("model", platoon::paper_model_file());
+    if (given.has("repeat")) recorded = repeated(given["repeat"], given.settings);
+    std::map<std::string, std::string> settings = given.settings;
     platoon::add_monte_carlo_batch(settings);
     platoon::Configuration configuration =
         recorded ? recorded->configuration : platoon::parse_configuration(platoon::configuration_document(settings));
@@ -196,18 +173,19 @@ int main(int argc, char** argv) {
     if (configuration.run.averaging() == platoon::Averaging::over_time)
       throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
     if (configuration.run.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
-    const std::optional<std::string> shard = own.count("shard") > 0 ? std::optional(own["shard"]) : std::nullopt;
-    if (own.count("only") != own.count("trajectories"))
-      throw platoon::ConfigurationError({std::string(own.count("only") > 0 ? "only" : "trajectories") +
+    if (given.has("only") != given.has("trajectories"))
+      throw platoon::ConfigurationError({std::string(given.has("only") ? "only" : "trajectories") +
                                          ": given: must be with --only and --trajectories"});
-    if (own.count("only") > 0) {
-      write_trajectories(configuration, own["only"]);
+    if (given.has("only")) {
+      write_trajectories(configuration, given["only"]);
       return 0;
     }
-    if (recorded && shard) throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
-    platoon::log_slow_noise(argv[0]);
-    if (!(shard ? run_shard(configuration, *shard, how) : run_whole(configuration, how))) return kInterrupted;
-    if (recorded) require_equal(*recorded, configuration.run.output, own["repeat"]);
+    if (recorded && given.has("shard"))
+      throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
+    const bool complete =
+        given.has("shard") ? run_shard(configuration, given["shard"], how) : run_whole(configuration, how);
+    if (!complete) return kInterrupted;
+    if (recorded) require_equal(*recorded, configuration.run.output, given["repeat"]);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << argv[0] << ": " << error.what() << "\n";

@@ -2,26 +2,21 @@
 // as an array of a cluster's scheduler.
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <iostream>
 
 #include "stochastic_platoon/run/configuration/section.hpp"
-#include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "stochastic_platoon/run/scaling/sweep_file.hpp"
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
 #include "stochastic_platoon/run/scaling/sweep_run.hpp"
-#include "tools/settings.hpp"
+#include "tools/command_line.hpp"
 
 namespace {
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void warn(const std::string& text) {
   std::cerr << text << "\n";
@@ -52,19 +47,15 @@ void compute(const platoon::Sweep& sweep, const std::vector<std::uint64_t>& poin
                                    "vehicle-steps");
   settings.progress = [&](std::uint64_t done, const std::string& point) {
     display.set_note(point);
-    display.update(done, now());
+    display.update(done, platoon::now());
   };
   platoon::compute_points(sweep, points, settings);
   display.finish();
 }
 
 void run_task(const platoon::Sweep& sweep, const std::string& text, const platoon::SweepSettings& settings) {
-  YAML::Node node;
-  node["task"] = text;
-  std::vector<std::string> problems;
-  const auto task = static_cast<std::uint64_t>(
-      platoon::Section(node, "", problems).integer("task", 0, static_cast<std::int64_t>(sweep.tasks()) - 1));
-  if (!problems.empty()) throw platoon::ConfigurationError(problems);
+  const auto task =
+      static_cast<std::uint64_t>(platoon::integer_of("task", text, 0, static_cast<std::int64_t>(sweep.tasks()) - 1));
   const std::uint64_t point = task / sweep.shards;
   const platoon::Shard shard{task % sweep.shards, sweep.shards};
   platoon::ShardRun part{sweep.configuration(point), shard};
@@ -82,31 +73,29 @@ void run_task(const platoon::Sweep& sweep, const std::string& text, const platoo
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::vector<std::string> files;
-  std::map<std::string, std::string> options = platoon::parse_command_line(
-      argc, argv, "sweep FILE --output DIR: a table of the runs in the file", {"realizations"},
-      {{"output", "folder for sweep.csv and checkpoints"},
-       {"threads", "worker threads (one per core); the result does not depend on it"},
-       {"task",
-        "as an array of jobs: number of the task to compute (point x shards + shard); count: print how many there are; merge: join their results to the table"}},
-      &files);
+  const platoon::CommandLine given = platoon::parse_command_line(
+      argc, argv,
+      {"sweep FILE --output DIR: a table of the runs in the file",
+       {"realizations"},
+       {{"output", "folder for sweep.csv and checkpoints"},
+        {"threads", "worker threads (one per core); the result does not depend on it"},
+        {"task",
+         "as an array of jobs: number of the task to compute (point x shards + shard); count: print how many there are; merge: join their results to the table"}},
+       true});
   platoon::ignore_file_size_signal();
   try {
-    if (files.size() != 1) throw platoon::ConfigurationError({"sweep FILE --output DIR: must be given one file"});
-    std::map<std::string, std::string> given;
-    if (options.count("realizations") > 0) given["realizations"] = options["realizations"];
-    const platoon::Sweep sweep = platoon::read_sweep(files.front(), given, platoon::paper_model_file());
-    const std::string task = options["task"];
+    if (given.words.size() != 1) throw platoon::ConfigurationError({"sweep FILE --output DIR: must be given one file"});
+    const platoon::Sweep sweep = platoon::read_sweep(given.words.front(), given.settings);
+    const std::string task = given["task"];
     if (task == "count") {
       std::cout << sweep.tasks() << "\n";
       return 0;
     }
     platoon::SweepSettings settings;
-    settings.output = options["output"];
-    settings.threads = platoon::threads_of(options["threads"]);
+    settings.output = given["output"];
+    settings.threads = platoon::threads_of(given);
     settings.warn = warn;
     if (settings.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
-    platoon::log_slow_noise(argv[0]);
     if (!task.empty() && task != "merge") {
       run_task(sweep, task, settings);
       return 0;

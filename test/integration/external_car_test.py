@@ -50,7 +50,7 @@ class Car(ExternalTest):
                                rate=round(1.0 / period), stall_timeout=0, record=bag)
         terminal.wait_for_text("waiting for external vehicle_2: start its node")
         self.start(os.path.join(HERE, "car.py"), log, "__ns:=/car")
-        self.start(os.path.join(live_platoon.shared("src", "nodes"), "odometry_vehicle"), "_index:=2", "~odometry:=/car/odom",
+        self.start(os.path.join(live_platoon.shared("src", "tools"), "odometry_vehicle"), "_index:=2", "~odometry:=/car/odom",
                    "~reference:=/car/reference")
         with open(diagnostics, "w") as file:
             listener = subprocess.Popen(["/usr/bin/python3", "-c", LISTENER], env=self.environment, stdout=file)
@@ -97,7 +97,7 @@ class Car(ExternalTest):
         self.start(os.path.join(HERE, "car.py"), "__ns:=/car")
         log = os.path.join(self.folder, "said")
         with open(log, "w") as file:
-            adapter = subprocess.Popen([os.path.join(live_platoon.shared("src", "nodes"), "odometry_vehicle"), "_index:=2",
+            adapter = subprocess.Popen([os.path.join(live_platoon.shared("src", "tools"), "odometry_vehicle"), "_index:=2",
                                         "~odometry:=/car/odom"], env=self.environment, stderr=file)
         self.addCleanup(adapter.wait)
         self.addCleanup(adapter.terminate)

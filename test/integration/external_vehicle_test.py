@@ -131,7 +131,7 @@ class Contract(ExternalTest):
         for word in ("0", "three", "3.0"):
             done = self.check_vehicle(word)
             self.assertEqual(done.returncode, 1)
-            self.assertIn("vehicle: {}: must be the number of a follower, 1 or more".format(word), done.stdout)
+            self.assertIn("vehicle: {}: must be a whole number from 1 to 1000000".format(word), done.stdout)
 
     def test_the_monitor_names_it_with_the_clause_and_the_run_goes_on(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:each")

@@ -108,7 +108,7 @@ class Models(InFolder):
     def test_bad_models_raise_with_the_texts_of_the_tools(self):
         model = sp.Model.load()
         self.assertRaisesText(FileNotFoundError, "nowhere.yaml", sp.Model.load, "nowhere.yaml")
-        self.assertRaisesText(ValueError, "must be a file, not a folder", sp.Model.load, self.folder)
+        self.assertRaisesText(ValueError, "must be a file of at most 256 MB that can be read (Is a directory)", sp.Model.load, self.folder)
         self.assertRaisesText(ValueError, "time_headway: -1", model.replace, time_headway=-1)
         self.assertRaisesText(ValueError, "time_heedway: unknown key", model.replace, time_heedway=1)
         self.assertRaisesText(ValueError, "seed: belongs to a run", model.replace, seed=2)

@@ -105,7 +105,7 @@ class Shards(ShardsTest):
         for part in ("3/3", "-1/3", "1", "x/3", "0/10001"):
             self.assertIn("shard: {}: must be I/N, I from 0 to N - 1, N at most the 10000 realizations".format(part),
                           self.shard(part, status=1))
-        self.assertIn("checkpoint-seconds: 0: must be a finite number > 0", self.shard("0/3", "--checkpoint-seconds", "0", status=1))
+        self.assertIn("checkpoint_seconds: 0: must be a finite number > 0", self.shard("0/3", "--checkpoint-seconds", "0", status=1))
         self.assertIn("must be given the folders of the shards", self.run_tool("merge", "--output", self.path("x"), status=1))
         self.assertIn("/nowhere: holds no shard", self.run_tool("merge", "/nowhere", "--output", self.path("x"), status=1))
         self.shard("0/1", "--realizations", "100")
@@ -216,7 +216,7 @@ class Sweeps(ShardsTest):
         output = ["--output", self.path("run")]
         self.refused("sweep FILE --output DIR: must be given one file", *output)
         self.refused("output: (empty): must be a folder", self.file)
-        self.refused("sweep: /nowhere: must be a file that can be read", "/nowhere", *output)
+        self.refused("sweep: /nowhere: must be a file of at most 256 MB that can be read (No such file or directory)", "/nowhere", *output)
         self.refused("task: 20: must be a whole number from 0 to 19", self.file, "--task", "20", *output)
         self.refused("task: all: must be a whole number", self.file, "--task", "all", *output)
         self.refused("1000000 x 1000000 = 1e+12 points: must be at most 100000",

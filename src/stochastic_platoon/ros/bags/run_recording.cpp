@@ -72,13 +72,14 @@ std::unique_ptr<BagWriter> RunRecording::record_to(const std::string& suffix) co
 
 DropReason RunRecording::receive(std::size_t stream, const Message& message) {
   const MessageDescriptor descriptor = descriptor_of(*message);
-  const Arrivals::Admission admission = arrivals_.admit(stream, descriptor);
-  if (admission.drop != DropReason::none) return admission.drop;
-  if (admission.restarted) restarted();
+  const bool is_newer = descriptor.id.attempt > arrivals_.attempt();
+  const DropReason drop = arrivals_.admit(stream, descriptor);
+  if (drop != DropReason::none) return drop;
+  if (is_newer) restarted();
   take(stream, message);
   const std::optional<CompleteBatch> batch = arrivals_.count(stream, descriptor);
   if (batch) batch_complete();
-  return admission.drop;
+  return drop;
 }
 
 void RunRecording::take(std::size_t stream, const Message& message) {
@@ -240,7 +241,7 @@ void RunRecording::rewrite() {
   read_streams(content, [&](std::size_t stream, const Message& message) {
     if (!schedule.endless() && last_attempt[message->first_realization] != message->attempt) return;
     const MessageDescriptor descriptor = descriptor_of(*message);
-    if (copied.admit(stream, descriptor).drop != DropReason::none) return;
+    if (copied.admit(stream, descriptor) != DropReason::none) return;
     recording_->write(topics_[stream], *message);
     if (stream + 1 == topics_.size()) recording_->end_step(schedule.is_last_step(message->step));
     copied.count(stream, descriptor);

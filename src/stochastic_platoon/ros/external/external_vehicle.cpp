@@ -126,7 +126,7 @@ void ExternalVehicle::hear(const Message::ConstPtr& message) {
 void ExternalVehicle::match() {
   if (!positions_.latest) return;
   pairs_->visit(positions_.latest->run,
-                [this](const Message& position, const Message& input) { answer(position, input.position); });
+                [this](const auto& position, const auto& input) { answer(*position, input->position); });
 }
 
 void ExternalVehicle::answer(const Message& received, const std::vector<double>& heard) {

@@ -71,7 +71,7 @@ void Follower::hear(const PositionEvent& event) {
 
 void Follower::match() {
   run_state_->pairs.visit(membership_.run(),
-                          [this](const Message& position, const Message& input) { move_on(position, &input); });
+                          [this](const auto& position, const auto& input) { move_on(*position, input.get()); });
 }
 
 void Follower::move_on(const Message& received, const Message* heard) {

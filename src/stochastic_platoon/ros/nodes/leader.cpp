@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/ros/transport/progress_reports.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 

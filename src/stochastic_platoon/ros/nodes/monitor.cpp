@@ -8,10 +8,10 @@
 #include <mutex>
 #include <utility>
 
-#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 
 namespace platoon {

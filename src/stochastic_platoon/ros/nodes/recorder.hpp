@@ -14,7 +14,7 @@
 #include "stochastic_platoon/ros/transport/progress_reports.hpp"
 #include "stochastic_platoon/ros/transport/run_membership.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
-#include "stochastic_platoon/run/io/retry_pause.hpp"
+#include "stochastic_platoon/run/io/retried_write.hpp"
 
 namespace platoon {
 

@@ -2,8 +2,8 @@
 
 #include <ros/console.h>
 
-#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 

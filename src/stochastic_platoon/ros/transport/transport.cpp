@@ -2,7 +2,6 @@
 
 #include <ros/master.h>
 #include <ros/this_node.h>
-#include <ros/time.h>
 
 #include <algorithm>
 #include <mutex>
@@ -10,10 +9,6 @@
 #include "stochastic_platoon/ros/transport/spin_lock.hpp"
 
 namespace platoon {
-
-double now() {
-  return ros::SteadyTime::now().toSec();
-}
 
 ros::TransportHints no_delay() {
   return ros::TransportHints().tcpNoDelay(true);

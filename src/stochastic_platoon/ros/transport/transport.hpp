@@ -9,13 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/run/io/clock.hpp"
+
 namespace platoon {
 
 /// A position with the connection over which it arrived.
 using PositionEvent = ros::MessageEvent<const stochastic_platoon::Position>;
-
-/// Monotonic time [s].
-double now();
 
 /// Queues of data topics are unbounded: memory is bounded by the leader's credit, and a bounded queue would drop
 /// messages.

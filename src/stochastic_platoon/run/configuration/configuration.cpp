@@ -14,11 +14,10 @@ namespace platoon {
 
 namespace {
 
-void require_version(Section& document, std::vector<std::string>& problems) {
+void require_version(Section& document) {
   if (!document.is_mapping()) return;
   if (!document.has("version")) {
-    problems.emplace_back("version: missing: must be " + std::string(kVersion) +
-                          ", this program's (version 0.1.0 wrote none)");
+    document.reject("version", "missing", std::string(kVersion) + ", this program's (version 0.1.0 wrote none)");
     return;
   }
   const std::string version = document.text("version");
@@ -44,6 +43,8 @@ void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, s
       "run/followers: %zu: must be at most %.0f with losses and %lld steps, as every link's losses act on every vehicle behind it (steps: 0 averages over time instead)",
       run.followers, most, static_cast<long long>(run.steps)));
 }
+
+constexpr double kChosenSeconds = 10.0;
 
 // A shorter default where the theory or the record of the leader requires it.
 void choose_steps(const PlatoonModel& model, RunOptions& run) {
@@ -85,10 +86,10 @@ void require_amplification(const RunOptions& run, std::vector<std::string>& prob
 Configuration parse_configuration(const YAML::Node& document) {
   std::vector<std::string> problems;
   Section root(document, "", problems);
-  if (problems.empty()) require_version(root, problems);
+  require_version(root);
   if (!problems.empty()) throw ConfigurationError(problems);
   RunOptions run = read_run_options(root.section("run"));
-  const std::optional<PlatoonModel> model = read_model(root.section("model"), problems);
+  const std::optional<PlatoonModel> model = read_model(root.section("model"));
   if (model && run.steps_chosen) choose_steps(*model, run);
   root.reject_unknown_keys();
   if (model && !model->recorded_leader.empty()) {
@@ -130,18 +131,18 @@ std::uint64_t run_identity(const Configuration& configuration) {
 }
 
 nlohmann::json statistics_identity(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
   nlohmann::json identity = to_json(configuration.model);
   identity["version"] = kVersion;
   for (const VehicleType& type : configuration.model.types)
     identity["realization"][type.name] = to_json(type.vehicle.loop.realization);
-  identity["seed"] = configuration.run.seed;
-  identity["followers"] = configuration.run.followers;
-  identity["steps"] = configuration.run.steps;
-  if (configuration.run.averaging() == Averaging::over_time) identity["burn_in"] = configuration.run.burn_in;
-  if (!configuration.run.external.empty()) identity["external"] = configuration.run.external;
-  if (!configuration.run.signals.empty()) identity["signals"] = configuration.run.signals;
-  if (configuration.run.has_amplification() && configuration.run.burn_in > 0)
-    identity["burn_in"] = configuration.run.burn_in;
+  identity["seed"] = run.seed;
+  identity["followers"] = run.followers;
+  identity["steps"] = run.steps;
+  if (!run.external.empty()) identity["external"] = run.external;
+  if (!run.signals.empty()) identity["signals"] = run.signals;
+  if (run.averaging() == Averaging::over_time || (run.has_amplification() && run.burn_in > 0))
+    identity["burn_in"] = run.burn_in;
   return identity;
 }
 

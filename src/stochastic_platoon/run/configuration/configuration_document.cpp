@@ -1,12 +1,14 @@
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <filesystem>
 #include <set>
 #include <vector>
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
 
@@ -17,8 +19,7 @@ namespace {
 void require_known(const std::map<std::string, std::string>& given) {
   std::set<std::string> known{"model"};
   for (const Setting& setting : settings()) known.insert(setting.name);
-  std::string allowed;
-  for (const std::string& name : known) allowed += (allowed.empty() ? "" : ", ") + name;
+  const std::string allowed = boost::algorithm::join(known, ", ");
   std::vector<std::string> problems;
   for (const auto& entry : given) {
     if (known.count(entry.first) == 0) problems.push_back(entry.first + ": unknown setting: allowed are " + allowed);
@@ -141,7 +142,7 @@ YAML::Node load_model(const std::string& file) {
 
 YAML::Node configuration_document(const std::map<std::string, std::string>& given) {
   require_known(given);
-  return document_of(load_model(given.count("model") > 0 ? given.at("model") : ""), given);
+  return document_of(load_model(given.count("model") > 0 ? given.at("model") : paper_model_file()), given);
 }
 
 YAML::Node configuration_document(const YAML::Node& model, const std::map<std::string, std::string>& given) {

@@ -9,9 +9,9 @@
 
 namespace platoon {
 
-/// The document for parse_configuration(): the model file, named by `model`, and the given settings (see settings());
-/// all other settings keep their defaults. Throws ConfigurationError if the file cannot be read or a setting is
-/// unknown.
+/// The document for parse_configuration(): the model file that `model` names, by default the paper's example, and the
+/// given settings (see settings()); all other settings keep their defaults. Throws ConfigurationError if the file
+/// cannot be read or a setting is unknown.
 YAML::Node configuration_document(const std::map<std::string, std::string>& given);
 
 /// The same for the model of a document (see load_model()); `model` is then not a setting.

@@ -73,13 +73,13 @@ nlohmann::json inputs_json(const VehicleModel& vehicle) {
   return inputs;
 }
 
-void check_radios(PlatoonModel& model, const Section& document, std::vector<std::string>& problems) {
+void check_radios(PlatoonModel& model, Section& document) {
   if (!has_feed_forward(model)) return;
-  const std::size_t before = problems.size();
+  const std::size_t before = document.problems();
   for (VehicleType& type : model.types) {
     const auto report = [&](const std::string& problem) {
       const bool is_default = &type == &model.types.front();
-      problems.push_back(document.name(is_default ? "" : "vehicle_types/" + type.name + "/") + problem);
+      document.report((is_default ? "" : "vehicle_types/" + type.name + "/") + problem);
     };
     if (!type.vehicle.design) {
       report(
@@ -90,9 +90,9 @@ void check_radios(PlatoonModel& model, const Section& document, std::vector<std:
     }
   }
   if (!model.recorded_leader.empty())
-    problems.push_back(document.name("leader") +
-                       "/positions: given: must be speed: the radio of vehicle_1 is sent the leader's control input");
-  if (problems.size() > before) return;
+    document.report(
+        "leader/positions: given: must be speed: the radio of vehicle_1 is sent the leader's control input");
+  if (document.problems() > before) return;
   for (VehicleType& type : model.types) {
     type.vehicle.design->in_radio_string = true;
     type.vehicle.loop = close_loop(*type.vehicle.design, type.vehicle.headway);

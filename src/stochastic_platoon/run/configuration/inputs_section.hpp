@@ -25,6 +25,6 @@ GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unst
 nlohmann::json inputs_json(const VehicleModel& vehicle);
 
 /// If the string has radios, reports settings that radios exclude, and rebuilds every loop with a known control input.
-void check_radios(PlatoonModel& model, const Section& document, std::vector<std::string>& problems);
+void check_radios(PlatoonModel& model, Section& document);
 
 }  // namespace platoon

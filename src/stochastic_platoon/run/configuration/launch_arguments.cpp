@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <numeric>
 #include <optional>
 #include <regex>
 #include <set>
+
+#include "stochastic_platoon/run/io/read_file.hpp"
 
 namespace platoon {
 
@@ -16,26 +16,19 @@ namespace {
 
 constexpr char kPackage[] = "stochastic_platoon";
 
-std::string without_comments(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  std::string result;
-  for (std::size_t from = 0; from < text.size();) {
-    const std::size_t begin = text.find("<!--", from);
-    result += text.substr(from, begin - from);
-    if (begin == std::string::npos) break;
+std::string without_comments(std::string text) {
+  for (std::size_t begin = text.find("<!--"); begin != std::string::npos; begin = text.find("<!--", begin)) {
     const std::size_t end = text.find("-->", begin);
-    if (end == std::string::npos) break;
-    from = end + 3;
+    text.erase(begin, end == std::string::npos ? end : end + 3 - begin);
   }
-  return result;
+  return text;
 }
 
 // With pass_all_args an include takes every argument that the included file declares.
 void add_declared(const std::filesystem::path& file, const std::string& folder, std::set<std::string>& names) {
   static const std::regex argument(R"re(<arg\s+name="([^"]+)")re"), include(R"re(<include\s[^>]*>)re"),
       included(R"re(file="[^"]*/([^"/]+)")re");
-  const std::string text = without_comments(file);
+  const std::string text = without_comments(read_file(file.string()));
   for (std::sregex_iterator found(text.begin(), text.end(), argument), end; found != end; ++found)
     names.insert((*found)[1]);
   for (std::sregex_iterator found(text.begin(), text.end(), include), end; found != end; ++found) {

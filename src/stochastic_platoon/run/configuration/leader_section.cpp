@@ -10,19 +10,19 @@ namespace platoon {
 
 namespace {
 
-LeaderProfile read_profile(Section& section, double sample_period, std::vector<std::string>& problems) {
-  const std::size_t before = problems.size();
+LeaderProfile read_profile(Section& section, double sample_period) {
+  const std::size_t before = section.problems();
   std::vector<SpeedChange> changes;
   for (Section& entry : section.sections("speed")) {
     const std::int64_t step = entry.integer("from_step", 0, std::int64_t{1} << 46);
     changes.push_back({step, entry.number("value", kAnyFinite)});
     entry.reject_unknown_keys();
   }
-  if (problems.size() > before) return LeaderProfile({}, 1.0);
+  if (section.problems() > before) return LeaderProfile({}, 1.0);
   try {
     return LeaderProfile(changes, sample_period);
   } catch (const std::invalid_argument& error) {
-    problems.push_back(std::string("leader/speed: ") + error.what());
+    section.report(std::string("speed: ") + error.what());
     return LeaderProfile({}, 1.0);
   }
 }
@@ -31,8 +31,8 @@ LeaderProfile read_profile(Section& section, double sample_period, std::vector<s
 const std::map<std::string, double> kSpeedUnits{{"m/s", 1.0}, {"km/h", 1.0 / 3.6}, {"mph", 0.44704}},
     kLengthUnits{{"m", 1.0}, {"km", 1000.0}, {"ft", 0.3048}};
 
-std::vector<double> read_drive(Section& section, double sample_period, std::vector<std::string>& problems) {
-  const std::size_t before = problems.size();
+std::vector<double> read_drive(Section& section, double sample_period) {
+  const std::size_t before = section.problems();
   RecordedDrive drive;
   drive.file = section.text("file");
   if (section.has("time")) drive.time = section.text("time");
@@ -44,33 +44,32 @@ std::vector<double> read_drive(Section& section, double sample_period, std::vect
   if (section.has("unit")) {
     std::vector<std::string> names;
     for (const auto& unit : units) names.push_back(unit.first);
-    const auto found = units.find(section.choice("unit", names));
-    if (found != units.end()) drive.unit = found->second;
+    drive.unit = units.at(section.choice("unit", names));
   }
   if (section.has("skip_rows")) drive.skip_rows = section.integer("skip_rows", 0, 1000000);
   if (section.has("from_second")) drive.from_second = section.number("from_second", kNotNegative);
-  if (problems.size() > before) return {};
+  if (section.problems() > before) return {};
   try {
     return positions_of(drive, sample_period);
   } catch (const std::invalid_argument& error) {
-    problems.push_back(section.name("file") + ": " + error.what());
+    section.report(std::string("file: ") + error.what());
     return {};
   }
 }
 
 }  // namespace
 
-LeaderContent read_leader(Section section, double sample_period, std::vector<std::string>& problems) {
+LeaderContent read_leader(Section section, double sample_period) {
   LeaderContent leader;
   if (section.has("file")) {
-    leader.recorded = read_drive(section, sample_period, problems);
+    leader.recorded = read_drive(section, sample_period);
     if (section.has("positions")) section.reject("positions", "given", "absent beside file");
   } else if (section.has("positions")) {
     const Eigen::VectorXd positions = section.numbers("positions");
     leader.recorded.assign(positions.data(), positions.data() + positions.size());
     if (section.has("speed")) section.reject("speed", "given", "absent beside positions");
   } else {
-    leader.profile = read_profile(section, sample_period, problems);
+    leader.profile = read_profile(section, sample_period);
   }
   section.reject_unknown_keys();
   return leader;

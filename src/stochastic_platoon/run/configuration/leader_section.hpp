@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "stochastic_platoon/math/model/leader_profile.hpp"
@@ -16,6 +15,6 @@ struct LeaderContent {
 
 /// Reads the key `leader`: {speed: [...]}, {positions: [...]}, or {file: ...} with the keys of RecordedDrive. Reports
 /// all problems.
-LeaderContent read_leader(Section section, double sample_period, std::vector<std::string>& problems);
+LeaderContent read_leader(Section section, double sample_period);
 
 }  // namespace platoon

@@ -1,7 +1,6 @@
 #include "stochastic_platoon/run/configuration/model_file.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -18,20 +17,19 @@ namespace platoon {
 namespace {
 
 // ROS stamps count nanoseconds and end after 136 years.
-const Allowed kSamplePeriod{"a finite number >= 1e-9", std::numeric_limits<double>::quiet_NaN(), 1e-9, 1e6};
+const Allowed kSamplePeriod{"a finite number >= 1e-9", 1e-9, 1e6};
 
-std::optional<ClosedLoop> read_given_loop(Section section, const std::string& name,
-                                          std::vector<std::string>& problems) {
-  const std::size_t before = problems.size();
+std::optional<ClosedLoop> read_given_loop(Section section) {
+  const std::size_t before = section.problems();
   const Eigen::MatrixXd a = section.matrix("A");
   const Eigen::VectorXd b = section.numbers("B", kLongestRow);
   const Eigen::VectorXd c = section.numbers("C", kLongestRow);
   section.reject_unknown_keys();
-  if (problems.size() > before) return std::nullopt;
+  if (section.problems() > before) return std::nullopt;
   try {
     return closed_loop_from(StateSpace(a, b, c.transpose()));
   } catch (const std::invalid_argument& error) {
-    problems.push_back(name + "/" + error.what());
+    section.report(error.what());
     return std::nullopt;
   }
 }
@@ -46,17 +44,15 @@ InitialPosition read_initial_position(Section section) {
 
 // Reads the loop of a vehicle whose other values are known. Keys that a type omits are as in `base`, the default
 // vehicle; `base` is null for that vehicle itself.
-void read_loop(Section& section, const VehicleModel* base, double sample_period, VehicleModel& vehicle,
-               std::vector<std::string>& problems) {
-  const std::size_t before = problems.size();
+void read_loop(Section& section, const VehicleModel* base, double sample_period, VehicleModel& vehicle) {
+  const std::size_t before = section.problems();
   const bool designed = section.has("plant") || section.has("controller");
   if (section.has("closed_loop")) {
     for (const char* key : {"plant", "controller"}) {
       if (section.has(key)) section.reject(key, "given", "absent beside closed_loop, which replaces it");
     }
     vehicle.design.reset();
-    const std::optional<ClosedLoop> given =
-        read_given_loop(section.section("closed_loop"), section.name("closed_loop"), problems);
+    const std::optional<ClosedLoop> given = read_given_loop(section.section("closed_loop"));
     if (given) vehicle.loop = *given;
     return;
   }
@@ -65,12 +61,12 @@ void read_loop(Section& section, const VehicleModel* base, double sample_period,
   } else if (vehicle.headway == base->headway || !vehicle.design) {
     return;
   }
-  if (problems.size() > before) return;
+  if (section.problems() > before) return;
   try {
     vehicle.loop = close_loop(*vehicle.design, vehicle.headway);
   } catch (const std::invalid_argument& error) {
-    const char* key = base == nullptr || designed ? "plant, controller" : "time_headway";
-    problems.push_back(section.name(key) + ": " + error.what());
+    const std::string key = base == nullptr || designed ? "plant, controller" : "time_headway";
+    section.report(key + ": " + error.what());
   }
 }
 
@@ -85,8 +81,7 @@ double read_headway(Section& section, double sample_period) {
   return section.number("time_headway_seconds", kPositive) / sample_period;
 }
 
-VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sample_period, bool allow_unstable,
-                          std::vector<std::string>& problems) {
+VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sample_period, bool allow_unstable) {
   VehicleModel vehicle = base != nullptr ? *base : VehicleModel{close_loop(placeholder_design(), 1.0), 1.0};
   const auto number = [&](const char* key, const Allowed& allowed, double VehicleModel::*value) {
     if (base == nullptr || section.has(key)) vehicle.*value = section.number(key, allowed);
@@ -99,7 +94,7 @@ VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sam
   if (!given.noise_variance) number("noise_variance", kNotNegative, &VehicleModel::noise_variance);
   if (base == nullptr || section.has("initial_position"))
     vehicle.initial_position = read_initial_position(section.section("initial_position"));
-  read_loop(section, base, sample_period, vehicle, problems);
+  read_loop(section, base, sample_period, vehicle);
   if (!given.channel && section.has("channel"))
     vehicle.link = read_link(section.section("channel"), vehicle.link, allow_unstable);
   return vehicle;
@@ -119,7 +114,7 @@ Inherited inherited_by(Section& type, const VehicleModel& base) {
   return inherited;
 }
 
-void read_types(Section types, PlatoonModel& model, std::vector<std::string>& problems) {
+void read_types(Section types, PlatoonModel& model) {
   const VehicleModel base = model.default_vehicle();
   std::vector<std::string> names = types.keys();
   std::sort(names.begin(), names.end());  // the order of JSON keys
@@ -132,7 +127,7 @@ void read_types(Section types, PlatoonModel& model, std::vector<std::string>& pr
     for (const char* key : {"sample_period", "leader", "allow_unstable", "safe_gap"}) {
       if (type.has(key)) type.reject(key, "given", "absent, as all vehicles share it");
     }
-    model.types.push_back({name, read_vehicle(type, &base, model.sample_period, model.allow_unstable, problems), {}});
+    model.types.push_back({name, read_vehicle(type, &base, model.sample_period, model.allow_unstable), {}});
     model.types.back().inherited = inherited_by(type, base);
     type.reject_unknown_keys();
   }
@@ -151,13 +146,14 @@ void read_string(Section& document, PlatoonModel& model) {
   }
 }
 
-void check_assumptions(const PlatoonModel& model, const Section& document, std::vector<std::string>& problems) {
+void check_assumptions(const PlatoonModel& model, Section& document) {
   for (const VehicleType& type : model.types) {
     const bool is_default = &type == &model.types.front();
-    const std::string place = is_default ? "" : document.name("vehicle_types/" + type.name) + ": ";
     for (const std::string& problem :
-         violated_assumptions(type.vehicle.loop, type.vehicle.headway, model.allow_unstable))
-      problems.push_back(place + problem);
+         violated_assumptions(type.vehicle.loop, type.vehicle.headway, model.allow_unstable)) {
+      if (is_default) document.report_whole(problem);
+      if (!is_default) document.report("vehicle_types/" + type.name + ": " + problem);
+    }
   }
 }
 
@@ -173,28 +169,27 @@ nlohmann::json to_json(const StateSpace& loop) {
   return {{"A", to_json(loop.a())}, {"B", to_list(loop.b())}, {"C", to_list(loop.c())}};
 }
 
-std::optional<PlatoonModel> read_model(Section document, std::vector<std::string>& problems) {
+std::optional<PlatoonModel> read_model(Section document) {
   if (!document.is_mapping()) return std::nullopt;
-  const std::size_t before = problems.size();
+  const std::size_t before = document.problems();
   const double sample_period = document.number("sample_period", kSamplePeriod);
   const bool allow_unstable = document.has("allow_unstable") && document.boolean("allow_unstable");
-  LeaderContent leader = read_leader(document.section("leader"), sample_period, problems);
-  PlatoonModel model(read_vehicle(document, nullptr, sample_period, allow_unstable, problems), leader.profile,
-                     sample_period);
+  LeaderContent leader = read_leader(document.section("leader"), sample_period);
+  PlatoonModel model(read_vehicle(document, nullptr, sample_period, allow_unstable), leader.profile, sample_period);
   model.recorded_leader = std::move(leader.recorded);
   model.allow_unstable = allow_unstable;
   if (document.has("safe_gap")) model.safe_gap = document.number("safe_gap", kNotNegative);
-  if (document.has("vehicle_types")) read_types(document.section("vehicle_types"), model, problems);
+  if (document.has("vehicle_types")) read_types(document.section("vehicle_types"), model);
   if (document.has("string")) read_string(document, model);
   document.reject_unknown_keys();
-  if (problems.size() == before) check_radios(model, document, problems);
-  if (problems.size() == before) check_assumptions(model, document, problems);
-  return problems.size() == before ? std::optional<PlatoonModel>(std::move(model)) : std::nullopt;
+  if (document.problems() == before) check_radios(model, document);
+  if (document.problems() == before) check_assumptions(model, document);
+  return document.problems() == before ? std::optional<PlatoonModel>(std::move(model)) : std::nullopt;
 }
 
 PlatoonModel parse_model(const YAML::Node& document) {
   std::vector<std::string> problems;
-  const std::optional<PlatoonModel> model = read_model(Section(document, "", problems), problems);
+  const std::optional<PlatoonModel> model = read_model(Section(document, "", problems));
   if (!problems.empty()) throw ConfigurationError(problems);
   return *model;
 }

@@ -13,9 +13,9 @@
 namespace platoon {
 
 /// Reads a model file (the file itself, or its copy on the parameter server); both have the same schema and the same
-/// messages. Adds all problems to `problems`: missing and unknown keys, wrong types, numbers that are not finite or out
-/// of range, and the violated_assumptions() of the closed loop. Returns no model if there is a problem.
-std::optional<PlatoonModel> read_model(Section document, std::vector<std::string>& problems);
+/// messages. Reports all problems: missing and unknown keys, wrong types, numbers that are not finite or out of range,
+/// and the violated_assumptions() of the closed loop. Returns no model if there is a problem.
+std::optional<PlatoonModel> read_model(Section document);
 
 /// The same for a whole document. Throws ConfigurationError with all problems.
 PlatoonModel parse_model(const YAML::Node& document);

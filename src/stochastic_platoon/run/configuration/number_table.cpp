@@ -1,12 +1,14 @@
 #include "stochastic_platoon/run/configuration/number_table.hpp"
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 
@@ -40,12 +42,11 @@ NumberTable::NumberTable(const std::string& file, std::int64_t skip_rows, std::v
     break;
   }
   const std::vector<std::string> names = cells_of(line_, separator_);
-  std::string present;
-  for (const std::string& name : names) present += (present.empty() ? "" : ", ") + name;
   for (const std::string& column : columns_) {
     const auto found = std::find(names.begin(), names.end(), column);
     if (found == names.end())
-      fail("no column " + printable(column) + ": must be one of " + printable(shortened(present)));
+      fail("no column " + printable(column) + ": must be one of " +
+           printable(shortened(boost::algorithm::join(names, ", "))));
     places_.push_back(static_cast<std::size_t>(found - names.begin()));
   }
 }

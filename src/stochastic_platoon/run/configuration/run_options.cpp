@@ -1,15 +1,16 @@
 #include "stochastic_platoon/run/configuration/run_options.hpp"
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 
@@ -21,12 +22,6 @@ constexpr std::int64_t kMaxCount = std::int64_t{1} << 46;
 // Cells of the statistics: followers times steps. A run keeps about 200 bytes per cell.
 constexpr std::int64_t kMaxCells = 20000000;
 
-// ROS timers count nanoseconds in 64 bits, and seconds in 32.
-const Allowed kRate{"a finite number >= 0", std::numeric_limits<double>::quiet_NaN(), 0.0, 1e6};
-constexpr double kSlowestRate = 1e-6;
-const Allowed kStallTimeout{"a finite number >= 0", std::numeric_limits<double>::quiet_NaN(), 0.0, 1e6};
-constexpr double kShortestStall = 1e-3;
-
 constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
 
 // The paper's example has a sample period of 0.1 s and 100 steps.
@@ -35,6 +30,13 @@ constexpr std::int64_t kFewestChosenSteps = 100;
 // Whether a value is left empty, so that its default is chosen once the model is known.
 bool is_left_empty(Section& section, const std::string& key) {
   return section.has(key) && section.text(key).empty();
+}
+
+// A rate or a time: 0, or at least `least`. ROS timers count nanoseconds in 64 bits, and seconds in 32.
+double read_zero_or_more(Section& section, const std::string& key, double least) {
+  const double value = section.number(key, {kNotNegative.text, 0.0, 1e6});
+  if (value > 0.0 && value < least) section.reject(key, formatted("%g", value), formatted("0 or at least %g", least));
+  return value;
 }
 
 // Each number must have one spelling, because the launch files compare the entries of the list as text.
@@ -67,29 +69,11 @@ std::vector<std::string> read_signals(Section& section) {
   }
 }
 
-std::string signals_text(const RunOptions& options) {
-  std::string text;
-  for (const std::string& signal : options.signals) text += (text.empty() ? "" : ",") + signal;
-  return text;
-}
-
-Hosting parsed_hosting(const std::string& text) {
-  return text == to_string(Hosting::one_process) ? Hosting::one_process : Hosting::processes;
-}
 }  // namespace
 
 const char* to_string(Hosting hosting) {
-  switch (hosting) {
-    case Hosting::processes:
-      return "processes";
-    case Hosting::one_process:
-      return "one_process";
-    case Hosting::monte_carlo:
-      return "monte_carlo";
-    case Hosting::bag:
-      return "bag";
-  }
-  return "unknown";
+  static constexpr const char* kNames[] = {"processes", "one_process", "monte_carlo", "bag"};
+  return kNames[static_cast<std::size_t>(hosting)];
 }
 
 std::int64_t chosen_steps(const RunOptions& options, double sample_period, double seconds) {
@@ -123,12 +107,10 @@ RunOptions read_run_options(Section section) {
   options.steps = options.steps_chosen ? kFewestChosenSteps : section.integer("steps", 0, kMaxCount);
   options.realizations = static_cast<std::uint64_t>(section.integer("realizations", 1, kMaxCount));
   options.batch = static_cast<std::uint64_t>(section.integer("batch", 0, 1 << 24));
-  options.rate = section.number("rate", kRate);
-  if (options.rate > 0.0 && options.rate < kSlowestRate)
-    section.reject("rate", formatted("%g", options.rate), formatted("0 or at least %g", kSlowestRate));
+  options.rate = read_zero_or_more(section, "rate", 1e-6);
   options.seed = static_cast<std::uint64_t>(section.integer("seed", 0, INT64_MAX));
-  options.hosting =
-      parsed_hosting(section.choice("hosting", {to_string(Hosting::processes), to_string(Hosting::one_process)}));
+  options.hosting = section.choice("hosting", {"processes", "one_process"}) == "one_process" ? Hosting::one_process
+                                                                                             : Hosting::processes;
   options.output = section.text("output");
   options.resume = section.boolean("resume");
   options.first_realization = static_cast<std::uint64_t>(section.integer("first_realization", 0, kMaxCount));
@@ -139,10 +121,7 @@ RunOptions read_run_options(Section section) {
   options.number =
       section.has("run_number") ? static_cast<std::uint64_t>(section.integer("run_number", 1, kMaxCount)) : 1;
   options.window = section.integer("window", 0, 1 << 20);
-  options.stall_timeout = section.number("stall_timeout", kStallTimeout);
-  if (options.stall_timeout > 0.0 && options.stall_timeout < kShortestStall)
-    section.reject("stall_timeout", formatted("%g", options.stall_timeout),
-                   formatted("0 or at least %g", kShortestStall));
+  options.stall_timeout = read_zero_or_more(section, "stall_timeout", 1e-3);
   options.burn_in_chosen = section.has("burn_in_chosen") && section.boolean("burn_in_chosen");
   if (is_left_empty(section, "burn_in")) {
     options.burn_in_chosen = true;
@@ -154,7 +133,7 @@ RunOptions read_run_options(Section section) {
   if (section.has("signals")) options.signals = read_signals(section);
   section.reject_unknown_keys();
   if (options.steps == 0 && !options.signals.empty())
-    section.reject("signals", signals_text(options), "empty for averages over time (steps: 0)");
+    section.reject("signals", boost::algorithm::join(options.signals, ","), "empty for averages over time (steps: 0)");
   const auto followers = static_cast<std::int64_t>(options.followers);
   const auto kinds = static_cast<std::int64_t>(1 + options.signals.size());
   if (options.steps > kMaxCells / followers / kinds) {
@@ -222,7 +201,7 @@ nlohmann::json to_json(const RunOptions& options) {
   for (const std::size_t vehicle : options.external)
     external += (external.empty() ? "" : ",") + std::to_string(vehicle);
   if (!external.empty()) document["external"] = external;
-  if (!options.signals.empty()) document["signals"] = signals_text(options);
+  if (!options.signals.empty()) document["signals"] = boost::algorithm::join(options.signals, ",");
   return document;
 }
 

@@ -69,10 +69,8 @@ RunOptions read_run_options(Section section);
 /// JSON for read_run_options().
 nlohmann::json to_json(const RunOptions& options);
 
-constexpr double kChosenSeconds = 10.0;
-
 /// Default number of steps: these seconds of driving, from 100 to 10,000 steps and within the limits of a run.
-std::int64_t chosen_steps(const RunOptions& options, double sample_period, double seconds = kChosenSeconds);
+std::int64_t chosen_steps(const RunOptions& options, double sample_period, double seconds);
 
 /// Default number of realizations per message: 64 kB messages, or 256 kB with a recorder, whose cost per message is
 /// higher; fewer for strings of hundreds of followers and more, so that the few steps in flight fit the memory.

@@ -1,19 +1,21 @@
 #include "stochastic_platoon/run/configuration/section.hpp"
 
+#include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <cmath>
-#include <limits>
 #include <locale>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 
 namespace {
 
 constexpr char kUtf8[] = "UTF-8";
-constexpr double kUnbound = std::numeric_limits<double>::quiet_NaN();
 
 std::string whole_text(const YAML::Node& node) {
   if (!node || node.IsNull()) return "(nothing)";
@@ -86,12 +88,23 @@ std::string at_most(double most) {
   return formatted("at most %g in magnitude", most);
 }
 
+template <typename Read>
+auto read_alone(const std::string& key, const std::string& text, const Read& read) {
+  YAML::Node document;
+  document[key] = text;
+  std::vector<std::string> problems;
+  Section section(document, "", problems);
+  const auto value = read(section);
+  if (!problems.empty()) throw ConfigurationError(problems);
+  return value;
+}
+
 }  // namespace
 
-const Allowed kAnyFinite{"a finite number", kUnbound, kUnbound};
-const Allowed kPositive{"a finite number > 0", 0.0, kUnbound};
-const Allowed kNotNegative{"a finite number >= 0", kUnbound, 0.0};
-const Allowed kLossProbability{"a number from 0 to below 1", kUnbound, 0.0, kLargest, 1.0};
+const Allowed kAnyFinite{"a finite number"};
+const Allowed kPositive{"a finite number > 0", kAboveZero};
+const Allowed kNotNegative{"a finite number >= 0", 0.0};
+const Allowed kLossProbability{"a number from 0 to below 1", 0.0, kLargest, 1.0};
 
 Section::Section(const YAML::Node& node, const std::string& path, std::vector<std::string>& problems)
     : node_(node), path_(path), problems_(problems) {
@@ -103,7 +116,7 @@ Section::Section(const YAML::Node& node, const std::string& path, std::vector<st
 
 bool Section::has(const std::string& key) {
   known_.insert(key);
-  return node_.IsMap() && static_cast<const YAML::Node&>(node_)[key];
+  return node_.IsMap() && node_[key];
 }
 
 void Section::reject(const std::string& key, const std::string& value, const std::string& allowed) {
@@ -113,7 +126,7 @@ void Section::reject(const std::string& key, const std::string& value, const std
 YAML::Node Section::require(const std::string& key, const std::string& allowed) {
   known_.insert(key);
   if (!node_.IsMap()) return {};
-  const YAML::Node value = static_cast<const YAML::Node&>(node_)[key];
+  const YAML::Node value = node_[key];
   if (!value || value.IsNull()) {
     problems_.push_back(name(key) + ": missing: must be " + allowed);
     return {};
@@ -125,7 +138,7 @@ double Section::number(const std::string& key, const Allowed& allowed) {
   const YAML::Node node = require(key, allowed.text);
   if (node.IsNull()) return 1.0;
   const std::optional<double> value = parsed_number(node);
-  if (!value || *value <= allowed.above || *value < allowed.at_least || *value >= allowed.below) {
+  if (!value || *value < allowed.least || *value >= allowed.below) {
     reject(key, shown(node), allowed.text);
     return 1.0;
   }
@@ -160,20 +173,20 @@ bool Section::boolean(const std::string& key) {
 std::string Section::text(const std::string& key) {
   const YAML::Node node = require(key, "a text");
   if (node.IsNull()) return "";
-  if (!node.IsScalar()) reject(key, shown(node), "a text");
-  if (!node.IsScalar()) return "";
+  if (!node.IsScalar()) {
+    reject(key, shown(node), "a text");
+    return "";
+  }
   if (!is_utf8(node.Scalar())) reject(key, shown(node), kUtf8);
   return node.Scalar();
 }
 
 std::string Section::choice(const std::string& key, const std::vector<std::string>& choices) {
-  std::string allowed;
-  for (const std::string& choice : choices) allowed += (allowed.empty() ? "" : " or ") + choice;
+  const std::string allowed = boost::algorithm::join(choices, " or ");
   const YAML::Node node = require(key, allowed);
   if (node.IsNull()) return choices.front();
-  for (const std::string& choice : choices) {
-    if (node.IsScalar() && node.Scalar() == choice) return choice;
-  }
+  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  if (std::find(choices.begin(), choices.end(), text) != choices.end()) return text;
   reject(key, shown(node), allowed);
   return choices.front();
 }
@@ -185,7 +198,7 @@ Eigen::VectorXd Section::numbers(const std::string& key, Eigen::Index longest) {
   const std::optional<Eigen::VectorXd> values = parsed_numbers(node);
   if (!values) {
     reject(key, shown(node), allowed);
-  } else if (longest != kUnlimited && values->size() > longest) {
+  } else if (values->size() > longest) {
     reject(key, std::to_string(values->size()) + " numbers", "at most " + std::to_string(longest));
   } else if (values->cwiseAbs().maxCoeff() > kLargest) {
     reject(key, shown(node), at_most(kLargest));
@@ -256,7 +269,7 @@ std::vector<std::string> Section::keys() {
 }
 
 bool Section::is_list(const std::string& key) {
-  return has(key) && static_cast<const YAML::Node&>(node_)[key].IsSequence();
+  return has(key) && node_[key].IsSequence();
 }
 
 Section Section::section(const std::string& key) {
@@ -278,14 +291,21 @@ std::vector<Section> Section::sections(const std::string& key) {
 
 void Section::reject_unknown_keys() {
   if (!node_.IsMap()) return;
-  std::string allowed;
-  for (const std::string& key : known_) allowed += (allowed.empty() ? "" : ", ") + key;
+  const std::string allowed = boost::algorithm::join(known_, ", ");
   std::set<std::string> seen;
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
     if (known_.count(key) == 0) problems_.push_back(name(shown(entry.first)) + ": unknown key: allowed are " + allowed);
     if (!seen.insert(key).second) problems_.push_back(name(key) + ": given twice: must be given once");
   }
+}
+
+double number_of(const std::string& key, const std::string& text, const Allowed& allowed) {
+  return read_alone(key, text, [&](Section& section) { return section.number(key, allowed); });
+}
+
+std::int64_t integer_of(const std::string& key, const std::string& text, std::int64_t least, std::int64_t most) {
+  return read_alone(key, text, [&](Section& section) { return section.integer(key, least, most); });
 }
 
 }  // namespace platoon

@@ -13,18 +13,17 @@
 namespace platoon {
 
 constexpr double kLargest = 1e100;
-constexpr Eigen::Index kUnlimited = -1;
 constexpr Eigen::Index kLongestRow = 100;  ///< far beyond the order of any closed loop
 
-/// The allowed range of a number. A NaN bound is no bound. Beyond 1e100 the square of a number and sums over a run
-/// would overflow.
+/// The allowed numbers: at least `least`, below `below`, and of a magnitude of at most `most`. Beyond 1e100 the square
+/// of a number and sums over a run would overflow.
 struct Allowed {
-  std::string text;                                         ///< end of the sentence "must be ..."
-  double above;                                             ///< exclusive lower bound
-  double at_least;                                          ///< inclusive lower bound
-  double most = kLargest;                                   ///< largest magnitude
-  double below = std::numeric_limits<double>::quiet_NaN();  ///< exclusive upper bound
+  std::string text;  ///< end of the sentence "must be ..."
+  double least = -std::numeric_limits<double>::infinity();
+  double most = kLargest;
+  double below = std::numeric_limits<double>::infinity();
 };
+constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();  ///< the smallest number above 0
 
 extern const Allowed kAnyFinite, kPositive, kNotNegative, kLossProbability;
 
@@ -49,7 +48,7 @@ public:
   std::string text(const std::string& key);
   std::string choice(const std::string& key, const std::vector<std::string>& choices);
   /// A non-empty list of finite numbers, at most `longest`.
-  Eigen::VectorXd numbers(const std::string& key, Eigen::Index longest = kUnlimited);
+  Eigen::VectorXd numbers(const std::string& key, Eigen::Index longest = std::numeric_limits<Eigen::Index>::max());
   /// A non-empty list of rows of finite numbers, all of one length; at most kLongestRow rows and columns.
   Eigen::MatrixXd matrix(const std::string& key);
   /// A non-empty list of names.
@@ -67,6 +66,9 @@ public:
   /// Adds a problem whose text begins with the key.
   void report(const std::string& problem) { problems_.push_back(name(problem)); }
 
+  /// Adds a problem of the section as a whole.
+  void report_whole(const std::string& problem) { problems_.push_back((path_.empty() ? "" : path_ + ": ") + problem); }
+
   /// Number of errors so far in the whole document.
   std::size_t problems() const { return problems_.size(); }
 
@@ -82,10 +84,14 @@ public:
 private:
   YAML::Node require(const std::string& key, const std::string& allowed);
 
-  YAML::Node node_;
+  const YAML::Node node_;
   std::string path_;
   std::vector<std::string>& problems_;
   std::set<std::string> known_;
 };
+
+/// The number in a text that is no part of a document, as an option of a command line. Throws ConfigurationError.
+double number_of(const std::string& key, const std::string& text, const Allowed& allowed);
+std::int64_t integer_of(const std::string& key, const std::string& text, std::int64_t least, std::int64_t most);
 
 }  // namespace platoon

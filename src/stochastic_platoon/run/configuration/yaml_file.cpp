@@ -1,28 +1,16 @@
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
 
-#include <filesystem>
-#include <fstream>
 #include <sstream>
+#include <system_error>
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 
 namespace platoon {
 
 namespace {
 
-// yaml-cpp's own LoadFile leaks memory if reading fails midway, and never returns for an endless file.
-std::string text_of(const std::string& file, const std::string& what) {
-  constexpr std::size_t kMegabyte = 1000000, kMost = 256 * kMegabyte;
-  std::ifstream stream(file, std::ios::binary);
-  std::string text, part(kMegabyte, '\0');
-  do {
-    stream.read(part.data(), static_cast<std::streamsize>(part.size()));
-    text.append(part, 0, static_cast<std::size_t>(stream.gcount()));
-    if (text.size() > kMost) throw ConfigurationError({what + ": " + file + ": must have at most 256 MB"});
-  } while (stream);
-  if (!stream.eof()) throw ConfigurationError({what + ": " + file + ": must be a file that can be read"});
-  return text;
-}
+constexpr std::size_t kMostBytes = 256000000;
 
 // Looks for separator lines, as yaml-cpp's own LoadAll does not terminate on some files.
 bool holds_several_documents(const std::string& text) {
@@ -40,14 +28,16 @@ bool holds_several_documents(const std::string& text) {
 }  // namespace
 
 YAML::Node load_yaml(const std::string& file, const std::string& what) {
-  if (std::filesystem::is_directory(file))
-    throw ConfigurationError({what + ": " + file + ": must be a file, not a folder"});
-  const std::string text = text_of(file, what);
   try {
+    // yaml-cpp's own LoadFile leaks memory if reading fails midway, and never returns for an endless file.
+    const std::string text = read_file(file, kMostBytes);
     const YAML::Node document = YAML::Load(text);
     if (holds_several_documents(text))
       throw ConfigurationError({what + ": " + file + ": several documents: must be one"});
     return document;
+  } catch (const std::system_error& error) {
+    throw ConfigurationError(
+        {what + ": " + file + ": must be a file of at most 256 MB that can be read (" + error.code().message() + ")"});
   } catch (const YAML::Exception& error) {
     throw ConfigurationError({what + ": " + file + ": must be YAML: " + error.what()});
   }

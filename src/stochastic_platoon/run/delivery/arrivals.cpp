@@ -19,19 +19,18 @@ bool Arrivals::may_start_at(std::uint64_t first) const {
   return complete() || (committed_ - first) % schedule_.batch == 0;
 }
 
-Arrivals::Admission Arrivals::admit(std::size_t stream, const MessageDescriptor& descriptor) {
+DropReason Arrivals::admit(std::size_t stream, const MessageDescriptor& descriptor) {
   const MessageId& id = descriptor.id;
   MessageOrder& order = orders_.at(stream);
-  if (id.attempt < attempt_) return {DropReason::stale};
+  if (id.attempt < attempt_) return DropReason::stale;
   const bool new_attempt = id.attempt > attempt_;
   const bool may_start = new_attempt ? may_start_at(id.first_realization) : id.first_realization == start_;
   // A stream joins an attempt only at its start: earlier messages would be lost for good.
   const bool joins = new_attempt || !latest(stream);
-  if (joins && id.step == kInitialStep && !may_start) return {DropReason::out_of_turn};
+  if (joins && id.step == kInitialStep && !may_start) return DropReason::out_of_turn;
   const DropReason drop = order.receive(descriptor);
-  if (drop != DropReason::none) return {drop};
-  if (new_attempt) restart(id);
-  return {drop, new_attempt};
+  if (drop == DropReason::none && new_attempt) restart(id);
+  return drop;
 }
 
 void Arrivals::restart(const MessageId& id) {

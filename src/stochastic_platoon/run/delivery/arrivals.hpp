@@ -25,17 +25,12 @@ struct CompleteBatch {
 /// that are already committed are then acknowledged without being counted again.
 class Arrivals {
 public:
-  struct Admission {
-    DropReason drop;
-    bool restarted = false;  ///< a new attempt begins: all results of unfinished batches are void
-  };
-
   /// Realizations before `committed` are done. `attempt` is the latest known attempt.
   Arrivals(const BatchSchedule& schedule, std::size_t streams, std::uint64_t committed, std::uint32_t attempt);
 
-  /// Judges a message of a stream. Only a message in turn has an effect. Throws std::out_of_range for a stream beyond
-  /// the last.
-  Admission admit(std::size_t stream, const MessageDescriptor& descriptor);
+  /// Judges a message of a stream. Only a message in turn has an effect: one of a newer attempt than attempt() begins
+  /// that attempt and voids all results of unfinished batches. Throws std::out_of_range for a stream beyond the last.
+  DropReason admit(std::size_t stream, const MessageDescriptor& descriptor);
 
   /// Counts an admitted message. Returns the batch that it completes, unless that batch was committed before. Has no
   /// effect if a newer attempt has begun since the message was admitted.

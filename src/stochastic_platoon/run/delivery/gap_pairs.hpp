@@ -28,7 +28,7 @@ public:
   /// `run`: the present run.
   template <class Visit>
   void visit(std::uint64_t run, const Visit& visit) {
-    ends_.visit_pointers(run, [this](const Pointer& predecessor, const Pointer& own) {
+    ends_.visit(run, [this](const Pointer& predecessor, const Pointer& own) {
       earlier_.push_back({predecessor, own});
     });
     while (!sent_.empty()) {

@@ -1,27 +1,15 @@
 #include "stochastic_platoon/run/delivery/message_order.hpp"
 
+#include <array>
 #include <tuple>
 
 namespace platoon {
 
 const char* to_string(DropReason drop) {
-  switch (drop) {
-    case DropReason::none:
-      return "in turn";
-    case DropReason::stale:
-      return "stale";
-    case DropReason::missed_start:
-      return "of an attempt whose start was missed";
-    case DropReason::out_of_turn:
-      return "out of turn";
-    case DropReason::wrong_size:
-      return "wrong batch size";
-    case DropReason::not_finite:
-      return "not finite";
-    case DropReason::foreign_run:
-      return "of another run";
-  }
-  return "unknown";
+  static constexpr std::array<const char*, kDropReasons> kTexts{
+      "in turn",    "stale",         "of an attempt whose start was missed", "out of turn", "wrong batch size",
+      "not finite", "of another run"};
+  return kTexts[static_cast<std::size_t>(drop)];
 }
 
 // True for the next message of the present attempt.

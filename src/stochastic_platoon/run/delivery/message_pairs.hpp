@@ -14,15 +14,9 @@ public:
   void add_position(const Pointer& message) { positions_.push_back(message); }
   void add_input(const Pointer& message) { inputs_.push_back(message); }
 
-  /// Calls visit(position, input) with every pair that is complete. `run`: the present run.
+  /// Calls visit(position, input), both pointers, with every pair that is complete. `run`: the present run.
   template <class Visit>
   void visit(std::uint64_t run, const Visit& visit) {
-    visit_pointers(run, [&visit](const Pointer& position, const Pointer& input) { visit(*position, *input); });
-  }
-
-  /// The same with pointers, for a visitor that keeps the messages.
-  template <class Visit>
-  void visit_pointers(std::uint64_t run, const Visit& visit) {
     while (!positions_.empty() && !inputs_.empty()) {
       const Pointer position = positions_.front(), input = inputs_.front();
       const bool same_run = position->run == input->run;

@@ -10,9 +10,10 @@ SignalAssembly::SignalAssembly(const BatchSchedule& schedule, std::size_t follow
 
 SignalAssembly::Receipt SignalAssembly::receive(std::size_t vehicle, const MessageDescriptor& descriptor,
                                                 const Positions& positions) {
-  const Arrivals::Admission admission = arrivals_.admit(vehicle, descriptor);
-  Receipt receipt{admission.drop, admission.restarted, {}};
+  const bool is_newer = descriptor.id.attempt > arrivals_.attempt();
+  Receipt receipt{arrivals_.admit(vehicle, descriptor)};
   if (receipt.drop != DropReason::none) return receipt;
+  receipt.restarted = is_newer;
   if (receipt.restarted) vehicles_.assign(vehicles_.size(), Vehicle());
   vehicles_[vehicle].positions.push_back(positions);
   if (vehicle > 0) find_due(vehicle, receipt.due);

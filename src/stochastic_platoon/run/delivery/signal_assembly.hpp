@@ -35,8 +35,8 @@ class SignalAssembly {
 public:
   struct Receipt {
     DropReason drop;
-    bool restarted = false;       ///< a new attempt begins: all results of unfinished batches are void
-    std::vector<DueSignals> due;  ///< for each follower in the order of k
+    bool restarted = false;            ///< a new attempt begins: all results of unfinished batches are void
+    std::vector<DueSignals> due = {};  ///< for each follower in the order of k
   };
 
   /// Starts at realization `first`; earlier ones are committed. `attempt` is the latest known attempt. `before`: the

@@ -3,33 +3,21 @@
 namespace platoon {
 
 const char* to_string(Clause clause) {
-  switch (clause) {
-    case Clause::one_publisher:
-      return "One node publishes vehicle_i/position.";
-    case Clause::answer:
-      return "It answers every message in turn with its own position at that step.";
-    case Clause::run:
-      return "Its answer carries the message's run; a step -1 of another run begins that run, and nothing else of another run is answered.";
-    case Clause::turn:
-      return "It publishes every step of a batch once, from -1 on, and nothing on a message out of turn.";
-    case Clause::size:
-      return "It publishes as many positions as the message has.";
-    case Clause::finite:
-      return "Its positions are finite numbers.";
-    case Clause::stamp:
-      return "Its answer carries the stamp of the message of the same step.";
-    case Clause::attempt:
-      return "A newer attempt begins at its step -1, and nothing of an older one is answered.";
-    case Clause::start_anew:
-      return "On step -1 it stands at its initial position and has forgotten everything: the same messages, the same positions.";
-    case Clause::causal:
-      return "Its position at a step depends on the messages before that step only.";
-    case Clause::spacing:
-      return "It keeps the run's standstill distance delta and headway h: behind a predecessor that drives v per step, the distance settles at delta + h v.";
-    case Clause::queues:
-      return "Its queues drop nothing: unbounded, with tcpNoDelay.";
-  }
-  return "unknown";
+  static constexpr std::array<const char*, kVehicleContract.size()> kSentences{
+      "One node publishes vehicle_i/position.",
+      "It answers every message in turn with its own position at that step.",
+      "It publishes as many positions as the message has.",
+      "Its positions are finite numbers.",
+      "Its answer carries the stamp of the message of the same step.",
+      "It publishes every step of a batch once, from -1 on, and nothing on a message out of turn.",
+      "A newer attempt begins at its step -1, and nothing of an older one is answered.",
+      "On step -1 it stands at its initial position and has forgotten everything: the same messages, the same positions.",
+      "Its position at a step depends on the messages before that step only.",
+      "Its queues drop nothing: unbounded, with tcpNoDelay.",
+      "Its answer carries the message's run; a step -1 of another run begins that run, and nothing else of another run is answered.",
+      "It keeps the run's standstill distance delta and headway h: behind a predecessor that drives v per step, the distance settles at delta + h v.",
+  };
+  return kSentences[static_cast<std::size_t>(clause)];
 }
 
 std::string named(Clause clause) {

@@ -24,12 +24,11 @@ enum class Clause {
   run,
   spacing,
 };
-constexpr std::size_t kClauses = 12;
 
 /// All clauses, in order.
-constexpr std::array<Clause, kClauses> kVehicleContract{
-    Clause::one_publisher, Clause::answer,     Clause::size,   Clause::finite, Clause::stamp, Clause::turn,
-    Clause::attempt,       Clause::start_anew, Clause::causal, Clause::queues, Clause::run,   Clause::spacing};
+constexpr std::array kVehicleContract{Clause::one_publisher, Clause::answer, Clause::size,    Clause::finite,
+                                      Clause::stamp,         Clause::turn,   Clause::attempt, Clause::start_anew,
+                                      Clause::causal,        Clause::queues, Clause::run,     Clause::spacing};
 
 /// The clause's sentence: "One node publishes vehicle_i/position."
 const char* to_string(Clause clause);

@@ -18,55 +18,57 @@ namespace {
   throw std::runtime_error(file + ": cannot be written: " + std::generic_category().message(errno));
 }
 
-void write_all(int descriptor, const std::string& content, const std::string& file) {
-  std::size_t written = 0;
-  while (written < content.size()) {
-    const ssize_t count = ::write(descriptor, content.data() + written, content.size() - written);
-    if (count < 0 && errno != EINTR) fail(file);
-    if (count > 0) written += static_cast<std::size_t>(count);
+// Throws std::runtime_error if the file cannot be opened or written; closes it at the end.
+class OpenFile {
+public:
+  OpenFile(const std::string& file, int flags)
+      : file_(file), descriptor_(::open(file.c_str(), flags | O_CLOEXEC, 0666)) {
+    if (descriptor_ < 0) fail(file);
   }
-}
+  ~OpenFile() { ::close(descriptor_); }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
 
-void sync_folder_of(const std::string& file) {
-  const std::string folder = std::filesystem::absolute(file).parent_path().string();
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) fail(folder);
-  ::fsync(descriptor);  // some file systems do not sync folders; the rename is valid regardless
-  ::close(descriptor);
+  void write(const std::string& content) const {
+    std::size_t written = 0;
+    while (written < content.size()) {
+      const ssize_t count = ::write(descriptor_, content.data() + written, content.size() - written);
+      if (count < 0 && errno != EINTR) fail(file_);
+      if (count > 0) written += static_cast<std::size_t>(count);
+    }
+  }
+
+  bool sync() const { return ::fsync(descriptor_) == 0; }
+
+private:
+  std::string file_;
+  int descriptor_;
+};
+
+void rename_and_sync(const std::string& file, const std::string& name) {
+  if (std::rename(file.c_str(), name.c_str()) != 0) fail(name);
+  const OpenFile folder(std::filesystem::absolute(name).parent_path().string(), O_RDONLY | O_DIRECTORY);
+  folder.sync();  // some file systems do not sync folders; the rename is valid regardless
 }
 
 }  // namespace
 
 void write_atomically(const std::string& file, const std::string& content) {
   const std::string beside = file + ".part";
-  const int descriptor = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) fail(beside);
+  const OpenFile written(beside, O_WRONLY | O_CREAT | O_TRUNC);
   try {
-    write_all(descriptor, content, beside);
-    if (::fsync(descriptor) != 0) fail(beside);
+    written.write(content);
+    if (!written.sync()) fail(beside);
+    rename_and_sync(beside, file);
   } catch (...) {
-    ::close(descriptor);
     ::unlink(beside.c_str());
     throw;
   }
-  if (::close(descriptor) != 0) fail(beside);
-  if (std::rename(beside.c_str(), file.c_str()) != 0) {
-    const int reason = errno;
-    ::unlink(beside.c_str());
-    errno = reason;
-    fail(file);
-  }
-  sync_folder_of(file);
 }
 
 void sync_and_rename(const std::string& file, const std::string& name) {
-  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) fail(file);
-  const bool synced = ::fsync(descriptor) == 0;
-  ::close(descriptor);
-  if (!synced) fail(file);
-  if (std::rename(file.c_str(), name.c_str()) != 0) fail(name);
-  sync_folder_of(name);
+  if (!OpenFile(file, O_RDONLY).sync()) fail(file);
+  rename_and_sync(file, name);
 }
 
 void require_writable_folder(const std::string& folder) {
@@ -88,7 +90,7 @@ std::string free_space(const std::string& file) {
   std::error_code error;
   const std::string folder = std::filesystem::absolute(file).parent_path().string();
   const std::uintmax_t bytes = std::filesystem::space(folder, error).available;
-  if (error) return folder + " cannot be looked at";
+  if (error) return "the free space of " + folder + " is unknown";
   return std::to_string(bytes / 1000000) + " MB are free there";
 }
 

@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 #include "stochastic_platoon/run/io/process_identity.hpp"
 
 namespace platoon {

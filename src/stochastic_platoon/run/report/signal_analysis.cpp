@@ -82,7 +82,7 @@ SignalRequest signal_request(const std::string& names, const std::string& collis
   if (!collision_probability.empty()) {
     YAML::Node node;
     node["collision_probability"] = collision_probability;
-    const Allowed allowed{"a number above 0 and below 0.5", 0.0, std::nan(""), kLargest, 0.5};
+    const Allowed allowed{"a number above 0 and below 0.5", kAboveZero, kLargest, 0.5};
     request.collision_probability = Section(node, "", problems).number("collision_probability", allowed);
   }
   if (!problems.empty()) throw ConfigurationError(problems);

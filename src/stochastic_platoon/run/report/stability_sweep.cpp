@@ -111,4 +111,25 @@ std::string to_csv(const std::vector<SweepPoint>& points) {
   return text;
 }
 
+std::string report(const std::vector<SweepPoint>& points) {
+  if (points.empty()) return "";
+  const bool lossy = points.front().loss.has_value(), in_bursts = points.front().burst.has_value();
+  std::string text = std::string("\n   headway        gain") + (lossy ? "        loss" : "") +
+                     (in_bursts ? "  mean burst" : "") + "      rho(A)    peak |T|" + (lossy ? "   loss gain" : "") +
+                     "   string stable\n";
+  const auto column = [](double value) {
+    return std::isnan(value) ? std::string("           -") : formatted(" %11.9g", value);
+  };
+  for (const SweepPoint& point : points) {
+    text += formatted("%10.6g", point.headway) + column(point.gain);
+    if (lossy) text += column(*point.loss);
+    if (in_bursts) text += column(*point.burst);
+    text += column(point.stability.spectral_radius) + column(point.stability.peak_gain);
+    if (lossy) text += column(point.stability.loss_gain.value_or(std::nan("")));
+    const std::optional<bool> stable = point.stability.decision();
+    text += std::string("   ") + (!stable ? "undecided" : *stable ? "yes" : "no") + "\n";
+  }
+  return text;
+}
+
 }  // namespace platoon

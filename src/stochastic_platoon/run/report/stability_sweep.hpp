@@ -37,4 +37,7 @@ nlohmann::json to_json(const std::vector<SweepPoint>& points);
 /// headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable, and with varied bursts mean_burst after loss.
 std::string to_csv(const std::vector<SweepPoint>& points);
 
+/// The same as a table for people; "-" for missing values.
+std::string report(const std::vector<SweepPoint>& points);
+
 }  // namespace platoon

@@ -1,24 +1,21 @@
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 
-#include <chrono>
 #include <locale>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
-#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/model/white_noise.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/clock.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 #include "stochastic_platoon/run/io/retried_write.hpp"
 
 namespace platoon {
 
 namespace {
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void require_same_shard(const Checkpoint& found, const ShardRun& run) {
   const std::string& output = run.configuration.run.output;
@@ -111,6 +108,7 @@ ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings) {
       run.range(), found ? found->totals : EnsembleTotals(cells_of(run.configuration)), settings.checkpoint_seconds);
   const std::uint64_t held_before = work.done();
   if (work.is_complete()) return {*found, 0};
+  if (!slow_noise().empty()) settings.warn(slow_noise());
   std::uint64_t saved = found ? found->totals.count() : 0;
   const auto checkpoint_of = [&](EnsembleTotals totals) {
     const Tally tally{positions_expected(options, totals.count()), 1, earlier_seconds + now() - began, 0};

@@ -42,7 +42,8 @@ struct ShardSettings {
   std::function<void(std::uint64_t done)> progress = [](std::uint64_t) {};
   /// Returns whether to stop: the shard is then incomplete, and its checkpoint holds every batch that was begun.
   std::function<bool()> stop = [] { return false; };
-  /// Receives problems that do not end the shard: a damaged checkpoint, or one that cannot be written at the moment.
+  /// Receives problems that do not end the shard: slow noise, a damaged checkpoint, or one that cannot be written at
+  /// the moment.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
 

@@ -10,6 +10,7 @@
 #include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 
@@ -63,7 +64,7 @@ std::vector<SweepAxis> read_axes(const YAML::Node& node, const std::string& file
     axes.push_back(axis);
   }
   section.reject_unknown_keys();
-  if (axes.empty() && section.is_mapping()) section.report(": no axis: must name at least one varying parameter");
+  if (axes.empty() && section.is_mapping()) section.report_whole("no axis: must name at least one varying parameter");
   return axes;
 }
 
@@ -177,13 +178,13 @@ std::string word_of(const YAML::Node& value) {
   return printable(text);
 }
 
-Sweep read_sweep(const std::string& file, const std::map<std::string, std::string>& given, const std::string& model) {
+Sweep read_sweep(const std::string& file, const std::map<std::string, std::string>& given) {
   const YAML::Node node = load_yaml(file, "sweep");
   std::vector<std::string> problems;
   Section document(node, "", problems);
   Sweep sweep;
   std::map<std::string, std::string> shared;
-  shared["model"] = document.has("model") ? beside(file, document.text("model")) : model;
+  if (document.has("model")) shared["model"] = beside(file, document.text("model"));
   for (const std::string& name : kShared) {
     if (document.has(name)) shared[name] = document.text(name);
   }

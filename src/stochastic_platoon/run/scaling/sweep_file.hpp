@@ -52,11 +52,10 @@ struct Sweep {
 /// A value as one word without a comma: "2.4", "[1 -2 1]".
 std::string word_of(const YAML::Node& value);
 
-/// Reads a sweep file. The settings `given` take precedence over the file's; `model` is used if the file names no
-/// model.
+/// Reads a sweep file. The settings `given` take precedence over the file's.
 ///
 /// Counts the points before creating any, and checks the configuration of every point. Throws ConfigurationError with
 /// all problems.
-Sweep read_sweep(const std::string& file, const std::map<std::string, std::string>& given, const std::string& model);
+Sweep read_sweep(const std::string& file, const std::map<std::string, std::string>& given);
 
 }  // namespace platoon

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <utility>
 
+#include "stochastic_platoon/math/model/white_noise.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
@@ -129,6 +130,7 @@ std::vector<std::uint64_t> missing_points(const Sweep& sweep, const SweepSetting
 
 void compute_points(const Sweep& sweep, const std::vector<std::uint64_t>& points, const SweepSettings& settings) {
   if (points.empty()) return;
+  if (!slow_noise().empty()) settings.warn(slow_noise());
   PointQueue queue(sweep, points);
   std::vector<std::future<void>> workers;
   for (unsigned t = 0; t < settings.threads; ++t)

@@ -15,7 +15,7 @@ struct SweepSettings {
   unsigned threads = 1;
   std::function<void(std::uint64_t realizations, const std::string& point)> progress = [](std::uint64_t,
                                                                                           const std::string&) {};
-  std::function<void(const std::string&)> warn = [](const std::string&) {};  ///< gets damaged files
+  std::function<void(const std::string&)> warn = [](const std::string&) {};  ///< gets slow noise and damaged files
 };
 
 /// The points that the folder does not hold yet. Throws ConfigurationError if it holds points of another sweep.

@@ -1,10 +1,10 @@
 #include "stochastic_platoon/run/scaling/whole_run.hpp"
 
-#include <chrono>
 #include <filesystem>
 #include <utility>
 
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 
 namespace platoon {
@@ -21,7 +21,7 @@ RunResult result_of(const Configuration& configuration, const EnsembleTotals& to
 
 RunResult compute_in_memory(const Configuration& configuration, const ShardSettings& settings) {
   const RunOptions& run = configuration.run;
-  const auto began = std::chrono::steady_clock::now();
+  const double began = now();
   EnsembleRun work(configuration.model, {run.seed, run.followers, run.steps, run.realizations, run.batch, run.signals},
                    {0, run.realizations});
   complete(work, settings.threads, [&] {
@@ -29,8 +29,7 @@ RunResult compute_in_memory(const Configuration& configuration, const ShardSetti
     if (settings.stop()) work.stop();
   });
   const EnsembleTotals totals = work.release();
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - began;
-  return result_of(configuration, totals, {positions_expected(run, totals.count()), 1, seconds.count(), 0});
+  return result_of(configuration, totals, {positions_expected(run, totals.count()), 1, now() - began, 0});
 }
 
 RunResult compute_in_folder(const Configuration& configuration, const ShardSettings& settings) {

@@ -15,10 +15,5 @@ TEST(Formatted, IsOfAnyLength) {
   EXPECT_EQ(formatted("<%s>", text.c_str()), "<" + text + ">");
 }
 
-TEST(Shortened, KeepsAShortTextAndTheBeginningOfALongOne) {
-  EXPECT_EQ(shortened(std::string(80, 'x')), std::string(80, 'x'));
-  EXPECT_EQ(shortened(std::string(81, 'x')), std::string(80, 'x') + "...");
-}
-
 }  // namespace
 }  // namespace platoon

@@ -46,7 +46,7 @@ protected:
 
   void send_one(std::size_t vehicle, const MessageId& id) {
     const MessageDescriptor descriptor{id, 4, true};
-    if (arrivals.admit(vehicle, descriptor).drop == DropReason::none) arrivals.count(vehicle, descriptor);
+    if (arrivals.admit(vehicle, descriptor) == DropReason::none) arrivals.count(vehicle, descriptor);
   }
 
   StallReporter::Change look(double present) {

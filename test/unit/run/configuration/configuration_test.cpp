@@ -131,8 +131,9 @@ TEST_F(ConfigurationTest, NamesEverySettingThatIsUnknown) {
 
 TEST_F(ConfigurationTest, NamesTheModelFileThatIsMissing) {
   EXPECT_EQ(problems_with({{"model", folder_ / "none.yaml"}}),
-            Problems{"model: " + folder_ / "none.yaml" + ": must be a file that can be read"});
-  EXPECT_EQ(problems_of([] { configuration_document({}); }).size(), 1u);
+            Problems{"model: " + folder_ / "none.yaml" +
+                     ": must be a file of at most 256 MB that can be read (No such file or directory)"});
+  EXPECT_EQ(problems_of([] { configuration_document({{"model", ""}}); }).size(), 1u);
 }
 
 TEST_F(ConfigurationTest, OfAModelFileThatIsNoMappingIsAnErrorWithAndWithoutOverride) {

@@ -291,8 +291,10 @@ TEST(ModelFile, RejectsAClosedLoopThatIsNone) {
 }
 
 TEST(LoadYaml, NamesTheFileThatIsMissing) {
-  EXPECT_EQ(problems_of([] { load_yaml("/no/such/model.yaml"); }),
-            Problems{"model: /no/such/model.yaml: must be a file that can be read"});
+  EXPECT_EQ(
+      problems_of([] { load_yaml("/no/such/model.yaml"); }),
+      Problems{
+          "model: /no/such/model.yaml: must be a file of at most 256 MB that can be read (No such file or directory)"});
 }
 
 TEST(LoadYaml, NamesTheFileThatIsNotYaml) {

@@ -4,6 +4,8 @@
 
 #include <functional>
 
+#include "unit/run/configuration/model_text.hpp"
+
 namespace platoon {
 namespace {
 
@@ -226,6 +228,15 @@ TEST(Section, ReadsAWholeNumberWithAnExponent) {
   expect("2.5E3", 2500);
   expect("0e0", 0);
   expect("9007199254740993", 9007199254740993);
+}
+
+TEST(NumberOf, ReadsATextThatIsNoPartOfADocument) {
+  EXPECT_EQ(number_of("wait", "2.5", kPositive), 2.5);
+  EXPECT_EQ(integer_of("threads", "1e3", 1, 1024), 1000);
+  EXPECT_EQ(problems_of([] { number_of("wait", "", kPositive); }),
+            Problems{"wait: (empty): must be a finite number > 0"});
+  EXPECT_EQ(problems_of([] { integer_of("threads", "0", 1, 1024); }),
+            Problems{"threads: 0: must be a whole number from 1 to 1024"});
 }
 
 }  // namespace

@@ -20,16 +20,17 @@ public:
 
   DropReason receive(std::size_t stream, const MessageId& id) {
     const MessageDescriptor descriptor{id, schedule_.size(id.first_realization), true};
-    const Arrivals::Admission admission = arrivals_.admit(stream, descriptor);
-    if (admission.restarted) told_ += "restarted ";
-    if (admission.drop != DropReason::none) return admission.drop;
+    const std::uint32_t before = arrivals_.attempt();
+    const DropReason drop = arrivals_.admit(stream, descriptor);
+    if (arrivals_.attempt() > before) told_ += "restarted ";
+    if (drop != DropReason::none) return drop;
     told_ += "take " + std::to_string(stream) + " ";
     const std::optional<CompleteBatch> batch = arrivals_.count(stream, descriptor);
     if (batch) {
       told_ += "batch " + std::to_string(batch->first_realization) + " of " +
                std::to_string(batch->positions_received) + " ";
     }
-    return admission.drop;
+    return drop;
   }
 
   void receive_batch(std::uint32_t attempt, std::uint64_t first) {
@@ -237,8 +238,8 @@ TEST(Arrivals, CountAMessageOnlyWhenItsWorkIsDone) {
   Arrivals arrivals({2, 1, 1}, kStreams, 0, 0);
   const MessageDescriptor start{{1, 0, -1}, 1, true}, end{{1, 0, 0}, 1, true};
   for (std::size_t s = 0; s < kStreams; ++s) {
-    EXPECT_EQ(arrivals.admit(s, start).drop, DropReason::none);
-    EXPECT_EQ(arrivals.admit(s, end).drop, DropReason::none);
+    EXPECT_EQ(arrivals.admit(s, start), DropReason::none);
+    EXPECT_EQ(arrivals.admit(s, end), DropReason::none);
   }
   EXPECT_EQ(arrivals.acknowledgement().step, kNothingYet);
   EXPECT_EQ(arrivals.messages(), 0u);
@@ -255,8 +256,9 @@ TEST(Arrivals, CountAMessageOnlyWhenItsWorkIsDone) {
 TEST(Arrivals, CountNothingOfAnAttemptThatEndedWhileItsWorkWasDone) {
   Arrivals arrivals({2, 2, 1}, kStreams, 0, 0);
   const MessageDescriptor old{{1, 0, -1}, 2, true};
-  EXPECT_EQ(arrivals.admit(0, old).drop, DropReason::none);
-  EXPECT_TRUE(arrivals.admit(1, {{2, 0, -1}, 2, true}).restarted);
+  EXPECT_EQ(arrivals.admit(0, old), DropReason::none);
+  EXPECT_EQ(arrivals.admit(1, {{2, 0, -1}, 2, true}), DropReason::none);
+  EXPECT_EQ(arrivals.attempt(), 2u);
   EXPECT_FALSE(arrivals.count(0, old));
   EXPECT_EQ(arrivals.messages(), 0u);
   EXPECT_FALSE(arrivals.latest(0));

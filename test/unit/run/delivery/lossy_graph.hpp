@@ -310,7 +310,7 @@ private:
   }
 
   void record(std::size_t vehicle, const Message& message) {
-    if (recorder_->admit(vehicle, descriptor(message)).drop != DropReason::none) return;
+    if (recorder_->admit(vehicle, descriptor(message)) != DropReason::none) return;
     const std::optional<CompleteBatch> batch = recorder_->count(vehicle, descriptor(message));
     if (batch) recorded_.push_back(batch->first_realization);
     report_if_due("recorder", *recorder_, recorder_pace_);

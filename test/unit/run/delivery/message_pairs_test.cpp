@@ -25,10 +25,10 @@ using Steps = std::vector<std::pair<int, int>>;
 
 Steps pairs_of(MessagePairs<Pointer>& pairs, std::uint64_t run) {
   Steps found;
-  pairs.visit(run, [&found](const Message& position, const Message& input) {
-    EXPECT_EQ(position.run, input.run);
-    EXPECT_EQ(position.attempt, input.attempt);
-    found.emplace_back(position.step, input.step);
+  pairs.visit(run, [&found](const auto& position, const auto& input) {
+    EXPECT_EQ(position->run, input->run);
+    EXPECT_EQ(position->attempt, input->attempt);
+    found.emplace_back(position->step, input->step);
   });
   return found;
 }

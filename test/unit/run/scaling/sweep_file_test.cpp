@@ -12,7 +12,7 @@ const std::string kModel = PLATOON_SOURCE_DIR "/config/paper.yaml";
 
 Sweep sweep_of(const std::string& text) {
   const TemporaryFolder folder;
-  return read_sweep(folder.file("sweep.yaml", text), {}, kModel);
+  return read_sweep(folder.file("sweep.yaml", text), {});
 }
 
 std::string refusal(const std::string& text) {
@@ -69,8 +69,7 @@ TEST(SweepFile, VariesRecordedDrivesThatLieBesideIt) {
     for (int second = 0; second <= 12; ++second) table += std::to_string(second) + "," + speed + "\n";
     folder.file(name, table);
   }
-  const Sweep sweep =
-      read_sweep(folder.file("sweep.yaml", "vary: {leader: [slow.csv, fast.csv, {speed: []}]}\n"), {}, kModel);
+  const Sweep sweep = read_sweep(folder.file("sweep.yaml", "vary: {leader: [slow.csv, fast.csv, {speed: []}]}\n"), {});
   EXPECT_NEAR(sweep.configuration(0).model.recorded_leader.at(101), 10.0, 1e-9);
   EXPECT_NEAR(sweep.configuration(1).model.recorded_leader.at(101), 20.0, 1e-9);
   EXPECT_TRUE(sweep.configuration(2).model.recorded_leader.empty());
@@ -92,13 +91,13 @@ TEST(SweepFile, FindsTheModelBesideItself) {
   const TemporaryFolder folder;
   folder.file("own.yaml", content_of(kModel) + "\nallow_unstable: true\n");
   const std::string file = folder.file("sweep.yaml", "model: own.yaml\nvary: {headway: [0.01]}\n");
-  EXPECT_TRUE(read_sweep(file, {}, "").configuration(0).model.allow_unstable);
+  EXPECT_TRUE(read_sweep(file, {}).configuration(0).model.allow_unstable);
 }
 
 TEST(SweepFile, TakesWhatIsGivenBesideItFirst) {
   const TemporaryFolder folder;
   const std::string file = folder.file("sweep.yaml", "vary: {headway: [3]}\nrealizations: 1e5\n");
-  EXPECT_EQ(read_sweep(file, {{"realizations", "17"}}, kModel).configuration(0).run.realizations, 17u);
+  EXPECT_EQ(read_sweep(file, {{"realizations", "17"}}).configuration(0).run.realizations, 17u);
 }
 
 TEST(SweepFile, OfAbsurdSizeIsCountedAndRefused) {
@@ -121,7 +120,7 @@ TEST(SweepFile, NamesWhatIsWrongAllAtOnce) {
             "  shard: unknown key: allowed are batch, combine, delay, followers, headway, keep, leader, loss, "
             "mean_burst, model, noise_variance, realizations, seed, shards, steps, vary");
   EXPECT_EQ(refusal("followers: 3\n"), "vary: missing: must be a mapping of keys");
-  EXPECT_EQ(refusal("vary: {}\n"), "vary/: no axis: must name at least one varying parameter");
+  EXPECT_EQ(refusal("vary: {}\n"), "vary: no axis: must name at least one varying parameter");
 }
 
 TEST(SweepFile, NamesThePointsThatCannotRun) {
@@ -155,7 +154,7 @@ TEST(WordOf, HasNoCommaAndNoLineBreak) {
 }
 
 TEST(SweepFile, OfTheShippedSweepIsSound) {
-  const Sweep sweep = read_sweep(PLATOON_SOURCE_DIR "/config/sweeps/headway.yaml", {}, "");
+  const Sweep sweep = read_sweep(PLATOON_SOURCE_DIR "/config/sweeps/headway.yaml", {});
   EXPECT_EQ(sweep.points(), 18u);
 }
 

@@ -22,7 +22,7 @@ const std::string kText =
 
 Sweep sweep_of(const std::string& text = kText) {
   const TemporaryFolder folder;
-  return read_sweep(folder.file("sweep.yaml", text), {}, PLATOON_SOURCE_DIR "/config/paper.yaml");
+  return read_sweep(folder.file("sweep.yaml", text), {});
 }
 
 SweepSettings settings_of(const TemporaryFolder& folder, unsigned threads = 2) {

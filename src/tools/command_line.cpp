@@ -1,4 +1,4 @@
-#include "tools/settings.hpp"
+#include "tools/command_line.hpp"
 
 #include <algorithm>
 #include <boost/program_options.hpp>
@@ -38,29 +38,28 @@ std::string option_name(std::string setting) {
 
 }  // namespace
 
-std::map<std::string, std::string> parse_command_line(int argc, char** argv, const std::string& purpose,
-                                                      const std::set<std::string>& accepted,
-                                                      const std::map<std::string, std::string>& extra,
-                                                      std::vector<std::string>* words,
-                                                      const std::set<std::string>& flags) {
-  std::map<std::string, std::string> help = extra;
-  for (const std::string& name : accepted) help[name] = help_of(name);
-  options::options_description description(purpose);
-  description.add_options()("help,h", "print this")("version", "print the version");
-  for (const auto& entry : help) {
-    const auto value = options::value<std::string>();
-    if (flags.count(entry.first) > 0) value->implicit_value("true", "");
-    description.add_options()(option_name(entry.first).c_str(), value, entry.second.c_str());
+CommandLine parse_command_line(int argc, char** argv, const AcceptedOptions& accepted) {
+  std::map<std::string, std::string> help = accepted.options;
+  for (const std::string& name : accepted.settings) {
+    const auto other = accepted.help.find(name);
+    help[name] = other == accepted.help.end() ? help_of(name) : other->second;
   }
-  std::map<std::string, std::string> given;
+  options::options_description description(accepted.purpose);
+  description.add_options()("help,h", "print this")("version", "print the version");
+  for (const auto& [name, text] : help) {
+    const auto value = options::value<std::string>();
+    if (accepted.flags.count(name) > 0) value->implicit_value("true", "");
+    description.add_options()(option_name(name).c_str(), value, text.c_str());
+  }
+  CommandLine line;
   try {
     options::variables_map values;
     // No abbreviations: a mistyped option must not match another one.
     const int style = options::command_line_style::unix_style & ~options::command_line_style::allow_guessing;
     options::options_description known = description;
     options::positional_options_description positionals;
-    if (words != nullptr) {
-      known.add_options()("word", options::value(words));
+    if (accepted.words) {
+      known.add_options()("word", options::value(&line.words));
       positionals.add("word", -1);
     }
     options::store(options::command_line_parser(argc, argv).options(known).positional(positionals).style(style).run(),
@@ -75,42 +74,25 @@ std::map<std::string, std::string> parse_command_line(int argc, char** argv, con
     }
     options::notify(values);
     for (const auto& entry : help) {
-      if (values.count(option_name(entry.first)) > 0)
-        given[entry.first] = values[option_name(entry.first)].as<std::string>();
+      const std::string& name = entry.first;
+      if (values.count(option_name(name)) == 0) continue;
+      (accepted.options.count(name) > 0 ? line.options : line.settings)[name] =
+          values[option_name(name)].as<std::string>();
     }
   } catch (const options::error& error) {
     std::cerr << argv[0] << ": " << error.what() << "; --help lists the options\n";
     std::exit(2);
   }
   for (const auto& [name, folder] : {std::pair("model", "config"), std::pair("leader", "config/leaders")}) {
-    const auto file = given.find(name);
-    if (file != given.end()) file->second = shipped_file(file->second, folder);
+    const auto file = line.settings.find(name);
+    if (file != line.settings.end()) file->second = shipped_file(file->second, folder);
   }
-  return given;
+  return line;
 }
 
-unsigned threads_of(const std::string& text) {
-  if (text.empty()) return std::max(std::thread::hardware_concurrency(), 1u);
-  YAML::Node node;
-  node["threads"] = text;
-  std::vector<std::string> problems;
-  const std::int64_t threads = Section(node, "", problems).integer("threads", 1, 1024);
-  if (!problems.empty()) throw ConfigurationError(problems);
-  return static_cast<unsigned>(threads);
-}
-
-void log_slow_noise(const char* program) {
-  const std::string reason = slow_noise();
-  if (!reason.empty()) std::cerr << program << ": " << reason << "\n";
-}
-
-double seconds_of(const std::string& option, const std::string& text) {
-  YAML::Node node;
-  node[option] = text;
-  std::vector<std::string> problems;
-  const double seconds = Section(node, "", problems).number(option, kPositive);
-  if (!problems.empty()) throw ConfigurationError(problems);
-  return seconds;
+unsigned threads_of(const CommandLine& line) {
+  if (!line.has("threads")) return std::max(std::thread::hardware_concurrency(), 1u);
+  return static_cast<unsigned>(integer_of("threads", line["threads"], 1, 1024));
 }
 
 }  // namespace platoon

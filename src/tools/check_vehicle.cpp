@@ -4,10 +4,7 @@
 #include <ros/init.h>
 #include <ros/master.h>
 
-#include <charconv>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -17,49 +14,32 @@
 #include "stochastic_platoon/ros/transport/transport.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
-#include "stochastic_platoon/run/configuration/shipped_files.hpp"
-#include "tools/settings.hpp"
+#include "stochastic_platoon/run/configuration/section.hpp"
+#include "stochastic_platoon/run/delivery/vehicle_name.hpp"
+#include "tools/command_line.hpp"
 
 namespace {
 
-constexpr char kNumber[] = "the number of a follower, 1 or more";
-
 struct Arguments {
-  std::size_t vehicle = 0;
-  double patience = 2.0, wait = 30.0;  ///< [s]
+  std::int64_t vehicle;
+  double patience, wait;  ///< [s]
   std::map<std::string, std::string> settings;
 };
 
-double seconds_of(std::map<std::string, std::string>& settings, const std::string& key, double otherwise) {
-  if (settings.count(key) == 0) return otherwise;
-  char* end = nullptr;
-  const std::string text = settings[key];
-  const double seconds = std::strtod(text.c_str(), &end);
-  settings.erase(key);
-  if (*end == '\0' && !text.empty() && seconds > 0.0 && seconds <= 1e6) return seconds;
-  throw platoon::ConfigurationError({key + ": " + text + ": must be a number of seconds above 0"});
-}
-
 Arguments parsed(int argc, char** argv) {
-  Arguments arguments;
-  const bool numbered = argc > 1 && argv[1][0] != '-';
-  if (numbered) {
-    const char* end = argv[1] + std::strlen(argv[1]);
-    const auto read = std::from_chars(static_cast<const char*>(argv[1]), end, arguments.vehicle);
-    if (read.ec != std::errc() || read.ptr != end || arguments.vehicle < 1 || arguments.vehicle > 1000000)
-      throw platoon::ConfigurationError({std::string("vehicle: ") + argv[1] + ": must be " + kNumber});
-    argv[1] = argv[0];
-  }
-  arguments.settings = platoon::parse_command_line(
-      argc - (numbered ? 1 : 0), argv + (numbered ? 1 : 0),
-      "check_vehicle I: drives vehicle I alone through the vehicle contract, a verdict for each clause",
-      {"model", "headway", "headway_seconds"},
-      {{"patience", "seconds to wait for an answer (2)"}, {"wait", "seconds to wait for the vehicle (30)"}});
-  if (!numbered) throw platoon::ConfigurationError({std::string("vehicle: missing: must be ") + kNumber});
-  arguments.patience = seconds_of(arguments.settings, "patience", arguments.patience);
-  arguments.wait = seconds_of(arguments.settings, "wait", arguments.wait);
-  if (arguments.settings.count("model") == 0) arguments.settings["model"] = platoon::paper_model_file();
-  return arguments;
+  const platoon::CommandLine given = platoon::parse_command_line(
+      argc, argv,
+      {"check_vehicle I: drives vehicle I alone through the vehicle contract, a verdict for each clause",
+       {"model", "headway", "headway_seconds"},
+       {{"patience", "seconds to wait for an answer (2)"}, {"wait", "seconds to wait for the vehicle (30)"}},
+       true});
+  const auto seconds = [&given](const char* option, double otherwise) {
+    return given.has(option) ? platoon::number_of(option, given[option], platoon::kPositive) : otherwise;
+  };
+  if (given.words.size() != 1)
+    throw platoon::ConfigurationError({"check_vehicle I: must be given the number of one vehicle"});
+  return {platoon::integer_of("vehicle", given.words.front(), 1, 1000000), seconds("patience", 2.0),
+          seconds("wait", 30.0), given.settings};
 }
 
 // Two batches, of 1000 and of 1 realizations, from the nominal initial positions.
@@ -80,8 +60,9 @@ void require_no_run(const ros::NodeHandle& platoon) {
   const std::string topic = platoon.resolveName(platoon::kConfigurationTopic);
   const std::vector<std::string> names = platoon::registered_publishers(topic);
   if (names.empty()) return;
-  throw std::runtime_error(names.front() + " publishes " + topic +
-                           ": a platoon is there; end it, or use another master or namespace (ROS_NAMESPACE)");
+  throw std::runtime_error(
+      names.front() + " publishes " + topic +
+      ": a platoon runs in this namespace: end it, or use another master or namespace (ROS_NAMESPACE)");
 }
 
 // Restores the parameter at the end.
@@ -112,16 +93,17 @@ void print(platoon::Clause clause, const char* verdict, const std::string& what 
 void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
   require_no_run(platoon);
   const KeptConfiguration kept(platoon);
+  const auto vehicle = static_cast<std::size_t>(arguments.vehicle);
   platoon::VehicleCheck check(platoon, run_of(arguments, "check_vehicle"),
-                              run_of(arguments, "check_vehicle, another run"), arguments.vehicle, arguments.patience);
-  const std::string name = "vehicle_" + std::to_string(arguments.vehicle);
+                              run_of(arguments, "check_vehicle, another run"), vehicle, arguments.patience);
+  const std::string name = platoon::vehicle_name(vehicle);
   if (!check.wait_for_vehicle(0.5)) {
     std::printf("waiting for external %s: start its node\n", name.c_str());
     std::fflush(stdout);
     if (!check.wait_for_vehicle(arguments.wait)) {
       throw std::runtime_error(name + " is not running: it must publish " +
-                               platoon.resolveName(platoon::position_topic(arguments.vehicle)) + " and subscribe to " +
-                               platoon.resolveName(platoon::predecessor_position_topic(arguments.vehicle)));
+                               platoon.resolveName(platoon::position_topic(vehicle)) + " and subscribe to " +
+                               platoon.resolveName(platoon::predecessor_position_topic(vehicle)));
     }
   }
   std::set<platoon::Clause> held;
@@ -146,10 +128,9 @@ void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Arguments arguments;
   ros::init(argc, argv, "check_vehicle", ros::init_options::AnonymousName | ros::init_options::NoRosout);
   try {
-    arguments = parsed(argc, argv);
+    const Arguments arguments = parsed(argc, argv);
     if (!ros::master::check())
       throw std::runtime_error("no ROS master at " + ros::master::getURI() + ": start roscore");
     check(ros::NodeHandle("platoon"), arguments);
