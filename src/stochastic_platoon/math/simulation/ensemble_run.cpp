@@ -124,11 +124,4 @@ void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& t
   tick();
 }
 
-EnsembleTotals monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
-                           const std::function<void(std::uint64_t)>& progress) {
-  EnsembleRun run(model, ensemble, {0, ensemble.realizations});
-  complete(run, threads, [&] { progress(run.done()); });
-  return run.release();
-}
-
 }  // namespace platoon

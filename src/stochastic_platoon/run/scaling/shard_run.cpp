@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/retried_write.hpp"
 
@@ -100,15 +99,17 @@ ShardRun shard_run_of(const nlohmann::json& record) {
   }
 }
 
+Ensemble ensemble_of(const RunOptions& run) {
+  return {run.seed, run.followers, run.steps, run.batch, run.signals};
+}
+
 ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings) {
   const RunOptions& options = run.configuration.run;
   const double began = now();
   const std::optional<Checkpoint> found = held(run, settings);
   const double earlier_seconds = found ? found->tally.wall_seconds : 0.0;
-  EnsembleRun work(
-      run.configuration.model,
-      {options.seed, options.followers, options.steps, options.realizations, options.batch, options.signals},
-      run.range(), found ? found->totals : EnsembleTotals(cells_of(run.configuration)), settings.checkpoint_seconds);
+  EnsembleRun work(run.configuration.model, ensemble_of(options), run.range(),
+                   found ? found->totals : EnsembleTotals(cells_of(run.configuration)), settings.checkpoint_seconds);
   const std::uint64_t held_before = work.done();
   if (work.is_complete()) return {*found, 0};
   std::uint64_t saved = found ? found->totals.count() : 0;

@@ -7,21 +7,17 @@
 #include <mutex>
 #include <utility>
 
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/scaling/merge.hpp"
+#include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
 
 namespace platoon {
 
 namespace {
-
-Ensemble ensemble_of(const RunOptions& run) {
-  return {run.seed, run.followers, run.steps, run.realizations, run.batch, run.signals};
-}
 
 struct ActivePoint {
   ActivePoint(std::uint64_t at, std::string named, Configuration of)

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 
 namespace platoon {
@@ -22,8 +21,7 @@ RunResult result_of(const Configuration& configuration, const EnsembleTotals& to
 RunResult compute_in_memory(const Configuration& configuration, const ShardSettings& settings) {
   const RunOptions& run = configuration.run;
   const auto began = std::chrono::steady_clock::now();
-  EnsembleRun work(configuration.model, {run.seed, run.followers, run.steps, run.realizations, run.batch, run.signals},
-                   {0, run.realizations});
+  EnsembleRun work(configuration.model, ensemble_of(run), {0, run.realizations});
   complete(work, settings.threads, [&] {
     settings.progress(work.done());
     if (settings.stop()) work.stop();

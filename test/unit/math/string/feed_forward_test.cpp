@@ -14,6 +14,7 @@
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "unit/math/radio_cars.hpp"
+#include "unit/monte_carlo.hpp"
 
 namespace platoon {
 namespace {
@@ -129,7 +130,7 @@ TEST(FeedForward, IsWhatAMonteCarloMeasures) {
     std::vector<double> cumulants;
     const ErrorMoments theory = loss > 0.0 ? linked_error_moments(model, kFollowers, kSteps, &cumulants)
                                            : error_moments(model, kFollowers, kSteps);
-    const EnsembleTotals measured = monte_carlo(model, {7, kFollowers, kSteps, 4000, 500}, 2, [](std::uint64_t) {});
+    const EnsembleTotals measured = monte_carlo(model, {7, kFollowers, kSteps, 500}, 4000, 2);
     std::vector<double> fourth;
     for (std::size_t c = 0; c < cumulants.size(); ++c)
       fourth.push_back(3.0 * theory.variance[c] * theory.variance[c] + cumulants[c]);

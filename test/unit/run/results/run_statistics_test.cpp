@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "stochastic_platoon/math/model/vehicle.hpp"
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "unit/monte_carlo.hpp"
 #include "unit/paper_run.hpp"
 #include "unit/same_gaps.hpp"
 
@@ -66,9 +66,8 @@ void receive_batch(RunStatistics& statistics, const Configuration& configuration
 void expect_monte_carlo(const std::vector<Moments>& found, const Configuration& configuration,
                         std::uint64_t realizations) {
   const RunOptions& run = configuration.run;
-  const Ensemble ensemble{run.seed, run.followers, run.steps, realizations, 8192, run.signals};
-  const std::vector<Moments> expected =
-      monte_carlo(configuration.model, ensemble, 1, [](std::uint64_t) {}).moments.totals();
+  const Ensemble ensemble{run.seed, run.followers, run.steps, 8192, run.signals};
+  const std::vector<Moments> expected = monte_carlo(configuration.model, ensemble, realizations).moments.totals();
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t c = 0; c < found.size(); ++c) {
     EXPECT_EQ(found[c].count, expected[c].count);
@@ -127,8 +126,8 @@ TEST(RunStatistics, FromSeveralThreadsAreTheMonteCarlosToTheBit) {
   EXPECT_TRUE(statistics.arrivals().complete());
   expect_monte_carlo(statistics.averages().moments(), configuration, 400);
   const RunOptions& run = configuration.run;
-  const EnsembleTotals expected = monte_carlo(
-      configuration.model, {run.seed, run.followers, run.steps, 400, 64, run.signals}, 1, [](std::uint64_t) {});
+  const EnsembleTotals expected =
+      monte_carlo(configuration.model, {run.seed, run.followers, run.steps, 64, run.signals}, 400);
   expect_same_gaps(statistics.result(true).gaps, expected.gaps);
   EXPECT_EQ(statistics.result(true).signals.size(), 3u);
   EXPECT_EQ(statistics.tally().positions_received, positions_expected(configuration.run, 400));
