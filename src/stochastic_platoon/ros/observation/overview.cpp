@@ -77,9 +77,7 @@ void add_cells(const Columns& columns, Overview& message) {
       message.theoretical_variance[at] = of.theoretical_variance;
       if (!last) continue;
       message.standard_error.push_back(standard_error_of_variance(of));
-      message.variance_score.push_back(
-          scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share, of.fourth_moment)
-              .variance);
+      message.variance_score.push_back(scores(of).variance);
     }
   }
 }

@@ -103,7 +103,7 @@ std::string statistics_csv(const Configuration& configuration, const Prediction&
   for (std::size_t i = 1; i <= run.followers; ++i) {
     for (std::int64_t k = 0; k < run.steps; ++k) {
       const std::size_t c = cell(i, k, run.steps);
-      add({i, k, result.moments[c], prediction.mean[c], prediction.variance[c]});
+      add({{result.moments[c], prediction.mean[c], prediction.variance[c]}, i, k});
     }
   }
   return text;

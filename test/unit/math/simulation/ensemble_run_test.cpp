@@ -6,8 +6,9 @@
 #include <cmath>
 #include <thread>
 
-#include "stochastic_platoon/math/statistics/agreement.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "unit/agreement_of.hpp"
+#include "unit/monte_carlo.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/same_gaps.hpp"
 
@@ -47,7 +48,7 @@ TEST(MonteCarlo, AgreesWithTheory) {
     const PlatoonModel model = eventful_platoon(headway);
     const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 1000}, 8000, 2);
     const ErrorMoments theory = error_moments(model, 5, 40);
-    const Agreement found = agreement(table.moments.totals(), theory.mean, theory.variance);
+    const Agreement found = agreement_of(table.moments.totals(), theory.mean, theory.variance);
     const double bound = largest_plausible_score(2 * theory.mean.size());
     EXPECT_LT(found.max_abs_z_mean, bound) << headway;
     EXPECT_LT(found.max_abs_z_variance, bound) << headway;
@@ -60,7 +61,7 @@ TEST(MonteCarlo, NoticesATheoryThatIsAFewPercentOff) {
   const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 1000}, 8000, 2);
   model.default_vehicle().noise_variance *= 1.08;
   const ErrorMoments theory = error_moments(model, 5, 40);
-  EXPECT_GT(agreement(table.moments.totals(), theory.mean, theory.variance).max_abs_z_variance,
+  EXPECT_GT(agreement_of(table.moments.totals(), theory.mean, theory.variance).max_abs_z_variance,
             largest_plausible_score(2 * theory.mean.size()));
 }
 

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <numeric>
 
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
-#include "stochastic_platoon/math/statistics/agreement.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/math/string/critical_loss.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/linked_moments.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "unit/agreement_of.hpp"
 #include "unit/math/radio_cars.hpp"
 #include "unit/monte_carlo.hpp"
 
@@ -134,8 +133,7 @@ TEST(FeedForward, IsWhatAMonteCarloMeasures) {
     std::vector<double> fourth;
     for (std::size_t c = 0; c < cumulants.size(); ++c)
       fourth.push_back(3.0 * theory.variance[c] * theory.variance[c] + cumulants[c]);
-    const Agreement found = agreement(measured.moments.totals(), theory.mean, theory.variance,
-                                      std::vector<double>(theory.mean.size(), 1e-9), {}, fourth);
+    const Agreement found = agreement_of(measured.moments.totals(), theory.mean, theory.variance, 1e-9, fourth);
     EXPECT_TRUE(found.agrees()) << found.max_abs_z_mean << " " << found.max_abs_z_variance;
   }
 }
