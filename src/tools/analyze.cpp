@@ -169,8 +169,8 @@ int main(int argc, char** argv) {
       points = run_sweep(model, own);
       analysis = platoon::analyze(configuration, signals, [&display](const char* stage) { display.begins(stage); });
     }
-    std::cout << platoon::report(model, analysis);
-    nlohmann::json document = platoon::to_json(model, analysis);
+    std::cout << platoon::report(configuration, analysis);
+    nlohmann::json document = platoon::to_json(configuration, analysis);
     if (!points.empty()) document["sweep"] = platoon::to_json(points);
     if (own.count("csv") > 0) write(own["csv"], platoon::to_csv(points));
     if (!points.empty() && own.count("csv") == 0) print(points);

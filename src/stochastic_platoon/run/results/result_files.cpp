@@ -10,8 +10,9 @@
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/checksum.hpp"
+#include "stochastic_platoon/run/io/csv_text.hpp"
+#include "stochastic_platoon/run/report/json_value.hpp"
 #include "stochastic_platoon/run/results/age_results.hpp"
-#include "stochastic_platoon/run/results/amplification_results.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
@@ -20,20 +21,16 @@ namespace platoon {
 namespace {
 
 nlohmann::json theory_json(const Prediction& prediction) {
-  if (prediction.theory == Theory::none) {
-    nlohmann::json unknown;
-    for (const char* key : {"spectral_radius", "peak_gain", "mean_square_stable", "string_stable",
-                            "stationary_variance", "limit_variance"})
-      unknown[key] = nullptr;
-    return unknown;
-  }
   const StringStability& stability = prediction.stability;
-  nlohmann::json limit, stable;
-  if (stability.limit_variance) limit = *stability.limit_variance;
-  if (stability.decision()) stable = *stability.decision();
-  return {{"spectral_radius", stability.spectral_radius},          {"peak_gain", stability.peak_gain},
-          {"mean_square_stable", stability.mean_square_stable},    {"string_stable", stable},
-          {"stationary_variance", prediction.stationary_variance}, {"limit_variance", limit}};
+  nlohmann::json theory = {{"spectral_radius", number(stability.spectral_radius)},
+                           {"peak_gain", number(stability.peak_gain)},
+                           {"mean_square_stable", stability.mean_square_stable},
+                           {"string_stable", truth(stability.decision())},
+                           {"stationary_variance", numbers(prediction.stationary_variance)},
+                           {"limit_variance", number(stability.limit_variance)}};
+  if (prediction.has_theory()) return theory;
+  for (nlohmann::json& value : theory) value = nullptr;
+  return theory;
 }
 
 nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
@@ -87,23 +84,15 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
 
 std::string statistics_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
-  std::string text = "vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance\n";
-  const auto add = [&](const ResultCell& of) {
-    text += formatted("%zu,%lld,%llu,%.17g,%.17g,", of.follower, static_cast<long long>(of.step),
-                      static_cast<unsigned long long>(of.measured.count),
-                      of.measured.count > 0 ? of.measured.mean : std::nan(""), of.measured.variance());
-    text += of.follower > prediction.followers_with_theory
-                ? ",\n"
-                : formatted("%.17g,%.17g\n", of.theoretical_mean, of.theoretical_variance);
-  };
-  if (run.averaging() == Averaging::over_time) {
-    for (const ResultCell& of : ResultCells(run, prediction, result).at(0)) add(of);
-    return text;
-  }
+  const ResultCells cells(run, prediction, result);
+  CsvText csv("vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance");
+  csv.end_row();
   for (std::size_t i = 1; i <= run.followers; ++i) {
-    for (std::int64_t k = 0; k < run.steps; ++k) {
-      const std::size_t c = cell(i, k, run.steps);
-      add({{result.moments[c], prediction.mean[c], prediction.variance[c]}, i, k});
+    for (std::int64_t k = 0; k < (run.averaging() == Averaging::over_time ? 1 : run.steps); ++k) {
+      const ResultCell of = cells.of(i, k);
+      csv.add(i, of.step, of.measured.count, of.measured.known_mean(), of.measured.variance());
+      csv.add_if(i <= prediction.followers_with_theory, of.theoretical_mean, of.theoretical_variance);
+      csv.end_row();
     }
   }
   return text;
