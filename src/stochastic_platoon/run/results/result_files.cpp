@@ -38,11 +38,6 @@ nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
   return {{"max_abs_z_mean", agreement->max_abs_z_mean}, {"max_abs_z_variance", agreement->max_abs_z_variance}};
 }
 
-// JSON has no infinity: null stands for it.
-nlohmann::json needed_json(std::optional<double> needed) {
-  return needed && std::isfinite(*needed) ? nlohmann::json(std::ceil(*needed)) : nlohmann::json();
-}
-
 // Standard errors of every follower's variance at the last step.
 nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   nlohmann::json errors = nlohmann::json::array();
@@ -60,6 +55,8 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
   const double vehicle_steps = static_cast<double>(run.followers) * steps;
   const std::uint64_t expected = over_time ? received : positions_expected(run, result.realizations);
   const double seconds = result.tally.wall_seconds;
+  std::optional<double> needed = realizations_needed(run, prediction, result);
+  if (needed) needed = std::ceil(*needed);
   return {{"version", kVersion},
           {"complete", result.complete},
           {"followers", run.followers},
@@ -75,7 +72,7 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"vehicle_steps_per_second", seconds > 0.0 ? vehicle_steps / seconds : 0.0},
           {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
           {"agreement", agreement_json(measured_agreement(run, prediction, result))},
-          {"realizations_needed", needed_json(realizations_needed(run, prediction, result))},
+          {"realizations_needed", number(needed)},
           {"theory", theory_json(prediction)},
           {"warning", prediction.warning.empty() ? nlohmann::json() : nlohmann::json(prediction.warning)}};
 }
@@ -95,7 +92,7 @@ std::string statistics_csv(const Configuration& configuration, const Prediction&
       csv.end_row();
     }
   }
-  return text;
+  return csv.text();
 }
 
 namespace {
@@ -130,20 +127,24 @@ std::string summary_text(nlohmann::json summary, const Files& tables) {
   return text.replace(place_of_checksum(text), kNoChecksum.size(), checksum(text));
 }
 
-constexpr char kSummary[] = "summary.json";
-
-}  // namespace
-
-std::string unfinished_summary_file(const std::string& output) {
-  return output + "/summary.unfinished.json";
-}
-
 bool is_whole_summary(const std::string& text) {
   const std::size_t place = place_of_checksum(text);
   if (place == std::string::npos || place + kNoChecksum.size() > text.size()) return false;
   std::string without = text;
   without.replace(place, kNoChecksum.size(), kNoChecksum);
   return text.substr(place, kNoChecksum.size()) == checksum(without);
+}
+
+void require_undamaged(bool is_undamaged, const std::string& file) {
+  if (!is_undamaged) throw std::invalid_argument(file + ": is not as it was written: damaged, or changed by hand");
+}
+
+constexpr char kSummary[] = "summary.json";
+
+}  // namespace
+
+std::string unfinished_summary_file(const std::string& output) {
+  return output + "/summary.unfinished.json";
 }
 
 Files result_files(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
@@ -164,21 +165,21 @@ void write_results(const Configuration& configuration, const Prediction& predict
   sync_and_rename(unfinished_summary_file(output), output + "/" + kSummary);
 }
 
-ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder) {
-  const std::string file = folder + "/" + kSummary;
-  const auto require_undamaged = [](bool is_undamaged, const std::string& name) {
-    if (!is_undamaged) throw std::invalid_argument(name + ": is not as it was written: damaged, or changed by hand");
-  };
-  const std::string text = read(kSummary);
-  ResultTables results;
+nlohmann::json parse_summary(const std::string& text, const std::string& file) {
+  nlohmann::json summary;
   try {
-    results.summary = nlohmann::json::parse(text);
+    summary = nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& error) {
     throw std::invalid_argument(file + ": not JSON: " + error.what());
   }
-  if (!results.summary.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
-  if (!results.summary.contains("crc32")) throw std::invalid_argument(file + ": crc32 is missing");
+  if (!summary.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
+  if (!summary.contains("crc32")) throw std::invalid_argument(file + ": crc32 is missing");
   require_undamaged(is_whole_summary(text), file);
+  return summary;
+}
+
+ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder) {
+  ResultTables results{parse_summary(read(kSummary), folder + "/" + kSummary), {}};
   for (const auto& [name, sum] : results.summary["crc32"].items()) {
     if (name == "summary") continue;
     const std::string table = read(name + ".csv"), table_file = folder + "/" + name + ".csv";

@@ -41,6 +41,15 @@ void RunResult::take(const EnsembleTotals& totals, const SignalCells& cells) {
   for (std::size_t kind = 1; kind < cells.kinds(); ++kind) signals.push_back(of_kind(kind));
 }
 
+RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally) {
+  RunResult result;
+  result.take(totals, cells_of(configuration));
+  result.complete = result.realizations == configuration.run.realizations;
+  result.last_step = configuration.run.steps - 1;
+  result.tally = tally;
+  return result;
+}
+
 std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   if (prediction.fourth_cumulant.empty() || result.moments.empty()) return {};
   const auto steps = static_cast<std::size_t>(run.steps);

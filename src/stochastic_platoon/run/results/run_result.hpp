@@ -38,6 +38,9 @@ struct RunResult {
   void take(const EnsembleTotals& totals, const SignalCells& cells);
 };
 
+/// The result of a set of a run's realizations, complete if these are all.
+RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally = {});
+
 /// A cell of a result with its theory: follower i and a step. An average over time has a share, by ErrorCorrelation,
 /// else by BatchMeans; the fourth moment is one of fourth_moments().
 struct ResultCell : Comparison {

@@ -10,6 +10,7 @@
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/retried_write.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
 
 namespace platoon {
 
@@ -84,10 +85,7 @@ nlohmann::json to_json(const ShardRun& run) {
 
 ShardRun shard_run_of(const nlohmann::json& record) {
   try {
-    // The parser accepts only hostings that a launch may choose.
-    nlohmann::json configuration = record.at("configuration");
-    configuration.at("run").at("hosting") = to_string(Hosting::one_process);
-    ShardRun run{parse_configuration(configuration.dump()),
+    ShardRun run{recorded_configuration(record.at("configuration")),
                  {record.at("index").get<std::uint64_t>(), record.at("of").get<std::uint64_t>()}};
     run.configuration.run.hosting = Hosting::monte_carlo;
     run.range();  // throws if there is no such shard

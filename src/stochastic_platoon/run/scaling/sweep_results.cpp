@@ -7,6 +7,7 @@
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
 namespace platoon {
@@ -116,8 +117,7 @@ std::optional<std::string> read_point(const Sweep& sweep, const std::string& out
                                       std::string* damage) {
   const std::string file = point_file(output, point);
   if (!std::filesystem::exists(file)) return std::nullopt;
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  const std::string bytes = read_file(file);
   const std::string format = kPointFormat + std::string("\n"), any_line = line_of(0);
   const std::size_t heading = format.size() + any_line.size();
   const std::string content = bytes.size() < heading ? "" : bytes.substr(heading);

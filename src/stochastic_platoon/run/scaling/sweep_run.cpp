@@ -86,10 +86,7 @@ private:
   }
 
   void finish(ActivePoint& active) {
-    RunResult result;
-    result.complete = true;
-    result.realizations = active.configuration.run.realizations;
-    result.take(active.run.release(), cells_of(active.configuration));
+    const RunResult result = result_of(active.configuration, active.run.release());
     const Prediction prediction = predict(active.configuration);
     const std::lock_guard<std::mutex> lock(mutex_);
     const std::string rows = sweep_rows(sweep_, active.point, active.configuration, prediction, result);

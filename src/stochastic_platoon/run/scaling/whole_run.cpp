@@ -10,14 +10,6 @@ namespace platoon {
 
 namespace {
 
-RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally) {
-  RunResult result;
-  result.complete = totals.count() == configuration.run.realizations;
-  result.tally = tally;
-  result.take(totals, cells_of(configuration));
-  return result;
-}
-
 RunResult compute_in_memory(const Configuration& configuration, const ShardSettings& settings) {
   const RunOptions& run = configuration.run;
   const auto began = std::chrono::steady_clock::now();

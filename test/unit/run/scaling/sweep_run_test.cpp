@@ -165,6 +165,13 @@ TEST(Sweep, RecognizesAPointThatWasChangedInAnyByteAndThoseOfAnotherSweep) {
   EXPECT_THROW(missing_points(sweep_of(kText + "seed: 2\n"), settings), ConfigurationError);
 }
 
+TEST(Sweep, ReportsAPointThatCannotBeRead) {
+  const TemporaryFolder folder;
+  const SweepSettings settings = settings_of(folder);
+  std::filesystem::create_directory(point_file(folder.path(), 1));
+  EXPECT_THROW(missing_points(sweep_of(), settings), std::system_error);
+}
+
 TEST(Sweep, EndsWithAnErrorWhereAPointCannotBeWritten) {
   const TemporaryFolder folder;
   SweepSettings settings;
