@@ -75,6 +75,8 @@ std::string burst_line(const PlatoonModel& model, const Analysis& analysis) {
          "\n";
 }
 
+// Throws ConfigurationError unless the theory of this run can be computed. `has_burst_moments`: losses in bursts have a
+// theory.
 void check_run(RunOptions run, const SignalRequest& signals, bool has_burst_moments) {
   if (run.averaging() == Averaging::over_time) throw ConfigurationError({"steps: 0: must be at least 1 here"});
   run.signals = signals.names;
