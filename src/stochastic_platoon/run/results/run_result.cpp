@@ -28,25 +28,21 @@ IndependentShare share_of(const Prediction& prediction, const RunResult& result,
 
 }  // namespace
 
-void RunResult::take(const EnsembleTotals& totals, const SignalCells& cells) {
-  realizations = totals.count();
-  gaps = totals.gaps;
+RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally) {
+  RunResult result;
+  result.realizations = totals.count();
+  result.complete = result.realizations == configuration.run.realizations;
+  result.last_step = configuration.run.steps - 1;
+  result.tally = tally;
+  result.gaps = totals.gaps;
+  const SignalCells cells = cells_of(configuration);
   const std::vector<Moments> all = totals.moments.totals();
   const auto of_kind = [&](std::size_t kind) {
     const auto first = all.begin() + static_cast<std::ptrdiff_t>(kind * cells.of_one_kind());
     return std::vector<Moments>(first, first + static_cast<std::ptrdiff_t>(cells.of_one_kind()));
   };
-  moments = of_kind(0);
-  signals.clear();
-  for (std::size_t kind = 1; kind < cells.kinds(); ++kind) signals.push_back(of_kind(kind));
-}
-
-RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally) {
-  RunResult result;
-  result.take(totals, cells_of(configuration));
-  result.complete = result.realizations == configuration.run.realizations;
-  result.last_step = configuration.run.steps - 1;
-  result.tally = tally;
+  result.moments = of_kind(0);
+  for (std::size_t kind = 1; kind < cells.kinds(); ++kind) result.signals.push_back(of_kind(kind));
   return result;
 }
 

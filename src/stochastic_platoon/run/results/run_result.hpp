@@ -33,9 +33,6 @@ struct RunResult {
   std::vector<IndependentShare> shares = {};       ///< for averages over time: as measured, one per follower
   std::vector<std::vector<Moments>> signals = {};  ///< of each requested signal, one cell per follower and step
   GapTable gaps = GapTable();                      ///< empty if the gap is not among them
-
-  /// Takes the moments and gaps of a set of realizations, and their number.
-  void take(const EnsembleTotals& totals, const SignalCells& cells);
 };
 
 /// The result of a set of a run's realizations, complete if these are all.

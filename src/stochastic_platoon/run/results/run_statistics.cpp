@@ -125,19 +125,19 @@ void RunStatistics::saw(std::uint64_t platoon_time) {
 
 RunResult RunStatistics::result(bool complete) const {
   RunResult result;
+  if (const EnsembleTotals* totals = averages_->totals()) {
+    result = result_of(configuration_, *totals);
+  } else {
+    result.realizations = averages_->realizations();
+    result.moments = averages_->moments();
+  }
   result.complete = complete;
-  result.realizations = averages_->realizations();
   for (std::size_t i = 1; i <= configuration_.run.followers; ++i) result.last_steps.push_back(averages_->last_step(i));
   result.last_step = std::max<std::int64_t>(*std::min_element(result.last_steps.begin(), result.last_steps.end()), 0);
   result.tally = tally_;
   result.counted_from = averages_->counted_from();
   result.manoeuvre = leader_departs_;
   result.shares = averages_->shares();
-  if (const EnsembleTotals* totals = averages_->totals()) {
-    result.take(*totals, cells_);
-  } else {
-    result.moments = averages_->moments();
-  }
   return result;
 }
 
