@@ -23,11 +23,6 @@ RunResult compute_in_memory(const Configuration& configuration, const ShardSetti
   return result_of(configuration, totals, {positions_expected(run, totals.count()), 1, seconds.count(), 0});
 }
 
-RunResult compute_in_folder(const Configuration& configuration, const ShardSettings& settings) {
-  const ShardResult found = compute_shard({configuration, {0, 1}}, settings);
-  return result_of(configuration, found.checkpoint.totals, found.checkpoint.tally);
-}
-
 }  // namespace
 
 WholeRun compute_run(Configuration configuration, const ShardSettings& settings) {
@@ -36,7 +31,9 @@ WholeRun compute_run(Configuration configuration, const ShardSettings& settings)
   // A restarted run keeps its name, so that it takes over its folder and its lock.
   configuration.run.launch_id = "monte_carlo";
   const std::unique_ptr<FolderLock> lock = lock_output(configuration.run);
-  WholeRun run{predict(configuration), compute_in_folder(configuration, settings)};
+  WholeRun run{predict(configuration), {}};
+  const Checkpoint found = compute_shard({configuration, {0, 1}}, settings).checkpoint;
+  run.result = result_of(configuration, found.totals, found.tally);
   if (run.result.realizations == 0) return run;
   configuration.run.launch_id.clear();
   write_results(configuration, run.prediction, run.result);
