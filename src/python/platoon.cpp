@@ -64,8 +64,8 @@ py::tuple analyze_model(const Model& model, const Settings& settings, const std:
   {
     const py::gil_scoped_release unlocked;
     const Analysis analysis = analyze(configuration, request);
-    document = to_json(configuration.model, analysis);
-    text = report(configuration.model, analysis);
+    document = to_json(configuration, analysis);
+    text = report(configuration, analysis);
   }
   return py::make_tuple(object_of(document), text);
 }

@@ -89,8 +89,8 @@ int main(int argc, char** argv) {
       points = run_sweep(model, given);
       analysis = platoon::analyze(configuration, signals, [&display](const char* stage) { display.begins(stage); });
     }
-    std::cout << platoon::report(model, analysis);
-    nlohmann::json document = platoon::to_json(model, analysis);
+    std::cout << platoon::report(configuration, analysis);
+    nlohmann::json document = platoon::to_json(configuration, analysis);
     if (!points.empty()) document["sweep"] = platoon::to_json(points);
     if (given.has("csv")) platoon::write_atomically(given["csv"], platoon::to_csv(points));
     if (!given.has("csv")) std::cout << platoon::report(points);

@@ -12,10 +12,10 @@
 
 #include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
 #include "stochastic_platoon/run/configuration/model_file.hpp"
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
+#include "unit/monte_carlo.hpp"
 #include "unit/transmitted.hpp"
 
 namespace platoon {
@@ -32,11 +32,9 @@ PlatoonModel shipped(const std::string& name) {
 // A vehicle without plant and controller: A, B, C in a model file.
 TEST(HowToAdd, AVehicleByItsClosedLoop) {
   const std::vector<Moments> given =
-      monte_carlo(shipped("closed_loop.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {
-      }).moments.totals();
+      monte_carlo(shipped("closed_loop.yaml"), {kSeed, kFollowers, kSteps, 100}, 100).moments.totals();
   const std::vector<Moments> designed =
-      monte_carlo(shipped("paper.yaml"), {kSeed, kFollowers, kSteps, 100, 100}, 1, [](std::uint64_t) {
-      }).moments.totals();
+      monte_carlo(shipped("paper.yaml"), {kSeed, kFollowers, kSteps, 100}, 100).moments.totals();
   ASSERT_EQ(given.size(), designed.size());
   // The same loop: coefficients equal to rounding, positions of up to 120 m.
   for (std::size_t c = 0; c < given.size(); ++c) EXPECT_NEAR(given[c].mean, designed[c].mean, 1e-11);

@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
-#include "stochastic_platoon/math/statistics/batch_moments.hpp"
-#include "stochastic_platoon/math/statistics/error_averages.hpp"
 
 namespace platoon {
 
@@ -71,11 +69,10 @@ bool EnsembleRun::work() {
   if (!take(&batch)) return false;
   const std::vector<FollowerSignals> signals = signals_of_all(model_, ensemble_.signals, ensemble_.followers);
   PlatoonString string(model_, ensemble_.seed, ensemble_.followers, steps_before(signals.front()));
-  const KeptMoments kept = has_normal_errors(model_) ? KeptMoments::two : KeptMoments::four;
   EnsembleTotals own(cells_);
   double handed_over = now();
   do {
-    BatchTotals totals(batch.first, batch.size(), cells_, kept);
+    BatchTotals totals(batch.first, batch.size(), cells_);
     string.run(batch.first, batch.size(), ensemble_.steps,
                [&](std::size_t follower, std::int64_t step, const SignalPositions& positions) {
                  totals.add(follower, step, signals[follower - 1], positions);
@@ -122,13 +119,6 @@ void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& t
     worker.get();
   }
   tick();
-}
-
-EnsembleTotals monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
-                           const std::function<void(std::uint64_t)>& progress) {
-  EnsembleRun run(model, ensemble, {0, ensemble.realizations});
-  complete(run, threads, [&] { progress(run.done()); });
-  return run.release();
 }
 
 }  // namespace platoon

@@ -18,7 +18,6 @@ struct Ensemble {
   std::uint64_t seed;
   std::size_t followers;                  ///< N >= 1
   std::int64_t steps;                     ///< K >= 1: errors at k = 0 .. K - 1
-  std::uint64_t realizations;             ///< R >= 1
   std::uint64_t batch;                    ///< realizations computed side by side, >= 1
   std::vector<std::string> signals = {};  ///< in addition to the tracking errors: see signal_kinds()
 };
@@ -76,10 +75,5 @@ private:
 /// Completes a run, unless it is stopped, with this many threads. Calls `tick` from the calling thread every tenth of a
 /// second and at the end.
 void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& tick);
-
-/// Moments of every zeta_i(k), and of the signals, over the realizations, computed by this many threads. Calls
-/// `progress` with the number of realizations done, from the calling thread.
-EnsembleTotals monte_carlo(const PlatoonModel& model, const Ensemble& ensemble, unsigned threads,
-                           const std::function<void(std::uint64_t)>& progress);
 
 }  // namespace platoon

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/simulation/trajectory.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
@@ -44,8 +45,8 @@ std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t se
     const bool hears = !predecessor.input.empty(), is_heard = sends_input(model, i, followers);
     FollowerVehicle follower(model, seed, i);
     Link link(model, seed, i);
-    std::vector<Link> radio;
-    if (hears) radio.push_back(Link::radio(model, seed, i));
+    std::optional<Link> radio;
+    if (hears) radio.emplace(Link::radio(model, seed, i));
     Trajectory of;
     of.position.resize(1);
     follower.start(realization, 1, of.position);
@@ -55,7 +56,7 @@ std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t se
       double received, heard = 0.0, position, input = 0.0;
       const LinkEnds before = k > 0 ? LinkEnds{&predecessor.position[k - 1], &of.position[k - 1]} : LinkEnds{};
       link.transmit(sent_at, realization, &predecessor.position[k], 1, &received, before);
-      if (hears) radio.front().transmit(sent_at, realization, &predecessor.input[k], 1, &heard, before);
+      if (hears) radio->transmit(sent_at, realization, &predecessor.input[k], 1, &heard, before);
       follower.step(&received, &position, hears ? &heard : nullptr, is_heard ? &input : nullptr);
       of.position.push_back(position);
       of.received.push_back(received);

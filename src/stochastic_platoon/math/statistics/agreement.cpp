@@ -4,7 +4,6 @@
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
-#include <stdexcept>
 
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 
@@ -44,19 +43,24 @@ double beyond(double difference, double rounding) {
   return difference > 0.0 ? difference - rounding : difference + rounding;
 }
 
-double mean_score(const Moments& measured, double mean, double variance, double rounding,
-                  const IndependentShare& share = {}) {
-  const double difference = beyond(measured.count > 0 ? measured.mean - mean : kNaN, rounding);
+double mean_score(const Comparison& of) {
+  const double difference = beyond(of.measured.known_mean() - of.theoretical_mean, of.rounding);
+  const double variance = of.theoretical_variance;
   if (!(variance >= 0.0)) return kNaN;
-  if (variance > 0.0) return difference / standard_error_of_mean(variance, measured.count, share.mean);
+  if (variance > 0.0) return difference / standard_error_of_mean(variance, of.measured.count, of.share.mean);
   return difference == 0.0 ? 0.0 : difference * kInfinity;
 }
 
-/// The measured variance over the theoretical one, moved towards 1 by the possible effect of rounding: rounding errors
-/// e change the variance of errors of standard deviation sqrt(v) by 2 sqrt(v) e + e^2. Infinite or NaN (0 / 0) for a
-/// theoretical variance of 0.
-double variance_ratio(double measured, double variance, double rounding) {
-  const double allowed = rounding * (2.0 * std::sqrt(variance) + rounding);
+/// The change of a variance by rounding errors e of errors of standard deviation sqrt(v): 2 sqrt(v) e + e^2.
+double rounding_of_variance(double variance, double rounding) {
+  return rounding * (2.0 * std::sqrt(variance) + rounding);
+}
+
+/// The measured variance over the expected one, moved towards 1 by the possible effect of rounding. Infinite or NaN
+/// (0 / 0) for a theoretical variance of 0.
+double variance_ratio(const Comparison& of) {
+  const double measured = of.measured.variance(), variance = of.theoretical_variance * of.share.expected;
+  const double allowed = rounding_of_variance(variance, of.rounding);
   if (measured > variance + allowed) return (measured - allowed) / variance;
   if (measured < variance - allowed) return std::max(measured + allowed, 0.0) / variance;
   return variance / variance;
@@ -73,106 +77,83 @@ double self_normalized_score(double sum, double squares, double expected_squares
 }
 
 /// Whether the scores are those for any distribution. Without randomness the exact scores apply.
-bool is_of_any(double variance, double fourth_moment) {
-  return variance > 0.0 && !std::isnan(fourth_moment);
+bool is_of_any(const Comparison& of) {
+  return of.theoretical_variance > 0.0 && !std::isnan(of.fourth_moment);
 }
 
-Scores scores_of_any(const Moments& measured, double mean, double variance, double rounding, double fourth_moment) {
+Scores scores_of_any(const Comparison& of) {
+  const Moments& measured = of.measured;
   if (measured.count == 0) return {kNaN, kNaN};
   const auto n = static_cast<double>(measured.count);
+  const double variance = of.theoretical_variance;
   // Power sums of deviations from the theoretical mean.
-  const double shift = measured.mean - mean, square = shift * shift;
+  const double shift = measured.mean - of.theoretical_mean, square = shift * shift;
   const double squared = measured.squared_deviations + n * square;
   const double fourth = measured.fourth_deviations + 4.0 * shift * measured.cubed_deviations +
                         6.0 * square * measured.squared_deviations + n * square * square;
-  const double of_mean = self_normalized_score(n * beyond(shift, rounding), squared, n * variance);
+  const double of_mean = self_normalized_score(n * beyond(shift, of.rounding), squared, n * variance);
   if (measured.count < 2) return {of_mean, kNaN};
-  const double difference = n * beyond(squared / n - variance, rounding * (2.0 * std::sqrt(variance) + rounding));
+  const double difference = n * beyond(squared / n - variance, rounding_of_variance(variance, of.rounding));
   const double squares = fourth - 2.0 * variance * squared + n * variance * variance;
-  return {of_mean, self_normalized_score(difference, squares, n * (fourth_moment - variance * variance))};
+  return {of_mean, self_normalized_score(difference, squares, n * (of.fourth_moment - variance * variance))};
 }
 
-bool is_judged(double measured, double variance) {
-  return std::isfinite(measured) && variance >= 0.0;
+bool has_variances(const Comparison& of) {
+  return std::isfinite(of.measured.variance()) && of.theoretical_variance >= 0.0;
 }
 
 // Score for values of any distribution with a measured fourth moment.
-double measured_variance_score(const Moments& measured, double variance, double rounding) {
-  const double difference = beyond(measured.variance() - variance, rounding * (2.0 * std::sqrt(variance) + rounding));
-  return difference == 0.0 ? 0.0 : difference / standard_error_of_variance(measured);
+double measured_variance_score(const Comparison& of) {
+  const double difference = beyond(of.measured.variance() - of.theoretical_variance,
+                                   rounding_of_variance(of.theoretical_variance, of.rounding));
+  return difference == 0.0 ? 0.0 : difference / standard_error_of_variance(of.measured);
 }
 
-double degrees_of_freedom(const Moments& measured, const IndependentShare& share) {
-  return static_cast<double>(measured.count - 1) * share.variance * share.expected * share.expected;
+double degrees_of_freedom(const Comparison& of) {
+  return static_cast<double>(of.measured.count - 1) * of.share.variance * of.share.expected * of.share.expected;
 }
 
-double variance_score(const Moments& measured, double variance, double rounding, const IndependentShare& share = {}) {
-  if (!is_judged(measured.variance(), variance)) return kNaN;
-  if (!std::isnan(measured.fourth_deviations)) return measured_variance_score(measured, variance, rounding);
-  const double ratio = variance_ratio(measured.variance(), variance * share.expected, rounding);
-  if (std::isnan(share.expected)) return kNaN;
+double variance_score(const Comparison& of) {
+  if (!has_variances(of)) return kNaN;
+  if (!std::isnan(of.measured.fourth_deviations)) return measured_variance_score(of);
+  const double ratio = variance_ratio(of);
+  if (std::isnan(of.share.expected)) return kNaN;
   if (std::isnan(ratio)) return 0.0;
   if (std::isinf(ratio)) return kInfinity;
-  if (std::isnan(share.variance)) return kNaN;
-  return chi_squared_score(ratio, degrees_of_freedom(measured, share));
+  if (std::isnan(of.share.variance)) return kNaN;
+  return chi_squared_score(ratio, degrees_of_freedom(of));
 }
 
-// The larger value, or NaN if either is: std::max would drop or replace NaN.
-double larger(double worst, double next) {
-  return std::isnan(worst) || next <= worst ? worst : next;
+// Raises `worst` to the modulus of the score; NaN remains, which std::max would drop or replace.
+void raise_to(double& worst, double score) {
+  if (!std::isnan(worst) && !(std::abs(score) <= worst)) worst = std::abs(score);
 }
 
 }  // namespace
 
-Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance, double rounding,
-              const IndependentShare& share, double fourth_moment) {
-  if (is_of_any(theoretical_variance, fourth_moment))
-    return scores_of_any(measured, theoretical_mean, theoretical_variance, rounding, fourth_moment);
-  return {mean_score(measured, theoretical_mean, theoretical_variance, rounding, share),
-          variance_score(measured, theoretical_variance, rounding, share)};
+Scores scores(const Comparison& of) {
+  return is_of_any(of) ? scores_of_any(of) : Scores{mean_score(of), variance_score(of)};
 }
 
-Agreement agreement(const std::vector<Moments>& measured, const std::vector<double>& theoretical_mean,
-                    const std::vector<double>& theoretical_variance, const std::vector<double>& rounding,
-                    const std::vector<IndependentShare>& share, const std::vector<double>& fourth_moment) {
-  if (measured.size() != theoretical_mean.size() || measured.size() != theoretical_variance.size() ||
-      (!rounding.empty() && measured.size() != rounding.size()) ||
-      (!share.empty() && measured.size() != share.size()) ||
-      (!fourth_moment.empty() && measured.size() != fourth_moment.size())) {
-    throw std::invalid_argument("measurement and theory must have the same number of cells");
+void LargestScores::add(const Comparison& of) {
+  ++cells_;
+  is_of_any_ = is_of_any_ || !std::isnan(of.fourth_moment);
+  const bool is_exact = !is_of_any(of) && std::isnan(of.measured.fourth_deviations);
+  if (is_exact && has_variances(of)) {
+    const double ratio = variance_ratio(of), freedom = degrees_of_freedom(of);
+    if (freedom != freedom_) lowest_ = kInfinity, highest_ = -kInfinity;
+    freedom_ = freedom;
+    if (ratio >= lowest_ && ratio <= highest_) return raise_to(mean_, mean_score(of));
+    lowest_ = std::min(lowest_, ratio);
+    highest_ = std::max(highest_, ratio);
   }
-  Agreement worst;
-  worst.plausible_z = fourth_moment.empty() ? largest_plausible_score(2 * measured.size())
-                                            : plausible_score_of_any(2 * measured.size());
-  // The score grows with the ratio, so among cells of equal degrees of freedom only ratios beyond all earlier ones
-  // matter.
-  double freedom = 0.0;
-  double lowest = kInfinity, highest = -kInfinity;
-  for (std::size_t c = 0; c < measured.size(); ++c) {
-    const double allowed = rounding.empty() ? 0.0 : rounding[c];
-    if (!fourth_moment.empty() && is_of_any(theoretical_variance[c], fourth_moment[c])) {
-      const Scores found =
-          scores_of_any(measured[c], theoretical_mean[c], theoretical_variance[c], allowed, fourth_moment[c]);
-      worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(found.mean));
-      worst.max_abs_z_variance = larger(worst.max_abs_z_variance, std::abs(found.variance));
-      continue;
-    }
-    const IndependentShare of = share.empty() ? IndependentShare{} : share[c];
-    const double mean = mean_score(measured[c], theoretical_mean[c], theoretical_variance[c], allowed, of);
-    worst.max_abs_z_mean = larger(worst.max_abs_z_mean, std::abs(mean));
-    if (std::isnan(measured[c].fourth_deviations) && is_judged(measured[c].variance(), theoretical_variance[c])) {
-      const double ratio = variance_ratio(measured[c].variance(), theoretical_variance[c] * of.expected, allowed);
-      const double freedom_here = degrees_of_freedom(measured[c], of);
-      if (freedom_here != freedom) lowest = kInfinity, highest = -kInfinity;
-      freedom = freedom_here;
-      if (ratio >= lowest && ratio <= highest) continue;
-      lowest = std::min(lowest, ratio);
-      highest = std::max(highest, ratio);
-    }
-    const double variance = variance_score(measured[c], theoretical_variance[c], allowed, of);
-    worst.max_abs_z_variance = larger(worst.max_abs_z_variance, std::abs(variance));
-  }
-  return worst;
+  const Scores found = scores(of);
+  raise_to(mean_, found.mean);
+  raise_to(variance_, found.variance);
+}
+
+Agreement LargestScores::agreement() const {
+  return {mean_, variance_, is_of_any_ ? plausible_score_of_any(2 * cells_) : largest_plausible_score(2 * cells_)};
 }
 
 double largest_plausible_score(std::size_t comparisons) {

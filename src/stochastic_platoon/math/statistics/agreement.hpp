@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <limits>
-#include <vector>
 
 #include "stochastic_platoon/math/statistics/moments.hpp"
 
@@ -23,6 +22,16 @@ struct IndependentShare {
   double expected = 1.0;
 };
 
+/// Measured values and their theory.
+struct Comparison {
+  Moments measured;
+  double theoretical_mean;      ///< [m]
+  double theoretical_variance;  ///< [m^2]
+  double rounding = 0.0;        ///< [m], largest rounding error of a value
+  IndependentShare share = {};
+  double fourth_moment = std::numeric_limits<double>::quiet_NaN();  ///< [m^4], of the theory
+};
+
 /// Scores of n values with this theoretical mean [m] and variance v [m^2], exact for every n. The tracking errors are
 /// normal, as they are linear in normal noise and initial positions, and v is known. Thus (mean - theory) / sqrt(v / n)
 /// is standard normal (Student's distribution applies to an estimated v), and (n - 1) variance / v has the chi-squared
@@ -32,7 +41,7 @@ struct IndependentShare {
 /// If the fourth moment was kept, as for errors that are not normal, the score of the variance is its distance over the
 /// measured standard error sqrt((m_4 - v^2) / n), and both scores hold for large n.
 ///
-/// If `fourth_moment` m_4 [m^4] is given, the values may have any distribution with this fourth moment, however skewed,
+/// If `fourth_moment` m_4 is given, the values may have any distribution with this fourth moment, however skewed,
 /// and any number n. With d = x - mean of the theory, or d = (x - mean)^2 - v, D = E d^2, which is v or m_4 - v^2, and
 /// y = (sum d^2 + 2 n D) / 3,
 ///
@@ -44,7 +53,7 @@ struct IndependentShare {
 /// little. With b = n D / 32 the score is the root of (33 / 32) ((sum d)^2 / (y + b) - ln((y + b) / (33 b))): a
 /// distance in standard errors if sum d^2 is near n D. Its bound is plausible_score_of_any().
 ///
-/// `rounding` [m] bounds the rounding error of one value. Deviations of the mean and of the standard deviation up to it
+/// `rounding` bounds the rounding error of one value. Deviations of the mean and of the standard deviation up to it
 /// count as zero; beyond it a score is infinite if v = 0. A score is NaN if one of its values is; that of the variance
 /// also for fewer than two values.
 ///
@@ -52,8 +61,7 @@ struct IndependentShare {
 /// share.expected counts as chi-squared with as many degrees of freedom as match its own variance, (n - 1)
 /// share.variance share.expected^2, which holds if these are many (R. B. Blackman, J. W. Tukey, The Measurement of
 /// Power Spectra, 1958).
-Scores scores(const Moments& measured, double theoretical_mean, double theoretical_variance, double rounding = 0.0,
-              const IndependentShare& share = {}, double fourth_moment = std::numeric_limits<double>::quiet_NaN());
+Scores scores(const Comparison& of);
 
 /// The largest scores in modulus over many cells, and their plausible limit.
 struct Agreement {
@@ -64,11 +72,23 @@ struct Agreement {
   bool agrees() const { return max_abs_z_mean <= plausible_z && max_abs_z_variance <= plausible_z; }
 };
 
-/// `rounding` [m], `share` and `fourth_moment` [m^4] have one value per cell, or are empty: no rounding, independent
-/// values and normal values. Throws std::invalid_argument if the sizes differ.
-Agreement agreement(const std::vector<Moments>& measured, const std::vector<double>& theoretical_mean,
-                    const std::vector<double>& theoretical_variance, const std::vector<double>& rounding = {},
-                    const std::vector<IndependentShare>& share = {}, const std::vector<double>& fourth_moment = {});
+/// Finds the agreement of many cells, one after the other.
+class LargestScores {
+public:
+  void add(const Comparison& of);
+
+  Agreement agreement() const;
+
+private:
+  double mean_ = 0.0, variance_ = 0.0;
+  std::size_t cells_ = 0;
+  bool is_of_any_ = false;  ///< a cell has a fourth moment
+
+  // The score grows with the ratio of the variances, so among successive cells of equal degrees of freedom only ratios
+  // beyond all earlier ones matter.
+  double freedom_ = 0.0;
+  double lowest_ = std::numeric_limits<double>::infinity(), highest_ = -std::numeric_limits<double>::infinity();
+};
 
 /// The score that the largest of `comparisons` scores, however dependent, exceeds in modulus with probability at most
 /// 0.001 (Bonferroni). A larger score means that measurement and theory disagree.

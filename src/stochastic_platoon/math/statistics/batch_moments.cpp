@@ -167,7 +167,7 @@ std::vector<MomentNode> reduce_batch(std::uint64_t first_realization, std::size_
 }
 
 BatchMoments::BatchMoments(std::uint64_t first_realization, std::size_t count, std::size_t cells, KeptMoments kept)
-    : first_(first_realization), count_(count), kept_(kept) {
+    : kept_(kept) {
   const std::size_t of_powers = kept == KeptMoments::four ? cells : 0;
   for (const DyadicRange& range : dyadic_cover(first_realization, count)) {
     blocks_.push_back({range, std::vector<double>(cells), std::vector<double>(cells), std::vector<double>(of_powers),

@@ -64,9 +64,6 @@ public:
   BatchMoments(std::uint64_t first_realization, std::size_t count, std::size_t cells,
                KeptMoments kept = KeptMoments::two);
 
-  std::uint64_t first_realization() const { return first_; }
-  std::size_t count() const { return count_; }
-
   /// Sets the cell's values, one per realization of the batch [m]. Throws std::out_of_range if `cell` is out of range.
   void set(std::size_t cell, const double* values);
 
@@ -86,8 +83,6 @@ private:
   void put(std::size_t block, std::size_t cell, const MomentNode& node);
   void require_cell(std::size_t cell) const;
 
-  std::uint64_t first_;
-  std::size_t count_;
   KeptMoments kept_;
   std::vector<MomentBlock> blocks_;
 };

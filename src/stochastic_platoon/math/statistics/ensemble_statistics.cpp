@@ -6,12 +6,9 @@
 
 namespace platoon {
 
-BatchTotals& EnsembleStatistics::open(std::uint64_t first_realization, std::size_t size) {
-  return open_.try_emplace(first_realization, first_realization, size, cells_, kept_).first->second;
-}
-
 void EnsembleStatistics::add(const ReducedSignals& signals) {
-  BatchTotals& batch = open(signals.first_realization, signals.count);
+  const std::uint64_t first = signals.first_realization;
+  BatchTotals& batch = open_.try_emplace(first, first, signals.count, cells_).first->second;
   for (std::size_t kind = 0; kind < signals.nodes.size(); ++kind)
     batch.moments.set(cells_.at(kind, signals.follower, signals.step), signals.nodes[kind]);
   if (!signals.gaps.empty()) batch.gaps.add(signals.follower, signals.step, signals.gaps.data());

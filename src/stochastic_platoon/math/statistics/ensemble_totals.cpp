@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "stochastic_platoon/math/statistics/error_averages.hpp"
-
 namespace platoon {
 
 std::size_t SignalCells::at(std::size_t kind, std::size_t follower, std::int64_t step) const {
@@ -14,14 +12,15 @@ std::size_t SignalCells::at(std::size_t kind, std::size_t follower, std::int64_t
 SignalCells signal_cells(const PlatoonModel& model, std::size_t followers, std::int64_t steps,
                          const std::vector<std::string>& signals) {
   const bool has_gap = std::find(signals.begin(), signals.end(), kGap) != signals.end();
-  return {followers, steps, signals, has_gap ? gap_counting(model, followers) : GapCounting{}};
+  return {followers, steps, signals, has_gap ? gap_counting(model, followers) : GapCounting{},
+          has_normal_errors(model) ? KeptMoments::two : KeptMoments::four};
 }
 
-BatchTotals::BatchTotals(std::uint64_t first_realization, std::size_t count, const SignalCells& cells, KeptMoments kept)
-    : moments(first_realization, count, cells.count(), kept),
+BatchTotals::BatchTotals(std::uint64_t first_realization, std::size_t count, const SignalCells& cells)
+    : moments(first_realization, count, cells.count(), cells.kept),
       gaps(first_realization, count, cells.gaps.followers),
       cells_(cells),
-      reduction_(first_realization, count, kept) {}
+      reduction_(first_realization, count, cells.kept) {}
 
 void BatchTotals::add(std::size_t follower, std::int64_t step, const FollowerSignals& signals,
                       const SignalPositions& positions) {

@@ -14,6 +14,11 @@
 
 namespace platoon {
 
+/// Index of zeta_i(k) in tables over followers and steps: row i - 1, column k. i >= 1, 0 <= k < steps.
+inline std::size_t cell(std::size_t follower, std::int64_t step, std::int64_t steps) {
+  return (follower - 1) * static_cast<std::size_t>(steps) + static_cast<std::size_t>(step);
+}
+
 /// The cells of a run: the tracking errors of every follower at every step, and after them those of each requested
 /// signal in the same order (see cell()).
 struct SignalCells {
@@ -21,6 +26,7 @@ struct SignalCells {
   std::int64_t steps;
   std::vector<std::string> signals = {};  ///< names: see signal_kinds()
   GapCounting gaps = {};                  ///< without followers if the gap is not among the signals
+  KeptMoments kept = KeptMoments::two;
 
   std::size_t kinds() const { return 1 + signals.size(); }                                 ///< with the errors
   std::size_t of_one_kind() const { return followers * static_cast<std::size_t>(steps); }  ///< cells
@@ -37,7 +43,7 @@ SignalCells signal_cells(const PlatoonModel& model, std::size_t followers, std::
 class BatchTotals {
 public:
   /// Keeps a reference to the cells.
-  BatchTotals(std::uint64_t first_realization, std::size_t count, const SignalCells& cells, KeptMoments kept);
+  BatchTotals(std::uint64_t first_realization, std::size_t count, const SignalCells& cells);
 
   /// Adds the signals of a follower at a step, its steps in ascending order: signals_of() with the names of the cells.
   void add(std::size_t follower, std::int64_t step, const FollowerSignals& signals, const SignalPositions& positions);

@@ -2,23 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "stochastic_platoon/math/statistics/agreement.hpp"
-#include "stochastic_platoon/math/statistics/batch_moments.hpp"
 #include "stochastic_platoon/math/statistics/ensemble_totals.hpp"
-#include "stochastic_platoon/math/statistics/moments.hpp"
 
 namespace platoon {
-
-/// Domain of the mean and the variance of a tracking error.
-enum class Averaging { over_realizations, over_time };
-
-/// Index of zeta_i(k) in tables over followers and steps: row i - 1, column k. i >= 1, 0 <= k < steps.
-inline std::size_t cell(std::size_t follower, std::int64_t step, std::int64_t steps) {
-  return (follower - 1) * static_cast<std::size_t>(steps) + static_cast<std::size_t>(step);
-}
 
 /// The signals of follower i at step k of one batch of realizations, reduced to their moments.
 struct ReducedSignals {
@@ -35,8 +24,6 @@ struct ReducedSignals {
 class ErrorAverages {
 public:
   virtual ~ErrorAverages() = default;
-
-  virtual Averaging averaging() const = 0;
 
   /// Adds the signals of a follower at a step of a batch, in any order.
   virtual void add(const ReducedSignals& signals) = 0;
@@ -58,8 +45,7 @@ public:
   /// Whether the averages contain no value.
   virtual bool empty() const = 0;
 
-  /// The latest step that all followers have reached, and the latest of one follower.
-  virtual std::int64_t last_step() const = 0;
+  /// The latest step that a follower has reached; -1 before the first.
   virtual std::int64_t last_step(std::size_t follower) const = 0;
 
   /// The first step from which on the averages of all followers include every error, unless the leader departs from
@@ -76,15 +62,5 @@ public:
   /// suffices.
   virtual const EnsembleTotals* totals() const = 0;
 };
-
-/// Averages of an earlier launch, over realizations or over time; both may be empty.
-struct EarlierAverages {
-  const EnsembleTotals* over_realizations = nullptr;
-  std::vector<Moments> over_time = {};  ///< one per follower
-};
-
-/// Averages over these cells. With 0 steps, for an endless run: over time from step `burn_in` on, of the errors alone.
-std::unique_ptr<ErrorAverages> error_averages(const SignalCells& cells, std::int64_t burn_in,
-                                              const EarlierAverages& earlier, KeptMoments kept = KeptMoments::two);
 
 }  // namespace platoon

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 
 namespace platoon {
 
 double Moments::variance() const {
-  if (count < 2) return std::numeric_limits<double>::quiet_NaN();
+  if (count < 2) return kNaN;
   return squared_deviations / static_cast<double>(count - 1);
 }
 
@@ -41,7 +42,7 @@ double standard_error_of_mean(double variance, std::uint64_t count, double share
 }
 
 double standard_error_of_variance(double variance, std::uint64_t count, double share) {
-  if (count < 2) return std::numeric_limits<double>::quiet_NaN();
+  if (count < 2) return kNaN;
   return variance * std::sqrt(2.0 / (static_cast<double>(count - 1) * share));
 }
 

@@ -20,6 +20,9 @@ struct Moments {
   double cubed_deviations = std::numeric_limits<double>::quiet_NaN();   ///< [m^3]; NaN: not kept
   double fourth_deviations = std::numeric_limits<double>::quiet_NaN();  ///< [m^4]; NaN: not kept
 
+  /// The mean [m]; NaN without values.
+  double known_mean() const { return count > 0 ? mean : std::numeric_limits<double>::quiet_NaN(); }
+
   /// Unbiased variance (n - 1) [m^2]; NaN for fewer than two values.
   double variance() const;
 

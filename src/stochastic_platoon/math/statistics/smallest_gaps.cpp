@@ -7,6 +7,7 @@
 #include <string>
 #include <tuple>
 
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"
 #include "stochastic_platoon/math/statistics/lane_tree.hpp"
 
@@ -17,7 +18,7 @@ namespace detail {
 // The least gap of each lane. The first lane includes the gaps that fill no vector.
 PLATOON_VECTOR_CLONES
 std::array<double, kCellsAtOnce> lower(const double* gaps, std::size_t count, double* smallest) {
-  Lanes least = Lanes{} + std::numeric_limits<double>::infinity();
+  Lanes least = Lanes{} + kInfinity;
   std::size_t r = 0;
   for (; r + kCellsAtOnce <= count; r += kCellsAtOnce) {
     Lanes gap;
@@ -92,7 +93,7 @@ GapCounting gap_counting(const PlatoonModel& model, std::size_t followers) {
 BatchGaps::BatchGaps(std::uint64_t first_realization, std::size_t count, std::size_t followers)
     : first_realization_(first_realization),
       count_(count),
-      smallest_(followers, AlignedValues(count, std::numeric_limits<double>::infinity())),
+      smallest_(followers, AlignedValues(count, kInfinity)),
       first_(followers) {}
 
 void BatchGaps::add(std::size_t follower, std::int64_t step, const double* gaps) {

@@ -49,7 +49,6 @@ public:
   void lowered_to(std::size_t follower, std::int64_t step, double least);
 
   std::size_t count() const { return count_; }
-  std::size_t followers() const { return smallest_.size(); }
 
   /// Per realization [m]; infinite before the first step.
   const AlignedValues& smallest(std::size_t follower) const { return smallest_[follower - 1]; }

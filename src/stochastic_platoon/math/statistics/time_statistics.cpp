@@ -67,12 +67,6 @@ bool TimeStatistics::empty() const {
          std::all_of(earlier_.begin(), earlier_.end(), [](const Moments& moments) { return moments.count == 0; });
 }
 
-std::int64_t TimeStatistics::last_step() const {
-  const auto slowest = std::min_element(followers_.begin(), followers_.end(),
-                                        [](const Follower& a, const Follower& b) { return a.next_step < b.next_step; });
-  return slowest->next_step - 1;
-}
-
 std::int64_t TimeStatistics::counted_from() const {
   const std::int64_t hops = departed_ == kNever ? 0 : static_cast<std::int64_t>(followers_.size()) - 1;
   return counts_from_ + hops;

@@ -26,7 +26,6 @@ public:
   /// `earlier`: moments() of earlier realizations, one per follower; may be empty.
   TimeStatistics(std::size_t followers, std::int64_t burn_in, std::vector<Moments> earlier = {});
 
-  Averaging averaging() const override { return Averaging::over_time; }
   void add(const ReducedSignals& signals) override;
   /// No effect: an endless batch is never complete.
   void commit(std::uint64_t) override {}
@@ -34,7 +33,6 @@ public:
   void saw_leader(std::int64_t step, bool by_model) override;
   std::uint64_t realizations() const override { return 1; }
   bool empty() const override;
-  std::int64_t last_step() const override;
   std::int64_t last_step(std::size_t follower) const override { return followers_[follower - 1].next_step - 1; }
   std::int64_t counted_from() const override;
   /// One per follower; count is the number of steps in it.

@@ -90,7 +90,7 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
   if (!inputs_[vehicle].admits(event)) return;
   const MessageDescriptor descriptor = descriptor_of(*message);
-  RunStatistics::Receipt receipt;
+  SignalAssembly::Receipt receipt;
   {
     const Locked lock(lock_);
     statistics_.saw(message->header.stamp.toNSec());
@@ -99,10 +99,10 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
   }
   if (!inputs_[vehicle].takes(receipt.drop, descriptor.id, descriptor.size)) return;
   if (snapshots_.wanted()) snapshots_.take(vehicle, *message);
-  const RunStatistics::Computed computed = statistics_.compute(receipt.work);
+  const std::vector<ReducedSignals> signals = statistics_.compute(receipt.due);
   const Locked lock(lock_);
   const double present = now();
-  const bool committed = statistics_.settle(computed);
+  const bool committed = statistics_.settle(vehicle, descriptor, signals);
   stall_.note_arrival(statistics_.arrivals(), present);
   if (!began_ && statistics_.arrivals().acknowledgement().step != kNothingYet) began_ = present;
   if (committed) statistics_.set_wall_seconds(wall_seconds_before_ + (began_ ? present - *began_ : 0.0));

@@ -35,7 +35,6 @@ Columns columns_of(const RunOptions& run, const Prediction& prediction, const Ru
   Columns columns{run, {prediction.stability, prediction.stationary_variance, {}, {}}, {}, {}};
   columns.steps = spread_steps(run.steps, static_cast<std::int64_t>(most));
   columns.run.steps = static_cast<std::int64_t>(columns.steps.size());
-  columns.prediction.theory = prediction.theory;
   columns.prediction.followers_with_theory = prediction.followers_with_theory;
   columns.result.realizations = result.realizations;
   for (std::size_t i = 1; i <= run.followers; ++i) {
@@ -53,7 +52,7 @@ Columns columns_of(const RunOptions& run, const Prediction& prediction, const Ru
 }
 
 void add_verdict(const Prediction& prediction, Overview& message) {
-  message.theory = to_string(prediction.theory);
+  message.theory = name_of_theory(prediction.has_theory());
   message.string_stable = prediction.stability.string_stable;
   message.undecided = prediction.stability.undecided;
   message.reason = prediction.stability.reason + (prediction.warning.empty() ? "" : "; " + prediction.warning);
@@ -77,9 +76,7 @@ void add_cells(const Columns& columns, Overview& message) {
       message.theoretical_variance[at] = of.theoretical_variance;
       if (!last) continue;
       message.standard_error.push_back(standard_error_of_variance(of));
-      message.variance_score.push_back(
-          scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share, of.fourth_moment)
-              .variance);
+      message.variance_score.push_back(scores(of).variance);
     }
   }
 }

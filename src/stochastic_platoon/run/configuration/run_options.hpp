@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/statistics/error_averages.hpp"
 #include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/delivery/batch_schedule.hpp"
 
@@ -13,6 +12,9 @@ namespace platoon {
 
 /// The place where the vehicles of a run are computed. Launch files accept the first two.
 enum class Hosting { processes, one_process, monte_carlo, bag };
+
+/// Domain of the mean and the variance of a tracking error.
+enum class Averaging { over_realizations, over_time };
 
 /// "processes", ...
 const char* to_string(Hosting hosting);

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <stdexcept>
 
 #include "stochastic_platoon/math/bursts/burst_moments.hpp"
 #include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
@@ -37,7 +35,7 @@ std::string of_types(const PlatoonModel& model, const std::vector<std::string>& 
   return text;
 }
 
-std::string headway_lines(const PlatoonModel& model, const Analysis& analysis) {
+std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
   if (!analysis.headways) {
     const bool followed = !types_with_default(model, &Inherited::headway).empty();
     return std::string("Critical headway: none, as ") +
@@ -53,22 +51,20 @@ std::string headway_lines(const PlatoonModel& model, const Analysis& analysis) {
          shown(headways.intervals) + "\n";
 }
 
-std::string loss_lines(const PlatoonModel& model, const Analysis& analysis) {
+std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
   if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
   const std::optional<double> critical = analysis.losses->critical;
   const VehicleModel& own = model.default_vehicle();
   const std::string signal = own.feed_forward ? "input" : "position";
-  std::string text =
-      "Critical loss probability" + of_types(model, analysis.losses->types) + (own.feed_forward ? " by radio" : "") +
-      (varied_link(own).loss ? ": " : " (a lost " + signal + " is replaced by the last one received): ") +
-      (critical ? formatted("%.9g", *critical) : "none");
-  text += formatted("; string stable loss probabilities within [0, %.6g]%s:", analysis.losses->largest,
-                    has_bursts(model) ? " at this mean burst" : "") +
-          shown(analysis.losses->intervals) + "\n";
-  return text;
+  return "Critical loss probability" + of_types(model, analysis.losses->types) + (own.feed_forward ? " by radio" : "") +
+         (varied_link(own).loss ? ": " : " (a lost " + signal + " is replaced by the last one received): ") +
+         (critical ? formatted("%.9g", *critical) : "none") +
+         formatted("; string stable loss probabilities within [0, %.6g]%s:", analysis.losses->largest,
+                   has_bursts(model) ? " at this mean burst" : "") +
+         shown(analysis.losses->intervals) + "\n";
 }
 
-std::string burst_lines(const PlatoonModel& model, const Analysis& analysis) {
+std::string burst_line(const PlatoonModel& model, const Analysis& analysis) {
   if (!analysis.bursts) return "";
   const CriticalBurst& bursts = *analysis.bursts;
   return "Critical mean burst" + of_types(model, bursts.types) + ": " +
@@ -79,18 +75,36 @@ std::string burst_lines(const PlatoonModel& model, const Analysis& analysis) {
          "\n";
 }
 
+// Throws ConfigurationError unless the theory of this run can be computed. `has_burst_moments`: losses in bursts have a
+// theory.
+void check_run(RunOptions run, const SignalRequest& signals, bool has_burst_moments) {
+  if (run.averaging() == Averaging::over_time) throw ConfigurationError({"steps: 0: must be at least 1 here"});
+  run.signals = signals.names;
+  if (run.burn_in > 0 && !run.has_amplification()) {
+    throw ConfigurationError({formatted("burn-in: %lld: must go with --signals speed, and be at most steps - 2 = %lld",
+                                        static_cast<long long>(run.burn_in), static_cast<long long>(run.steps - 2))});
+  }
+  if (has_burst_moments && !has_feasible_burst_moments(run.followers, run.steps)) {
+    throw ConfigurationError(
+        {formatted("steps: %lld: must be at most %.0f with losses in bursts, and followers x steps^2 at most %.0e",
+                   static_cast<long long>(run.steps), kMostBurstSteps, kMostBurstCells)});
+  }
+}
+
 }  // namespace
 
-Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t steps, const StageObserver& begins,
-                 const SignalRequest& signals) {
+Analysis analyze(const Configuration& configuration, const SignalRequest& signals, const StageObserver& begins) {
+  const PlatoonModel& model = configuration.model;
+  const std::size_t followers = configuration.run.followers;
+  const std::int64_t steps = configuration.run.steps;
   Analysis analysis{};
+  analysis.without_theory = reason_without_theory(model);
+  check_run(configuration.run, signals, !analysis.without_theory && has_bursts(model));
   analysis.signals.request = signals;
-  analysis.followers = followers;
-  analysis.theory = theory_of(model);
   const VehicleModel& own = model.default_vehicle();
   analysis.integral_defect = integral_defect(own.loop, own.headway);
   analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
-  if (analysis.theory == Theory::none) return analysis;
+  if (analysis.without_theory) return analysis;
   begins("verdict");
   analysis.stability = string_stability(model);
   begins("stationary variances");
@@ -111,47 +125,22 @@ Analysis analyze(const PlatoonModel& model, std::size_t followers, std::int64_t 
   analysis.losses = stable_losses(model);
   begins("critical mean burst");
   analysis.bursts = critical_mean_burst(model);
-  analysis.signals = analyze_signals(model, signals, followers, steps, analysis.stability.string_stable, begins);
+  analysis.signals = analyze_signals(configuration, signals, analysis.stability.string_stable, begins);
   return analysis;
 }
 
-namespace {
-
-// The first step of the amplification.
-std::int64_t burn_in_of(RunOptions run, const SignalRequest& signals) {
-  run.signals = signals.names;
-  if (run.burn_in > 0 && !run.has_amplification()) {
-    throw ConfigurationError({formatted("burn-in: %lld: must go with --signals speed, and be at most steps - 2 = %lld",
-                                        static_cast<long long>(run.burn_in), static_cast<long long>(run.steps - 2))});
-  }
-  return run.burn_in;
-}
-
-}  // namespace
-
-Analysis analyze(const Configuration& configuration, SignalRequest signals, const StageObserver& begins) {
+std::string report(const Configuration& configuration, const Analysis& analysis) {
   const PlatoonModel& model = configuration.model;
-  const RunOptions& run = configuration.run;
-  if (run.averaging() == Averaging::over_time) throw ConfigurationError({"steps: 0: must be at least 1 here"});
-  signals.burn_in = burn_in_of(run, signals);
-  if (theory_of(model) == Theory::exact && has_bursts(model) && !has_feasible_burst_moments(run.followers, run.steps)) {
-    throw ConfigurationError(
-        {formatted("steps: %lld: must be at most %.0f with losses in bursts, and followers x steps^2 at most %.0e",
-                   static_cast<long long>(run.steps), kMostBurstSteps, kMostBurstCells)});
-  }
-  return analyze(model, run.followers, run.steps, begins, signals);
-}
-
-std::string report(const PlatoonModel& model, const Analysis& analysis) {
   const StringStability& stability = analysis.stability;
   const VehicleModel& own = model.default_vehicle();
   std::string text =
       formatted("h = %g (%g s), P_d = %g m^2", own.headway, own.headway * model.sample_period, own.noise_variance);
   if (own.feed_forward) text += formatted(", radio %g (m/s^2)^2", own.feed_forward->noise_variance);
   text += ": ";
-  if (analysis.theory == Theory::none)
-    return text + "no theory, as " + reason_without_theory(model) + ": monte_carlo measures their effect\n" +
-           age_report(model) + report(model, analysis.signals);
+  if (analysis.without_theory) {
+    return text + "no theory, as " + *analysis.without_theory + ": monte_carlo measures their effect\n" +
+           age_report(model) + report(configuration, analysis.signals);
+  }
   text += stability.reason + "\n";
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
           (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
@@ -159,8 +148,7 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
               ? "peak of |T|: none, as the errors do not settle\n"
               : formatted("peak of |%s| = %.9g at w = %.6g rad/sample\n", has_feed_forward(model) ? "Gamma" : "T",
                           stability.peak_gain, stability.peak_frequency);
-  text +=
-      headway_lines(model, analysis) + loss_lines(model, analysis) + burst_lines(model, analysis) + age_report(model);
+  text += headway_line(model, analysis) + loss_line(model, analysis) + burst_line(model, analysis) + age_report(model);
   const std::vector<double>& stationary = analysis.stationary_variance;
   text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
           figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
@@ -177,7 +165,7 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
     text += formatted("Stationary mean: up to %.6g m, of follower %zu, caused by delay and loss at constant speed\n",
                       *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
   }
-  text += report(model, analysis.signals);
+  text += report(configuration, analysis.signals);
   text += formatted(
       "Largest norms over %zu followers and %lld steps k (%s): ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
       analysis.moments.followers, static_cast<long long>(analysis.moments.steps),
@@ -209,29 +197,22 @@ std::string report(const PlatoonModel& model, const Analysis& analysis) {
   return text;
 }
 
-nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
+namespace {
+
+nlohmann::json pairs(const std::vector<StableInterval>& intervals) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const StableInterval& interval : intervals) list.push_back({interval.from, interval.to});
+  return list;
+}
+
+nlohmann::json theory_to_json(const Configuration& configuration, const Analysis& analysis) {
+  const PlatoonModel& model = configuration.model;
   const StringStability& stability = analysis.stability;
   const VehicleModel& own = model.default_vehicle();
-  const auto steps = static_cast<std::size_t>(analysis.moments.steps);
-  if (analysis.theory == Theory::none) {
-    nlohmann::json document = {{"headway", own.headway},
-                               {"noise_variance", own.noise_variance},
-                               {"theory", to_string(analysis.theory)},
-                               {"rounding", number(analysis.rounding)},
-                               {"age_of_information", ages_to_json(model, analysis.followers)}};
-    add_to_json(analysis.signals, document);
-    return document;
-  }
-  nlohmann::json losses;
-  if (analysis.losses) {
-    losses = nlohmann::json::array();
-    for (const StableInterval& interval : analysis.losses->intervals) losses.push_back({interval.from, interval.to});
-  }
-  nlohmann::json headways = nlohmann::json::array();
-  if (analysis.headways) {
-    for (const HeadwayInterval& interval : analysis.headways->intervals)
-      headways.push_back({interval.from, interval.to});
-  }
+  const auto steps = static_cast<std::size_t>(configuration.run.steps);
+  nlohmann::json headways, losses;
+  if (analysis.headways) headways = pairs(analysis.headways->intervals);
+  if (analysis.losses) losses = pairs(analysis.losses->intervals);
   const std::optional<double> critical = analysis.headways ? analysis.headways->critical : std::nullopt;
   nlohmann::json norms = {{"mean_l2", numbers(analysis.norms.mean)},
                           {"variance_linf", numbers(analysis.norms.variance)},
@@ -252,41 +233,47 @@ nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis) {
               {"beta_2", number(analysis.bounds->beta_2)},
               {"stated_beta_2", number(analysis.bounds->stated_beta_2)}};
   }
-  nlohmann::json document = {
-      {"headway", own.headway},
-      {"sample_period", model.sample_period},
-      {"noise_variance", own.noise_variance},
-      {"transfer",
-       {{"numerator", coefficients(own.loop.transfer.numerator())},
-        {"denominator", coefficients(own.loop.transfer.denominator())}}},
-      {"spectral_radius", stability.spectral_radius},
-      {"rounding", number(analysis.rounding)},
-      {"integral_defect", number(analysis.integral_defect)},
-      {"peak_gain", number(stability.peak_gain)},
-      {"peak_frequency", number(stability.peak_frequency)},
-      {"mean_square_stable", stability.mean_square_stable},
-      {"string_stable", truth(stability.decision())},
-      {"reason", stability.reason},
-      {"critical_headway", number(critical)},
-      {"critical_headway_seconds", critical ? nlohmann::json(*critical * model.sample_period) : nlohmann::json()},
-      {"stable_headways", analysis.headways ? headways : nlohmann::json()},
-      {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
-      {"theory", to_string(analysis.theory)},
-      {"loss_gain", number(stability.loss_gain)},
-      {"critical_mean_burst", number(analysis.bursts ? analysis.bursts->critical : std::nullopt)},
-      {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
-      {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
-      {"stable_loss_probabilities", losses},
-      {"age_of_information", ages_to_json(model, analysis.followers)},
-      {"stationary_mean", numbers(analysis.stationary_mean)},
-      {"stationary_variance", numbers(analysis.stationary_variance)},
-      {"stationary_variance_by_input", by_input},
-      {"limit_variance", number(stability.limit_variance)},
-      {"mean", rows(analysis.moments.mean, steps)},
-      {"variance", rows(analysis.moments.variance, steps)},
-      {"norms", norms},
-      {"bounds", bounds}};
-  add_to_json(analysis.signals, document);
+  return {{"sample_period", model.sample_period},
+          {"transfer",
+           {{"numerator", coefficients(own.loop.transfer.numerator())},
+            {"denominator", coefficients(own.loop.transfer.denominator())}}},
+          {"spectral_radius", stability.spectral_radius},
+          {"integral_defect", number(analysis.integral_defect)},
+          {"peak_gain", number(stability.peak_gain)},
+          {"peak_frequency", number(stability.peak_frequency)},
+          {"mean_square_stable", stability.mean_square_stable},
+          {"string_stable", truth(stability.decision())},
+          {"reason", stability.reason},
+          {"critical_headway", number(critical)},
+          {"critical_headway_seconds", critical ? nlohmann::json(*critical * model.sample_period) : nlohmann::json()},
+          {"stable_headways", headways},
+          {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
+          {"loss_gain", number(stability.loss_gain)},
+          {"critical_mean_burst", number(analysis.bursts ? analysis.bursts->critical : std::nullopt)},
+          {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
+          {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
+          {"stable_loss_probabilities", losses},
+          {"stationary_mean", numbers(analysis.stationary_mean)},
+          {"stationary_variance", numbers(analysis.stationary_variance)},
+          {"stationary_variance_by_input", by_input},
+          {"limit_variance", number(stability.limit_variance)},
+          {"mean", rows(analysis.moments.mean, steps)},
+          {"variance", rows(analysis.moments.variance, steps)},
+          {"norms", norms},
+          {"bounds", bounds}};
+}
+
+}  // namespace
+
+nlohmann::json to_json(const Configuration& configuration, const Analysis& analysis) {
+  const VehicleModel& own = configuration.model.default_vehicle();
+  nlohmann::json document = {{"headway", own.headway},
+                             {"noise_variance", own.noise_variance},
+                             {"theory", name_of_theory(!analysis.without_theory)},
+                             {"rounding", number(analysis.rounding)},
+                             {"age_of_information", ages_to_json(configuration.model, configuration.run.followers)}};
+  if (!analysis.without_theory) document.update(theory_to_json(configuration, analysis));
+  add_to_json(configuration, analysis.signals, document);
   return document;
 }
 

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -21,12 +19,15 @@
 namespace platoon {
 
 /// All results of the theory for a platoon (paper, sections 4 and 5). Without a theory (losses in bursts by radio) only
-/// `theory`, `rounding` and `integral_defect` are set.
+/// `without_theory`, `rounding` and `integral_defect` are set.
 struct Analysis {
-  std::size_t followers = 0;
+  std::optional<std::string> without_theory = {};  ///< the reason
   StringStability stability;
-  std::optional<StableHeadways> headways;   ///< none if the closed loop was given directly: it fits one headway only
-  std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN if there is none
+  std::optional<StableHeadways> headways;    ///< none if the closed loop was given directly: it fits one headway only
+  std::optional<StableLosses> losses = {};   ///< none without a loss stage
+  std::optional<CriticalBurst> bursts = {};  ///< none without losses, and in a string with radios
+  std::vector<double> stationary_mean = {};  ///< [m], one per follower, caused by delays and losses
+  std::vector<double> stationary_variance;   ///< [m^2], one per follower; NaN if there is none
   /// In a string with radios: the shares of the positions and of the inputs in it, noise and losses.
   std::vector<std::array<double, 2>> stationary_variance_by_input = {};
   ErrorMoments moments;
@@ -34,29 +35,19 @@ struct Analysis {
   std::optional<TheoremTwoBounds> bounds;  ///< none for an unstable loop, or for a platoon other than the paper's
   double rounding = 0.0;                   ///< [m] error of the vehicles' arithmetic in a position of 1 m
   double integral_defect = 0.0;  ///< deviation from T(1) = 1 and dT/dz(1) = -h: limits the accuracy of verdicts
-  std::optional<StableLosses> losses = {};   ///< none without a loss stage
-  std::optional<CriticalBurst> bursts = {};  ///< none without losses, and in a string with radios
-  std::vector<double> stationary_mean = {};  ///< [m], one per follower, caused by delays and losses
-  Theory theory = Theory::exact;
-  SignalAnalysis signals = {};  ///< of the signals requested
+  SignalAnalysis signals = {};   ///< of the signals requested
 };
-
-/// Called with the name of each stage before it is computed.
-using StageObserver = std::function<void(const char* stage)>;
-
-Analysis analyze(
-    const PlatoonModel& model, std::size_t followers, std::int64_t steps,
-    const StageObserver& begins = [](const char*) {}, const SignalRequest& signals = {});
 
 /// The analysis of a configuration's platoon over its steps. Throws ConfigurationError for an endless run, for a
 /// burn-in without amplification, and for more steps than the theory of losses in bursts can be computed for.
 Analysis analyze(
-    const Configuration& configuration, SignalRequest signals = {}, const StageObserver& begins = [](const char*) {});
+    const Configuration& configuration, const SignalRequest& signals = {},
+    const StageObserver& begins = [](const char*) {});
 
 /// Text report: the verdict first, then the reasons.
-std::string report(const PlatoonModel& model, const Analysis& analysis);
+std::string report(const Configuration& configuration, const Analysis& analysis);
 
 /// JSON for programs; missing values are null.
-nlohmann::json to_json(const PlatoonModel& model, const Analysis& analysis);
+nlohmann::json to_json(const Configuration& configuration, const Analysis& analysis);
 
 }  // namespace platoon

@@ -8,16 +8,11 @@
 
 namespace platoon {
 
-/// Six digits and the unit, empty for a plain number; "none" for NaN.
-inline std::string figure(double value, const std::string& unit) {
-  if (std::isnan(value)) return "none";
-  if (std::isinf(value)) return "beyond the range of double";
-  return formatted("%.6g", value) + (unit.empty() ? "" : " " + unit);
-}
-
-/// The same, or "none" without a value.
+/// Six digits and the unit, empty for a plain number; "none" without a value or for NaN.
 inline std::string figure(std::optional<double> value, const std::string& unit) {
-  return value ? figure(*value, unit) : "none";
+  if (!value || std::isnan(*value)) return "none";
+  if (std::isinf(*value)) return "beyond the range of double";
+  return formatted("%.6g", *value) + (unit.empty() ? "" : " " + unit);
 }
 
 }  // namespace platoon

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
-#include <string>
 
 #include "stochastic_platoon/math/bursts/burst_moments.hpp"
 #include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
 #include "stochastic_platoon/math/links/linked_moments.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/collision_risk.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
@@ -18,16 +17,8 @@
 
 namespace platoon {
 
-const char* to_string(Theory theory) {
-  return theory == Theory::exact ? "exact" : "none";
-}
-
-Theory theory_of(const PlatoonModel& model) {
-  return has_bursts(model) && no_burst_theory(model) ? Theory::none : Theory::exact;
-}
-
-std::string reason_without_theory(const PlatoonModel& model) {
-  return no_burst_theory(model).value_or("");
+std::optional<std::string> reason_without_theory(const PlatoonModel& model) {
+  return has_bursts(model) ? no_burst_theory(model) : std::nullopt;
 }
 
 namespace {
@@ -41,20 +32,13 @@ bool loses(const PlatoonModel& model) {
 
 Prediction no_prediction(const Configuration& configuration, const std::string& reason) {
   const RunOptions& run = configuration.run;
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::size_t cells =
       run.followers * static_cast<std::size_t>(run.averaging() == Averaging::over_time ? 1 : run.steps);
   StringStability unknown;
-  unknown.spectral_radius = nan;
+  unknown.spectral_radius = kNaN;
   unknown.reason = "none, as " + reason;
-  return {unknown,
-          std::vector<double>(run.followers, nan),
-          std::vector<double>(cells, nan),
-          std::vector<double>(cells, nan),
-          {},
-          {},
-          Theory::none,
-          0};
+  return {unknown, std::vector<double>(run.followers, kNaN), std::vector<double>(cells, kNaN),
+          std::vector<double>(cells, kNaN)};
 }
 
 // Averages that contain the transient of the start have no known standard error.
@@ -73,16 +57,14 @@ std::string burn_in_warning(const Configuration& configuration) {
 void void_behind(const RunOptions& run, Prediction& prediction) {
   const std::size_t steps = run.averaging() == Averaging::over_time ? 1 : static_cast<std::size_t>(run.steps);
   const auto clear = [](std::vector<double>& values, std::size_t kept) {
-    std::fill(values.begin() + static_cast<std::ptrdiff_t>(kept), values.end(),
-              std::numeric_limits<double>::quiet_NaN());
+    std::fill(values.begin() + static_cast<std::ptrdiff_t>(kept), values.end(), kNaN);
   };
-  clear(prediction.stationary_variance, prediction.followers_with_theory);
-  clear(prediction.mean, prediction.followers_with_theory * steps);
-  clear(prediction.variance, prediction.followers_with_theory * steps);
-  for (std::size_t i = prediction.followers_with_theory; i < prediction.error_correlation.size(); ++i)
-    prediction.error_correlation[i] = {};
-  prediction.stability.limit_variance.reset();
   const std::size_t last = prediction.followers_with_theory;
+  clear(prediction.stationary_variance, last);
+  clear(prediction.mean, last * steps);
+  clear(prediction.variance, last * steps);
+  for (std::size_t i = last; i < prediction.error_correlation.size(); ++i) prediction.error_correlation[i] = {};
+  prediction.stability.limit_variance.reset();
   prediction.stability.reason += "; this speaks of " +
                                  std::string(last > 1 ? "followers 1 to " + std::to_string(last) : "follower 1") +
                                  ", before vehicle_" + std::to_string(last + 1) + ", which is external";
@@ -102,8 +84,7 @@ void add_signals(const Configuration& configuration, Prediction& prediction) {
 
 Prediction predict(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
-  if (theory_of(configuration.model) == Theory::none)
-    return no_prediction(configuration, reason_without_theory(configuration.model));
+  if (const auto reason = reason_without_theory(configuration.model)) return no_prediction(configuration, *reason);
   const bool in_bursts = has_bursts(configuration.model);
   if (in_bursts && run.steps > 0 && !has_feasible_burst_moments(run.followers, run.steps)) {
     return no_prediction(configuration,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,20 +11,13 @@
 
 namespace platoon {
 
-/// The theory available for a platoon's errors.
-enum class Theory {
-  exact,  ///< mean and variance of every (i, k)
-  none,
-};
+/// The reason why a platoon's errors have no theory; none if it has one.
+std::optional<std::string> reason_without_theory(const PlatoonModel& model);
 
-/// "exact" or "none".
-const char* to_string(Theory theory);
-
-/// The theory that covers a platoon.
-Theory theory_of(const PlatoonModel& model);
-
-/// The reason why theory_of() returns none; empty if it does not.
-std::string reason_without_theory(const PlatoonModel& model);
+/// For files and messages: "exact" or "none".
+inline const char* name_of_theory(bool exists) {
+  return exists ? "exact" : "none";
+}
 
 /// The theory's prediction for a configuration: one cell per cell of the measurement, that is, per follower and step
 /// (see cell()), or the stationary values, one per follower, for averages over time.
@@ -38,7 +32,6 @@ struct Prediction {
   std::vector<double> rounding = {};        ///< [m], one per cell: see rounding_bounds(); empty over time
   /// [m^4], one per cell: see linked_error_moments(); empty over time, without losses, and for losses in bursts
   std::vector<double> fourth_cumulant = {};
-  Theory theory = Theory::exact;  ///< none if it covers no follower
   std::size_t followers_with_theory = 0;
   std::vector<ErrorCorrelation> error_correlation = {};  ///< over time: one per follower
   /// The moments of each requested signal, one cell per follower and step; empty over time, and for errors that are not
@@ -46,6 +39,8 @@ struct Prediction {
   std::vector<SignalMoments> signals = {};
   std::vector<double> collision_bound = {};  ///< see collision_bounds(), one per follower; empty without the gap
   std::string warning = {};  ///< the reason why a run with a theory is not compared with it; empty: none
+
+  bool has_theory() const { return followers_with_theory > 0; }
 };
 
 Prediction predict(const Configuration& configuration);

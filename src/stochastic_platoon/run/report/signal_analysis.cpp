@@ -27,14 +27,14 @@ std::string along(const std::vector<double>& values, std::optional<double> limit
   return text + figure(limit, unit) + " of an endless string";
 }
 
-std::string collision_lines(const PlatoonModel& model, const SignalAnalysis& analysis) {
+std::string collision_lines(const Configuration& configuration, const SignalAnalysis& analysis) {
   const CollisionRisk& risk = *analysis.collisions;
   const double probability = *analysis.request.collision_probability;
   std::string text = "Collisions: probability of a gap below 0 " + along(risk.probability, risk.limit_probability, "") +
                      "; new ones per step " + along(risk.rate, risk.limit_rate, "") + "\n";
   const auto worst = std::max_element(risk.bound.begin(), risk.bound.end());
   text += formatted("Collisions in %s: at most %.6g, of follower %zu\n",
-                    duration(static_cast<std::int64_t>(analysis.steps), model).c_str(), *worst,
+                    duration(configuration.run.steps, configuration.model).c_str(), *worst,
                     static_cast<std::size_t>(worst - risk.bound.begin()) + 1);
   text += formatted("Required standstill distance for %g per step: ", probability) +
           along(risk.required_distance, risk.limit_required_distance, "m") + "\n";
@@ -60,13 +60,6 @@ nlohmann::json to_json(const std::vector<Amplification>& of, std::int64_t from) 
     document[figure.name] = numbers(values);
   }
   return document;
-}
-
-std::string amplification_line(const SignalAnalysis& analysis) {
-  if (analysis.amplification.empty()) return "";
-  if (analysis.amplification.front().rms_mean_speed == 0.0) return no_amplification(analysis.request.burn_in);
-  const std::string found = largest_and_tail(analysis.amplification);
-  return "Amplification of the speed (L2): " + (found.empty() ? "none, as no follower moves" : found) + "\n";
 }
 
 }  // namespace
@@ -95,27 +88,25 @@ std::vector<std::string> SignalRequest::all_names() const {
   return all;
 }
 
-SignalAnalysis analyze_signals(const PlatoonModel& model, const SignalRequest& request, std::size_t followers,
-                               std::int64_t steps, bool string_stable,
-                               const std::function<void(const char* stage)>& begins) {
-  SignalAnalysis analysis{request, static_cast<std::size_t>(steps), {}, {}, {}};
+SignalAnalysis analyze_signals(const Configuration& configuration, const SignalRequest& request, bool string_stable,
+                               const StageObserver& begins) {
+  const PlatoonModel& model = configuration.model;
+  const RunOptions& run = configuration.run;
+  SignalAnalysis analysis{request, {}, {}, {}};
   const std::vector<std::string> names = request.all_names();
   if (names.empty() || !has_normal_errors(model)) return analysis;
   begins("stationary signals");
-  analysis.stationary = stationary_signals(model, names, followers, string_stable);
+  analysis.stationary = stationary_signals(model, names, run.followers, string_stable);
   begins("signals of every step");
-  analysis.moments = signal_moments(model, names, followers, steps);
-  SignalsByName signals;
-  for (std::size_t s = 0; s < names.size(); ++s) {
-    if (names[s] != kGap) signals[names[s]] = with_leader(model, names[s], analysis.moments[s], steps);
-  }
-  if (signals.count("speed") > 0 && request.burn_in + 2 <= steps)
-    analysis.amplification = amplification(signals, steps, request.burn_in);
+  analysis.moments = signal_moments(model, names, run.followers, run.steps);
+  const SignalsByName signals = exact_signals(model, names, analysis.moments, run.steps);
+  if (signals.count("speed") > 0 && run.burn_in + 2 <= run.steps)
+    analysis.amplification = amplification(signals, run.steps, run.burn_in);
   if (!request.collision_probability) return analysis;
   begins("collisions");
   const auto gap = static_cast<std::size_t>(std::find(names.begin(), names.end(), kGap) - names.begin());
-  analysis.collisions = collision_risk(model, analysis.stationary[gap], analysis.moments[gap], analysis.steps,
-                                       *request.collision_probability);
+  analysis.collisions = collision_risk(model, analysis.stationary[gap], analysis.moments[gap],
+                                       static_cast<std::size_t>(run.steps), *request.collision_probability);
   return analysis;
 }
 
@@ -129,12 +120,25 @@ std::string largest_and_tail(const std::vector<Amplification>& of) {
          figure(of.back().l2_head_to_tail, "");
 }
 
-std::string no_amplification(std::int64_t from) {
-  return formatted("Amplification: none, as the leader drives at constant speed from step %lld on\n",
-                   static_cast<long long>(from));
+std::string amplification_line(const std::vector<Amplification>& of, std::int64_t from, const std::string& hidden) {
+  if (of.front().rms_mean_speed == 0.0) {
+    return formatted("Amplification: none, as the leader drives at constant speed from step %lld on",
+                     static_cast<long long>(from));
+  }
+  const std::string found = largest_and_tail(of);
+  return "Amplification of the speed (L2): " + (found.empty() ? "none, as " + hidden : found);
 }
 
-std::string report(const PlatoonModel& model, const SignalAnalysis& analysis) {
+SignalsByName exact_signals(const PlatoonModel& model, const std::vector<std::string>& names,
+                            const std::vector<SignalMoments>& moments, std::int64_t steps) {
+  SignalsByName signals;
+  for (std::size_t s = 0; s < moments.size(); ++s) {
+    if (names[s] != kGap) signals[names[s]] = with_leader(model, names[s], moments[s], steps);
+  }
+  return signals;
+}
+
+std::string report(const Configuration& configuration, const SignalAnalysis& analysis) {
   const std::vector<std::string> names = analysis.request.all_names();
   if (names.empty()) return "";
   if (analysis.is_empty()) return "Signals and collisions: measured only, as errors are not normal\n";
@@ -146,21 +150,23 @@ std::string report(const PlatoonModel& model, const SignalAnalysis& analysis) {
     text += name + ": stationary variance " +
             along(signal.followers.variance, signal.limit_variance(), squared(unit_of(names[s]))) + "\n";
   }
-  text += amplification_line(analysis);
-  return analysis.collisions ? text + collision_lines(model, analysis) : text;
+  if (!analysis.amplification.empty())
+    text += amplification_line(analysis.amplification, configuration.run.burn_in, "no follower moves") + "\n";
+  return analysis.collisions ? text + collision_lines(configuration, analysis) : text;
 }
 
-void add_to_json(const SignalAnalysis& analysis, nlohmann::json& document) {
+void add_to_json(const Configuration& configuration, const SignalAnalysis& analysis, nlohmann::json& document) {
+  const auto steps = static_cast<std::size_t>(configuration.run.steps);
   const std::vector<std::string> names = analysis.request.all_names();
   if (!names.empty()) document["signals"] = nullptr;
   if (analysis.request.collision_probability) document["collision"] = nullptr;
   if (std::find(names.begin(), names.end(), "speed") != names.end()) document["amplification"] = nullptr;
   if (!analysis.amplification.empty())
-    document["amplification"] = to_json(analysis.amplification, analysis.request.burn_in);
+    document["amplification"] = to_json(analysis.amplification, configuration.run.burn_in);
   for (std::size_t s = 0; s < analysis.moments.size(); ++s) {
     const StationarySignal& signal = analysis.stationary[s];
-    document["signals"][names[s]] = {{"mean", rows(analysis.moments[s].mean, analysis.steps)},
-                                     {"variance", rows(analysis.moments[s].variance, analysis.steps)},
+    document["signals"][names[s]] = {{"mean", rows(analysis.moments[s].mean, steps)},
+                                     {"variance", rows(analysis.moments[s].variance, steps)},
                                      {"stationary_mean", numbers(signal.followers.mean)},
                                      {"stationary_variance", numbers(signal.followers.variance)},
                                      {"limit_variance", number(signal.limit_variance())}};

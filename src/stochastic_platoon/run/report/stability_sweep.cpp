@@ -1,11 +1,12 @@
 #include "stochastic_platoon/run/report/stability_sweep.hpp"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/io/csv_text.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
 
@@ -17,11 +18,13 @@ StringStability stability_of(const PlatoonModel& model) {
   const bool exists = !any_link(model, [](const LinkModel& link) {
     return link.loss && link.loss->mean_burst && !(*link.loss->mean_burst >= link.loss->least_burst());
   });
-  if (exists && theory_of(model) == Theory::exact) return string_stability(model);
+  const std::optional<std::string> reason =
+      exists ? reason_without_theory(model) : "no chain of losses has so short bursts";
+  if (!reason) return string_stability(model);
   StringStability unknown;
-  unknown.spectral_radius = std::numeric_limits<double>::quiet_NaN();
+  unknown.spectral_radius = kNaN;
   unknown.undecided = true;
-  unknown.reason = exists ? reason_without_theory(model) : "no chain of losses has so short bursts";
+  unknown.reason = *reason;
   return unknown;
 }
 
@@ -45,18 +48,17 @@ std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) 
   if (!model.default_vehicle().design && !(axes.headways.empty() && axes.gains.empty())) {
     throw std::invalid_argument("closed_loop: given: must be plant and controller for a sweep over headways");
   }
-  if (theory_of(model) == Theory::none)
-    throw std::invalid_argument("mean_burst: no sweep without a theory: " + reason_without_theory(model));
+  if (const auto reason = reason_without_theory(model))
+    throw std::invalid_argument("mean_burst: no sweep without a theory: " + *reason);
   const auto or_own = [](const std::vector<double>& values, double own) {
     return values.empty() ? std::vector<double>{own} : values;
   };
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   const VehicleModel& own = model.default_vehicle();
   const LossModel before = varied_link(own).loss.value_or(LossModel());
   std::vector<SweepPoint> points;
-  for (const double gain : or_own(axes.gains, own.design ? own.design->controller.gain() : nan)) {
-    for (const double loss : or_own(axes.losses, varied_link(own).loss ? varied_link(own).loss->probability : nan)) {
-      for (const double burst : or_own(axes.bursts, before.mean_burst.value_or(nan)))
+  for (const double gain : or_own(axes.gains, own.design ? own.design->controller.gain() : kNaN)) {
+    for (const double loss : or_own(axes.losses, varied_link(own).loss ? varied_link(own).loss->probability : kNaN)) {
+      for (const double burst : or_own(axes.bursts, before.mean_burst.value_or(kNaN)))
         for (const double headway : or_own(axes.headways, own.headway)) {
           PlatoonModel varied = model;
           if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
@@ -94,21 +96,26 @@ nlohmann::json to_json(const std::vector<SweepPoint>& points) {
 std::string to_csv(const std::vector<SweepPoint>& points) {
   const bool lossy = !points.empty() && points.front().loss;
   const bool in_bursts = !points.empty() && points.front().burst;
-  std::string text = lossy ? formatted("headway,gain,loss,%sspectral_radius,peak_gain,loss_gain,string_stable\n",
-                                       in_bursts ? "mean_burst," : "")
-                           : "headway,gain,spectral_radius,peak_gain,string_stable\n";
-  // An empty cell for a missing value, as without a controller or for an unstable vehicle.
-  const auto cell = [](double value) { return std::isnan(value) ? std::string(",") : formatted("%.17g,", value); };
+  CsvText csv("headway,gain");
+  if (lossy) csv.add("loss");
+  if (in_bursts) csv.add("mean_burst");
+  csv.add("spectral_radius,peak_gain");
+  if (lossy) csv.add("loss_gain");
+  csv.add("string_stable");
+  csv.end_row();
+  // A value is missing without a controller or for an unstable vehicle.
+  const auto known = [](double value) { return std::isnan(value) ? std::nullopt : std::optional(value); };
   for (const SweepPoint& point : points) {
     const StringStability& stability = point.stability;
-    text += cell(point.headway) + cell(point.gain);
-    if (lossy) text += cell(*point.loss);
-    if (in_bursts) text += cell(*point.burst);
-    text += cell(stability.spectral_radius) + cell(stability.peak_gain);
-    if (lossy) text += cell(stability.loss_gain.value_or(std::nan("")));
-    text += stability.undecided ? "\n" : stability.string_stable ? "1\n" : "0\n";
+    csv.add(known(point.headway), known(point.gain));
+    if (lossy) csv.add(known(*point.loss));
+    if (in_bursts) csv.add(known(*point.burst));
+    csv.add(known(stability.spectral_radius), known(stability.peak_gain));
+    if (lossy) csv.add(stability.loss_gain);
+    csv.add(stability.undecided ? "" : stability.string_stable ? "1" : "0");
+    csv.end_row();
   }
-  return text;
+  return csv.text();
 }
 
 std::string report(const std::vector<SweepPoint>& points) {

@@ -7,6 +7,7 @@
 #include "stochastic_platoon/math/channel/information_age.hpp"
 #include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/io/csv_text.hpp"
 
 namespace platoon {
 
@@ -16,7 +17,7 @@ constexpr std::uint64_t kMostMessages = 10'000'000;
 
 struct LosingLink {
   std::size_t vehicle;
-  const char* signal;
+  std::string signal;
   std::uint32_t receiver;
   const LossModel* loss;
 };
@@ -46,19 +47,19 @@ std::string ages_csv(const Configuration& configuration, const RunResult& result
   const std::int64_t steps = std::min(all_steps, static_cast<std::int64_t>(of_a_link));
   const std::uint64_t realizations =
       std::clamp<std::uint64_t>(of_a_link / static_cast<std::uint64_t>(steps), 1, result.realizations);
-  std::string text = "vehicle,signal,age,count,share,theoretical_share\n";
+  CsvText csv("vehicle,signal,age,count,share,theoretical_share");
+  csv.end_row();
   for (const LosingLink& link : links) {
     const std::vector<std::uint64_t> counts = count_ages(*link.loss, run.seed, link.receiver, realizations, steps);
     const auto all = static_cast<double>(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
     for (std::size_t n = 0; n < counts.size(); ++n) {
-      text += formatted("%zu,%s,%zu,%llu,%.17g,", link.vehicle, link.signal, n,
-                        static_cast<unsigned long long>(counts[n]), static_cast<double>(counts[n]) / all);
-      if (!link.loss->trace)
-        text += formatted("%.17g", expected_age_share(*link.loss, static_cast<std::int64_t>(n), steps));
-      text += "\n";
+      std::optional<double> expected;
+      if (!link.loss->trace) expected = expected_age_share(*link.loss, static_cast<std::int64_t>(n), steps);
+      csv.add(link.vehicle, link.signal, n, counts[n], static_cast<double>(counts[n]) / all, expected);
+      csv.end_row();
     }
   }
-  return text;
+  return csv.text();
 }
 
 }  // namespace platoon

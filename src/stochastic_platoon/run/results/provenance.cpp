@@ -8,15 +8,17 @@
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <stdexcept>
 
-#include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 
 namespace platoon {
 
 namespace {
 
+// Empty if it cannot be read: a process may end at any time.
 std::string content_of(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
@@ -82,21 +84,20 @@ nlohmann::json provenance(const Configuration& configuration) {
           {"command_line", command_line()}};
 }
 
-RecordedResults read_summary(const std::string& file) {
-  const auto reject = [&file](const std::string& reason) { throw ConfigurationError({file + ": " + reason}); };
-  const std::string text = content_of(file);
-  if (text.empty()) reject("must be the summary.json of a run");
-  const nlohmann::json summary = nlohmann::json::parse(text, nullptr, false);
-  if (!summary.is_object() || !is_whole_summary(text)) reject("damaged: its checksum is not that of its content");
-  if (!summary.contains("configuration")) reject("states no configuration: written by an older version");
-  nlohmann::json document = summary["configuration"];
-  nlohmann::json& hosting = document["run"]["hosting"];
-  // A launch file cannot select the hostings without ROS.
+Configuration recorded_configuration(nlohmann::json document) {
+  nlohmann::json& hosting = document.at("run").at("hosting");
   if (hosting == to_string(Hosting::monte_carlo) || hosting == to_string(Hosting::bag))
     hosting = to_string(Hosting::one_process);
+  return parse_configuration(document.dump());
+}
+
+RecordedResults read_summary(const std::string& file) {
+  const nlohmann::json summary = parse_summary(read_file(file), file);
+  if (!summary.contains("configuration"))
+    throw std::invalid_argument(file + ": states no configuration: written by an older version");
   nlohmann::json checksums = summary.at("crc32");
   checksums.erase("summary");
-  return {parse_configuration(document.dump()), summary.at("complete").get<bool>(), checksums};
+  return {recorded_configuration(summary["configuration"]), summary.at("complete").get<bool>(), checksums};
 }
 
 }  // namespace platoon

@@ -20,13 +20,17 @@ nlohmann::json provenance(const Configuration& configuration);
 
 /// The results of a finished run in a folder.
 struct RecordedResults {
-  Configuration configuration;  ///< hosting is one_process if the run had no ROS nodes
+  Configuration configuration;  ///< see recorded_configuration()
   bool complete;
   nlohmann::json checksums;  ///< checksum() of statistics.csv and of every other table, by name
 };
 
-/// Reads a summary.json. Throws ConfigurationError if it is missing or damaged, comes from another version, or states
-/// no configuration.
+/// The configuration of a run in a file. The hosting of a run without ROS nodes, which a launch file cannot select, is
+/// one_process. Throws ConfigurationError as parse_configuration() does, and nlohmann::json::exception.
+Configuration recorded_configuration(nlohmann::json document);
+
+/// Reads a summary.json. Throws std::system_error if it cannot be read, std::invalid_argument if it is damaged or
+/// states no configuration, ConfigurationError if it comes from another version.
 RecordedResults read_summary(const std::string& file);
 
 }  // namespace platoon

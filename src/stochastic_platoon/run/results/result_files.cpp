@@ -10,8 +10,9 @@
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/checksum.hpp"
+#include "stochastic_platoon/run/io/csv_text.hpp"
+#include "stochastic_platoon/run/report/json_value.hpp"
 #include "stochastic_platoon/run/results/age_results.hpp"
-#include "stochastic_platoon/run/results/amplification_results.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
@@ -20,30 +21,21 @@ namespace platoon {
 namespace {
 
 nlohmann::json theory_json(const Prediction& prediction) {
-  if (prediction.theory == Theory::none) {
-    nlohmann::json unknown;
-    for (const char* key : {"spectral_radius", "peak_gain", "mean_square_stable", "string_stable",
-                            "stationary_variance", "limit_variance"})
-      unknown[key] = nullptr;
-    return unknown;
-  }
   const StringStability& stability = prediction.stability;
-  nlohmann::json limit, stable;
-  if (stability.limit_variance) limit = *stability.limit_variance;
-  if (stability.decision()) stable = *stability.decision();
-  return {{"spectral_radius", stability.spectral_radius},          {"peak_gain", stability.peak_gain},
-          {"mean_square_stable", stability.mean_square_stable},    {"string_stable", stable},
-          {"stationary_variance", prediction.stationary_variance}, {"limit_variance", limit}};
+  nlohmann::json theory = {{"spectral_radius", number(stability.spectral_radius)},
+                           {"peak_gain", number(stability.peak_gain)},
+                           {"mean_square_stable", stability.mean_square_stable},
+                           {"string_stable", truth(stability.decision())},
+                           {"stationary_variance", numbers(prediction.stationary_variance)},
+                           {"limit_variance", number(stability.limit_variance)}};
+  if (prediction.has_theory()) return theory;
+  for (nlohmann::json& value : theory) value = nullptr;
+  return theory;
 }
 
 nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
   if (!agreement) return {{"max_abs_z_mean", nullptr}, {"max_abs_z_variance", nullptr}};
   return {{"max_abs_z_mean", agreement->max_abs_z_mean}, {"max_abs_z_variance", agreement->max_abs_z_variance}};
-}
-
-// JSON has no infinity: null stands for it.
-nlohmann::json needed_json(std::optional<double> needed) {
-  return needed && std::isfinite(*needed) ? nlohmann::json(std::ceil(*needed)) : nlohmann::json();
 }
 
 // Standard errors of every follower's variance at the last step.
@@ -63,6 +55,8 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
   const double vehicle_steps = static_cast<double>(run.followers) * steps;
   const std::uint64_t expected = over_time ? received : positions_expected(run, result.realizations);
   const double seconds = result.tally.wall_seconds;
+  std::optional<double> needed = realizations_needed(run, prediction, result);
+  if (needed) needed = std::ceil(*needed);
   return {{"version", kVersion},
           {"complete", result.complete},
           {"followers", run.followers},
@@ -78,7 +72,7 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"vehicle_steps_per_second", seconds > 0.0 ? vehicle_steps / seconds : 0.0},
           {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
           {"agreement", agreement_json(measured_agreement(run, prediction, result))},
-          {"realizations_needed", needed_json(realizations_needed(run, prediction, result))},
+          {"realizations_needed", number(needed)},
           {"theory", theory_json(prediction)},
           {"warning", prediction.warning.empty() ? nlohmann::json() : nlohmann::json(prediction.warning)}};
 }
@@ -87,26 +81,18 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
 
 std::string statistics_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
-  std::string text = "vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance\n";
-  const auto add = [&](const ResultCell& of) {
-    text += formatted("%zu,%lld,%llu,%.17g,%.17g,", of.follower, static_cast<long long>(of.step),
-                      static_cast<unsigned long long>(of.measured.count),
-                      of.measured.count > 0 ? of.measured.mean : std::nan(""), of.measured.variance());
-    text += of.follower > prediction.followers_with_theory
-                ? ",\n"
-                : formatted("%.17g,%.17g\n", of.theoretical_mean, of.theoretical_variance);
-  };
-  if (run.averaging() == Averaging::over_time) {
-    for (const ResultCell& of : ResultCells(run, prediction, result).at(0)) add(of);
-    return text;
-  }
+  const ResultCells cells(run, prediction, result);
+  CsvText csv("vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance");
+  csv.end_row();
   for (std::size_t i = 1; i <= run.followers; ++i) {
-    for (std::int64_t k = 0; k < run.steps; ++k) {
-      const std::size_t c = cell(i, k, run.steps);
-      add({i, k, result.moments[c], prediction.mean[c], prediction.variance[c]});
+    for (std::int64_t k = 0; k < (run.averaging() == Averaging::over_time ? 1 : run.steps); ++k) {
+      const ResultCell of = cells.of(i, k);
+      csv.add(i, of.step, of.measured.count, of.measured.known_mean(), of.measured.variance());
+      csv.add_if(i <= prediction.followers_with_theory, of.theoretical_mean, of.theoretical_variance);
+      csv.end_row();
     }
   }
-  return text;
+  return csv.text();
 }
 
 namespace {
@@ -141,20 +127,24 @@ std::string summary_text(nlohmann::json summary, const Files& tables) {
   return text.replace(place_of_checksum(text), kNoChecksum.size(), checksum(text));
 }
 
-constexpr char kSummary[] = "summary.json";
-
-}  // namespace
-
-std::string unfinished_summary_file(const std::string& output) {
-  return output + "/summary.unfinished.json";
-}
-
 bool is_whole_summary(const std::string& text) {
   const std::size_t place = place_of_checksum(text);
   if (place == std::string::npos || place + kNoChecksum.size() > text.size()) return false;
   std::string without = text;
   without.replace(place, kNoChecksum.size(), kNoChecksum);
   return text.substr(place, kNoChecksum.size()) == checksum(without);
+}
+
+void require_undamaged(bool is_undamaged, const std::string& file) {
+  if (!is_undamaged) throw std::invalid_argument(file + ": is not as it was written: damaged, or changed by hand");
+}
+
+constexpr char kSummary[] = "summary.json";
+
+}  // namespace
+
+std::string unfinished_summary_file(const std::string& output) {
+  return output + "/summary.unfinished.json";
 }
 
 Files result_files(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
@@ -175,21 +165,21 @@ void write_results(const Configuration& configuration, const Prediction& predict
   sync_and_rename(unfinished_summary_file(output), output + "/" + kSummary);
 }
 
-ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder) {
-  const std::string file = folder + "/" + kSummary;
-  const auto require_undamaged = [](bool is_undamaged, const std::string& name) {
-    if (!is_undamaged) throw std::invalid_argument(name + ": is not as it was written: damaged, or changed by hand");
-  };
-  const std::string text = read(kSummary);
-  ResultTables results;
+nlohmann::json parse_summary(const std::string& text, const std::string& file) {
+  nlohmann::json summary;
   try {
-    results.summary = nlohmann::json::parse(text);
+    summary = nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& error) {
     throw std::invalid_argument(file + ": not JSON: " + error.what());
   }
-  if (!results.summary.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
-  if (!results.summary.contains("crc32")) throw std::invalid_argument(file + ": crc32 is missing");
+  if (!summary.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
+  if (!summary.contains("crc32")) throw std::invalid_argument(file + ": crc32 is missing");
   require_undamaged(is_whole_summary(text), file);
+  return summary;
+}
+
+ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder) {
+  ResultTables results{parse_summary(read(kSummary), folder + "/" + kSummary), {}};
   for (const auto& [name, sum] : results.summary["crc32"].items()) {
     if (name == "summary") continue;
     const std::string table = read(name + ".csv"), table_file = folder + "/" + name + ".csv";

@@ -20,6 +20,10 @@ void write_results(const Configuration& configuration, const Prediction& predict
 std::map<std::string, std::string> result_files(const Configuration& configuration, const Prediction& prediction,
                                                 const RunResult& result);
 
+/// Parses a summary.json; `file` names it in messages. Throws std::invalid_argument unless it is as write_results()
+/// wrote it.
+nlohmann::json parse_summary(const std::string& text, const std::string& file);
+
 /// Results as tables.
 struct ResultTables {
   nlohmann::json summary;
@@ -33,9 +37,6 @@ ResultTables parse_results(const std::function<std::string(const std::string&)>&
 /// Name of summary.json until statistics.csv is written. A folder with this file and statistics.csv, but without
 /// summary.json, is left by a killed write_results().
 std::string unfinished_summary_file(const std::string& output);
-
-/// Whether a summary's text is unchanged since write_results() wrote it.
-bool is_whole_summary(const std::string& text);
 
 /// The content of statistics.csv.
 std::string statistics_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result);

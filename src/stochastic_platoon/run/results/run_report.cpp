@@ -39,11 +39,9 @@ std::string column(const char* format, int width, double value) {
 }
 
 std::string row(const ResultCell& of) {
-  const Scores found =
-      scores(of.measured, of.theoretical_mean, of.theoretical_variance, of.rounding, of.share, of.fourth_moment);
   return formatted("%8zu ", of.follower) + column("%.6g", 16, of.measured.variance()) +
          column("%.2g", 17, standard_error_of_variance(of)) + column("%.6g", 15, of.theoretical_variance) +
-         column("%.2f", 10, found.variance) + "\n";
+         column("%.2f", 10, scores(of).variance) + "\n";
 }
 
 std::string table(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
@@ -59,16 +57,12 @@ std::string table(const RunOptions& run, const Prediction& prediction, const Run
 }
 
 std::string comparison(const Agreement& found, std::size_t cells, const char* of, bool papers) {
-  const bool agrees = found.agrees();
+  const std::string verdict = found.agrees()
+                                  ? std::string("Measurement agrees with ") + (papers ? "Lemma 1" : "the theory")
+                                  : std::string("MEASUREMENT AND ") + (papers ? "LEMMA 1" : "THE THEORY") + " DISAGREE";
   return formatted(
       "%s: over all %zu %s the largest |z| is %.2f for the means and %.2f for the variances (chance alone exceeds %.2f at most once in 1000 runs)\n",
-      (std::string(agrees ? "Measurement agrees with " : "MEASUREMENT AND ") +
-       (papers   ? agrees ? "Lemma 1" : "LEMMA 1"
-        : agrees ? "the theory"
-                 : "THE THEORY") +
-       (agrees ? "" : " DISAGREE"))
-          .c_str(),
-      cells, of, found.max_abs_z_mean, found.max_abs_z_variance, found.plausible_z);
+      verdict.c_str(), cells, of, found.max_abs_z_mean, found.max_abs_z_variance, found.plausible_z);
 }
 
 // "29000": rounded up to two digits.

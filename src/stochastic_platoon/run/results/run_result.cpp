@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <type_traits>
+
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 
 namespace platoon {
 
@@ -22,22 +23,27 @@ IndependentShare share_of(const Prediction& prediction, const RunResult& result,
                                   std::max<std::uint64_t>(result.tally.attempts, 1));
   }
   if (!result.shares.empty() && prediction.warning.empty()) return result.shares[follower - 1];
-  return {std::nan(""), std::nan(""), std::nan("")};
+  return {kNaN, kNaN, kNaN};
 }
 
 }  // namespace
 
-void RunResult::take(const EnsembleTotals& totals, const SignalCells& cells) {
-  realizations = totals.count();
-  gaps = totals.gaps;
+RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally) {
+  RunResult result;
+  result.realizations = totals.count();
+  result.complete = result.realizations == configuration.run.realizations;
+  result.last_step = configuration.run.steps - 1;
+  result.tally = tally;
+  result.gaps = totals.gaps;
+  const SignalCells cells = cells_of(configuration);
   const std::vector<Moments> all = totals.moments.totals();
   const auto of_kind = [&](std::size_t kind) {
     const auto first = all.begin() + static_cast<std::ptrdiff_t>(kind * cells.of_one_kind());
     return std::vector<Moments>(first, first + static_cast<std::ptrdiff_t>(cells.of_one_kind()));
   };
-  moments = of_kind(0);
-  signals.clear();
-  for (std::size_t kind = 1; kind < cells.kinds(); ++kind) signals.push_back(of_kind(kind));
+  result.moments = of_kind(0);
+  for (std::size_t kind = 1; kind < cells.kinds(); ++kind) result.signals.push_back(of_kind(kind));
+  return result;
 }
 
 std::vector<double> fourth_moments(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
@@ -66,17 +72,21 @@ std::vector<double> fourth_moments(const RunOptions& run, const Prediction& pred
 ResultCells::ResultCells(const RunOptions& run, const Prediction& prediction, const RunResult& result)
     : run_(run), prediction_(prediction), result_(result), fourth_moments_(fourth_moments(run, prediction, result)) {}
 
-std::vector<ResultCell> ResultCells::at(std::int64_t step) const {
+ResultCell ResultCells::of(std::size_t follower, std::int64_t step) const {
   const bool over_time = run_.averaging() == Averaging::over_time;
+  const std::size_t c = over_time ? follower - 1 : cell(follower, step, run_.steps);
+  // The vehicles of a stopped run are not all at the same step.
+  return {{result_.moments[c], prediction_.mean[c], prediction_.variance[c],
+           prediction_.rounding.empty() ? 0.0 : prediction_.rounding[c],
+           over_time ? share_of(prediction_, result_, follower) : IndependentShare{},
+           fourth_moments_.empty() ? kNaN : fourth_moments_[c]},
+          follower,
+          over_time ? result_.last_steps[c] : step};
+}
+
+std::vector<ResultCell> ResultCells::at(std::int64_t step) const {
   std::vector<ResultCell> cells;
-  for (std::size_t i = 1; i <= run_.followers; ++i) {
-    const std::size_t c = over_time ? i - 1 : cell(i, step, run_.steps);
-    // The vehicles of a stopped run are not all at the same step.
-    cells.push_back({i, over_time ? result_.last_steps[c] : step, result_.moments[c], prediction_.mean[c],
-                     prediction_.variance[c], prediction_.rounding.empty() ? 0.0 : prediction_.rounding[c],
-                     over_time ? share_of(prediction_, result_, i) : IndependentShare{},
-                     fourth_moments_.empty() ? std::nan("") : fourth_moments_[c]});
-  }
+  for (std::size_t i = 1; i <= run_.followers; ++i) cells.push_back(of(i, step));
   return cells;
 }
 
@@ -104,49 +114,35 @@ double standard_error_of_variance(const ResultCell& of) {
 
 namespace {
 
-// The share of each follower that has a theory; none if an average is worth too few independent errors.
-std::optional<std::vector<IndependentShare>> shares_over_time(const Prediction& prediction, const RunResult& result) {
-  std::vector<IndependentShare> shares;
-  for (std::size_t i = 1; i <= std::min(prediction.followers_with_theory, result.moments.size()); ++i) {
-    shares.push_back(share_of(prediction, result, i));
-    const double worth =
-        static_cast<double>(result.moments[i - 1].count) * std::min(shares.back().mean, shares.back().variance);
-    if (!(worth >= static_cast<double>(kEnoughForAnyDistribution)) || std::isnan(shares.back().expected))
-      return std::nullopt;
-  }
-  if (shares.empty()) return std::nullopt;
-  return shares;
+// Whether an average over time is worth enough independent errors, and their share is that of the theory.
+bool has_score_over_time(const ResultCell& of) {
+  const double worth = static_cast<double>(of.measured.count) * std::min(of.share.mean, of.share.variance);
+  return worth >= static_cast<double>(kEnoughForAnyDistribution) && !std::isnan(of.share.expected);
 }
 
 }  // namespace
 
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result) {
-  if (prediction.theory == Theory::none || !prediction.warning.empty()) return std::nullopt;
-  std::vector<IndependentShare> shares;
-  if (run.averaging() == Averaging::over_time) {
-    const std::optional<std::vector<IndependentShare>> found = shares_over_time(prediction, result);
-    if (!found) return std::nullopt;
-    shares = *found;
-  } else {
-    const double needed = realizations_needed(run, prediction, result).value_or(2.0);
-    if (static_cast<double>(result.realizations) < std::max(needed, 2.0)) return std::nullopt;
+  if (!prediction.has_theory() || !prediction.warning.empty() || result.moments.empty()) return std::nullopt;
+  const bool over_time = run.averaging() == Averaging::over_time;
+  const double needed = realizations_needed(run, prediction, result).value_or(2.0);
+  if (!over_time && static_cast<double>(result.realizations) < std::max(needed, 2.0)) return std::nullopt;
+  const ResultCells cells(run, prediction, result);
+  LargestScores scores;
+  for (std::size_t i = 1; i <= prediction.followers_with_theory; ++i) {
+    for (std::int64_t k = 0; k < (over_time ? 1 : run.steps); ++k) {
+      const ResultCell of = cells.of(i, k);
+      if (over_time && !has_score_over_time(of)) return std::nullopt;
+      scores.add(of);
+    }
   }
-  const std::size_t judged = cells_with_theory(run, prediction);
-  const std::vector<double> fourth = fourth_moments(run, prediction, result);
-  if (judged == result.moments.size())
-    return agreement(result.moments, prediction.mean, prediction.variance, prediction.rounding, shares, fourth);
-  const auto of = [judged](const auto& values) {
-    return std::decay_t<decltype(values)>(
-        values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(judged, values.size())));
-  };
-  return agreement(of(result.moments), of(prediction.mean), of(prediction.variance), of(prediction.rounding), shares,
-                   of(fourth));
+  return scores.agreement();
 }
 
 std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction,
                                           const RunResult& result) {
-  if (prediction.theory == Theory::none || !prediction.warning.empty() || run.averaging() == Averaging::over_time)
+  if (!prediction.has_theory() || !prediction.warning.empty() || run.averaging() == Averaging::over_time)
     return std::nullopt;
   const std::vector<double> fourth = fourth_moments(run, prediction, result);
   if (fourth.empty()) {

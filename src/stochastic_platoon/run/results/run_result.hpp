@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,21 +33,16 @@ struct RunResult {
   std::vector<IndependentShare> shares = {};       ///< for averages over time: as measured, one per follower
   std::vector<std::vector<Moments>> signals = {};  ///< of each requested signal, one cell per follower and step
   GapTable gaps = GapTable();                      ///< empty if the gap is not among them
-
-  /// Takes the moments and gaps of a set of realizations, and their number.
-  void take(const EnsembleTotals& totals, const SignalCells& cells);
 };
 
-/// A cell of a result: follower i and a step.
-struct ResultCell {
+/// The result of a set of a run's realizations, complete if these are all.
+RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally = {});
+
+/// A cell of a result with its theory: follower i and a step. An average over time has a share, by ErrorCorrelation,
+/// else by BatchMeans; the fourth moment is one of fourth_moments().
+struct ResultCell : Comparison {
   std::size_t follower;
   std::int64_t step;  ///< for an average over time the latest step
-  Moments measured;
-  double theoretical_mean;      ///< [m]
-  double theoretical_variance;  ///< [m^2]
-  double rounding = 0.0;        ///< [m], largest change of an error by the run's arithmetic
-  IndependentShare share = {};  ///< for an average over time: by ErrorCorrelation, else by BatchMeans
-  double fourth_moment = std::numeric_limits<double>::quiet_NaN();  ///< [m^4]: see fourth_moments()
 };
 
 /// Fourth central moment of each cell's error [m^4] if packets are lost and the theory has it; else empty. With the
@@ -65,6 +59,8 @@ std::vector<double> fourth_moments(const RunOptions& run, const Prediction& pred
 class ResultCells {
 public:
   ResultCells(const RunOptions& run, const Prediction& prediction, const RunResult& result);
+
+  ResultCell of(std::size_t follower, std::int64_t step) const;
 
   /// The cells of a step, one per follower; for averages over time all cells, for any step.
   std::vector<ResultCell> at(std::int64_t step) const;

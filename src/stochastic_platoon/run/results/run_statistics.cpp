@@ -5,57 +5,62 @@
 #include <limits>
 #include <utility>
 
+#include "stochastic_platoon/math/statistics/ensemble_statistics.hpp"
 #include "stochastic_platoon/math/statistics/signal_reduction.hpp"
+#include "stochastic_platoon/math/statistics/time_statistics.hpp"
 
 namespace platoon {
 
 namespace {
 
 // Each launch numbers its attempts anew, but not in an endless run, where each attempt is another realization.
-Tally tally_of(const std::optional<Checkpoint>& start, const RunOptions& run) {
-  if (!start) return {};
+Tally tally_of(const Checkpoint* start, const RunOptions& run) {
+  if (start == nullptr) return {};
   Tally tally = start->tally;
   if (start->launch_id != run.launch_id && run.averaging() == Averaging::over_realizations) tally.attempts = 0;
   return tally;
 }
 
-EarlierAverages averages_of(const std::optional<Checkpoint>& start) {
-  if (!start) return {};
-  return {&start->totals, start->time_averages};
+// Of an endless run over time, of the errors alone.
+std::unique_ptr<ErrorAverages> averages_of(const RunOptions& run, const SignalCells& cells, const Checkpoint* start) {
+  if (run.averaging() == Averaging::over_time)
+    return std::make_unique<TimeStatistics>(run.followers, run.burn_in,
+                                            start ? start->time_averages : std::vector<Moments>());
+  auto averages = std::make_unique<EnsembleStatistics>(cells);
+  if (start != nullptr) averages->merge(start->totals);
+  return averages;
 }
 
 }  // namespace
 
 RunStatistics::RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start)
-    : RunStatistics(configuration, start ? start->totals.count() : 0, tally_of(start, configuration.run),
-                    averages_of(start)) {}
+    : RunStatistics(configuration, start ? &*start : nullptr, start ? start->totals.count() : 0) {}
 
 RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization)
-    : RunStatistics(configuration, first_realization, Tally{}, EarlierAverages{}) {}
+    : RunStatistics(configuration, nullptr, first_realization) {}
 
-RunStatistics::RunStatistics(const Configuration& configuration, std::uint64_t first_realization, const Tally& start,
-                             const EarlierAverages& earlier)
+RunStatistics::RunStatistics(const Configuration& configuration, const Checkpoint* start,
+                             std::uint64_t first_realization)
     : configuration_(configuration),
       cells_(cells_of(configuration)),
       signals_(signals_of_all(configuration.model, configuration.run.signals, configuration.run.followers)),
-      kept_(has_normal_errors(configuration.model) ? KeptMoments::two : KeptMoments::four),
-      tally_(start),
-      averages_(error_averages(cells_, configuration.run.burn_in, earlier, kept_)),
-      assembly_(configuration.run.schedule(), configuration.run.followers, first_realization, start.attempts,
+      tally_(tally_of(start, configuration.run)),
+      averages_(averages_of(configuration.run, cells_, start)),
+      assembly_(configuration.run.schedule(), configuration.run.followers, first_realization, tally_.attempts,
                 static_cast<std::int64_t>(steps_before(signals_.front()))) {
   if (configuration.run.averaging() == Averaging::over_realizations) return;
   leader_.emplace(ModelLeader{LeaderVehicle(configuration.model), 0.0});
   averages_->saw_leader(kNothingYet, true);
 }
 
-RunStatistics::Receipt RunStatistics::receive(std::size_t vehicle, const MessageDescriptor& descriptor,
-                                              const Positions& positions) {
+SignalAssembly::Receipt RunStatistics::receive(std::size_t vehicle, const MessageDescriptor& descriptor,
+                                               const Positions& positions) {
   SignalAssembly::Receipt receipt = assembly_.receive(vehicle, descriptor, positions);
   if (receipt.restarted) averages_->restart();
   if (leader_ && vehicle == 0 && receipt.drop == DropReason::none)
     compare_leader(descriptor.id.step, positions->front());
   if (receipt.drop == DropReason::none) tally_.attempts = std::max(tally_.attempts, descriptor.id.attempt);
-  return {receipt.drop, {vehicle, descriptor, std::move(receipt.due)}};
+  return receipt;
 }
 
 // Compares the movement in one step, as a finished manoeuvre leaves the leader displaced.
@@ -76,31 +81,32 @@ ReducedSignals RunStatistics::reduced(const DueSignals& due) const {
                          due.id.step,
                          due.id.first_realization,
                          count,
-                         {reduce_signal(due.id.first_realization, signals.error, positions, kept_)}};
+                         {reduce_signal(due.id.first_realization, signals.error, positions, cells_.kept)}};
   if (signals.requested.empty()) return reduced;
   FormedValues values;
   if (cells_.has_gap()) {
     reduced.gaps.assign(count, std::numeric_limits<double>::infinity());
     values.smallest = reduced.gaps.data();
   }
-  SignalReduction reduction(due.id.first_realization, count, kept_);
+  SignalReduction reduction(due.id.first_realization, count, cells_.kept);
   for (const std::vector<MomentNode>& nodes : reduction.reduce(signals, positions, values))
     reduced.nodes.push_back(nodes);
   return reduced;
 }
 
-RunStatistics::Computed RunStatistics::compute(const Work& work) const {
-  Computed computed{work.vehicle, work.descriptor, {}};
-  computed.signals.reserve(work.due.size());
-  for (const DueSignals& due : work.due) computed.signals.push_back(reduced(due));
-  return computed;
+std::vector<ReducedSignals> RunStatistics::compute(const std::vector<DueSignals>& due) const {
+  std::vector<ReducedSignals> signals;
+  signals.reserve(due.size());
+  for (const DueSignals& of : due) signals.push_back(reduced(of));
+  return signals;
 }
 
-bool RunStatistics::settle(const Computed& computed) {
-  if (computed.descriptor.id.attempt < arrivals().attempt()) return false;  // a newer attempt has begun
-  for (const ReducedSignals& signals : computed.signals) averages_->add(signals);
-  const std::optional<CompleteBatch> batch = assembly_.settle(computed.vehicle, computed.descriptor);
-  if (averages_->averaging() == Averaging::over_time) tally_.positions_received += computed.descriptor.size;
+bool RunStatistics::settle(std::size_t vehicle, const MessageDescriptor& descriptor,
+                           const std::vector<ReducedSignals>& signals) {
+  if (descriptor.id.attempt < arrivals().attempt()) return false;  // a newer attempt has begun
+  for (const ReducedSignals& of : signals) averages_->add(of);
+  const std::optional<CompleteBatch> batch = assembly_.settle(vehicle, descriptor);
+  if (configuration_.run.averaging() == Averaging::over_time) tally_.positions_received += descriptor.size;
   if (!batch) return false;
   averages_->commit(batch->first_realization);
   tally_.positions_received += batch->positions_received;
@@ -108,8 +114,8 @@ bool RunStatistics::settle(const Computed& computed) {
 }
 
 DropReason RunStatistics::take(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions) {
-  const Receipt receipt = receive(vehicle, descriptor, positions);
-  if (receipt.drop == DropReason::none) settle(compute(receipt.work));
+  const SignalAssembly::Receipt receipt = receive(vehicle, descriptor, positions);
+  if (receipt.drop == DropReason::none) settle(vehicle, descriptor, compute(receipt.due));
   return receipt.drop;
 }
 
@@ -118,21 +124,20 @@ void RunStatistics::saw(std::uint64_t platoon_time) {
 }
 
 RunResult RunStatistics::result(bool complete) const {
-  RunResult result{complete,
-                   averages_->realizations(),
-                   std::max<std::int64_t>(averages_->last_step(), 0),
-                   tally_,
-                   {},
-                   {},
-                   averages_->counted_from(),
-                   leader_departs_,
-                   averages_->shares()};
+  RunResult result;
   if (const EnsembleTotals* totals = averages_->totals()) {
-    result.take(*totals, cells_);
+    result = result_of(configuration_, *totals);
   } else {
+    result.realizations = averages_->realizations();
     result.moments = averages_->moments();
   }
+  result.complete = complete;
   for (std::size_t i = 1; i <= configuration_.run.followers; ++i) result.last_steps.push_back(averages_->last_step(i));
+  result.last_step = std::max<std::int64_t>(*std::min_element(result.last_steps.begin(), result.last_steps.end()), 0);
+  result.tally = tally_;
+  result.counted_from = averages_->counted_from();
+  result.manoeuvre = leader_departs_;
+  result.shares = averages_->shares();
   return result;
 }
 

@@ -19,43 +19,28 @@ namespace platoon {
 ///
 /// A message passes three steps:
 ///
-///     receive()  judges it and returns the work that is due,
-///     compute()  does that work: it is pure, and the only part that takes long,
+///     receive()  judges it and returns the signals that are due,
+///     compute()  forms and reduces them: it is pure, and the only part that takes long,
 ///     settle()   counts the result, and commits the batch that it completes.
 ///
 /// Several threads may do so, each for its own vehicles: receive() and settle() under one lock, compute() without a
 /// lock.
 class RunStatistics {
 public:
-  /// The work that a message causes.
-  struct Work {
-    std::size_t vehicle;
-    MessageDescriptor descriptor;
-    std::vector<DueSignals> due;
-  };
-  struct Receipt {
-    DropReason drop;
-    Work work;  ///< for a message in turn: to be computed and settled
-  };
-  struct Computed {
-    std::size_t vehicle;
-    MessageDescriptor descriptor;
-    std::vector<ReducedSignals> signals;
-  };
-
   /// Starts from the checkpoint if there is one, else with nothing committed.
   RunStatistics(const Configuration& configuration, const std::optional<Checkpoint>& start);
 
   /// The same, but treats realizations before `first_realization` as done, without their statistics.
   RunStatistics(const Configuration& configuration, std::uint64_t first_realization);
 
-  /// Takes the positions of vehicle 0 .. N. A message that is not in turn has no effect.
-  Receipt receive(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
+  /// Takes the positions of vehicle 0 .. N. A message that is not in turn has no effect: only one in turn is to be
+  /// computed and settled.
+  SignalAssembly::Receipt receive(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
 
-  Computed compute(const Work& work) const;
+  std::vector<ReducedSignals> compute(const std::vector<DueSignals>& due) const;
 
-  /// Counts the result. Returns true if it completes a batch.
-  bool settle(const Computed& computed);
+  /// Counts a message and its computed signals. Returns true if it completes a batch.
+  bool settle(std::size_t vehicle, const MessageDescriptor& descriptor, const std::vector<ReducedSignals>& signals);
 
   /// All three steps at once. Returns why the message was dropped, if it was.
   DropReason take(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
@@ -79,15 +64,13 @@ public:
   Checkpoint checkpoint() const;
 
 private:
-  RunStatistics(const Configuration& configuration, std::uint64_t first_realization, const Tally& start,
-                const EarlierAverages& earlier);
+  RunStatistics(const Configuration& configuration, const Checkpoint* start, std::uint64_t first_realization);
   ReducedSignals reduced(const DueSignals& due) const;
   void compare_leader(std::int64_t step, double position);
 
   Configuration configuration_;
   SignalCells cells_;
   std::vector<FollowerSignals> signals_;  ///< per follower
-  KeptMoments kept_;
   Tally tally_;
   std::unique_ptr<ErrorAverages> averages_;
   SignalAssembly assembly_;

@@ -5,7 +5,8 @@
 #include <set>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/run/results/amplification_results.hpp"
+#include "stochastic_platoon/math/string/amplification.hpp"
+#include "stochastic_platoon/run/report/signal_analysis.hpp"
 
 namespace platoon {
 
@@ -20,30 +21,39 @@ std::size_t nearest_follower(const GapTable& gaps) {
   return static_cast<std::size_t>(nearest - all.begin()) + 1;
 }
 
-}  // namespace
-
 bool has_signal_theory(const Prediction& prediction, std::size_t follower) {
   return !prediction.signals.empty() && follower <= prediction.followers_with_theory;
 }
 
+}  // namespace
+
+void add_signal_theory(CsvText& csv, const Prediction& prediction, std::size_t signal, std::size_t follower,
+                       std::size_t cell) {
+  if (!has_signal_theory(prediction, follower)) return csv.add("", "");
+  csv.add(prediction.signals[signal].mean[cell], prediction.signals[signal].variance[cell]);
+}
+
+std::optional<double> collision_bound(const Prediction& prediction, std::size_t follower) {
+  return has_signal_theory(prediction, follower) ? std::optional(prediction.collision_bound[follower - 1])
+                                                 : std::nullopt;
+}
+
 std::string signals_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
-  std::string text = "signal,vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance\n";
+  CsvText csv("signal,vehicle,step,count,mean,variance,theoretical_mean,theoretical_variance");
+  csv.end_row();
   for (std::size_t s = 0; s < run.signals.size(); ++s) {
     for (std::size_t i = 1; i <= run.followers; ++i) {
       for (std::int64_t k = 0; k < run.steps; ++k) {
         const std::size_t c = cell(i, k, run.steps);
         const Moments& of = result.signals[s][c];
-        text +=
-            formatted("%s,%zu,%lld,%llu,%.17g,%.17g,", run.signals[s].c_str(), i, static_cast<long long>(k),
-                      static_cast<unsigned long long>(of.count), of.count > 0 ? of.mean : std::nan(""), of.variance());
-        text += has_signal_theory(prediction, i)
-                    ? formatted("%.17g,%.17g\n", prediction.signals[s].mean[c], prediction.signals[s].variance[c])
-                    : ",\n";
+        csv.add(run.signals[s], i, k, of.count, of.known_mean(), of.variance());
+        add_signal_theory(csv, prediction, s, i, c);
+        csv.end_row();
       }
     }
   }
-  return text;
+  return csv.text();
 }
 
 std::string gaps_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
@@ -53,24 +63,80 @@ std::string gaps_csv(const Configuration& configuration, const Prediction& predi
   for (const FollowerGaps& of : all) {
     for (const auto& [bin, count] : of.histogram) bins.insert(bin);
   }
-  std::string text =
-      "vehicle,count,smallest_gap,realization,step,collisions,below_safe_gap,theoretical_collision_bound";
-  for (const std::int64_t bin : bins) text += formatted(",bin_%.10g", static_cast<double>(bin) * counting.bin_width);
-  text += "\n";
+  CsvText csv("vehicle,count,smallest_gap,realization,step,collisions,below_safe_gap,theoretical_collision_bound");
+  for (const std::int64_t bin : bins) csv.add(formatted("bin_%.10g", static_cast<double>(bin) * counting.bin_width));
+  csv.end_row();
   for (std::size_t i = 1; i <= configuration.run.followers; ++i) {
     const FollowerGaps& of = all[i - 1];
-    text += formatted("%zu,%llu,%.17g,%llu,%lld,%llu,", i, static_cast<unsigned long long>(result.realizations),
-                      of.smallest.gap, static_cast<unsigned long long>(of.smallest.realization),
-                      static_cast<long long>(of.smallest.step), static_cast<unsigned long long>(of.collisions));
-    if (counting.safe_gap) text += std::to_string(of.unsafe);
-    text += has_signal_theory(prediction, i) ? formatted(",%.17g", prediction.collision_bound[i - 1]) : ",";
+    csv.add(i, result.realizations, of.smallest.gap, of.smallest.realization, of.smallest.step, of.collisions,
+            counting.safe_gap ? std::to_string(of.unsafe) : "", collision_bound(prediction, i));
     for (const std::int64_t bin : bins) {
       const auto found = of.histogram.find(bin);
-      text += "," + std::to_string(found == of.histogram.end() ? 0 : found->second);
+      csv.add(found == of.histogram.end() ? 0 : found->second);
     }
-    text += "\n";
+    csv.end_row();
   }
-  return text;
+  return csv.text();
+}
+
+namespace {
+
+// The moments of n realizations as they are: without the factor n / (n - 1), mean^2 + variance is the mean square.
+SignalRows measured_rows(const PlatoonModel& model, const std::string& name, const std::vector<Moments>& followers,
+                         std::int64_t steps) {
+  SignalRows rows{leader_signal(model, name, steps), std::vector<double>(static_cast<std::size_t>(steps), 0.0),
+                  std::vector<double>(static_cast<std::size_t>(steps), 0.0)};
+  for (const Moments& of : followers) {
+    const auto count = static_cast<double>(of.count);
+    rows.mean.push_back(of.known_mean());
+    rows.variance.push_back(of.squared_deviations / count);
+    rows.variance_of_mean.push_back(of.variance() / count);
+  }
+  return rows;
+}
+
+std::vector<Amplification> measured(const Configuration& configuration, const RunResult& result) {
+  const RunOptions& run = configuration.run;
+  SignalsByName signals;
+  for (std::size_t s = 0; s < run.signals.size(); ++s) {
+    if (run.signals[s] != kGap)
+      signals[run.signals[s]] = measured_rows(configuration.model, run.signals[s], result.signals[s], run.steps);
+  }
+  return amplification(signals, run.steps, run.burn_in);
+}
+
+// One entry per vehicle; empty without a theory.
+std::vector<Amplification> theoretical(const Configuration& configuration, const Prediction& prediction) {
+  const RunOptions& run = configuration.run;
+  const SignalsByName signals = exact_signals(configuration.model, run.signals, prediction.signals, run.steps);
+  std::vector<Amplification> found = amplification(signals, run.steps, run.burn_in);
+  found.resize(std::min(found.size(), prediction.followers_with_theory + 1));
+  return found;
+}
+
+std::optional<double> finite(double value) {
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
+std::string amplification_csv(const Configuration& configuration, const Prediction& prediction,
+                              const RunResult& result) {
+  const std::vector<Amplification> of_run = measured(configuration, result),
+                                   of_theory = theoretical(configuration, prediction);
+  const std::vector<AmplificationFigure>& figures = amplification_figures();
+  CsvText csv("vehicle");
+  for (const AmplificationFigure& figure : figures) csv.add(figure.name);
+  for (const AmplificationFigure& figure : figures) csv.add(std::string("theoretical_") + figure.name);
+  csv.end_row();
+  for (std::size_t i = 0; i < of_run.size(); ++i) {
+    csv.add(i);
+    for (const AmplificationFigure& figure : figures) csv.add(finite(of_run[i].*figure.value));
+    for (const AmplificationFigure& figure : figures)
+      csv.add(i < of_theory.size() ? finite(of_theory[i].*figure.value) : std::nullopt);
+    csv.end_row();
+  }
+  return csv.text();
 }
 
 nlohmann::json smallest_gap_json(const RunResult& result) {
@@ -84,6 +150,18 @@ nlohmann::json smallest_gap_json(const RunResult& result) {
 }
 
 namespace {
+
+std::string amplification_report(const Configuration& configuration, const Prediction& prediction,
+                                 const RunResult& result) {
+  const std::vector<Amplification> of_run = measured(configuration, result),
+                                   of_theory = theoretical(configuration, prediction);
+  const char* const hidden =
+      result.realizations < 2 ? "one realization does not show how much is noise" : "noise hides it";
+  std::string text = amplification_line(of_run, configuration.run.burn_in, hidden);
+  const bool leader_moves = of_run.front().rms_mean_speed != 0.0;
+  if (leader_moves && !of_theory.empty()) text += " (theory: " + largest_and_tail(of_theory) + ")";
+  return text + "\n";
+}
 
 std::string gap_lines(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const std::size_t vehicle = nearest_follower(result.gaps);
@@ -99,8 +177,8 @@ std::string gap_lines(const Configuration& configuration, const Prediction& pred
   text += formatted("Collisions (a gap below 0): in %llu of %llu realizations of follower %zu, the most",
                     static_cast<unsigned long long>(worst->collisions),
                     static_cast<unsigned long long>(result.realizations), follower);
-  if (has_signal_theory(prediction, follower))
-    text += formatted("; by theory at most %.6g of them", prediction.collision_bound[follower - 1]);
+  if (const std::optional<double> bound = collision_bound(prediction, follower))
+    text += formatted("; by theory at most %.6g of them", *bound);
   text += "\n";
   if (configuration.run.external.empty() && result.complete && !configuration.run.output.empty()) {
     text += formatted(

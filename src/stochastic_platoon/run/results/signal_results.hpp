@@ -1,14 +1,20 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
+#include "stochastic_platoon/run/io/csv_text.hpp"
 #include "stochastic_platoon/run/results/run_result.hpp"
 
 namespace platoon {
 
-/// Whether the theory covers the signals of a follower.
-bool has_signal_theory(const Prediction& prediction, std::size_t follower);
+/// Adds the theoretical mean and variance of a signal; empty cells if the theory does not cover the follower.
+void add_signal_theory(CsvText& csv, const Prediction& prediction, std::size_t signal, std::size_t follower,
+                       std::size_t cell);
+
+/// The follower's collision_bounds(); none if the theory does not cover it.
+std::optional<double> collision_bound(const Prediction& prediction, std::size_t follower);
 
 /// The content of signals.csv: mean and variance of every requested signal for every follower and step, beside the
 /// theory; its columns are empty where there is none.
@@ -19,6 +25,11 @@ std::string signals_csv(const Configuration& configuration, const Prediction& pr
 /// realizations by smallest gap. A column bin_X counts the gaps from X [m] up to the next bin; the bins of number
 /// +-FollowerGaps::kMostBins are open to their side.
 std::string gaps_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result);
+
+/// The content of amplification.csv: a row per vehicle 0 .. N with the figures of amplification() over the steps from
+/// burn_in on, measured and in theory. Cells are empty where there is no figure. The leader's row is the model's.
+std::string amplification_csv(const Configuration& configuration, const Prediction& prediction,
+                              const RunResult& result);
 
 /// The smallest gap of all followers for summary.json: gap, vehicle, realization, step; null without gaps.
 nlohmann::json smallest_gap_json(const RunResult& result);

@@ -5,14 +5,15 @@
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/simulation/trajectory.hpp"
+#include "stochastic_platoon/run/io/csv_text.hpp"
 
 namespace platoon {
 
 namespace {
 
-// ",value", or "," beyond the end.
-std::string column(const std::vector<double>& values, std::size_t index) {
-  return index < values.size() ? formatted(",%.17g", values[index]) : ",";
+// None beyond the end.
+std::optional<double> value_at(const std::vector<double>& values, std::size_t index) {
+  return index < values.size() ? std::optional(values[index]) : std::nullopt;
 }
 
 }  // namespace
@@ -25,24 +26,24 @@ std::string trajectories_csv(const Configuration& configuration, std::uint64_t r
   }
   std::vector<std::string> names;
   for (const SignalKind& kind : signal_kinds()) names.emplace_back(kind.name);
-  std::string text = "vehicle,step,seconds,position,received_position,input,received_input,tracking_error";
-  for (const std::string& name : names) text += "," + name;
-  text += "\n";
+  CsvText csv("vehicle,step,seconds,position,received_position,input,received_input,tracking_error");
+  for (const std::string& name : names) csv.add(name);
+  csv.end_row();
   const std::vector<Trajectory> all =
       trajectories(configuration.model, run.seed, run.followers, run.steps, realization, names);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Trajectory& of = all[i];
     for (std::size_t a = 0; a < of.position.size(); ++a) {
       const std::int64_t step = static_cast<std::int64_t>(a) - 1;
-      text += formatted("%zu,%lld,%.10g", i, static_cast<long long>(step),
-                        static_cast<double>(step) * configuration.model.sample_period);
-      for (const auto* values : {&of.position, &of.received, &of.input, &of.received_input}) text += column(*values, a);
+      csv.add(i, step, formatted("%.10g", static_cast<double>(step) * configuration.model.sample_period));
+      for (const auto* values : {&of.position, &of.received, &of.input, &of.received_input})
+        csv.add(value_at(*values, a));
       for (std::size_t kind = 0; kind <= names.size(); ++kind)
-        text += of.signals.empty() || a == 0 ? "," : column(of.signals[kind], a - 1);
-      text += "\n";
+        csv.add(of.signals.empty() || a == 0 ? std::nullopt : value_at(of.signals[kind], a - 1));
+      csv.end_row();
     }
   }
-  return text;
+  return csv.text();
 }
 
 }  // namespace platoon

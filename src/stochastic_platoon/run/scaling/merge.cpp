@@ -128,26 +128,20 @@ std::string array_indices(const std::vector<std::uint64_t>& ascending) {
 MergedRun merge(const std::vector<std::string>& folders) {
   const Inventory inventory(folders);
   inventory.require_all();
-  MergedRun merged{inventory.first().configuration, {}};
-  const RunOptions& run = merged.configuration.run;
-  const SignalCells cells = cells_of(merged.configuration);
-  EnsembleTotals totals(cells);
+  const Configuration& configuration = inventory.first().configuration;
+  const RunOptions& run = configuration.run;
+  EnsembleTotals totals(cells_of(configuration));
+  Tally tally{positions_expected(run, run.realizations), 1, 0.0, 0};
   // In ascending order, so that the shards merged so far occupy few blocks.
   for (const auto& place : inventory.places()) {
     const std::optional<Checkpoint> shard = read_checkpoint(place.second);
     if (!shard) throw std::runtime_error(place.second + ": is gone");
     totals.merge(shard->totals);
-    merged.result.tally.wall_seconds += shard->tally.wall_seconds;
+    tally.wall_seconds += shard->tally.wall_seconds;
   }
   if (totals.count() != run.realizations || !totals.moments.missing({0, run.realizations}).empty())
     throw std::runtime_error("a shard has changed while it was read");
-  merged.result.complete = true;
-  merged.result.realizations = run.realizations;
-  merged.result.last_step = run.steps - 1;
-  merged.result.tally.attempts = 1;
-  merged.result.tally.positions_received = positions_expected(run, run.realizations);
-  merged.result.take(totals, cells);
-  return merged;
+  return {configuration, result_of(configuration, totals, tally)};
 }
 
 }  // namespace platoon

@@ -6,12 +6,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/printable.hpp"
 #include "stochastic_platoon/run/io/retried_write.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
 
 namespace platoon {
 
@@ -82,10 +84,7 @@ nlohmann::json to_json(const ShardRun& run) {
 
 ShardRun shard_run_of(const nlohmann::json& record) {
   try {
-    // The parser accepts only hostings that a launch may choose.
-    nlohmann::json configuration = record.at("configuration");
-    configuration.at("run").at("hosting") = to_string(Hosting::one_process);
-    ShardRun run{parse_configuration(configuration.dump()),
+    ShardRun run{recorded_configuration(record.at("configuration")),
                  {record.at("index").get<std::uint64_t>(), record.at("of").get<std::uint64_t>()}};
     run.configuration.run.hosting = Hosting::monte_carlo;
     run.range();  // throws if there is no such shard
@@ -97,15 +96,17 @@ ShardRun shard_run_of(const nlohmann::json& record) {
   }
 }
 
+Ensemble ensemble_of(const RunOptions& run) {
+  return {run.seed, run.followers, run.steps, run.batch, run.signals};
+}
+
 ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings) {
   const RunOptions& options = run.configuration.run;
   const double began = now();
   const std::optional<Checkpoint> found = held(run, settings);
   const double earlier_seconds = found ? found->tally.wall_seconds : 0.0;
-  EnsembleRun work(
-      run.configuration.model,
-      {options.seed, options.followers, options.steps, options.realizations, options.batch, options.signals},
-      run.range(), found ? found->totals : EnsembleTotals(cells_of(run.configuration)), settings.checkpoint_seconds);
+  EnsembleRun work(run.configuration.model, ensemble_of(options), run.range(),
+                   found ? found->totals : EnsembleTotals(cells_of(run.configuration)), settings.checkpoint_seconds);
   const std::uint64_t held_before = work.done();
   if (work.is_complete()) return {*found, 0};
   if (!slow_noise().empty()) settings.warn(slow_noise());

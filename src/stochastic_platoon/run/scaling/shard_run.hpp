@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/math/statistics/shard.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
@@ -46,6 +47,9 @@ struct ShardSettings {
   /// the moment.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
+
+/// The parameters of a run's computation.
+Ensemble ensemble_of(const RunOptions& run);
 
 /// The realizations of a shard that its folder now holds, and how many of them were computed now.
 struct ShardResult {

@@ -16,8 +16,6 @@ namespace platoon {
 
 namespace {
 
-const std::vector<std::string> kShared = {"headway",   "noise_variance", "loss", "mean_burst",   "delay", "leader",
-                                          "followers", "steps",          "seed", "realizations", "batch"};
 const std::vector<std::string> kVarying = {"headway", "noise_variance", "loss",  "mean_burst", "delay",
                                            "leader",  "followers",      "steps", "seed",       "realizations"};
 
@@ -185,9 +183,11 @@ Sweep read_sweep(const std::string& file, const std::map<std::string, std::strin
   Sweep sweep;
   std::map<std::string, std::string> shared;
   if (document.has("model")) shared["model"] = beside(file, document.text("model"));
-  for (const std::string& name : kShared) {
+  const auto share = [&](const std::string& name) {
     if (document.has(name)) shared[name] = document.text(name);
-  }
+  };
+  for (const std::string& name : kVarying) share(name);
+  share("batch");
   if (shared.count("leader") > 0) shared["leader"] = beside(file, shared["leader"]);
   for (const auto& entry : given) shared[entry.first] = entry.second;
   add_monte_carlo_batch(shared);

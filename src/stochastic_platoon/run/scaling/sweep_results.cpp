@@ -1,15 +1,13 @@
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
 namespace platoon {
@@ -39,73 +37,66 @@ std::string truth_column(const std::optional<bool>& value) {
   return value ? *value ? "1" : "0" : "";
 }
 
-std::string measured_columns(const ResultCell& of) {
-  return formatted("%llu,%.17g,%.17g,%.17g,%.17g,", static_cast<unsigned long long>(of.measured.count),
-                   of.measured.mean, standard_error_of_mean(of), of.measured.variance(),
-                   standard_error_of_variance(of));
-}
-
 // The signals of all points: no axis varies them.
 std::vector<std::string> signals_of(const Sweep& sweep) {
   const YAML::Node signals = sweep.shared["run"]["signals"];
   return signals && signals.IsScalar() ? signal_names(signals.Scalar()) : std::vector<std::string>();
 }
 
-std::string signal_columns(const Configuration& configuration, const Prediction& prediction, const RunResult& result,
-                           std::size_t follower, std::int64_t step) {
+void add_signals(CsvText& csv, const Configuration& configuration, const Prediction& prediction,
+                 const RunResult& result, std::size_t follower, std::int64_t step) {
   const std::size_t c = cell(follower, step, configuration.run.steps);
-  const bool known = has_signal_theory(prediction, follower);
-  std::string text;
   for (std::size_t s = 0; s < result.signals.size(); ++s) {
     const Moments& of = result.signals[s][c];
-    text += formatted(",%.17g,%.17g", of.mean, of.variance());
-    text += known ? formatted(",%.17g,%.17g", prediction.signals[s].mean[c], prediction.signals[s].variance[c]) : ",,";
+    csv.add(of.mean, of.variance());
+    add_signal_theory(csv, prediction, s, follower, c);
   }
-  if (result.gaps.empty()) return text;
+  if (result.gaps.empty()) return;
   const FollowerGaps& gaps = result.gaps.followers()[follower - 1];
-  text += formatted(",%.17g,%llu,", gaps.smallest.gap, static_cast<unsigned long long>(gaps.collisions));
-  return text + (known ? formatted("%.17g", prediction.collision_bound[follower - 1]) : "");
+  csv.add(gaps.smallest.gap, gaps.collisions, collision_bound(prediction, follower));
 }
 
 }  // namespace
 
 std::string sweep_heading(const Sweep& sweep) {
-  std::string text = "point";
-  for (const SweepAxis& axis : sweep.axes) text += "," + axis.name;
-  text +=
-      ",vehicle,step,count,mean,mean_standard_error,variance,variance_standard_error,theoretical_mean,theoretical_variance,string_stable,agrees";
+  CsvText csv("point");
+  for (const SweepAxis& axis : sweep.axes) csv.add(axis.name);
+  csv.add("vehicle,step,count,mean,mean_standard_error,variance,variance_standard_error");
+  csv.add("theoretical_mean,theoretical_variance,string_stable,agrees");
   const std::vector<std::string> signals = signals_of(sweep);
-  for (const std::string& name : signals) {
-    for (const char* prefix : {"", "theoretical_"})
-      text += "," + (prefix + name) + "_mean," + prefix + name + "_variance";
-  }
+  for (const std::string& name : signals)
+    csv.add(name + "_mean", name + "_variance", "theoretical_" + name + "_mean", "theoretical_" + name + "_variance");
   const bool has_gap = std::find(signals.begin(), signals.end(), kGap) != signals.end();
-  return text + (has_gap ? ",smallest_gap,collisions,theoretical_collision_bound\n" : "\n");
+  if (has_gap) csv.add("smallest_gap,collisions,theoretical_collision_bound");
+  csv.end_row();
+  return csv.text();
 }
 
 std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configuration& configuration,
                        const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
-  const bool known = prediction.theory == Theory::exact;
-  std::string begin = std::to_string(point);
-  for (const YAML::Node& value : sweep.values(point)) begin += "," + word_of(value);
+  const bool known = prediction.has_theory();
+  std::vector<std::string> words;
+  for (const YAML::Node& value : sweep.values(point)) words.push_back(word_of(value));
   std::optional<bool> stable, agrees;
   if (known) stable = prediction.stability.decision();
   if (const std::optional<Agreement> found = measured_agreement(run, prediction, result)) agrees = found->agrees();
-  const ResultCells of_step(run, prediction, result);
-  std::vector<std::vector<ResultCell>> cells;
-  for (std::int64_t k = sweep.all_steps ? 0 : run.steps - 1; k < run.steps; ++k) cells.push_back(of_step.at(k));
-  std::string text;
+  const ResultCells cells(run, prediction, result);
+  CsvText csv;
   for (std::size_t i = sweep.all_followers ? 1 : run.followers; i <= run.followers; ++i) {
-    for (const std::vector<ResultCell>& at_step : cells) {
-      const ResultCell& of = at_step[i - 1];
-      text += begin + formatted(",%zu,%lld,", i, static_cast<long long>(of.step)) + measured_columns(of) +
-              (known ? formatted("%.17g,%.17g,", of.theoretical_mean, of.theoretical_variance) : ",,") +
-              truth_column(stable) + "," + truth_column(agrees) +
-              signal_columns(configuration, prediction, result, i, of.step) + "\n";
+    for (std::int64_t k = sweep.all_steps ? 0 : run.steps - 1; k < run.steps; ++k) {
+      const ResultCell of = cells.of(i, k);
+      csv.add(point);
+      for (const std::string& word : words) csv.add(word);
+      csv.add(i, k, of.measured.count, of.measured.mean, standard_error_of_mean(of), of.measured.variance(),
+              standard_error_of_variance(of));
+      csv.add_if(known, of.theoretical_mean, of.theoretical_variance);
+      csv.add(truth_column(stable), truth_column(agrees));
+      add_signals(csv, configuration, prediction, result, i, k);
+      csv.end_row();
     }
   }
-  return text;
+  return csv.text();
 }
 
 std::string point_file(const std::string& output, std::uint64_t point) {
@@ -126,8 +117,7 @@ std::optional<std::string> read_point(const Sweep& sweep, const std::string& out
                                       std::string* damage) {
   const std::string file = point_file(output, point);
   if (!std::filesystem::exists(file)) return std::nullopt;
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  const std::string bytes = read_file(file);
   const std::string format = kPointFormat + std::string("\n"), any_line = line_of(0);
   const std::size_t heading = format.size() + any_line.size();
   const std::string content = bytes.size() < heading ? "" : bytes.substr(heading);

@@ -26,7 +26,7 @@ std::string shard_folder(const std::string& output, std::uint64_t point, std::ui
 std::string point_content(const Sweep& sweep, std::uint64_t point, const std::string& rows);
 
 /// A point's rows as they were written; none without a file, or for a damaged one, which sets `damage`. Throws
-/// ConfigurationError if the file belongs to another sweep.
+/// ConfigurationError if the file belongs to another sweep, std::system_error if it cannot be read.
 std::optional<std::string> read_point(const Sweep& sweep, const std::string& output, std::uint64_t point,
                                       std::string* damage);
 

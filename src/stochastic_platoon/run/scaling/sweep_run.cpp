@@ -7,22 +7,19 @@
 #include <mutex>
 #include <utility>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/scaling/merge.hpp"
+#include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
 
 namespace platoon {
 
 namespace {
-
-Ensemble ensemble_of(const RunOptions& run) {
-  return {run.seed, run.followers, run.steps, run.realizations, run.batch, run.signals};
-}
 
 struct ActivePoint {
   ActivePoint(std::uint64_t at, std::string named, Configuration of)
@@ -91,10 +88,7 @@ private:
   }
 
   void finish(ActivePoint& active) {
-    RunResult result;
-    result.complete = true;
-    result.realizations = active.configuration.run.realizations;
-    result.take(active.run.release(), cells_of(active.configuration));
+    const RunResult result = result_of(active.configuration, active.run.release());
     const Prediction prediction = predict(active.configuration);
     const std::lock_guard<std::mutex> lock(mutex_);
     const std::string rows = sweep_rows(sweep_, active.point, active.configuration, prediction, result);

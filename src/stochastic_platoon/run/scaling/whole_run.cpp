@@ -11,30 +11,16 @@ namespace platoon {
 
 namespace {
 
-RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally) {
-  RunResult result;
-  result.complete = totals.count() == configuration.run.realizations;
-  result.tally = tally;
-  result.take(totals, cells_of(configuration));
-  return result;
-}
-
 RunResult compute_in_memory(const Configuration& configuration, const ShardSettings& settings) {
   const RunOptions& run = configuration.run;
   const double began = now();
-  EnsembleRun work(configuration.model, {run.seed, run.followers, run.steps, run.realizations, run.batch, run.signals},
-                   {0, run.realizations});
+  EnsembleRun work(configuration.model, ensemble_of(run), {0, run.realizations});
   complete(work, settings.threads, [&] {
     settings.progress(work.done());
     if (settings.stop()) work.stop();
   });
   const EnsembleTotals totals = work.release();
   return result_of(configuration, totals, {positions_expected(run, totals.count()), 1, now() - began, 0});
-}
-
-RunResult compute_in_folder(const Configuration& configuration, const ShardSettings& settings) {
-  const ShardResult found = compute_shard({configuration, {0, 1}}, settings);
-  return result_of(configuration, found.checkpoint.totals, found.checkpoint.tally);
 }
 
 }  // namespace
@@ -45,7 +31,9 @@ WholeRun compute_run(Configuration configuration, const ShardSettings& settings)
   // A restarted run keeps its name, so that it takes over its folder and its lock.
   configuration.run.launch_id = "monte_carlo";
   const std::unique_ptr<FolderLock> lock = lock_output(configuration.run);
-  WholeRun run{predict(configuration), compute_in_folder(configuration, settings)};
+  WholeRun run{predict(configuration), {}};
+  const Checkpoint found = compute_shard({configuration, {0, 1}}, settings).checkpoint;
+  run.result = result_of(configuration, found.totals, found.tally);
   if (run.result.realizations == 0) return run;
   configuration.run.launch_id.clear();
   write_results(configuration, run.prediction, run.result);

@@ -14,7 +14,9 @@
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
+#include "unit/agreement_of.hpp"
 #include "unit/math/radio_cars.hpp"
+#include "unit/monte_carlo.hpp"
 
 namespace platoon {
 namespace {
@@ -130,12 +132,11 @@ TEST(FeedForward, IsWhatAMonteCarloMeasures) {
     std::vector<double> cumulants;
     const ErrorMoments theory = loss > 0.0 ? linked_error_moments(model, kFollowers, kSteps, &cumulants)
                                            : error_moments(model, kFollowers, kSteps);
-    const EnsembleTotals measured = monte_carlo(model, {7, kFollowers, kSteps, 4000, 500}, 2, [](std::uint64_t) {});
+    const EnsembleTotals measured = monte_carlo(model, {7, kFollowers, kSteps, 500}, 4000, 2);
     std::vector<double> fourth;
     for (std::size_t c = 0; c < cumulants.size(); ++c)
       fourth.push_back(3.0 * theory.variance[c] * theory.variance[c] + cumulants[c]);
-    const Agreement found = agreement(measured.moments.totals(), theory.mean, theory.variance,
-                                      std::vector<double>(theory.mean.size(), 1e-9), {}, fourth);
+    const Agreement found = agreement_of(measured.moments.totals(), theory.mean, theory.variance, 1e-9, fourth);
     EXPECT_TRUE(found.agrees()) << found.max_abs_z_mean << " " << found.max_abs_z_variance;
   }
 }

@@ -6,20 +6,19 @@
 #include <cmath>
 #include <thread>
 
-#include "stochastic_platoon/math/statistics/agreement.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "unit/agreement_of.hpp"
+#include "unit/monte_carlo.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/same_gaps.hpp"
 
 namespace platoon {
 namespace {
 
-const auto kNoProgress = [](std::uint64_t) {};
-
 TEST(MonteCarlo, GivesTheSameBitsForEveryNumberOfThreadsAndBatchSize) {
   const PlatoonModel model = eventful_platoon(3.2);
   const auto totals = [&](unsigned threads, std::uint64_t batch) {
-    const EnsembleTotals table = monte_carlo(model, {3, 3, 20, 1501, batch}, threads, kNoProgress);
+    const EnsembleTotals table = monte_carlo(model, {3, 3, 20, batch}, 1501, threads);
     EXPECT_EQ(table.count(), 1501u);
     return table.moments.totals();
   };
@@ -38,8 +37,8 @@ TEST(MonteCarlo, GivesTheSameBitsForEveryNumberOfThreadsAndBatchSize) {
 
 TEST(MonteCarlo, OfOtherSeedsIsAnotherSample) {
   const PlatoonModel model = paper_platoon();
-  EXPECT_NE(monte_carlo(model, {1, 1, 4, 10, 10}, 1, kNoProgress).moments.totals().back().mean,
-            monte_carlo(model, {2, 1, 4, 10, 10}, 1, kNoProgress).moments.totals().back().mean);
+  EXPECT_NE(monte_carlo(model, {1, 1, 4, 10}, 10).moments.totals().back().mean,
+            monte_carlo(model, {2, 1, 4, 10}, 10).moments.totals().back().mean);
 }
 
 // Means and variances of all (i, k) against theory, in units of the estimators' standard errors; the largest
@@ -47,9 +46,9 @@ TEST(MonteCarlo, OfOtherSeedsIsAnotherSample) {
 TEST(MonteCarlo, AgreesWithTheory) {
   for (const double headway : {3.2, 2.4}) {
     const PlatoonModel model = eventful_platoon(headway);
-    const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
+    const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 1000}, 8000, 2);
     const ErrorMoments theory = error_moments(model, 5, 40);
-    const Agreement found = agreement(table.moments.totals(), theory.mean, theory.variance);
+    const Agreement found = agreement_of(table.moments.totals(), theory.mean, theory.variance);
     const double bound = largest_plausible_score(2 * theory.mean.size());
     EXPECT_LT(found.max_abs_z_mean, bound) << headway;
     EXPECT_LT(found.max_abs_z_variance, bound) << headway;
@@ -59,26 +58,28 @@ TEST(MonteCarlo, AgreesWithTheory) {
 
 TEST(MonteCarlo, NoticesATheoryThatIsAFewPercentOff) {
   PlatoonModel model = eventful_platoon(3.2);
-  const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
+  const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 1000}, 8000, 2);
   model.default_vehicle().noise_variance *= 1.08;
   const ErrorMoments theory = error_moments(model, 5, 40);
-  EXPECT_GT(agreement(table.moments.totals(), theory.mean, theory.variance).max_abs_z_variance,
+  EXPECT_GT(agreement_of(table.moments.totals(), theory.mean, theory.variance).max_abs_z_variance,
             largest_plausible_score(2 * theory.mean.size()));
 }
 
-TEST(MonteCarlo, TellsItsProgressUpToTheEnd) {
-  std::vector<std::uint64_t> told;
-  monte_carlo(paper_platoon(), {1, 2, 5, 100, 7}, 3, [&told](std::uint64_t done) { told.push_back(done); });
-  ASSERT_FALSE(told.empty());
-  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
-  EXPECT_EQ(told.back(), 100u);
+TEST(EnsembleRun, IsWatchedWhileItsThreadsComplete) {
+  EnsembleRun run(paper_platoon(), {1, 2, 5, 7}, {0, 100});
+  std::vector<std::uint64_t> seen;
+  complete(run, 3, [&] { seen.push_back(run.done()); });
+  ASSERT_FALSE(seen.empty());
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  EXPECT_EQ(seen.back(), 100u);
 }
 
 TEST(MonteCarlo, TakesNoThreadsForOne) {
-  EXPECT_EQ(monte_carlo(paper_platoon(), {1, 1, 2, 10, 3}, 0, kNoProgress).count(), 10u);
+  EXPECT_EQ(monte_carlo(paper_platoon(), {1, 1, 2, 3}, 10, 0).count(), 10u);
 }
 
-const Ensemble kEnsemble{3, 2, 10, 1000, 32, {"gap", "jerk"}};
+constexpr std::uint64_t kRealizations = 1000;
+const Ensemble kEnsemble{3, 2, 10, 32, {"gap", "jerk"}};
 const SignalCells kCells = signal_cells(eventful_platoon(3.2), 2, 10, kEnsemble.signals);
 
 void expect_same_totals(const EnsembleTotals& found, const EnsembleTotals& expected) {
@@ -93,11 +94,11 @@ void expect_same_totals(const EnsembleTotals& found, const EnsembleTotals& expec
 
 TEST(EnsembleRun, OfTheShardsOfAnyNumberGivesTheBitsOfOneRunInAnyOrder) {
   const PlatoonModel model = eventful_platoon(3.2);
-  const EnsembleTotals expected = monte_carlo(model, kEnsemble, 1, kNoProgress);
+  const EnsembleTotals expected = monte_carlo(model, kEnsemble, kRealizations);
   for (const std::uint64_t of : {1, 2, 3, 5, 7, 16, 31, 64}) {
     EnsembleTotals joined(kCells);
     for (std::uint64_t at = 0; at < of; ++at) {
-      EnsembleRun shard(model, kEnsemble, range_of({(at * 37 + 5) % of, of}, kEnsemble.realizations));
+      EnsembleRun shard(model, kEnsemble, range_of({(at * 37 + 5) % of, of}, kRealizations));
       EXPECT_TRUE(shard.work());
       joined.merge(shard.release());
     }
@@ -106,7 +107,7 @@ TEST(EnsembleRun, OfTheShardsOfAnyNumberGivesTheBitsOfOneRunInAnyOrder) {
 }
 
 TEST(EnsembleRun, BeginsNothingMoreWhenItIsStopped) {
-  EnsembleRun run(paper_platoon(), kEnsemble, {0, kEnsemble.realizations});
+  EnsembleRun run(paper_platoon(), kEnsemble, {0, kRealizations});
   run.stop();
   EXPECT_FALSE(run.work());
   EXPECT_TRUE(run.all_begun());
@@ -146,8 +147,8 @@ TEST(EnsembleRun, HasNothingToDoWhereAllIsThere) {
 
 TEST(EnsembleRun, ShowsWhatWasHandedOverWhichIsNeverWrong) {
   const PlatoonModel model = eventful_platoon(3.2);
-  const EnsembleTotals expected = monte_carlo(model, kEnsemble, 1, kNoProgress);
-  EnsembleRun run(model, kEnsemble, {0, kEnsemble.realizations}, EnsembleTotals(kCells), 0.0);
+  const EnsembleTotals expected = monte_carlo(model, kEnsemble, kRealizations);
+  EnsembleRun run(model, kEnsemble, {0, kRealizations}, EnsembleTotals(kCells), 0.0);
   std::vector<EnsembleTotals> shown;
   std::thread worker([&run] { run.work(); });
   while (!run.is_complete()) run.read([&shown](const EnsembleTotals& table) { shown.push_back(table); });
@@ -155,7 +156,7 @@ TEST(EnsembleRun, ShowsWhatWasHandedOverWhichIsNeverWrong) {
   run.read([&shown](const EnsembleTotals& table) { shown.push_back(table); });
   expect_same_totals(shown.back(), expected);
   for (std::size_t at = 0; at < shown.size(); at += std::max<std::size_t>(shown.size() / 5, 1)) {
-    EnsembleRun rest(model, kEnsemble, {0, kEnsemble.realizations}, shown[at]);
+    EnsembleRun rest(model, kEnsemble, {0, kRealizations}, shown[at]);
     rest.work();
     expect_same_totals(rest.release(), expected);
   }

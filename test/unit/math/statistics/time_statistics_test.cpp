@@ -66,7 +66,7 @@ TEST(TimeStatistics, WaitForTheStepThatIsMissing) {
   add(statistics, 1, 1, 5.0);
   EXPECT_TRUE(statistics.empty());
   add(statistics, 1, 0, 3.0);
-  EXPECT_EQ(statistics.last_step(), 1);
+  EXPECT_EQ(statistics.last_step(1), 1);
   EXPECT_EQ(statistics.moments()[0].mean, 4.0);
 }
 
@@ -74,7 +74,7 @@ TEST(TimeStatistics, GoOnAfterARestartWithTheSameBurnIn) {
   TimeStatistics statistics(2, 5);
   for (std::int64_t k = 0; k < 8; ++k) add(statistics, 2, k, 4.0);
   statistics.restart();
-  EXPECT_EQ(statistics.last_step(), -1);
+  EXPECT_EQ(statistics.last_step(2), -1);
   EXPECT_FALSE(statistics.empty());
   ASSERT_EQ(statistics.moments().size(), 2u);
   EXPECT_EQ(statistics.moments()[1].count, 3u);
@@ -84,7 +84,7 @@ TEST(TimeStatistics, GoOnAfterARestartWithTheSameBurnIn) {
   EXPECT_EQ(statistics.last_step(1), -1);
   EXPECT_EQ(statistics.last_step(2), 5);
   for (std::int64_t k = 0; k < 3; ++k) add(statistics, 1, k, 9.0);
-  EXPECT_EQ(statistics.last_step(), 2);  // of all followers
+  EXPECT_EQ(statistics.last_step(1), 2);
 }
 
 TEST(TimeStatistics, AreOfTheWholeSampleWhereverItBrokeOff) {

@@ -65,7 +65,7 @@ TEST(Overview, HasStandardErrorAndScoreOfTheLastStep) {
     const std::size_t c = cell(i, 2, 3);
     EXPECT_EQ(overview.standard_error[i - 1], standard_error_of_variance(prediction.variance[c], 20));
     EXPECT_EQ(overview.variance_score[i - 1],
-              scores(result.moments[c], prediction.mean[c], prediction.variance[c], prediction.rounding[c]).variance);
+              scores({result.moments[c], prediction.mean[c], prediction.variance[c], prediction.rounding[c]}).variance);
   }
 }
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "unit/monte_carlo.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/run/delivery/lossy_graph.hpp"
 
@@ -22,8 +22,8 @@ PlatoonModel example() {
 }
 
 const EnsembleTotals& undisturbed() {
-  static const EnsembleTotals table = monte_carlo(
-      example(), {kNoiseSeed, kFollowers, kSchedule.steps, kSchedule.realizations, 99}, 1, [](std::uint64_t) {});
+  static const EnsembleTotals table =
+      monte_carlo(example(), {kNoiseSeed, kFollowers, kSchedule.steps, 99}, kSchedule.realizations);
   return table;
 }
 

@@ -67,7 +67,7 @@ public:
       if (now_ >= next_heartbeat_) heartbeat();
       if (!any_event()) now_ += 0.02;
     }
-    return statistics_->committed();
+    return *statistics_->totals();
   }
 
   std::uint64_t positions_received() const { return positions_received_; }
@@ -134,7 +134,7 @@ private:
     statistics_->commit(batch.first_realization);
     positions_received_ += batch.positions_received;
     if (!happens(0.5) && !assembly_->arrivals().complete()) return;  // checkpoints are rate-limited
-    checkpoint_ = {statistics_->committed(), attempts_seen_, positions_received_};
+    checkpoint_ = {*statistics_->totals(), attempts_seen_, positions_received_};
   }
 
   void start_recorder() {

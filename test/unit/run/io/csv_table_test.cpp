@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
+
+#include "stochastic_platoon/run/io/csv_text.hpp"
 
 namespace platoon {
 namespace {
@@ -49,6 +52,19 @@ TEST(CsvTable, FaultsNameTheFileAndTheLine) {
   EXPECT_EQ(error_of("a,b\n1,2\n1,2,3\n"), "table.csv: line 3 has 3 values instead of 2");
   EXPECT_EQ(error_of("a,b\n1,2\n\n"), "table.csv: line 3 has 1 values instead of 2");
   EXPECT_EQ(error_of("a,a\n1,2\n"), "table.csv: has two columns of the same name");
+}
+
+TEST(CsvText, HasAllDigitsAndEmptyCellsForMissingNumbers) {
+  CsvText csv("name,count");
+  csv.add("value", "missing");
+  csv.end_row();
+  csv.add("gap", 3u, 0.1, std::optional<double>());
+  csv.end_row();
+  csv.add_if(true, "speed", -1, std::optional<double>(2.5));
+  csv.add_if(false, 7.0);
+  csv.end_row();
+  EXPECT_EQ(csv.text(), "name,count,value,missing\ngap,3,0.10000000000000001,\nspeed,-1,2.5,\n");
+  EXPECT_EQ(parse_csv(csv.text(), "table.csv").names.size(), 4u);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "unit/paper_platoon.hpp"
+#include "unit/paper_run.hpp"
 
 namespace platoon {
 namespace {
@@ -23,9 +24,27 @@ PlatoonModel model_at(double headway) {
   return model;
 }
 
+/// The analysis of a model over some steps.
+struct Analyzed {
+  Analyzed(const PlatoonModel& model, std::size_t followers, std::int64_t steps, const SignalRequest& signals = {},
+           std::int64_t burn_in = 0)
+      : configuration(paper_run("")) {
+    configuration.model = model;
+    configuration.run.followers = followers;
+    configuration.run.steps = steps;
+    configuration.run.burn_in = burn_in;
+    analysis = analyze(configuration, signals);
+  }
+  nlohmann::json json() const { return to_json(configuration, analysis); }
+  std::string text() const { return report(configuration, analysis); }
+
+  Configuration configuration;
+  Analysis analysis;
+};
+
 TEST(Analysis, HasEveryKeyWithItsShape) {
   const PlatoonModel model = model_at(3.2);
-  const nlohmann::json document = to_json(model, analyze(model, 7, 30));
+  const nlohmann::json document = Analyzed(model, 7, 30).json();
   for (const char* key : {"spectral_radius", "peak_gain", "peak_frequency", "critical_headway", "limit_variance"}) {
     EXPECT_TRUE(document.at(key).is_number()) << key;
   }
@@ -51,33 +70,33 @@ TEST(Analysis, WarnsWhereTheCoefficientsDoNotDetermineAFineVerdict) {
   model.default_vehicle().design.reset();
   model.default_vehicle().loop = closed_loop_from(exact);
   const std::string warning = "Warning: A, B and C have T(1) = 1";
-  EXPECT_EQ(report(model, analyze(model, 2, 10)).find(warning), std::string::npos);
-  EXPECT_NE(report(model, analyze(model, 2, 10)).find("of one follower sqrt(sum of mean(k)^2)"), std::string::npos);
+  EXPECT_EQ(Analyzed(model, 2, 10).text().find(warning), std::string::npos);
+  EXPECT_NE(Analyzed(model, 2, 10).text().find("of one follower sqrt(sum of mean(k)^2)"), std::string::npos);
   model.default_vehicle().loop = closed_loop_from(StateSpace(exact.a(), exact.b() * (1.0 + 1e-6), exact.c()));
-  const Analysis analysis = analyze(model, 2, 10);
-  EXPECT_NEAR(analysis.integral_defect, 1e-6 * (1.0 + 3.2 / 4.2), 1e-12);
-  EXPECT_NE(report(model, analysis).find(warning), std::string::npos);
+  const Analyzed analyzed(model, 2, 10);
+  EXPECT_NEAR(analyzed.analysis.integral_defect, 1e-6 * (1.0 + 3.2 / 4.2), 1e-12);
+  EXPECT_NE(analyzed.text().find(warning), std::string::npos);
 }
 
 TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
   const PlatoonModel unstable_string = model_at(2.4);
-  const nlohmann::json document = to_json(unstable_string, analyze(unstable_string, 3, 10));
+  const nlohmann::json document = Analyzed(unstable_string, 3, 10).json();
   EXPECT_TRUE(document.at("limit_variance").is_null());
   EXPECT_TRUE(document.at("norms").at("variance_bound").is_null());
   PlatoonModel unstable_loop = model_at(0.3);
   unstable_loop.allow_unstable = true;
   ASSERT_GT(spectral_radius(unstable_loop.default_vehicle().loop.realization), 1.0);
-  const Analysis analysis = analyze(unstable_loop, 3, 10);
-  const nlohmann::json other = to_json(unstable_loop, analysis);
+  const Analyzed analyzed(unstable_loop, 3, 10);
+  const nlohmann::json other = analyzed.json();
   EXPECT_TRUE(other.at("stationary_variance").at(0).is_null());
   EXPECT_TRUE(other.at("peak_gain").is_null());
-  EXPECT_NE(report(unstable_loop, analysis).find("not mean square stable"), std::string::npos);
+  EXPECT_NE(analyzed.text().find("not mean square stable"), std::string::npos);
 }
 
 TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().design.reset();
-  const nlohmann::json document = to_json(model, analyze(model, 2, 5));
+  const nlohmann::json document = Analyzed(model, 2, 5).json();
   EXPECT_TRUE(document.at("critical_headway").is_null());
   EXPECT_TRUE(document.at("stable_headways").is_null());
   EXPECT_THROW(sweep(model, {{3.0}, {}, {}}), std::invalid_argument);
@@ -85,8 +104,8 @@ TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
 
 TEST(Analysis, HasTheSignalsThatAreRequested) {
   const PlatoonModel model = model_at(3.2);
-  const Analysis analysis = analyze(model, 3, 10, [](const char*) {}, {{"jerk"}, 1e-6});
-  const nlohmann::json document = to_json(model, analysis);
+  const Analyzed analyzed(model, 3, 10, {{"jerk"}, 1e-6});
+  const nlohmann::json document = analyzed.json();
   ASSERT_EQ(document.at("signals").size(), 2u) << "collisions imply the gap";
   for (const char* name : {"gap", "jerk"}) {
     const nlohmann::json& signal = document.at("signals").at(name);
@@ -103,7 +122,7 @@ TEST(Analysis, HasTheSignalsThatAreRequested) {
     EXPECT_EQ(collision.at(key).size(), 3u) << key;
   for (const char* key : {"limit_probability", "limit_rate", "required_standstill_distance"})
     EXPECT_TRUE(collision.at(key).is_number()) << key;
-  const std::string text = report(model, analysis);
+  const std::string text = analyzed.text();
   EXPECT_NE(text.find("Jerk: stationary variance "), std::string::npos);
   EXPECT_NE(text.find("Required standstill distance for 1e-06 per step: "), std::string::npos);
 }
@@ -111,13 +130,10 @@ TEST(Analysis, HasTheSignalsThatAreRequested) {
 TEST(Analysis, HasTheAmplificationOfTheSpeed) {
   PlatoonModel model = model_at(3.2);
   model.leader = LeaderProfile({{0, 20.0}, {225, 15.0}}, 0.1);
-  SignalRequest request{{"speed", "acceleration"}};
-  request.burn_in = 150;
-  const auto analyzed = [&] {
-    return analyze(
-        model, 3, 300, [](const char*) {}, request);
+  const auto analyzed = [&model](std::int64_t burn_in) {
+    return Analyzed(model, 3, 300, {{"speed", "acceleration"}}, burn_in);
   };
-  const nlohmann::json found = to_json(model, analyzed()).at("amplification");
+  const nlohmann::json found = analyzed(150).json().at("amplification");
   EXPECT_EQ(found.at("from_step"), 150);
   for (const char* key : {"l2_ratio", "linf_ratio", "l2_head_to_tail", "linf_head_to_tail", "rms_jerk"}) {
     EXPECT_EQ(found.at(key).size(), 4u) << key;
@@ -128,16 +144,15 @@ TEST(Analysis, HasTheAmplificationOfTheSpeed) {
   const double first = found.at("l2_ratio").at(1);
   EXPECT_TRUE(first > 0.9 && first < 1.0) << first;
   EXPECT_NEAR(found.at("l2_head_to_tail").at(2), first * found.at("l2_ratio").at(2).get<double>(), 1e-12);
-  EXPECT_NE(report(model, analyzed()).find("Amplification of the speed (L2): largest "), std::string::npos);
-  request.burn_in = 210;
+  EXPECT_NE(analyzed(150).text().find("Amplification of the speed (L2): largest "), std::string::npos);
   model.leader = LeaderProfile({{0, 20.0}}, 0.1);
-  EXPECT_NE(report(model, analyzed()).find("Amplification: none, as the leader drives at constant speed from step 210"),
+  EXPECT_NE(analyzed(210).text().find("Amplification: none, as the leader drives at constant speed from step 210"),
             std::string::npos);
 }
 
 TEST(Analysis, HasNoSignalsUnlessRequested) {
   const PlatoonModel model = model_at(3.2);
-  const nlohmann::json document = to_json(model, analyze(model, 3, 10));
+  const nlohmann::json document = Analyzed(model, 3, 10).json();
   EXPECT_FALSE(document.contains("signals"));
   EXPECT_FALSE(document.contains("collision"));
   EXPECT_FALSE(document.contains("amplification"));
@@ -148,12 +163,12 @@ TEST(Analysis, HasNoSignalsWhereErrorsAreNotNormal) {
     PlatoonModel model = model_at(3.2);
     model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
     if (in_bursts) model.default_vehicle().link.loss->mean_burst = 3.0;
-    const Analysis analysis = analyze(model, 2, 5, [](const char*) {}, {{"gap", "speed"}, 1e-6});
-    const nlohmann::json document = to_json(model, analysis);
+    const Analyzed analyzed(model, 2, 5, {{"gap", "speed"}, 1e-6});
+    const nlohmann::json document = analyzed.json();
     EXPECT_TRUE(document.at("signals").is_null());
     EXPECT_TRUE(document.at("amplification").is_null());
     EXPECT_TRUE(document.at("collision").is_null());
-    EXPECT_NE(report(model, analysis).find("measured only, as errors are not normal"), std::string::npos);
+    EXPECT_NE(analyzed.text().find("measured only, as errors are not normal"), std::string::npos);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/run/results/amplification_results.hpp"
+#include "stochastic_platoon/run/results/signal_results.hpp"
 
 #include <gtest/gtest.h>
 
@@ -96,7 +96,7 @@ TEST(AmplificationResults, LeaveTheoryEmptyWhereThereIsNone) {
   of = columns_of(amplification_csv(configuration, lossy, result));
   EXPECT_EQ(of.at("theoretical_rms_acceleration"), std::vector<double>(3, kEmpty));
   EXPECT_GT(of.at("rms_acceleration")[1], 0.0);
-  EXPECT_EQ(amplification_report(configuration, lossy, result).find("theory"), std::string::npos);
+  EXPECT_EQ(signals_report(configuration, lossy, result).find("theory"), std::string::npos);
 }
 
 TEST(AmplificationResults, BeginAtTheBurnIn) {

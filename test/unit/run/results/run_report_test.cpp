@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
 #include "stochastic_platoon/math/statistics/time_statistics.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
+#include "unit/monte_carlo.hpp"
 #include "unit/run/results/result_with.hpp"
 
 namespace platoon {
@@ -93,7 +93,7 @@ std::string report_of(const Configuration& configuration, const Prediction& pred
   result.realizations = realizations;
   PlatoonModel model = configuration.model;
   model.default_vehicle().noise_variance *= noise_factor;
-  result.moments = monte_carlo(model, {seed, 2, 20, realizations, 1024}, 1, [](std::uint64_t) {}).moments.totals();
+  result.moments = monte_carlo(model, {seed, 2, 20, 1024}, realizations).moments.totals();
   return report(configuration, prediction, result);
 }
 

@@ -19,8 +19,6 @@
 namespace platoon {
 namespace {
 
-const double kNaN = std::nan("");
-
 std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
   std::vector<std::vector<std::string>> rows;
   std::istringstream lines(csv);

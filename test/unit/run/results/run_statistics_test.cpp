@@ -2,13 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <future>
 #include <mutex>
 
 #include "stochastic_platoon/math/channel/awgn_channel.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "unit/monte_carlo.hpp"
 #include "unit/paper_run.hpp"
 #include "unit/same_gaps.hpp"
 #include "unit/transmitted.hpp"
@@ -67,9 +68,8 @@ void receive_batch(RunStatistics& statistics, const Configuration& configuration
 void expect_monte_carlo(const std::vector<Moments>& found, const Configuration& configuration,
                         std::uint64_t realizations) {
   const RunOptions& run = configuration.run;
-  const Ensemble ensemble{run.seed, run.followers, run.steps, realizations, 8192, run.signals};
-  const std::vector<Moments> expected =
-      monte_carlo(configuration.model, ensemble, 1, [](std::uint64_t) {}).moments.totals();
+  const Ensemble ensemble{run.seed, run.followers, run.steps, 8192, run.signals};
+  const std::vector<Moments> expected = monte_carlo(configuration.model, ensemble, realizations).moments.totals();
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t c = 0; c < found.size(); ++c) {
     EXPECT_EQ(found[c].count, expected[c].count);
@@ -86,7 +86,7 @@ TEST(RunStatistics, AreTheMonteCarlosToTheBit) {
   EXPECT_TRUE(statistics.arrivals().complete());
   EXPECT_FALSE(statistics.averages().empty());
   EXPECT_EQ(statistics.averages().realizations(), 20u);
-  EXPECT_EQ(statistics.averages().last_step(), 2);
+  EXPECT_EQ(statistics.result(true).last_step, 2);
   expect_monte_carlo(statistics.averages().moments(), configuration, 20);
   const RunResult result = statistics.result(true);
   EXPECT_TRUE(result.complete);
@@ -111,13 +111,13 @@ TEST(RunStatistics, FromSeveralThreadsAreTheMonteCarlosToTheBit) {
         for (std::size_t i = first_vehicle; i <= configuration.run.followers; i += 2) {
           const Positions& positions = all[i][static_cast<std::size_t>(k + 1)];
           std::unique_lock<std::mutex> lock(mutex);
-          const RunStatistics::Receipt receipt =
-              statistics.receive(i, {{1, first, k}, positions->size(), true}, positions);
+          const MessageDescriptor descriptor{{1, first, k}, positions->size(), true};
+          const SignalAssembly::Receipt receipt = statistics.receive(i, descriptor, positions);
           EXPECT_EQ(receipt.drop, DropReason::none);
           lock.unlock();
-          const RunStatistics::Computed computed = statistics.compute(receipt.work);
+          const std::vector<ReducedSignals> signals = statistics.compute(receipt.due);
           lock.lock();
-          statistics.settle(computed);
+          statistics.settle(i, descriptor, signals);
         }
       }
     }
@@ -128,8 +128,8 @@ TEST(RunStatistics, FromSeveralThreadsAreTheMonteCarlosToTheBit) {
   EXPECT_TRUE(statistics.arrivals().complete());
   expect_monte_carlo(statistics.averages().moments(), configuration, 400);
   const RunOptions& run = configuration.run;
-  const EnsembleTotals expected = monte_carlo(
-      configuration.model, {run.seed, run.followers, run.steps, 400, 64, run.signals}, 1, [](std::uint64_t) {});
+  const EnsembleTotals expected =
+      monte_carlo(configuration.model, {run.seed, run.followers, run.steps, 64, run.signals}, 400);
   expect_same_gaps(statistics.result(true).gaps, expected.gaps);
   EXPECT_EQ(statistics.result(true).signals.size(), 3u);
   EXPECT_EQ(statistics.tally().positions_received, positions_expected(configuration.run, 400));
@@ -139,21 +139,20 @@ TEST(RunStatistics, CommitABatchWithTheLastResultThatIsSettled) {
   const Configuration configuration = paper_run("");
   const auto all = positions_of(configuration, 0, 8, 3);
   RunStatistics statistics(configuration, std::nullopt);
-  std::vector<RunStatistics::Computed> computed;
+  std::array<std::vector<std::vector<ReducedSignals>>, 3> computed;  // by vehicle and message
   for (std::int64_t k = -1; k <= 2; ++k) {
     for (std::size_t i = 0; i <= 2; ++i) {
-      const RunStatistics::Receipt receipt =
+      const SignalAssembly::Receipt receipt =
           statistics.receive(i, {{1, 0, k}, 8, true}, all[i][static_cast<std::size_t>(k + 1)]);
-      computed.push_back(statistics.compute(receipt.work));
+      computed[i].push_back(statistics.compute(receipt.due));
     }
   }
   EXPECT_TRUE(statistics.averages().empty());
   // Vehicle 2 first: its messages are in order, independent of the others.
   for (const std::size_t vehicle : {2, 0, 1}) {
-    for (const RunStatistics::Computed& result : computed) {
-      if (result.vehicle != vehicle) continue;
-      const bool last = vehicle == 1 && result.descriptor.id.step == 2;
-      EXPECT_EQ(statistics.settle(result), last);
+    for (std::int64_t k = -1; k <= 2; ++k) {
+      const std::vector<ReducedSignals>& signals = computed[vehicle][static_cast<std::size_t>(k + 1)];
+      EXPECT_EQ(statistics.settle(vehicle, {{1, 0, k}, 8, true}, signals), vehicle == 1 && k == 2);
     }
   }
   expect_monte_carlo(statistics.averages().moments(), configuration, 8);
@@ -165,13 +164,14 @@ TEST(RunStatistics, CountNothingOfAnAttemptThatEndsWhileItsErrorsAreFormed) {
   RunStatistics statistics(configuration, std::nullopt);
   for (std::size_t i = 0; i <= 2; ++i) {
     for (std::int64_t k = -1; k <= 2; ++k) {
-      const RunStatistics::Receipt receipt =
-          statistics.receive(i, {{1, 0, k}, 8, true}, all[i][static_cast<std::size_t>(k + 1)]);
+      const MessageDescriptor descriptor{{1, 0, k}, 8, true};
+      const SignalAssembly::Receipt receipt =
+          statistics.receive(i, descriptor, all[i][static_cast<std::size_t>(k + 1)]);
       EXPECT_EQ(receipt.drop, DropReason::none);
       if (i == 2 && k == 2) {
         EXPECT_EQ(take(statistics, 0, {2, 0, -1}, all[0][0]), DropReason::none);
       }
-      EXPECT_FALSE(statistics.settle(statistics.compute(receipt.work)));
+      EXPECT_FALSE(statistics.settle(i, descriptor, statistics.compute(receipt.due)));
     }
   }
   EXPECT_TRUE(statistics.averages().empty());
@@ -230,10 +230,9 @@ TEST(RunStatistics, GoOnFromTheirCheckpointToTheBit) {
 TEST(RunStatistics, OfAnEndlessRunAreTimeAveragesAfterTheBurnIn) {
   Configuration configuration = endless_run();
   RunStatistics statistics(configuration, std::nullopt);
-  EXPECT_EQ(statistics.averages().averaging(), Averaging::over_time);
   EXPECT_TRUE(statistics.averages().empty());
   receive_batch(statistics, configuration, 1, 0, 49);
-  EXPECT_EQ(statistics.averages().last_step(), 49);
+  EXPECT_EQ(statistics.result(false).last_step, 49);
   EXPECT_EQ(statistics.averages().realizations(), 1u);
   ASSERT_EQ(statistics.averages().moments().size(), 2u);
   const auto all = positions_of(configuration, 0, 1, 50);
@@ -281,7 +280,7 @@ TEST(RunStatistics, OfAnEndlessRunGoOnWithANewAttemptAfterItsOwnBurnIn) {
   RunStatistics statistics(configuration, std::nullopt);
   receive_batch(statistics, configuration, 1, 0, 49);
   receive_batch(statistics, configuration, 2, 0, 39);
-  EXPECT_EQ(statistics.averages().last_step(), 39);
+  EXPECT_EQ(statistics.result(false).last_step, 39);
   EXPECT_EQ(statistics.averages().moments()[0].count, 20u + 10u);
   EXPECT_EQ(statistics.tally().positions_received, 3u * (51u + 41u));
   EXPECT_EQ(statistics.result(false).last_steps, (std::vector<std::int64_t>{39, 39}));

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <random>
 
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "unit/monte_carlo.hpp"
 #include "unit/run/scaling/shard_fixture.hpp"
 #include "unit/temporary_folder.hpp"
 
@@ -34,9 +34,7 @@ std::string refusal(const std::vector<std::string>& folders) {
 
 std::vector<Moments> whole(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
-  return monte_carlo(configuration.model, {run.seed, run.followers, run.steps, run.realizations, 512}, 1,
-                     [](std::uint64_t) {})
-      .moments.totals();
+  return monte_carlo(configuration.model, {run.seed, run.followers, run.steps, 512}, run.realizations).moments.totals();
 }
 
 void expect_same_bits(const std::vector<Moments>& found, const std::vector<Moments>& expected) {
@@ -101,7 +99,7 @@ TEST(Merge, NamesAShardThatIsNotComplete) {
   const std::vector<std::string> folders = shards(folder, 3);
   Checkpoint shard = *read_checkpoint(folders[1]);
   const RealizationRange range = paper_shard("", 1, 3).range();
-  EnsembleRun some(paper_platoon(), {1, 2, 3, 1000, 8}, {range.first, range.first + 10});
+  EnsembleRun some(paper_platoon(), {1, 2, 3, 8}, {range.first, range.first + 10});
   some.work();
   shard.totals = some.release();
   write_checkpoint(folders[1], shard);

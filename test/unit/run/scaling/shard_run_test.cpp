@@ -85,8 +85,7 @@ Checkpoint broken_off(const ShardRun& run) {
   const RealizationRange range = run.range();
   for (const RealizationRange& part :
        {RealizationRange{range.first, range.first + 24}, RealizationRange{range.first + 32, range.first + 40}}) {
-    EnsembleRun some(run.configuration.model,
-                     {options.seed, options.followers, options.steps, options.realizations, options.batch}, part);
+    EnsembleRun some(run.configuration.model, ensemble_of(options), part);
     some.work();
     checkpoint.totals.merge(some.release());
   }

@@ -6,11 +6,10 @@
 #include <filesystem>
 #include <sstream>
 
-#include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
-#include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
+#include "unit/monte_carlo.hpp"
 #include "unit/run/scaling/shard_fixture.hpp"
 #include "unit/temporary_folder.hpp"
 
@@ -72,8 +71,7 @@ TEST(Sweep, HasARowPerPointAndFollowerOfMeasurementAndTheory) {
                                       "theoretical_variance", "string_stable", "agrees"}));
   for (std::uint64_t point = 0; point < 4; ++point) {
     const Configuration configuration = sweep.configuration(point);
-    const std::vector<Moments> expected =
-        monte_carlo(configuration.model, {1, 2, 5, 2000, 512}, 1, [](std::uint64_t) {}).moments.totals();
+    const std::vector<Moments> expected = monte_carlo(configuration.model, {1, 2, 5, 512}, 2000).moments.totals();
     const ErrorMoments theory = error_moments(configuration.model, 2, 5);
     for (std::size_t vehicle = 1; vehicle <= 2; ++vehicle) {
       const std::vector<std::string>& row = table[1 + 2 * point + vehicle - 1];
@@ -165,6 +163,13 @@ TEST(Sweep, RecognizesAPointThatWasChangedInAnyByteAndThoseOfAnotherSweep) {
   std::ofstream(file, std::ios::binary) << sound;
   EXPECT_EQ(missing_points(sweep, settings).size(), 3u);
   EXPECT_THROW(missing_points(sweep_of(kText + "seed: 2\n"), settings), ConfigurationError);
+}
+
+TEST(Sweep, ReportsAPointThatCannotBeRead) {
+  const TemporaryFolder folder;
+  const SweepSettings settings = settings_of(folder);
+  std::filesystem::create_directory(point_file(folder.path(), 1));
+  EXPECT_THROW(missing_points(sweep_of(), settings), std::system_error);
 }
 
 TEST(Sweep, EndsWithAnErrorWhereAPointCannotBeWritten) {
