@@ -15,7 +15,6 @@
 #include <iostream>
 #include <optional>
 
-#include "stochastic_platoon/ros/bags/bag_reader.hpp"
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/bags/bag_writer.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"

@@ -29,7 +29,7 @@ std::function<bool(const PlatoonTopic&)> only(PlatoonTopic::Kind kind, std::size
 // The next message; none at the end.
 Position::Ptr next_of(BagStream& stream) {
   const std::optional<RecordedMessage> message = stream.next();
-  return message ? std::get<Position::Ptr>(message->content) : nullptr;
+  return message ? message->position() : nullptr;
 }
 
 // The limits of a leader with one follower.
