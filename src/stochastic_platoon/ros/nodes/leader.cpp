@@ -41,7 +41,7 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunM
       superseded_(std::move(superseded)),
       membership_(platoon, "vehicle_0", 0, [this](const Configuration& joined) { begin(joined); }),
       position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
-      orders_(platoon, [this](const LeaderOrders::Order& order) { return obey(order); }) {
+      orders_(platoon, [this]() -> Manoeuvre& { return manoeuvre(); }) {
   if (sends_input(configuration.model, 0, run_.followers))
     input_ = platoon.advertise<Position>(input_topic(0), kUnboundedQueue);
   membership_.join(configuration);
@@ -71,12 +71,12 @@ void Leader::begin(const Configuration& configuration) {
     run_state_->reporters.emplace(name, SolePublisher(platoon_.resolveName(kProgressTopic) + " of " + name));
 }
 
-std::string Leader::obey(const LeaderOrders::Order& order) {
+Manoeuvre& Leader::manoeuvre() {
   if (run_.averaging() == Averaging::over_realizations) {
     throw std::runtime_error(
         "rejected: in a run of many realizations the leader drives by the model file (leader/speed there); an endless run (live.launch, steps:=0) accepts orders");
   }
-  return order(run_state_->vehicle.manoeuvre());
+  return run_state_->vehicle.manoeuvre();
 }
 
 void Leader::receive(const ros::MessageEvent<const Progress>& event) {

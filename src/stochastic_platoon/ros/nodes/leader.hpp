@@ -39,8 +39,8 @@ public:
   Diagnostics::Fill status() const;
 
 private:
-  void begin(const Configuration& configuration);
-  std::string obey(const LeaderOrders::Order& order);
+  bool begin(const Configuration& configuration);
+  Manoeuvre& manoeuvre();
   void receive(const ros::MessageEvent<const stochastic_platoon::Progress>& event);
   void watch();
   void publish_allowed();
