@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "stochastic_platoon/ros/messages/serialized.hpp"
+#include "stochastic_platoon/run/io/xxhash64.hpp"
 
 namespace platoon {
 
