@@ -75,7 +75,7 @@ py::array_t<double> values_of(const BagSource& source, const std::string& stream
   BagStream bags(source, [&](const PlatoonTopic& topic) { return topic.kind == kind && topic.vehicle == vehicle; });
   bool is_empty = true;
   while (const std::optional<RecordedMessage> recorded = bags.next()) {
-    table.take(*std::get<stochastic_platoon::Position::Ptr>(recorded->content));
+    table.take(*recorded->position());
     is_empty = false;
   }
   if (is_empty) {

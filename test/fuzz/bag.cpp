@@ -3,8 +3,8 @@
 // reader parses every record, index and message.
 
 #include "fuzz/fuzz.hpp"
-#include "stochastic_platoon/ros/bags/bag_reader.hpp"
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
+#include "stochastic_platoon/ros/bags/bag_stream.hpp"
 
 namespace {
 
@@ -16,24 +16,30 @@ void survive(const Read& read) {
   }
 }
 
+template <typename Messages>
+void exhaust(Messages messages) {
+  while (messages.next()) {
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using platoon::Accept;
   const std::string file = platoon::fuzz::file_of(data, size);
-  platoon::BagContent content;
-  content.configuration = [](const auto&, const auto&) {};
-  content.position = [](const auto&, const auto&) {};
-  content.predecessor_position = [](const auto&, const auto&) {};
-  content.error_statistics = [](const auto&, const auto&) {};
+  const auto any_topic = [](const auto&) { return true; };
   for (const bool unverified : {false, true}) {
     for (const Accept accept : {Accept::whole, Accept::cut, Accept::damaged})
-      survive([&] { platoon::read_bags({{file}, accept, unverified}, content); });
+      survive([&] { exhaust(platoon::BagStream({{file}, accept, unverified}, any_topic)); });
     survive([&] { platoon::statistics_of_bags({{file}, Accept::cut, unverified}, {}); });
     survive([&] { platoon::recorded_leader({{file}, Accept::cut, unverified}, 3); });
   }
   survive([&] {
-    for (std::size_t chunks = 1; !platoon::read_end_of_bag(file, chunks, content);) chunks *= 4;
+    for (std::size_t chunks = 1, whole = 0; whole == 0; chunks *= 4) {
+      platoon::RecordedMessages end(file, {{file}, Accept::damaged}, any_topic);
+      whole = end.skip_to_last_chunks(chunks) ? 1 : 0;
+      exhaust(std::move(end));
+    }
   });
   return 0;
 }

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
-#include "stochastic_platoon/ros/bags/bag_reader.hpp"
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 
 namespace platoon {
 
-using stochastic_platoon::ErrorStatistics;
 using stochastic_platoon::Position;
 
 namespace {
@@ -32,31 +30,6 @@ Configuration parse_recorded(const std::string& file, const std::string& text) {
   }
 }
 
-// Finds the only run in the bags and its configuration.
-class RunFinder {
-public:
-  explicit RunFinder(std::string file) : file_(std::move(file)) {}
-
-  void take(const PlatoonTopic& topic, const std::string& text) {
-    if (found_ && text == text_ && topic.name_space == found_->name_space) return;  // a repeated latched message
-    if (found_) throw BagError(file_ + ": holds more than one run of a platoon: must hold one");
-    found_ = RecordedPlatoon{parse_recorded(file_, text), topic.name_space};
-    text_ = text;
-  }
-
-  const std::optional<RecordedPlatoon>& found() const { return found_; }
-
-  const RecordedPlatoon& require() const {
-    if (found_) return *found_;
-    throw BagError(file_ + ": holds no topic \"configuration\": it is no recording of a platoon");
-  }
-
-private:
-  std::string file_;
-  std::string text_;
-  std::optional<RecordedPlatoon> found_;
-};
-
 }  // namespace
 
 std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps) {
@@ -68,7 +41,7 @@ std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps)
   while (positions.size() < static_cast<std::size_t>(steps + 1)) {
     const std::optional<RecordedMessage> recorded = stream.next();
     if (!recorded) break;
-    const Position::ConstPtr message = std::get<Position::Ptr>(recorded->content);
+    const Position::ConstPtr message = recorded->position();
     if (message->step == kInitialStep) positions.clear();
     const std::vector<double>& all = message->position;
     if (std::any_of(all.begin(), all.end(), [&all](double position) { return position != all.front(); })) {
@@ -83,32 +56,36 @@ std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps)
 }
 
 RecordedPlatoon recorded_platoon(const BagSource& source) {
-  RunFinder finder(source.files.front());
+  const std::string& file = source.files.front();
   BagStream stream(source, [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::configuration; });
-  if (const std::optional<RecordedMessage> message = stream.next())
-    finder.take(message->topic, std::get<std::string>(message->content));
-  return finder.require();
+  const std::optional<RecordedMessage> message = stream.next();
+  if (!message) throw BagError(file + ": holds no topic \"configuration\": it is no recording of a platoon");
+  const auto& text = std::get<std::string>(message->content);
+  return {parse_recorded(file, text), message->topic.name_space, text};
 }
 
 BagStatistics statistics_of_bags(const BagSource& source,
                                  const std::function<void(std::uint64_t, std::uint64_t)>& progress,
                                  const std::optional<std::vector<std::string>>& signals) {
-  RunFinder finder(source.files.front());
-  RunReading reading(recorded_platoon(source), signals);
-  BagContent content;
-  content.configuration = [&finder](const PlatoonTopic& topic, const std::string& text) { finder.take(topic, text); };
-  content.position = [&reading](const PlatoonTopic& topic, const Position::ConstPtr& message) {
-    reading.take(topic, message);
-  };
-  content.error_statistics = [&reading](const PlatoonTopic& topic, const ErrorStatistics::ConstPtr& message) {
-    reading.take(topic, message);
-  };
-  content.progress = progress;
-  const BagRemainder remainder = read_bags(source, content);
+  using Kind = PlatoonTopic::Kind;
+  const RecordedPlatoon platoon = recorded_platoon(source);
+  RunReading reading(platoon, signals);
+  BagStream stream(source, [](const PlatoonTopic& topic) {
+    return topic.kind == Kind::position || topic.kind == Kind::error_statistics || topic.kind == Kind::configuration;
+  });
+  for (std::uint64_t count = 0; const std::optional<RecordedMessage> message = stream.next(); ++count) {
+    if (message->topic.kind != Kind::configuration) {
+      reading.take(*message);
+    } else if (std::get<std::string>(message->content) != platoon.text ||
+               message->topic.name_space != platoon.name_space) {  // a latched message may be repeated
+      throw BagError(source.files.front() + ": holds more than one run of a platoon: must hold one");
+    }
+    if (progress && count % 256 == 0) progress(stream.position(), stream.size());
+  }
+  if (progress) progress(stream.size(), stream.size());
   BagStatistics statistics = reading.statistics();
-  statistics.foreign_topics = remainder.foreign_topics;
-  if (!remainder.ending.empty())
-    statistics.findings.insert(statistics.findings.begin(), "the file " + remainder.ending);
+  statistics.foreign_topics = stream.foreign_topics();
+  if (!stream.ending().empty()) statistics.findings.insert(statistics.findings.begin(), "the file " + stream.ending());
   return statistics;
 }
 

@@ -12,7 +12,8 @@
 namespace platoon {
 
 /// The messages of a recording, one at a time, for readers that must not read ahead. Several files are read as one, in
-/// the order of their first positions. Throws BagError as read_bags() does.
+/// the order of their first positions. Throws BagError if a file is missing, is not a bag, or is in a state that
+/// `source` does not accept.
 class BagStream {
 public:
   /// Reads the topics for which `wanted` returns true.

@@ -7,8 +7,8 @@
 #include <boost/make_shared.hpp>
 #include <utility>
 
-#include "stochastic_platoon/ros/bags/message_digest.hpp"
 #include "stochastic_platoon/ros/messages/serialized.hpp"
+#include "stochastic_platoon/run/io/xxhash64.hpp"
 
 namespace platoon {
 
@@ -47,7 +47,7 @@ bool has_the_type_of(const PlatoonTopic& topic, const BagConnection& connection)
 
 template <typename Message>
 boost::shared_ptr<Message> parsed(std::string_view bytes) {
-  if (!holds_its_arrays<Message>(bytes)) throw BagDamage("a message is cut off");
+  if (!holds_its_arrays(ros::message_traits::datatype<Message>(), bytes)) throw BagDamage("a message is cut off");
   auto message = boost::make_shared<Message>();
   // IStream only reads, although it takes a non-const pointer.
   ros::serialization::IStream stream(const_cast<std::uint8_t*>(reinterpret_cast<const std::uint8_t*>(bytes.data())),
@@ -146,7 +146,7 @@ void RecordedMessages::take(const RawMessage& message) {
     if (wanted) ready_.push_back(recorded(*reading.topic, message.bytes));
     return;
   }
-  Xxhash64 hash(digest_seed(reading.digest, message.time));
+  Xxhash64 hash(reading.digest + message.time);  // as msg/Checksum.msg defines
   hash.add(message.bytes.data(), message.bytes.size());
   since_.digest += hash.value();
   ++since_.messages;

@@ -23,6 +23,11 @@ namespace platoon {
 struct RecordedMessage {
   PlatoonTopic topic;
   std::variant<std::string, stochastic_platoon::Position::Ptr, stochastic_platoon::ErrorStatistics::Ptr> content;
+
+  /// The message of a topic of positions or inputs. Throws std::bad_variant_access on other topics.
+  const stochastic_platoon::Position::Ptr& position() const {
+    return std::get<stochastic_platoon::Position::Ptr>(content);
+  }
 };
 
 /// The messages of a platoon in one bag, in its order. All of them, wanted or not, are verified by their checksums;

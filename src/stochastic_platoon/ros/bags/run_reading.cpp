@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "stochastic_platoon/ros/bags/bag_source.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 
 namespace platoon {
@@ -44,8 +43,15 @@ RunReading::RunReading(const RecordedPlatoon& platoon, const std::optional<std::
   run.signals = *signals;
 }
 
-void RunReading::take(const PlatoonTopic& topic, const Position::ConstPtr& message) {
-  if (topic.name_space != platoon_.name_space) return;
+void RunReading::take(const RecordedMessage& message) {
+  if (message.topic.name_space != platoon_.name_space) return;
+  if (message.topic.kind == PlatoonTopic::Kind::position) return take_position(message.topic, message.position());
+  const auto& figures = std::get<ErrorStatistics::Ptr>(message.content);
+  if (!figures->time_average && figures->realizations == platoon_.configuration.run.realizations)
+    figures_[figures->step] = figures;
+}
+
+void RunReading::take_position(const PlatoonTopic& topic, const Position::ConstPtr& message) {
   const std::string name = position_topic(topic.vehicle);
   if (topic.vehicle > platoon_.configuration.run.followers) return find(name, "is no vehicle of the recorded platoon");
   const MessageDescriptor descriptor = descriptor_of(*message);
@@ -58,13 +64,6 @@ void RunReading::take(const PlatoonTopic& topic, const Position::ConstPtr& messa
   const std::optional<MessageId> before = statistics_->arrivals().latest(topic.vehicle);
   const DropReason drop = statistics_->take(topic.vehicle, descriptor, positions_of(message));
   if (drop != DropReason::none && drop != DropReason::stale) find(name, described(drop, descriptor.id, before));
-}
-
-void RunReading::take(const PlatoonTopic& topic, const ErrorStatistics::ConstPtr& message) {
-  const RunOptions& run = platoon_.configuration.run;
-  if (topic.name_space != platoon_.name_space || message->time_average || message->realizations != run.realizations)
-    return;
-  figures_[message->step] = message;
 }
 
 BagStatistics RunReading::statistics() {

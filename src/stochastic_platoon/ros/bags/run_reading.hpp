@@ -1,8 +1,5 @@
 #pragma once
 
-#include <stochastic_platoon/ErrorStatistics.h>
-#include <stochastic_platoon/Position.h>
-
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -11,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/ros/bags/recorded_messages.hpp"
 #include "stochastic_platoon/run/results/run_statistics.hpp"
 
 namespace platoon {
@@ -20,6 +17,7 @@ namespace platoon {
 struct RecordedPlatoon {
   Configuration configuration;
   std::string name_space;  ///< of its platoon, "/platoon"
+  std::string text;        ///< its configuration as recorded
 };
 
 /// Statistics and findings from a bag's positions.
@@ -40,9 +38,8 @@ public:
   explicit RunReading(const RecordedPlatoon& platoon,
                       const std::optional<std::vector<std::string>>& signals = std::nullopt);
 
-  /// Takes messages in the order of the recorded times.
-  void take(const PlatoonTopic& topic, const stochastic_platoon::Position::ConstPtr& message);
-  void take(const PlatoonTopic& topic, const stochastic_platoon::ErrorStatistics::ConstPtr& message);
+  /// Takes positions of vehicles and error statistics in the order of the recorded times.
+  void take(const RecordedMessage& message);
 
   /// Statistics and findings of the messages taken. Throws BagError if there are no positions from a step -1 on.
   BagStatistics statistics();
@@ -52,6 +49,7 @@ public:
   std::vector<std::string> changed_figures() const;
 
 private:
+  void take_position(const PlatoonTopic& topic, const stochastic_platoon::Position::ConstPtr& message);
   void find_missing(const Arrivals& arrivals);
   void find(const std::string& topic, const std::string& what);
 

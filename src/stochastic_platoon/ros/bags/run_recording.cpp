@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 
 namespace platoon {
@@ -13,6 +14,10 @@ using stochastic_platoon::Position;
 namespace {
 
 constexpr char kRecoveredSuffix[] = ".recovered";
+
+bool any_topic(const PlatoonTopic&) {
+  return true;
+}
 
 // All realizations before the returned one are recorded if `id` is the latest message of a stream.
 std::uint64_t whole_before(const BatchSchedule& schedule, const MessageId& id) {
@@ -95,15 +100,10 @@ void RunRecording::take(std::size_t stream, const Message& message) {
   partial_ = true;
 }
 
-// Messages of other platoons and vehicles do not belong to this recording.
-void RunRecording::read_streams(BagContent& content,
-                                const std::function<void(std::size_t, const Message&)>& take) const {
-  const auto read = [this, take](const PlatoonTopic& topic, const Message& message) {
-    const auto stream = streams_.find({topic.kind, topic.vehicle});
-    if (stream != streams_.end()) take(stream->second, message);
-  };
-  for (auto* of_kind : {&content.position, &content.predecessor_position, &content.input, &content.predecessor_input})
-    *of_kind = read;
+// None if the topic is no stream of this recording.
+std::optional<std::size_t> RunRecording::stream_of(const PlatoonTopic& topic) const {
+  const auto stream = streams_.find({topic.kind, topic.vehicle});
+  return stream != streams_.end() ? std::make_optional(stream->second) : std::nullopt;
 }
 
 void RunRecording::restarted() {
@@ -185,25 +185,37 @@ void RunRecording::recover() {
   std::filesystem::rename(active, put_aside_.back());
 }
 
+// Throws ConfigurationError unless the configuration in an unfinished file is of this launch.
+void RunRecording::require_same_launch(const std::string& file, const std::string& configuration) const {
+  if (parse_configuration(configuration).run.launch_id == configuration_.run.launch_id) return;
+  throw ConfigurationError(
+      {"record: " + file +
+       ": is the unfinished recording of another run: must be another name, or that file moved away"});
+}
+
 // Finds the last whole batch of a file from the latest message of each stream: steps are written in their order, and
 // whole batches are not recorded again. Returns whether the file adds anything to the files before it.
 bool RunRecording::take_over(const std::string& file) {
   if (std::filesystem::file_size(file) == 0) return false;  // killed before its first byte
   const BatchSchedule schedule = configuration_.run.schedule();
   std::vector<std::optional<MessageId>> latest(topics_.size());
-  BagContent content;
-  content.configuration = [&](const PlatoonTopic&, const std::string& text) {
-    if (parse_configuration(text).run.launch_id == configuration_.run.launch_id) return;
-    throw ConfigurationError(
-        {"record: " + file +
-         ": is the unfinished recording of another run: must be another name, or that file moved away"});
+  const auto misses_a_stream = [&latest] {
+    return std::any_of(latest.begin(), latest.end(), [](const auto& id) { return !id; });
   };
-  read_streams(content, [&](std::size_t stream, const Message& message) { latest[stream] = id_of(*message); });
-  content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) { receive(*message); };
-  const auto all = [&] {
-    return std::all_of(latest.begin(), latest.end(), [](const auto& id) { return id.has_value(); });
-  };
-  for (std::size_t chunks = 1; !read_end_of_bag(file, chunks, content) && !all();) chunks *= 4;
+  bool whole = false;
+  for (std::size_t chunks = 1; !whole && misses_a_stream(); chunks *= 4) {
+    RecordedMessages end(file, {{file}, Accept::damaged}, any_topic);
+    whole = end.skip_to_last_chunks(chunks);
+    while (const std::optional<RecordedMessage> message = end.next()) {
+      if (const std::optional<std::size_t> stream = stream_of(message->topic)) {
+        latest[*stream] = id_of(*message->position());
+      } else if (message->topic.kind == PlatoonTopic::Kind::error_statistics) {
+        receive(*std::get<ErrorStatistics::Ptr>(message->content));
+      } else if (message->topic.kind == PlatoonTopic::Kind::configuration) {
+        require_same_launch(file, std::get<std::string>(message->content));
+      }
+    }
+  }
 
   std::uint64_t committed = configuration_.run.realizations;
   std::uint32_t attempt = arrivals_.attempt();
@@ -227,29 +239,36 @@ void RunRecording::rewrite() {
 
   // A batch is complete in its latest recorded attempt. In an endless run all attempts count.
   std::map<std::uint64_t, std::uint32_t> last_attempt;  // by first realization
-  BagContent content;
-  content.position = [&](const PlatoonTopic&, const Message& message) {
-    std::uint32_t& attempt = last_attempt[message->first_realization];
-    attempt = std::max(attempt, message->attempt);
-  };
-  if (!schedule.endless()) {
-    for (const std::string& file : files) read_bags({{file}, Accept::damaged}, content);
+  for (const std::string& file : files) {
+    if (schedule.endless()) break;
+    BagStream positions({{file}, Accept::damaged},
+                        [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::position; });
+    while (const std::optional<RecordedMessage> message = positions.next()) {
+      std::uint32_t& attempt = last_attempt[message->position()->first_realization];
+      attempt = std::max(attempt, message->position()->attempt);
+    }
   }
 
   recording_ = record_to(kRecoveredSuffix);
   Arrivals copied(schedule, topics_.size(), part_begin_, 0);
-  read_streams(content, [&](std::size_t stream, const Message& message) {
-    if (!schedule.endless() && last_attempt[message->first_realization] != message->attempt) return;
-    const MessageDescriptor descriptor = descriptor_of(*message);
+  const auto copy = [&](std::size_t stream, const Position& message) {
+    if (!schedule.endless() && last_attempt[message.first_realization] != message.attempt) return;
+    const MessageDescriptor descriptor = descriptor_of(message);
     if (copied.admit(stream, descriptor) != DropReason::none) return;
-    recording_->write(topics_[stream], *message);
-    if (stream + 1 == topics_.size()) recording_->end_step(schedule.is_last_step(message->step));
+    recording_->write(topics_[stream], message);
+    if (stream + 1 == topics_.size()) recording_->end_step(schedule.is_last_step(message.step));
     copied.count(stream, descriptor);
-  });
-  content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr& message) {
-    recording_->write(name_space_ + "/error_statistics", *message);
   };
-  for (const std::string& file : files) read_bags({{file}, Accept::damaged}, content);
+  for (const std::string& file : files) {
+    BagStream messages({{file}, Accept::damaged}, any_topic);
+    while (const std::optional<RecordedMessage> message = messages.next()) {
+      if (const std::optional<std::size_t> stream = stream_of(message->topic)) {
+        copy(*stream, *message->position());
+      } else if (message->topic.kind == PlatoonTopic::Kind::error_statistics) {
+        recording_->write(name_space_ + "/error_statistics", *std::get<ErrorStatistics::Ptr>(message->content));
+      }
+    }
+  }
 
   // Crash-safe order: duplicates are possible, loss and gaps in the file numbers are not.
   recording_->set_suffix(kActiveSuffix);

@@ -1,15 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "stochastic_platoon/ros/bags/bag_reader.hpp"
 #include "stochastic_platoon/ros/bags/bag_writer.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/delivery/arrivals.hpp"
 
@@ -62,12 +62,13 @@ private:
     std::size_t arrived = 0;
   };
   void take(std::size_t stream, const Message& message);
-  void read_streams(BagContent& content, const std::function<void(std::size_t, const Message&)>& take) const;
+  std::optional<std::size_t> stream_of(const PlatoonTopic& topic) const;
   void restarted();
   void batch_complete();
   bool complete_file();
   void recover();
   bool take_over(const std::string& file);
+  void require_same_launch(const std::string& file, const std::string& configuration) const;
   void rewrite();
   std::string name_of_part(std::size_t part) const;
   std::string next_put_aside() const;

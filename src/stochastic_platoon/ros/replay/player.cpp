@@ -10,7 +10,6 @@
 
 namespace platoon {
 
-using stochastic_platoon::ErrorStatistics;
 using stochastic_platoon::Position;
 using stochastic_platoon::Progress;
 
@@ -36,7 +35,7 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Conf
   for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
     positions_[i] = platoon.advertise<Position>(position_topic(i), kUnboundedQueue);
   }
-  if (upcoming_) first_stamp_ = upcoming_->message->header.stamp;
+  if (upcoming_) first_stamp_ = upcoming_->position()->header.stamp;
   const boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)> set_paused =
       [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
         if (began_ && paused_at_ && !request.data) *began_ += now() - *paused_at_;
@@ -79,26 +78,24 @@ bool Player::may_publish(const Position& message) const {
 void Player::play() {
   if (!heard_ || paused_at_) return;
   if (!began_) began_ = last_progress_ = now();
-  while (upcoming_ && may_publish(*upcoming_->message)) {
+  while (upcoming_ && may_publish(*upcoming_->position())) {
     const auto position = positions_.find(upcoming_->topic.vehicle);
-    const bool left_out = since_first(*upcoming_->message) < options_.start;
-    const RecordedPosition due = *upcoming_;
-    reading_.take(due.topic, due.message);
+    const bool left_out = since_first(*upcoming_->position()) < options_.start;
+    const RecordedMessage due = *upcoming_;
+    reading_.take(due);
     upcoming_ = next();
     if (!upcoming_) require_as_recorded();
-    due.message->run = run_;
-    if (position != positions_.end() && !left_out) position->second.publish(due.message);
+    due.position()->run = run_;
+    if (position != positions_.end() && !left_out) position->second.publish(due.position());
   }
 }
 
 // The next position. Statistics before it are kept for the comparison at the end.
-std::optional<RecordedPosition> Player::next() {
-  while (const std::optional<RecordedMessage> message = stream_.next()) {
-    if (message->topic.kind == PlatoonTopic::Kind::position)
-      return RecordedPosition{message->topic, std::get<Position::Ptr>(message->content)};
-    reading_.take(message->topic, std::get<ErrorStatistics::Ptr>(message->content));
-  }
-  return std::nullopt;
+std::optional<RecordedMessage> Player::next() {
+  std::optional<RecordedMessage> message = stream_.next();
+  for (; message && message->topic.kind != PlatoonTopic::Kind::position; message = stream_.next())
+    reading_.take(*message);
+  return message;
 }
 
 void Player::require_as_recorded() const {

@@ -15,12 +15,6 @@
 
 namespace platoon {
 
-/// One recorded message of a vehicle.
-struct RecordedPosition {
-  PlatoonTopic topic;
-  stochastic_platoon::Position::Ptr message;
-};
-
 struct PlayerOptions {
   BagSource bags;
   double rate = 0.0;    ///< platoon time per wall time; 0: as fast as the monitor takes it
@@ -44,7 +38,7 @@ public:
 private:
   void receive(const stochastic_platoon::Progress::ConstPtr& message);
   void play();
-  std::optional<RecordedPosition> next();
+  std::optional<RecordedMessage> next();
   void require_as_recorded() const;
   double since_first(const stochastic_platoon::Position& message) const;
   bool may_publish(const stochastic_platoon::Position& message) const;
@@ -54,8 +48,8 @@ private:
   std::int64_t window_;
   PlayerOptions options_;
   BagStream stream_;
-  RunReading reading_;  ///< of all messages read, published or not
-  std::optional<RecordedPosition> upcoming_;
+  RunReading reading_;                               ///< of all messages read, published or not
+  std::optional<RecordedMessage> upcoming_;          ///< a position
   std::map<std::size_t, ros::Publisher> positions_;  ///< by vehicle
   bool heard_ = false;                               ///< the monitor has reported
   std::int64_t acknowledged_ = 0;                    ///< steps

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "stochastic_platoon/ros/bags/bag_reader.hpp"
+#include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "unit/paper_run.hpp"
 #include "unit/temporary_folder.hpp"
 
@@ -69,17 +69,21 @@ protected:
     recorder->abandon();
   }
 
+  static bool is_position(const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::position; }
+
   // The places of the positions of vehicle 0 in the file, in its order.
   std::vector<Place> places_in(const std::string& file) const {
     std::vector<Place> places;
     std::size_t messages = 0;
-    BagContent content;
-    content.position = [&](const PlatoonTopic& topic, const Position::ConstPtr& message) {
+    BagStream stream({{file}, Accept::damaged}, [](const PlatoonTopic& topic) {
+      return is_position(topic) || topic.kind == PlatoonTopic::Kind::predecessor_position;
+    });
+    while (const std::optional<RecordedMessage> recorded = stream.next()) {
       ++messages;
-      if (topic.vehicle == 0) places.emplace_back(message->attempt, message->first_realization, message->step);
-    };
-    content.predecessor_position = [&](const PlatoonTopic&, const Position::ConstPtr&) { ++messages; };
-    read_bags({{file}, Accept::damaged}, content);
+      const Position& message = *recorded->position();
+      if (is_position(recorded->topic) && recorded->topic.vehicle == 0)
+        places.emplace_back(message.attempt, message.first_realization, message.step);
+    }
     EXPECT_EQ(messages, kStreams * places.size());
     return places;
   }
@@ -247,9 +251,9 @@ TEST_F(RunRecordingTest, ReadsOnlyTheEndOfWhatItGoesOnBehind) {
     content.replace(at + (compression == "lz4" ? 60 : 0), 3, "xxx");
     folder.file("run.bag.active", content);
     std::size_t messages = 0;
-    BagContent positions;
-    positions.position = [&messages](const PlatoonTopic&, const Position::ConstPtr&) { ++messages; };
-    EXPECT_NE(read_bags({{active}, Accept::damaged}, positions).ending, "");
+    BagStream positions({{active}, Accept::damaged}, is_position);
+    while (positions.next()) ++messages;
+    EXPECT_NE(positions.ending(), "");
     EXPECT_LT(messages, 3u * 3u * 4u) << compression;  // vehicles, batches, steps
 
     const RunRecording recorder(configuration, "/platoon");
@@ -319,11 +323,8 @@ TEST_F(RunRecordingTest, StoppedInAnEndlessRunPutsAllAttemptsTogether) {
   recorder.stop();
   EXPECT_EQ(folder_.entries(), std::vector<std::string>{"run.bag.active"});
   std::set<std::uint32_t> attempts;
-  BagContent content;
-  content.position = [&attempts](const PlatoonTopic&, const Position::ConstPtr& message) {
-    attempts.insert(message->attempt);
-  };
-  EXPECT_NO_THROW(read_bags({{bag_ + ".active"}}, content));
+  BagStream positions({{bag_ + ".active"}}, is_position);
+  while (const std::optional<RecordedMessage> message = positions.next()) attempts.insert(message->position()->attempt);
   EXPECT_EQ(attempts, (std::set<std::uint32_t>{1, 2, 3}));
 }
 

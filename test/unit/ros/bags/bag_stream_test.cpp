@@ -1,4 +1,4 @@
-#include "stochastic_platoon/ros/bags/bag_reader.hpp"
+#include "stochastic_platoon/ros/bags/bag_stream.hpp"
 
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
@@ -23,7 +23,7 @@ const std::string kPosition = "/platoon/vehicle_1/position", kReceived = "/plato
                   kConfiguration = "/platoon/configuration";
 
 /// Recordings of a vehicle's positions and its received positions, in batches of three steps.
-class BagReaderTest : public testing::Test {
+class BagStreamTest : public testing::Test {
 protected:
   // Records kSteps steps from `first` on, with `size` positions each; returns the file name.
   std::string record(const std::string& name, const std::string& compression, std::int64_t first = 0,
@@ -48,23 +48,31 @@ protected:
   struct Found {
     std::vector<std::int64_t> positions, received;
     std::size_t others = 0;
-    BagRemainder remainder;
+    std::set<std::string> foreign_topics = {};
+    std::string ending = {};
   };
 
-  static Found read(const BagSource& source) {
+  // `Messages`: a BagStream or RecordedMessages.
+  template <typename Messages>
+  static Found read_all(Messages messages) {
     Found found;
-    BagContent content;
-    content.position = [&](const PlatoonTopic&, const Position::ConstPtr& message) {
-      found.positions.push_back(message->step);
-    };
-    content.predecessor_position = [&](const PlatoonTopic&, const Position::ConstPtr& message) {
-      found.received.push_back(message->step);
-    };
-    content.configuration = [&](const PlatoonTopic&, const std::string&) { ++found.others; };
-    content.error_statistics = [&](const PlatoonTopic&, const ErrorStatistics::ConstPtr&) { ++found.others; };
-    found.remainder = read_bags(source, content);
+    while (const std::optional<RecordedMessage> message = messages.next()) {
+      if (message->topic.kind == PlatoonTopic::Kind::position) {
+        found.positions.push_back(message->position()->step);
+      } else if (message->topic.kind == PlatoonTopic::Kind::predecessor_position) {
+        found.received.push_back(message->position()->step);
+      } else {
+        ++found.others;
+      }
+    }
+    found.foreign_topics = messages.foreign_topics();
+    found.ending = messages.ending();
     return found;
   }
+
+  static bool any_topic(const PlatoonTopic&) { return true; }
+
+  static Found read(const BagSource& source) { return read_all(BagStream(source, any_topic)); }
 
   static std::string reason_to_refuse(const BagSource& source) {
     try {
@@ -97,7 +105,7 @@ protected:
   TemporaryFolder folder_;
 };
 
-TEST_F(BagReaderTest, ReadsWhatWasWritten) {
+TEST_F(BagStreamTest, ReadsWhatWasWritten) {
   for (const char* compression : {"none", "lz4"}) {
     const Found found = read({{record("run.bag", compression)}});
     EXPECT_EQ(found.positions, steps(kSteps)) << compression;
@@ -107,7 +115,7 @@ TEST_F(BagReaderTest, ReadsWhatWasWritten) {
 }
 
 // 509 is coprime to the period of repeated contents in bits. A copy in lz4 may begin elsewhere in the same bytes.
-TEST_F(BagReaderTest, RefusesAFileWithAFlippedBitThatChangesAMessage) {
+TEST_F(BagStreamTest, RefusesAFileWithAFlippedBitThatChangesAMessage) {
   for (const char* compression : {"none", "lz4"}) {
     const std::string file = record("run.bag", compression), content = content_of(file);
     for (std::size_t bit = 0; bit < 8 * content.size(); bit += 509) {
@@ -128,7 +136,7 @@ TEST_F(BagReaderTest, RefusesAFileWithAFlippedBitThatChangesAMessage) {
 }
 
 // rosbag uses these values as offsets within the chunk.
-TEST_F(BagReaderTest, RefusesAFileWithAnyFlippedBitInItsIndex) {
+TEST_F(BagStreamTest, RefusesAFileWithAnyFlippedBitInItsIndex) {
   const std::string file = record("run.bag", "none"), content = content_of(file);
   const std::size_t index = content.find("count=", 4200);  // after the header of the file and the chunk
   ASSERT_NE(index, std::string::npos);
@@ -139,7 +147,7 @@ TEST_F(BagReaderTest, RefusesAFileWithAnyFlippedBitInItsIndex) {
   }
 }
 
-TEST_F(BagReaderTest, ReadsWholeStepsOfAFileThatIsCutAnywhere) {
+TEST_F(BagStreamTest, ReadsWholeStepsOfAFileThatIsCutAnywhere) {
   for (const char* compression : {"none", "lz4"}) {
     const std::string content = content_of(record("run.bag", compression));
     std::size_t before = 0;
@@ -147,7 +155,7 @@ TEST_F(BagReaderTest, ReadsWholeStepsOfAFileThatIsCutAnywhere) {
       const std::string cut = folder_.file("cut.bag", content.substr(0, size));
       EXPECT_NE(reason_to_refuse({{cut}}), "") << compression << ", byte " << size;
       const Found found = read({{cut}, Accept::cut});
-      EXPECT_NE(found.remainder.ending, "") << compression << ", byte " << size;
+      EXPECT_NE(found.ending, "") << compression << ", byte " << size;
       EXPECT_EQ(found.positions, steps(static_cast<std::int64_t>(found.positions.size())));
       EXPECT_EQ(found.received, found.positions);
       EXPECT_EQ(found.positions.size() % 3, 0u) << "checksums are behind three steps";
@@ -158,7 +166,7 @@ TEST_F(BagReaderTest, ReadsWholeStepsOfAFileThatIsCutAnywhere) {
   }
 }
 
-TEST_F(BagReaderTest, OfDamageReadsWhatIsBeforeItIfAsked) {
+TEST_F(BagStreamTest, OfDamageReadsWhatIsBeforeItIfAsked) {
   const std::string file = record("run.bag", "none", 0, 5000);
   std::string content = content_of(file);
   const double middle = 0.5;  // the position of step 5
@@ -168,19 +176,19 @@ TEST_F(BagReaderTest, OfDamageReadsWhatIsBeforeItIfAsked) {
   const std::string bent = folder_.file("bent.bag", content);
   EXPECT_NE(reason_to_refuse({{bent}, Accept::cut}), "");
   const Found found = read({{bent}, Accept::damaged});
-  EXPECT_NE(found.remainder.ending.find("is damaged"), std::string::npos);
+  EXPECT_NE(found.ending.find("is damaged"), std::string::npos);
   EXPECT_EQ(found.positions, steps(static_cast<std::int64_t>(found.positions.size())));
   EXPECT_GE(found.positions.size(), 3u);
   EXPECT_LE(found.positions.size(), 5u);
 }
 
-TEST_F(BagReaderTest, ReadsSeveralFilesInTheOrderOfTheirTimes) {
+TEST_F(BagStreamTest, ReadsSeveralFilesInTheOrderOfTheirTimes) {
   const std::string first = record("run_2.bag", "none"), second = record("run_10.bag", "lz4", kSteps);
   const Found found = read({{second, first}});
   EXPECT_EQ(found.positions, steps(2 * kSteps));
 }
 
-TEST_F(BagReaderTest, RefusesAFileWithoutChecksumsUnlessItMayBeUnverified) {
+TEST_F(BagStreamTest, RefusesAFileWithoutChecksumsUnlessItMayBeUnverified) {
   const std::string file = folder_ / "plain.bag";
   rosbag::Bag bag(file, rosbag::bagmode::Write);
   std_msgs::String configuration;
@@ -192,32 +200,28 @@ TEST_F(BagReaderTest, RefusesAFileWithoutChecksumsUnlessItMayBeUnverified) {
   EXPECT_EQ(read({{file}, Accept::whole, true}).positions.size(), 1u);
 }
 
-TEST_F(BagReaderTest, RefusesMessagesBehindTheLastChecksum) {
+TEST_F(BagStreamTest, RefusesMessagesBehindTheLastChecksum) {
   const std::string file = record("run.bag", "none");
   rosbag::Bag bag(file, rosbag::bagmode::Append);
   bag.write("/chatter", ros::Time(200.0), std_msgs::String());
   bag.close();
-  EXPECT_EQ(read({{file}}).remainder.foreign_topics, std::set<std::string>{"/chatter"});
+  EXPECT_EQ(read({{file}}).foreign_topics, std::set<std::string>{"/chatter"});
   bag.open(file, rosbag::bagmode::Append);
   bag.write(kPosition, ros::Time(200.0), Position());
   bag.close();
   EXPECT_NE(reason_to_refuse({{file}}).find("its last messages have no checksum"), std::string::npos);
 }
 
-TEST_F(BagReaderTest, OfTheEndOfAFileReadsTheConfigurationAndTheLastSteps) {
+TEST_F(BagStreamTest, OfTheEndOfAFileReadsTheConfigurationAndTheLastSteps) {
   const std::string file = record("run.bag", "none", 0, 100000);  // a chunk for each step
-  Found found;
-  BagContent content;
-  content.position = [&](const PlatoonTopic&, const Position::ConstPtr& message) {
-    found.positions.push_back(message->step);
-  };
-  content.configuration = [&](const PlatoonTopic&, const std::string&) { ++found.others; };
-  EXPECT_FALSE(read_end_of_bag(file, 3, content));
-  EXPECT_EQ(found.others, 1u);
+  RecordedMessages messages(file, {{file}, Accept::damaged}, any_topic);
+  EXPECT_FALSE(messages.skip_to_last_chunks(3));
+  const Found found = read_all(std::move(messages));
+  EXPECT_EQ(found.others, 2u);
   ASSERT_FALSE(found.positions.empty());
   EXPECT_GT(found.positions.front(), kSteps / 2);
   EXPECT_EQ(found.positions.back(), kSteps - 1);
-  EXPECT_TRUE(read_end_of_bag(file, 1000, content));
+  EXPECT_TRUE(RecordedMessages(file, {{file}, Accept::damaged}, any_topic).skip_to_last_chunks(1000));
 }
 
 }  // namespace
