@@ -5,18 +5,17 @@
 #include <pybind11/stl.h>
 
 #include <exception>
-#include <optional>
 #include <thread>
 
 #include "python/convert.hpp"
 #include "python/model.hpp"
-#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/analysis.hpp"
 #include "stochastic_platoon/run/report/stability_sweep.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/results/trajectories_csv.hpp"
 #include "stochastic_platoon/run/scaling/whole_run.hpp"
@@ -70,12 +69,12 @@ py::tuple analyze_model(const Model& model, const Settings& settings, const std:
   return py::make_tuple(object_of(document), text);
 }
 
-py::dict stability_map(const Model& model, const SweepAxes& axes) {
-  const PlatoonModel own = model.model();
+py::dict stability_map(const Model& model, const std::vector<double>& headways, const std::vector<double>& gains,
+                       const std::vector<double>& losses, const std::vector<double>& bursts) {
   CsvTable table;
   {
     const py::gil_scoped_release unlocked;
-    table = parse_csv(to_csv(sweep(own, axes)), "map");
+    table = parse_csv(to_csv(sweep(model.model(), {headways, gains, losses, bursts})), "map");
   }
   return dict_of(std::move(table));
 }
@@ -109,8 +108,7 @@ py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads
     }
   }
   interruptions.rethrow();
-  py::tuple result = tuple_of(std::move(tables));
-  return py::make_tuple(result[0], result[1], text);
+  return py::make_tuple(plain_object_of(tables.summary), dict_of(std::move(tables.tables)), text);
 }
 
 py::dict trajectories_of(const Model& model, const Settings& settings, std::uint64_t realization) {
@@ -155,11 +153,6 @@ PYBIND11_MODULE(_platoon, module) {
   register_exceptions();
   module.attr("version") = kVersion;
   module.def("shipped_file", &shipped_file, py::arg("name"), py::arg("folder"));
-  module.def("signal_names", [] {
-    std::vector<std::string> names;
-    for (const SignalKind& kind : signal_kinds()) names.emplace_back(kind.name);
-    return names;
-  });
 
   py::class_<Model>(module, "Model")
       .def_static("load", &Model::load, py::arg("file"))
@@ -171,10 +164,6 @@ PYBIND11_MODULE(_platoon, module) {
       .def_property_readonly("sample_period", [](const Model& model) { return model.model().sample_period; })
       .def_property_readonly("is_homogeneous", [](const Model& model) { return is_homogeneous(model.model()); });
 
-  py::class_<SweepAxes>(module, "SweepAxes")
-      .def(py::init<std::vector<double>, std::vector<double>, std::vector<double>, std::vector<double>>(),
-           py::arg("headway"), py::arg("gain"), py::arg("loss"), py::arg("mean_burst"));
-
   module.def("parse_configuration", [](const std::string& text) {
     const Configuration configuration = parse_configuration(text);
     const nlohmann::json document = to_json(configuration);
@@ -182,12 +171,15 @@ PYBIND11_MODULE(_platoon, module) {
   });
   module.def("analyze", &analyze_model, py::arg("model"), py::arg("settings"), py::arg("signals"),
              py::arg("collision_probability"));
-  module.def("stability_map", &stability_map, py::arg("model"), py::arg("axes"));
+  module.def("stability_map", &stability_map, py::arg("model"), py::arg("headway"), py::arg("gain"), py::arg("loss"),
+             py::arg("mean_burst"));
   module.def("monte_carlo", &monte_carlo_of, py::arg("model"), py::arg("settings"), py::arg("threads"),
              py::arg("checkpoint_seconds"), py::arg("progress"), py::arg("warn"));
   module.def("trajectories", &trajectories_of, py::arg("model"), py::arg("settings"), py::arg("realization"));
   module.def("read_results", [](const std::string& folder) {
-    return tuple_of(parse_results([&](const std::string& name) { return read_file(folder + "/" + name); }, folder));
+    ResultTables results =
+        parse_results([&](const std::string& name) { return read_file(folder + "/" + name); }, folder);
+    return py::make_tuple(plain_object_of(results.summary), dict_of(std::move(results.tables)));
   });
   module.def("read_table", [](const std::string& file) { return dict_of(parse_csv(read_file(file), file)); });
   module.def("read_json", &json_of, py::arg("file"));

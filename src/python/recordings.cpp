@@ -9,6 +9,7 @@
 #include "python/convert.hpp"
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 
 namespace platoon::python {
@@ -104,8 +105,7 @@ py::tuple results_of(const BagSource& source, const std::optional<std::vector<st
     text = report(configuration, prediction, statistics.result);
     findings = statistics.findings;
   }
-  const py::tuple result = tuple_of(std::move(tables));
-  return py::make_tuple(result[0], result[1], text, findings);
+  return py::make_tuple(plain_object_of(tables.summary), dict_of(std::move(tables.tables)), text, findings);
 }
 
 }  // namespace
