@@ -10,7 +10,7 @@ import numpy as np
 import stochastic_platoon as sp
 from matplotlib.figure import Figure
 
-from plotting import style
+from plotting import files
 
 PERIOD = 2.0  # [s] from one figure to the next, at least
 
@@ -48,7 +48,7 @@ def follow(namespace: str, draw: Callable[[List[sp.Results]], Figure], stem: str
         with state.lock:
             configuration, overview = state.configuration, state.overview
         if configuration and overview is not None and overview is not drawn and np.isfinite(overview.variance).any():
-            paths = style.save(draw([results_of(configuration, overview)]), stem)
+            paths = files.save(draw([results_of(configuration, overview)]), stem)
             if drawn is None:
                 print("\n".join(paths), flush=True)
             drawn = overview

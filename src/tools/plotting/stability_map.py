@@ -48,34 +48,30 @@ def draw(given: sp.StabilityMap) -> Figure:
     if np.nanmax(stability.spectral_radius) > 1.0:
         axes.contourf(stability.xs, stability.ys, stability.spectral_radius,
                       levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
-    # Undefined: not mean square stable, so no finite variance exists.
-    # Impossible: no Markov chain has these losses, so no loop exists.
-    impossible = np.isnan(stability.spectral_radius)
-    undefined = np.isnan(stability.peak_gain) & ~(stability.spectral_radius >= 1.0) & ~impossible
-    for region, hatch in ((undefined, "\\\\\\\\"), (impossible, "..")):
+    impossible = np.isnan(stability.spectral_radius)  # no Markov chain has these losses, so no loop exists
+    undefined = np.isnan(stability.peak_gain) & ~(stability.spectral_radius >= 1.0) & ~impossible  # no finite variance exists
+    entries = [style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border")]
+    for region, hatch, label in ((undefined, "\\\\\\\\", "not mean square stable"), (impossible, "..", "no such losses: $b < q / (1 - q)$")):
         if region.any():
             axes.contourf(stability.xs, stability.ys, region.astype(float), levels=[0.5, 1.5], colors="white", hatches=[hatch])
+            entries.append(hatched(hatch, label))
     draw_border(axes, stability)
-    of_paper = stability.up == "gain"
-    if of_paper:
+    if stability.up == "gain":
         mark_paper_points(axes, stability)
+        entries = entries[:1] + [hatched("////", "loop unstable, $\\rho(A) \\geq 1$"),
+                                 style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
+                                                    label="the paper's example")]
     axes.set_xlim(stability.xs[0], stability.xs[-1])
     axes.set_ylim(stability.ys[0], stability.ys[-1])
     axes.set_xlabel(LABELS[stability.over])
     axes.set_ylabel(LABELS[stability.up])
-    entries = [style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border")]
-    if of_paper:
-        entries += [Patch(facecolor="white", edgecolor="#9a9a9a", hatch="////", label="loop unstable, $\\rho(A) \\geq 1$"),
-                    style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
-                                       label="the paper's example")]
-    for region, hatch, label in ((undefined, "\\\\\\\\", "not mean square stable"), (impossible, "..", "no such losses: $b < q / (1 - q)$")):
-        if region.any() and not of_paper:
-            entries.append(Patch(facecolor="white", edgecolor="#9a9a9a", hatch=hatch, label=label))
-    axes.legend(
-        handles=entries,
-        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False, columnspacing=1.0, handlelength=1.5,
-        handletextpad=0.5)
+    axes.legend(handles=entries, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False, columnspacing=1.0, handlelength=1.5,
+                handletextpad=0.5)
     return figure
+
+
+def hatched(hatch: str, label: str) -> Patch:
+    return Patch(facecolor="white", edgecolor="#9a9a9a", hatch=hatch, label=label)
 
 
 def draw_peaks(figure: Figure, axes: Axes, stability: sp.StabilityMap) -> None:
