@@ -33,16 +33,13 @@ def follow(namespace: str, draw: Callable[[List[sp.Results]], Figure], stem: str
     try:
         import rosgraph
         import rospy
-        from watching.listening import listen
-        from watching.state import PlatoonState
+        from watching.listening import observe
     except ImportError as error:
         raise ValueError("--follow: {}: needs ROS: . devel/setup.bash first".format(error)) from None
-    if not rosgraph.is_master_online():
-        raise ValueError("--follow: there is no ROS master at {}: launch a platoon, or set ROS_MASTER_URI"
-                         .format(rosgraph.get_master_uri()))
-    rospy.init_node("plot", anonymous=True, disable_rosout=True)
-    state = PlatoonState(namespace=namespace)
-    listen(state, "/{}/".format(namespace), snapshots=False)
+    try:
+        state = observe("plot", namespace)
+    except ValueError as error:
+        raise ValueError("--follow: {}".format(error)) from None
     drawn = None
     while not rospy.is_shutdown() and rosgraph.is_master_online():
         with state.lock:
