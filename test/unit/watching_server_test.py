@@ -199,7 +199,7 @@ class Ordered(unittest.TestCase):
         self.assertEqual(self.published, [])
 
     def test_a_speed_is_refused_where_the_leader_takes_none(self):
-        for known, words in (({"endless": False}, "rejected: in a run of many realizations"), (None, "nothing is known of a run yet")):
+        for known, words in (({"endless": False}, "rejected: in a run of many realizations"), (None, "no run is known yet")):
             self.state.configuration = known
             success, message = self.commands.obey({"command": "speed", "speed": 20})
             self.assertFalse(success)

@@ -67,7 +67,7 @@ class Commands:
         # The leader receives its speed on a topic, which returns no answer: check here whether it accepts one.
         configuration = self.state.configuration
         if configuration is None:
-            return False, "speed: nothing is known of a run yet: try again when the platoon has begun"
+            return False, "speed: no run is known yet: try again when the platoon has started"
         if not configuration["endless"]:
             return False, ("speed: rejected: in a run of many realizations the leader drives by the model file (leader/speed there); an endless "
                            "run (live.launch, steps:=0) accepts orders")

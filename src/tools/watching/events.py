@@ -68,7 +68,7 @@ class EventLog:
         return began_again
 
     def add_restart(self, before: Any, now: Any) -> None:
-        """Adds a restart. A stalled platoon begins again every few seconds: consecutive attempts without progress are one event."""
+        """Adds a restart. A stalled platoon restarts every few seconds: consecutive attempts without progress are one event."""
         step = before.step[-1] if now.time_average else None
         latest = self.events[-1] if self.events else {}
         stalled = latest.get("kind") == "restart" and (step <= 0 if now.time_average else before.realizations == self.restarted)
@@ -78,5 +78,5 @@ class EventLog:
             self.first = now.attempt
         self.restarted = now.realizations
         attempts = "attempt {}".format(now.attempt) if self.first == now.attempt else "attempts {} to {}".format(self.first, now.attempt)
-        self.add("restart", attempts + (": the platoon begins again at step 0; averages keep the steps before" if now.time_average else
+        self.add("restart", attempts + (": the platoon restarts at step 0; averages keep the earlier steps" if now.time_average else
                                         ": the batch from realization {} on is repeated".format(now.realizations)), step)

@@ -80,7 +80,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         """Whether the Host header names this server; if not, answers with status 421."""
         if names_this_machine(host_of(self.headers.get("Host", "")), self.server.names):
             return True
-        self.refuse(421, "this page is not served under that name: use localhost or the machine's address")
+        self.refuse(421, "the server does not have this name: use localhost or the machine's address")
         return False
 
     def do_GET(self) -> None:
@@ -94,7 +94,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         else:
             content = self.server.files.get("/index.html" if path == "/" else path)
             if content is None:
-                return self.refuse(404, "there is /, /state.json and /events")
+                return self.refuse(404, "not found: the server has /, /state.json and /events")
             self.answer(200, content, KINDS_OF_FILE[os.path.splitext(path)[1] or ".html"])
 
     do_HEAD = do_GET
@@ -105,11 +105,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
         # Browsers send the page's Origin; only this server's own page has the same address in Origin and Host.
         origin = self.headers.get("Origin")
         if origin is not None and urllib.parse.urlsplit(origin).netloc.lower() != self.headers.get("Host", "").lower():
-            return self.refuse(403, "commands are taken from this server's own page only, not from " + origin[:100])
+            return self.refuse(403, "the server accepts commands from its own page only, not from " + origin[:100])
         if self.headers.get("Content-Type", "").split(";")[0] != "application/json":
-            return self.refuse(415, "a command is application/json")
+            return self.refuse(415, "a command must be application/json")
         if self.path != "/command":
-            return self.refuse(404, "commands go to /command")
+            return self.refuse(404, "not found: the server accepts commands at /command")
         try:
             length = int(self.headers.get("Content-Length", ""))
             if not 0 <= length <= LONGEST_COMMAND:
@@ -118,7 +118,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             if not isinstance(content, dict):
                 raise ValueError
         except (ValueError, RecursionError):
-            return self.refuse(400, "a command is a JSON object of at most {} bytes".format(LONGEST_COMMAND))
+            return self.refuse(400, "a command must be a JSON object of at most {} bytes".format(LONGEST_COMMAND))
         try:
             success, message = self.server.obey(content)
         except Exception as error:  # an internal error: report it to the page and keep the connection

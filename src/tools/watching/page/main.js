@@ -72,7 +72,7 @@ function togglePause() {
     live = "connecting";
     connect();
   }
-  at("pause").textContent = source ? "Pause" : "Go on";
+  at("pause").textContent = source ? "Pause" : "Continue";
   stale.add("words");
 }
 
