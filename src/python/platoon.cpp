@@ -54,29 +54,29 @@ private:
   std::exception_ptr raised_;
 };
 
+/// The result of a computation that does not use Python and leaves the interpreter to other threads.
+template <typename Computation>
+auto unlocked(const Computation& compute) {
+  const py::gil_scoped_release release;
+  return compute();
+}
+
 py::tuple analyze_model(const Model& model, const Settings& settings, const std::string& signals,
                         const std::string& collision_probability) {
   const Configuration configuration = model.configuration(settings);
   const SignalRequest request = signal_request(signals, collision_probability);
-  nlohmann::json document;
-  std::string text;
-  {
-    const py::gil_scoped_release unlocked;
+  const auto [document, text] = unlocked([&] {
     const Analysis analysis = analyze(configuration, request);
-    document = to_json(configuration.model, analysis);
-    text = report(configuration.model, analysis);
-  }
+    return std::pair(to_json(configuration.model, analysis), report(configuration.model, analysis));
+  });
   return py::make_tuple(object_of(document), text);
 }
 
 py::dict stability_map(const Model& model, const std::vector<double>& headways, const std::vector<double>& gains,
                        const std::vector<double>& losses, const std::vector<double>& bursts) {
-  CsvTable table;
-  {
-    const py::gil_scoped_release unlocked;
-    table = parse_csv(to_csv(sweep(model.model(), {headways, gains, losses, bursts})), "map");
-  }
-  return dict_of(std::move(table));
+  return dict_of(unlocked([&] {
+    return parse_csv(to_csv(sweep(model.model(), {headways, gains, losses, bursts})), "map");
+  }));
 }
 
 py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads, double checkpoint_seconds,
@@ -113,12 +113,7 @@ py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads
 
 py::dict trajectories_of(const Model& model, const Settings& settings, std::uint64_t realization) {
   const Configuration configuration = model.configuration(settings);
-  CsvTable table;
-  {
-    const py::gil_scoped_release unlocked;
-    table = parse_csv(trajectories_csv(configuration, realization), "trajectories");
-  }
-  return dict_of(std::move(table));
+  return dict_of(unlocked([&] { return parse_csv(trajectories_csv(configuration, realization), "trajectories"); }));
 }
 
 py::object json_of(const std::string& file) {
@@ -159,9 +154,7 @@ PYBIND11_MODULE(_platoon, module) {
       .def_static("parse", &Model::parse, py::arg("text"))
       .def("replaced", &Model::replaced, py::arg("changes"))
       .def("document", [](const Model& model) { return plain_object_of(model.document()); })
-      .def("text", [](const Model& model) { return model.document().dump(); })
       .def("vehicle", &vehicle_of, py::arg("index"))
-      .def_property_readonly("sample_period", [](const Model& model) { return model.model().sample_period; })
       .def_property_readonly("is_homogeneous", [](const Model& model) { return is_homogeneous(model.model()); });
 
   module.def("parse_configuration", [](const std::string& text) {
