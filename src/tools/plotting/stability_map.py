@@ -4,6 +4,7 @@ gain, and the regions without a verdict."""
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import stochastic_platoon as sp
@@ -79,27 +80,28 @@ def draw_peaks(figure: Figure, axes: Axes, stability: sp.StabilityMap) -> None:
     # on top of them gives a smooth border.
     unstable = stability.spectral_radius >= 1.0
     peaks = np.where(unstable, 2.0 * HIGHEST_PEAK, np.maximum(stability.peak_gain, 1.0))
-    mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), peaks, cmap="YlOrBr",
-                           norm=LogNorm(1.0, HIGHEST_PEAK), rasterized=True)
-    bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02, ticks=FixedLocator(PEAK_TICKS),
-                          format=FuncFormatter(lambda value, _: "{:g}".format(value)))
-    bar.minorticks_off()
-    bar.set_label("peak gain $\\max_\\omega |T(e^{j\\omega})|$")
+    draw_cells(figure, axes, stability, peaks, LogNorm(1.0, HIGHEST_PEAK), "peak gain $\\max_\\omega |T(e^{j\\omega})|$",
+               ticks=FixedLocator(PEAK_TICKS), format=FuncFormatter(lambda value, _: "{:g}".format(value))).minorticks_off()
 
 
 def draw_loss_gains(figure: Figure, axes: Axes, stability: sp.StabilityMap) -> None:
     # If |T^| exceeds 1, the loss gain does not exist: these cells take the last colour.
     gains = np.where(np.isnan(stability.loss_gain) & (stability.peak_gain > 1.0), 2.0 * HIGHEST_LOSS_GAIN, stability.loss_gain)
-    mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), gains, cmap="YlOrBr",
-                           norm=Normalize(0.0, HIGHEST_LOSS_GAIN), rasterized=True)
-    figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02).set_label("loss gain")
+    draw_cells(figure, axes, stability, gains, Normalize(0.0, HIGHEST_LOSS_GAIN), "loss gain")
+
+
+def draw_cells(figure: Figure, axes: Axes, stability: sp.StabilityMap, values: Array, norm: Normalize, label: str, **options: Any) -> Any:
+    """Colours the cells by their values; returns the colour bar."""
+    mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), values, cmap="YlOrBr", norm=norm, rasterized=True)
+    bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02, **options)
+    bar.set_label(label)
+    return bar
 
 
 def draw_border(axes: Axes, stability: sp.StabilityMap) -> None:
     if stability.string_stable.min() > 0.5 or stability.string_stable.max() < 0.5:
         return
-    contour = axes.contour(stability.xs, stability.ys, stability.string_stable, levels=[0.5],
-                           linewidths=0.0)
+    contour = axes.contour(stability.xs, stability.ys, stability.string_stable, levels=[0.5], linewidths=0.0)
     for line in contour.allsegs[0]:
         axes.plot(*smoothed(line).T, color=BORDER, linewidth=1.8)
 
@@ -119,8 +121,7 @@ def smoothed(line: Array) -> Array:
 
 def mark_paper_points(axes: Axes, stability: sp.StabilityMap) -> None:
     for headway, gain, side, alignment in PAPER_POINTS:
-        if stability.xs[0] <= headway <= stability.xs[-1] \
-                and stability.ys[0] <= gain <= stability.ys[-1]:
+        if stability.xs[0] <= headway <= stability.xs[-1] and stability.ys[0] <= gain <= stability.ys[-1]:
             axes.plot([headway], [gain], "o", color=style.INK, markerfacecolor="white", markersize=6)
             axes.annotate("$h = {:g}$".format(headway), (headway, gain), xytext=(7 * side, 0), ha=alignment,
                           va="center", textcoords="offset points",
