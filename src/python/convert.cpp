@@ -1,7 +1,10 @@
 #include "python/convert.hpp"
 
+#include <pybind11/stl.h>
+
 #include <cmath>
 #include <system_error>
+#include <utility>
 #include <variant>
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
@@ -85,23 +88,20 @@ py::object plain_object_of(const nlohmann::json& value) {
 py::dict dict_of(CsvTable table) {
   py::dict columns;
   for (std::size_t j = 0; j < table.names.size(); ++j) {
-    py::object column;
+    const py::str name(table.names[j]);
     if (auto* numbers = std::get_if<std::vector<double>>(&table.columns[j])) {
-      column = array_of(std::move(*numbers));
+      columns[name] = array_of(std::move(*numbers));
     } else {
-      py::list texts;
-      for (const std::string& text : std::get<std::vector<std::string>>(table.columns[j])) texts.append(py::str(text));
-      column = std::move(texts);
+      columns[name] = py::cast(std::get<std::vector<std::string>>(table.columns[j]));
     }
-    columns[py::str(table.names[j])] = column;
   }
   return columns;
 }
 
-py::tuple tuple_of(ResultTables results) {
-  py::dict tables;
-  for (auto& [name, table] : results.tables) tables[py::str(name)] = dict_of(std::move(table));
-  return py::make_tuple(plain_object_of(results.summary), tables);
+py::dict dict_of(std::map<std::string, CsvTable> tables) {
+  py::dict named;
+  for (auto& [name, table] : tables) named[py::str(name)] = dict_of(std::move(table));
+  return named;
 }
 
 void register_exceptions() {

@@ -3,12 +3,13 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "stochastic_platoon/run/results/result_files.hpp"
+#include "stochastic_platoon/run/io/csv_table.hpp"
 
 namespace platoon::python {
 
@@ -32,8 +33,8 @@ py::object plain_object_of(const nlohmann::json& value);
 /// {name: array of float, or list of str}.
 py::dict dict_of(CsvTable table);
 
-/// (summary, {name: table}).
-py::tuple tuple_of(ResultTables results);
+/// The tables by name, each as {name: array of float, or list of str}.
+py::dict dict_of(std::map<std::string, CsvTable> tables);
 
 /// Raises the Python exceptions that correspond to this package's, with the same texts: ValueError for invalid
 /// arguments, FileNotFoundError and OSError for files.

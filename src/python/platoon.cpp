@@ -5,18 +5,17 @@
 #include <pybind11/stl.h>
 
 #include <exception>
-#include <optional>
 #include <thread>
 
 #include "python/convert.hpp"
 #include "python/model.hpp"
-#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/analysis.hpp"
 #include "stochastic_platoon/run/report/stability_sweep.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/results/trajectories_csv.hpp"
 #include "stochastic_platoon/run/scaling/whole_run.hpp"
@@ -55,29 +54,29 @@ private:
   std::exception_ptr raised_;
 };
 
+/// The result of a computation that does not use Python and leaves the interpreter to other threads.
+template <typename Computation>
+auto unlocked(const Computation& compute) {
+  const py::gil_scoped_release release;
+  return compute();
+}
+
 py::tuple analyze_model(const Model& model, const Settings& settings, const std::string& signals,
                         const std::string& collision_probability) {
   const Configuration configuration = model.configuration(settings);
   const SignalRequest request = signal_request(signals, collision_probability);
-  nlohmann::json document;
-  std::string text;
-  {
-    const py::gil_scoped_release unlocked;
+  const auto [document, text] = unlocked([&] {
     const Analysis analysis = analyze(configuration, request);
-    document = to_json(configuration, analysis);
-    text = report(configuration, analysis);
-  }
+    return std::pair(to_json(configuration, analysis), report(configuration, analysis));
+  });
   return py::make_tuple(object_of(document), text);
 }
 
-py::dict stability_map(const Model& model, const SweepAxes& axes) {
-  const PlatoonModel own = model.model();
-  CsvTable table;
-  {
-    const py::gil_scoped_release unlocked;
-    table = parse_csv(to_csv(sweep(own, axes)), "map");
-  }
-  return dict_of(std::move(table));
+py::dict stability_map(const Model& model, const std::vector<double>& headways, const std::vector<double>& gains,
+                       const std::vector<double>& losses, const std::vector<double>& bursts) {
+  return dict_of(unlocked([&] {
+    return parse_csv(to_csv(sweep(model.model(), {headways, gains, losses, bursts})), "map");
+  }));
 }
 
 py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads, double checkpoint_seconds,
@@ -109,18 +108,12 @@ py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads
     }
   }
   interruptions.rethrow();
-  py::tuple result = tuple_of(std::move(tables));
-  return py::make_tuple(result[0], result[1], text);
+  return py::make_tuple(plain_object_of(tables.summary), dict_of(std::move(tables.tables)), text);
 }
 
 py::dict trajectories_of(const Model& model, const Settings& settings, std::uint64_t realization) {
   const Configuration configuration = model.configuration(settings);
-  CsvTable table;
-  {
-    const py::gil_scoped_release unlocked;
-    table = parse_csv(trajectories_csv(configuration, realization), "trajectories");
-  }
-  return dict_of(std::move(table));
+  return dict_of(unlocked([&] { return parse_csv(trajectories_csv(configuration, realization), "trajectories"); }));
 }
 
 py::object json_of(const std::string& file) {
@@ -155,25 +148,14 @@ PYBIND11_MODULE(_platoon, module) {
   register_exceptions();
   module.attr("version") = kVersion;
   module.def("shipped_file", &shipped_file, py::arg("name"), py::arg("folder"));
-  module.def("signal_names", [] {
-    std::vector<std::string> names;
-    for (const SignalKind& kind : signal_kinds()) names.emplace_back(kind.name);
-    return names;
-  });
 
   py::class_<Model>(module, "Model")
       .def_static("load", &Model::load, py::arg("file"))
       .def_static("parse", &Model::parse, py::arg("text"))
       .def("replaced", &Model::replaced, py::arg("changes"))
       .def("document", [](const Model& model) { return plain_object_of(model.document()); })
-      .def("text", [](const Model& model) { return model.document().dump(); })
       .def("vehicle", &vehicle_of, py::arg("index"))
-      .def_property_readonly("sample_period", [](const Model& model) { return model.model().sample_period; })
       .def_property_readonly("is_homogeneous", [](const Model& model) { return is_homogeneous(model.model()); });
-
-  py::class_<SweepAxes>(module, "SweepAxes")
-      .def(py::init<std::vector<double>, std::vector<double>, std::vector<double>, std::vector<double>>(),
-           py::arg("headway"), py::arg("gain"), py::arg("loss"), py::arg("mean_burst"));
 
   module.def("parse_configuration", [](const std::string& text) {
     const Configuration configuration = parse_configuration(text);
@@ -182,12 +164,15 @@ PYBIND11_MODULE(_platoon, module) {
   });
   module.def("analyze", &analyze_model, py::arg("model"), py::arg("settings"), py::arg("signals"),
              py::arg("collision_probability"));
-  module.def("stability_map", &stability_map, py::arg("model"), py::arg("axes"));
+  module.def("stability_map", &stability_map, py::arg("model"), py::arg("headway"), py::arg("gain"), py::arg("loss"),
+             py::arg("mean_burst"));
   module.def("monte_carlo", &monte_carlo_of, py::arg("model"), py::arg("settings"), py::arg("threads"),
              py::arg("checkpoint_seconds"), py::arg("progress"), py::arg("warn"));
   module.def("trajectories", &trajectories_of, py::arg("model"), py::arg("settings"), py::arg("realization"));
   module.def("read_results", [](const std::string& folder) {
-    return tuple_of(parse_results([&](const std::string& name) { return read_file(folder + "/" + name); }, folder));
+    ResultTables results =
+        parse_results([&](const std::string& name) { return read_file(folder + "/" + name); }, folder);
+    return py::make_tuple(plain_object_of(results.summary), dict_of(std::move(results.tables)));
   });
   module.def("read_table", [](const std::string& file) { return dict_of(parse_csv(read_file(file), file)); });
   module.def("read_json", &json_of, py::arg("file"));

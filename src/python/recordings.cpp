@@ -4,11 +4,12 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
-#include <limits>
 
 #include "python/convert.hpp"
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
+#include "stochastic_platoon/run/delivery/vehicle_name.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 
 namespace platoon::python {
@@ -18,17 +19,6 @@ namespace {
 BagSource source_of(std::vector<std::string> files, bool partial, bool unverified) {
   if (files.empty()) throw std::invalid_argument("recording: no files: must be at least one bag");
   return {std::move(files), partial ? Accept::cut : Accept::whole, unverified};
-}
-
-PlatoonTopic::Kind kind_of(const std::string& stream) {
-  for (const auto& [name, kind] : {std::pair("position", PlatoonTopic::Kind::position),
-                                   std::pair("predecessor_position", PlatoonTopic::Kind::predecessor_position),
-                                   std::pair("input", PlatoonTopic::Kind::input),
-                                   std::pair("predecessor_input", PlatoonTopic::Kind::predecessor_input)}) {
-    if (stream == name) return kind;
-  }
-  throw std::invalid_argument("stream: " + stream +
-                              ": must be position, predecessor_position, input or predecessor_input");
 }
 
 /// The values of one stream: a row per realization and a column per step from -1 on, NaN where the recording has none.
@@ -61,26 +51,26 @@ private:
   std::vector<double> values_;
 };
 
+// `stream`: position, predecessor_position, input or predecessor_input.
 py::array_t<double> values_of(const BagSource& source, const std::string& stream, std::size_t vehicle) {
-  const PlatoonTopic::Kind kind = kind_of(stream);
   const py::gil_scoped_release unlocked;
   const RunOptions run = recorded_platoon(source).configuration.run;
-  const bool is_received =
-      kind == PlatoonTopic::Kind::predecessor_position || kind == PlatoonTopic::Kind::predecessor_input;
-  if (vehicle > run.followers || (vehicle == 0 && is_received)) {
-    throw std::out_of_range("vehicle: " + std::to_string(vehicle) + ": must be from " + (is_received ? "1" : "0") +
-                            " to " + std::to_string(run.followers));
+  const std::size_t first = stream == "predecessor_position" || stream == "predecessor_input" ? 1 : 0;
+  if (vehicle < first || vehicle > run.followers) {
+    throw std::out_of_range("vehicle: " + std::to_string(vehicle) + ": must be from " + std::to_string(first) + " to " +
+                            std::to_string(run.followers));
   }
+  const PlatoonTopic wanted = parse_topic("/" + vehicle_name(vehicle) + "/" + stream).value();
   StreamTable table(run);
-  BagStream bags(source, [&](const PlatoonTopic& topic) { return topic.kind == kind && topic.vehicle == vehicle; });
+  BagStream bags(source,
+                 [&](const PlatoonTopic& topic) { return topic.kind == wanted.kind && topic.vehicle == vehicle; });
   bool is_empty = true;
   while (const std::optional<RecordedMessage> recorded = bags.next()) {
     table.take(*recorded->position());
     is_empty = false;
   }
   if (is_empty) {
-    throw std::out_of_range("stream: " + stream + " of vehicle " + std::to_string(vehicle) +
-                            ": is not in the recording");
+    throw std::out_of_range("stream: " + stream + " of " + vehicle_name(vehicle) + ": is not in the recording");
   }
   const py::gil_scoped_acquire locked;
   return table.array();
@@ -104,8 +94,7 @@ py::tuple results_of(const BagSource& source, const std::optional<std::vector<st
     text = report(configuration, prediction, statistics.result);
     findings = statistics.findings;
   }
-  const py::tuple result = tuple_of(std::move(tables));
-  return py::make_tuple(result[0], result[1], text, findings);
+  return py::make_tuple(plain_object_of(tables.summary), dict_of(std::move(tables.tables)), text, findings);
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ class Live(Page):
         self.steps_on()
         events = [event for event in state(self.url)["events"] if event["kind"] in ("stall", "restart")]
         self.assertEqual([event["kind"] for event in events][-3:], ["stall", "restart", "stall"])
-        self.assertRegex(events[-2]["text"], r"^attempts? \d+( to \d+)?: the platoon begins again at step 0")
+        self.assertRegex(events[-2]["text"], r"^attempts? \d+( to \d+)?: the platoon restarts at step 0")
         self.assertLess(events[-2]["step"] - before, 500)
         # The curves begin again, and a line marks the restart.
         self.wait_for_page("document.getElementById('strip').dataset.restarts > 0", "the mark of the restart")

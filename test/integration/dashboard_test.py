@@ -283,7 +283,7 @@ class OtherRuns(Page):
             taken.listen()
             port = taken.getsockname()[1]
             terminal = self.launch(**dict(RUN, headway=3.2, realizations=300, dashboard_port=port))
-            terminal.wait_for_text("the dashboard has no address: localhost:{}: Address already in use".format(port))
+            terminal.wait_for_text("cannot serve the page at localhost:{}: Address already in use".format(port))
             live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
         url = address(terminal)  # retried until the port is free
         final = live_platoon.wait_for(lambda: state(url).get("complete") and state(url), "the final figures")

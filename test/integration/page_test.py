@@ -162,7 +162,7 @@ class Fed(unittest.TestCase):
         self.drive(range(0, 60), attempt=2)
         self.wait_for_page("document.getElementById('strip').dataset.restarts === '1'", "the mark of the restart")
         for _ in self.at_both_sizes("restart"):
-            self.text_comes("#log", "step 340: attempt 2: the platoon begins again at step 0")
+            self.text_comes("#log", "step 340: attempt 2: the platoon restarts at step 0")
             self.text_comes("#curves-note", "since the latest restart")
             self.text_comes("#string-note", "averages paused: burn-in after a manoeuvre or restart, until step 200, 15 s of driving from now")
         curves = self.state.give("curves")

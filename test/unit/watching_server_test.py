@@ -15,7 +15,7 @@ import unittest
 
 sys.dont_write_bytecode = True
 from watching_messages import TOOLS, configuration, message, snapshot  # noqa: E402
-from watching import server, state  # noqa: E402
+from watching import server, state, streams  # noqa: E402
 
 
 class Served(unittest.TestCase):
@@ -84,11 +84,11 @@ class Served(unittest.TestCase):
         self.assertEqual(self.asked, [])
 
     def test_one_page_too_many_is_told_so_and_a_place_that_is_left_is_free(self):
-        streams = [self.server.streams.open(()) for _ in range(server.MOST_PAGES)]
+        opened = [self.server.streams.open(()) for _ in range(streams.MOST_PAGES)]
         status, text = self.ask("GET", "/events")
         self.assertEqual(status, 503)
         self.assertIn("pages are open already", text.decode())
-        self.server.streams.close(streams[0])
+        self.server.streams.close(opened[0])
         self.assertIsNotNone(self.server.streams.open(()))
 
     def test_a_page_that_does_not_read_holds_the_latest_news_only(self):
@@ -187,8 +187,8 @@ class Ordered(unittest.TestCase):
         self.addCleanup(restore)
         sys.modules.pop("watching.commands", None)
         from watching import commands
-        self.known = {"endless": True}
-        self.commands = commands.Commands(lambda: self.known)
+        self.state = state.PlatoonState()
+        self.commands = commands.Commands(self.state)
 
     def test_a_speed_that_is_no_finite_number_is_refused_in_words(self):
         for value in (10 ** 400, -10 ** 400, math.inf, math.nan, True, "20", [20], 1000.5, -1e6):
@@ -199,14 +199,15 @@ class Ordered(unittest.TestCase):
         self.assertEqual(self.published, [])
 
     def test_a_speed_is_refused_where_the_leader_takes_none(self):
-        for known, words in (({"endless": False}, "rejected: in a run of many realizations"), (None, "nothing is known of a run yet")):
-            self.known = known
+        for known, words in (({"endless": False}, "rejected: in a run of many realizations"), (None, "no run is known yet")):
+            self.state.configuration = known
             success, message = self.commands.obey({"command": "speed", "speed": 20})
             self.assertFalse(success)
             self.assertIn(words, message)
-        self.known = {"endless": True}
+        self.state.configuration = {"endless": True}
         self.assertEqual(self.commands.obey({"command": "speed", "speed": 20}), (True, "speed 20 m/s"))
         self.assertEqual(self.published, [20.0])
+        self.assertEqual([event["text"] for event in self.state.document()["events"]], ["speed 20 m/s"])
 
 
 if __name__ == "__main__":

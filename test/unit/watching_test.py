@@ -128,7 +128,7 @@ class State(unittest.TestCase):
         document = self.state.document()
         self.assertEqual((document["attempt"], document["restarts"]), (2, 1))
         restart, = [event for event in document["events"] if event["kind"] == "restart"]
-        self.assertEqual((restart["step"], restart["text"]), (290, "attempt 2: the platoon begins again at step 0; averages keep the steps before"))
+        self.assertEqual((restart["step"], restart["text"]), (290, "attempt 2: the platoon restarts at step 0; averages keep the earlier steps"))
         # A restarted monitor has no attempt at first, then the latest one.
         self.state.take_overview(endless(3, 0, attempt=0), 40.0)
         self.state.take_overview(endless(3, 0, attempt=2), 40.0)

@@ -7,11 +7,10 @@ import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
 
-import numpy as np
-
 from . import _platoon
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 PathLike = Union[str, "os.PathLike[str]"]
@@ -85,8 +84,7 @@ class Model:
 
         Raises IndexError for a negative index.
         """
-        values = self._handle.vehicle(_checked(index))
-        return Vehicle(**dict(values, A=np.asarray(values["A"]), B=np.asarray(values["B"]), C=np.asarray(values["C"])))
+        return Vehicle(**self._handle.vehicle(_checked(index)))
 
     def vehicle_to_dict(self, index: int) -> Dict[str, Any]:
         """The keys and values of the model file for vehicle `index`: those of its type in place of the default ones.
@@ -100,7 +98,7 @@ class Model:
     @property
     def sample_period(self) -> float:
         """T_s [s]."""
-        return self._handle.sample_period
+        return float(self.to_dict()["sample_period"])
 
     @property
     def time_headway(self) -> float:
@@ -123,17 +121,17 @@ class Model:
         return self._handle.is_homogeneous
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Model) and self._handle.text() == other._handle.text()
+        return isinstance(other, Model) and self.to_dict() == other.to_dict()
 
     def __hash__(self) -> int:
-        return hash(self._handle.text())
+        return hash(_as_json(self.to_dict()))
 
     def __repr__(self) -> str:
         return "Model(time_headway={:g}, noise_variance={:g}, sample_period={:g})".format(
             self.time_headway, self.noise_variance, self.sample_period)
 
-    def __reduce__(self) -> Tuple[Any, Tuple[str]]:
-        return Model.parse, (self._handle.text(),)
+    def __reduce__(self) -> Tuple[Any, Tuple[Dict[str, Any]]]:
+        return Model.from_dict, (self.to_dict(),)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _platoon
 from .model import Model, PathLike
-from .tables import Columns, Grid, numbers, texts
+from .tables import Columns, Grid, Table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,18 +50,18 @@ class Gaps:
 
     @classmethod
     def _of(cls, grid: Grid, safe_gap: Optional[float]) -> Gaps:
-        names = [name for name in grid.columns if name.startswith("bin_")]
+        names = [name for name in grid.table.columns if name.startswith("bin_")]
         if not names:
-            raise ValueError("{}: column bin_... is missing".format(grid.path))
+            raise ValueError("{}: column bin_... is missing".format(grid.table.path))
         try:
             bins = np.array([float(name[len("bin_"):]) for name in names])
         except ValueError as error:
-            raise ValueError("{}: the name of a column bin_X: {}".format(grid.path, error)) from None
+            raise ValueError("{}: the name of a column bin_X: {}".format(grid.table.path, error)) from None
         order = np.argsort(bins)
         histogram = np.array([grid.numbers(names[at]) for at in order]).T
         count = grid.numbers("count")
         if not np.array_equal(histogram.sum(axis=1), count):
-            raise ValueError("{}: the bins do not add up to count".format(grid.path))
+            raise ValueError("{}: the bins do not add up to count".format(grid.table.path))
         values = {name: grid.numbers(name) for name in (
             "smallest_gap", "realization", "step", "collisions", "below_safe_gap", "theoretical_collision_bound")}
         return cls(count=count, bins=bins[order], histogram=histogram, safe_gap=float("nan") if safe_gap is None else safe_gap, **values)
@@ -82,7 +82,7 @@ class Amplification:
     @classmethod
     def _of(cls, grid: Grid, seconds: Tuple[float, float]) -> Amplification:
         prefix = "theoretical_"
-        names = dict.fromkeys([*cls.FIGURES, *(name[len(prefix):] for name in grid.columns if name.startswith(prefix))])
+        names = dict.fromkeys([*cls.FIGURES, *(name[len(prefix):] for name in grid.table.columns if name.startswith(prefix))])
         return cls({name: grid.numbers(name) for name in names}, {name: grid.numbers(prefix + name) for name in names}, seconds)
 
 
@@ -98,9 +98,9 @@ class Ages:
     theoretical_share: NDArray[np.float64]  #: NaN for a recorded trace
 
     @classmethod
-    def _of(cls, columns: Columns, path: str) -> Ages:
-        return cls(numbers(columns, "vehicle", path), texts(columns, "signal", path),
-                   *(numbers(columns, name, path) for name in ("age", "count", "share", "theoretical_share")))
+    def _of(cls, table: Table) -> Ages:
+        return cls(table.numbers("vehicle"), table.texts("signal"),
+                   *(table.numbers(name) for name in ("age", "count", "share", "theoretical_share")))
 
 
 class Results:
@@ -118,11 +118,12 @@ class Results:
         #: the report that the tools print; None for results from a folder
         self.report = report
         self._tables = tables
-        table = os.path.join(path, "statistics.csv")
-        grid = Grid(self.table("statistics"), table, 1)
-        self.steps = grid.steps
+        grid = Grid(self._table("statistics"), 1)
+        self.steps, self.followers = grid.steps, grid.vehicles
         #: of the tracking errors
-        self.errors = Moments._of(grid)
+        self.errors = errors = Moments._of(grid)
+        self.count, self.mean, self.variance = errors.count, errors.mean, errors.variance
+        self.theoretical_mean, self.theoretical_variance = errors.theoretical_mean, errors.theoretical_variance
         self._require_followers("statistics", grid.vehicles)
 
     @classmethod
@@ -145,6 +146,9 @@ class Results:
             raise KeyError("{}: has no table {}: must be one of {}".format(self.path, name, ", ".join(sorted(self._tables))))
         return self._tables[name]
 
+    def _table(self, name: str) -> Table:
+        return Table(self.table(name), os.path.join(self.path, name + ".csv"))
+
     def _require_followers(self, table: str, followers: int) -> None:
         if self._value("followers") != followers:
             raise ValueError("{}: followers is {}, but {}.csv beside it has {}".format(
@@ -152,10 +156,10 @@ class Results:
 
     def _vehicles(self, table: str, first: int, signals: str) -> Grid:
         """A table with one row for each vehicle, which only runs with these signals have."""
-        path = os.path.join(self.path, table + ".csv")
         if table not in self._tables:
-            raise KeyError("{}: no such file: run with signals:={} (monte_carlo --signals)".format(path, signals))
-        grid = Grid(self._tables[table], path, first, has_steps=False)
+            raise KeyError("{}: no such file: run with signals:={} (monte_carlo --signals)".format(
+                os.path.join(self.path, table + ".csv"), signals))
+        grid = Grid(self._table(table), first, has_steps=False)
         self._require_followers(table, grid.vehicles + first - 1)
         return grid
 
@@ -175,30 +179,6 @@ class Results:
     def name(self) -> str:
         """The name of the folder."""
         return os.path.basename(os.path.abspath(self.path))
-
-    @property
-    def count(self) -> NDArray[np.float64]:
-        return self.errors.count
-
-    @property
-    def mean(self) -> NDArray[np.float64]:
-        return self.errors.mean
-
-    @property
-    def variance(self) -> NDArray[np.float64]:
-        return self.errors.variance
-
-    @property
-    def theoretical_mean(self) -> NDArray[np.float64]:
-        return self.errors.theoretical_mean
-
-    @property
-    def theoretical_variance(self) -> NDArray[np.float64]:
-        return self.errors.theoretical_variance
-
-    @property
-    def followers(self) -> int:
-        return int(self.mean.shape[0])
 
     @property
     def realizations(self) -> int:
@@ -255,9 +235,9 @@ class Results:
         """The moments of the requested signals by name, as "gap"; empty without any."""
         if "signals" not in self._tables:
             return {}
-        columns, path = self.table("signals"), os.path.join(self.path, "signals.csv")
-        names = texts(columns, "signal", path)
-        return {name: Moments._of(Grid(columns, path, 1, rows=np.array([of == name for of in names]))) for name in dict.fromkeys(names)}
+        table = self._table("signals")
+        names = table.texts("signal")
+        return {name: Moments._of(Grid(table, 1, rows=np.array(names) == name)) for name in dict.fromkeys(names)}
 
     @cached_property
     def gaps(self) -> Gaps:
@@ -274,7 +254,7 @@ class Results:
     @property
     def ages(self) -> Ages:
         """The ages of information on the links. Raises KeyError if no link of the run loses messages."""
-        return Ages._of(self.table("ages"), os.path.join(self.path, "ages.csv"))
+        return Ages._of(self._table("ages"))
 
     def __repr__(self) -> str:
         return "Results({!r}: {} followers, {} steps, {} realizations)".format(

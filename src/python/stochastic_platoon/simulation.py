@@ -11,7 +11,7 @@ import numpy as np
 from . import _platoon
 from .model import Model, PathLike, handle_of
 from .results import Results
-from .tables import Columns, Grid, numbers, read_table
+from .tables import Grid, Table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -60,11 +60,11 @@ class Trajectories:
 
     QUANTITIES = ("position", "received_position", "input", "received_input", "tracking_error", "gap", "speed", "acceleration", "jerk")
 
-    def __init__(self, columns: Columns, path: str, name: str, rows: Optional[NDArray[np.bool_]] = None) -> None:
-        self.path = path
+    def __init__(self, table: Table, name: str, rows: Optional[NDArray[np.bool_]] = None) -> None:
+        self.path = table.path
         #: the name of the file's folder
         self.name = name
-        self._grid = Grid(columns, path, 0, rows=rows)
+        self._grid = Grid(table, 0, rows=rows)
         #: step numbers
         self.steps = self._grid.steps
         #: [s]
@@ -75,12 +75,12 @@ class Trajectories:
         """The trajectories.csv that `monte_carlo --only R --trajectories` wrote, or its folder. Raises FileNotFoundError, and
         ValueError if it is not such a file."""
         file = os.path.join(path, "trajectories.csv") if os.path.isdir(path) else os.fspath(path)
-        return cls(read_table(file), file, os.path.basename(os.path.dirname(os.path.abspath(file))))
+        return cls(Table.load(file), os.path.basename(os.path.dirname(os.path.abspath(file))))
 
     def between(self, first: float, last: float) -> Trajectories:
         """The same from step `first` to step `last`. Raises ValueError if it has no step there."""
-        step = numbers(self._grid.columns, "step", self.path)
-        return Trajectories(self._grid.columns, self.path, self.name, (first <= step) & (step <= last))
+        step = self._grid.table.numbers("step")
+        return Trajectories(self._grid.table, self.name, (first <= step) & (step <= last))
 
     def __getitem__(self, quantity: str) -> NDArray[np.float64]:
         """A quantity, as "gap" [m]. Raises KeyError."""
@@ -96,4 +96,4 @@ def trajectories(model: Model, realization: int, *, realizations: int = 10000, f
         raise ValueError("realization: {}: must be 0 or more".format(realization))
     settings = run_settings(followers=followers, steps=steps, realizations=realizations, seed=seed)
     name = "realization {}".format(realization)
-    return Trajectories(_platoon.trajectories(handle_of(model), settings, realization), name, name)
+    return Trajectories(Table(_platoon.trajectories(handle_of(model), settings, realization), name), name)

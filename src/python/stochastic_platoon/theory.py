@@ -11,7 +11,7 @@ import numpy as np
 from . import _platoon
 from .model import Model, PathLike, handle_of
 from .simulation import listed, run_settings
-from .tables import Columns, numbers, read_table
+from .tables import Table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -159,30 +159,28 @@ class StabilityMap:
     @classmethod
     def load(cls, path: PathLike) -> StabilityMap:
         """The file that `analyze --sweep-... --csv` wrote. Raises FileNotFoundError, and ValueError unless two parameters vary."""
-        file = os.fspath(path)
-        return cls._of(read_table(file), file)
+        return cls._of(Table.load(path))
 
     @classmethod
-    def _of(cls, columns: Columns, path: str) -> StabilityMap:
-        axes = {name: numbers(columns, name, path) for name in cls.AXES if name in columns}
+    def _of(cls, table: Table) -> StabilityMap:
+        axes = {name: table.numbers(name) for name in cls.AXES if name in table.columns}
         varying = [name for name, values in axes.items() if np.unique(values).size > 1]
-        values = {name: numbers(columns, name, path) for name in ("spectral_radius", "peak_gain", "string_stable")}
+        values = {name: table.numbers(name) for name in ("spectral_radius", "peak_gain", "string_stable")}
         if len(varying) != 2:
             raise ValueError("{}: {}: must be two of {}, each with two or more values".format(
-                path, " and ".join(varying) + " vary" if varying else "nothing varies", ", ".join(cls.AXES)))
+                table.path, " and ".join(varying) + " vary" if varying else "nothing varies", ", ".join(cls.AXES)))
         over, up = varying
         x, y = axes[over], axes[up]
         xs, ys = np.unique(x), np.unique(y)
         order = np.lexsort((x, y))
         if not np.array_equal(x[order], np.tile(xs, ys.size)) or not np.array_equal(y[order], np.repeat(ys, xs.size)):
-            raise ValueError("{}: must hold one row for each point of a grid of {} and {}".format(path, over, up))
-        values["loss_gain"] = numbers(columns, "loss_gain", path) if "loss_gain" in columns else np.full(x.size, np.nan)
-        return cls(over, xs, up, ys, **{name: value[order].reshape(ys.size, xs.size) for name, value in values.items()}, path=path)
+            raise ValueError("{}: must hold one row for each point of a grid of {} and {}".format(table.path, over, up))
+        values["loss_gain"] = table.numbers("loss_gain") if "loss_gain" in table.columns else np.full(x.size, np.nan)
+        return cls(over, xs, up, ys, **{name: value[order].reshape(ys.size, xs.size) for name, value in values.items()}, path=table.path)
 
 
 def stability_map(model: Model, *, headway: Iterable[float] = (), gain: Iterable[float] = (), loss: Iterable[float] = (),
                   mean_burst: Iterable[float] = ()) -> StabilityMap:
     """String stability over a grid of two of these parameters of the default vehicle. Raises ValueError."""
     axes = [[float(value) for value in values] for values in (headway, gain, loss, mean_burst)]
-    table = _platoon.stability_map(handle_of(model), _platoon.SweepAxes(*axes))
-    return StabilityMap._of(table, "map")
+    return StabilityMap._of(Table(_platoon.stability_map(handle_of(model), *axes), "map"))

@@ -15,9 +15,9 @@ from plotting.values import Array, drawable
 
 RATIOS = ["l2_ratio", "linf_ratio", "l2_head_to_tail", "linf_head_to_tail"]
 Kind = Tuple[str, str, style.Line, str]  # name, marker, line, label
-NORMS: Sequence[Kind] = (("l2", "o", "-", "$L_2$"), ("linf", "s", (0, (3, 1.5)), "$L_\\infty$"))
+NORMS: Sequence[Kind] = (("l2", "o", "-", "$L_2$"), ("linf", "s", style.SHORT_DASHED, "$L_\\infty$"))
 ACCELERATIONS: Sequence[Kind] = (("rms_acceleration", "o", "-", "with noise"),
-                                 ("rms_mean_acceleration", "s", (0, (3, 1.5)), "of the mean motion"))
+                                 ("rms_mean_acceleration", "s", style.SHORT_DASHED, "of the mean motion"))
 
 
 def drawable_amplification(run: sp.Results) -> sp.Amplification:
@@ -40,55 +40,50 @@ def draw(runs: Sequence[sp.Results], titles: Sequence[str]) -> Figure:
     ratio.set_title("(a) speed, ratio to the predecessor")
     tail.set_title("(b) speed, ratio to the leader (head to tail)")
     for axis in (ratio, tail):
-        axis.axhline(1.0, color="#8a8a8a", linewidth=1.0, zorder=1)
+        axis.axhline(1.0, color=style.GREY, linewidth=1.0, zorder=1)
         axis.set_ylabel("ratio of norms about the average")
     if accelerated:
         draw_accelerations(axes[0, 2], tables)
     for axis in axes[0]:
         style.follower_axis(axis, max(run.followers for run in runs))
     style.legend_below(ratio, handles=[entry_of_run(at, run, name) for at, (run, name) in enumerate(zip(runs, names))])
-    style.legend_below(tail, handles=[entry for _, marker, line, label in NORMS for entry in entries_of_kind(marker, line, label)])
+    style.legend_below(tail, handles=entries_of(NORMS))
     if accelerated:
-        axes[0, 2].set_xlim(-0.7, axes[0, 2].get_xlim()[1])
-        axes[0, 2].set_xticks([0] + [tick for tick in axes[0, 2].get_xticks() if tick > 1])
-        axes[0, 2].set_xlabel("vehicle $i$, 0 the leader")
-        style.legend_below(axes[0, 2], handles=[entry for _, marker, line, label in ACCELERATIONS
-                                                for entry in entries_of_kind(marker, line, label)])
+        acceleration = axes[0, 2]
+        acceleration.set_xlim(-0.7, acceleration.get_xlim()[1])
+        acceleration.set_xticks([0] + [tick for tick in acceleration.get_xticks() if tick > 1])
+        acceleration.set_xlabel("vehicle $i$, 0 the leader")
+        style.legend_below(acceleration, handles=entries_of(ACCELERATIONS))
     return figure
 
 
-def colour_of(at: int) -> str:
-    return style.PALETTE[at % len(style.PALETTE)]
-
-
 def entry_of_run(at: int, run: sp.Results, name: str) -> Line2D:
-    return style.legend_entry(color=colour_of(at), linewidth=3.0, label="{}, {}{}\n{} realization{}, {:g} to {:g} s".format(
-        name, style.verdict(run.string_stable), "" if run.complete else ", incomplete run", style.spaced(run.realizations),
-        "s" * (run.realizations != 1), *run.amplification.seconds))
+    return style.legend_entry(color=style.colour(at), linewidth=3.0, label="{}, {}{}\n{}, {:g} to {:g} s".format(
+        name, style.verdict(run.string_stable), "" if run.complete else ", incomplete run", style.counted(run.realizations),
+        *run.amplification.seconds))
 
 
-def entries_of_kind(marker: str, line: style.Line, label: str) -> List[Line2D]:
-    return [style.legend_entry(color=style.INK, linewidth=1.3, linestyle=line, label=label + ", theory"),
-            style.legend_entry(color=style.INK, linestyle="", marker=marker, markerfacecolor="white", markersize=5, label=label + ", measured")]
+def entries_of(kinds: Sequence[Kind]) -> List[Line2D]:
+    return [entry for _, marker, line, label in kinds for entry in (
+        style.legend_entry(color=style.INK, linewidth=1.3, linestyle=line, label=label + ", theory"),
+        style.legend_entry(color=style.INK, linestyle="", marker=marker, markerfacecolor="white", markersize=5, label=label + ", measured"))]
 
 
 def draw_pair(axes: Axes, at: int, first: int, measured: Array, theory: Array, marker: str, line: style.Line) -> None:
     """Draws the theory as a line and the measurement as markers; the first value belongs to vehicle `first`."""
-    vehicles = first + np.arange(theory.size)
-    axes.plot(vehicles, theory, color=colour_of(at), linewidth=1.3, linestyle=line, marker="_" if theory.size == 1 else "")
+    style.draw_theory(axes, theory, first, color=style.colour(at), linewidth=1.3, linestyle=line)
     shown = style.thinned(measured.size, style.MANY)
-    axes.plot(vehicles[shown], measured[shown], marker, color=colour_of(at), markerfacecolor="white", markersize=4.5, zorder=3)
+    axes.plot(first + shown, measured[shown], marker, color=style.colour(at), markerfacecolor="white", markersize=4.5, zorder=3)
 
 
 def draw_ratios(axes: Axes, tables: Sequence[sp.Amplification], kind: str) -> None:
-    curves = []
+    drawn = []
     for at, table in enumerate(tables):
         for norm, marker, line, _ in NORMS:
-            name = "{}_{}".format(norm, kind)
-            measured, theory = table.measured[name][1:], table.theory[name][1:]
+            measured, theory = (of["{}_{}".format(norm, kind)][1:] for of in (table.measured, table.theory))
             draw_pair(axes, at, 1, measured, theory, marker, line)
-            curves += [values for values in (measured, theory) if np.isfinite(values).any()]
-    values = np.concatenate(curves)
+            drawn += [measured, theory]
+    values = np.concatenate(drawn)
     values = values[np.isfinite(values)]
     if values.size and values.max() > 10.0 * values.min():
         style.logarithmic(axes)
@@ -101,7 +96,8 @@ def draw_accelerations(axes: Axes, tables: Sequence[sp.Amplification]) -> None:
     for at, table in enumerate(tables):
         for name, marker, line, _ in ACCELERATIONS:
             draw_pair(axes, at, 0, table.measured[name], table.theory[name], marker, line)
-            largest += [np.nanmax(values) for values in (table.measured[name],) if np.isfinite(values).any()]
+            if np.isfinite(table.measured[name]).any():
+                largest.append(np.nanmax(table.measured[name]))
     if max(largest) > 30.0 * min(largest) > 0.0:
         style.logarithmic(axes)
     else:

@@ -10,7 +10,7 @@ import numpy as np
 import stochastic_platoon as sp
 from matplotlib.figure import Figure
 
-from plotting import style
+from plotting import files
 
 PERIOD = 2.0  # [s] from one figure to the next, at least
 
@@ -33,22 +33,19 @@ def follow(namespace: str, draw: Callable[[List[sp.Results]], Figure], stem: str
     try:
         import rosgraph
         import rospy
-        from watching.listening import listen
-        from watching.state import PlatoonState
+        from watching.listening import observe
     except ImportError as error:
         raise ValueError("--follow: {}: needs ROS: . devel/setup.bash first".format(error)) from None
-    if not rosgraph.is_master_online():
-        raise ValueError("--follow: there is no ROS master at {}: launch a platoon, or set ROS_MASTER_URI"
-                         .format(rosgraph.get_master_uri()))
-    rospy.init_node("plot", anonymous=True, disable_rosout=True)
-    state = PlatoonState(namespace=namespace)
-    listen(state, "/{}/".format(namespace), snapshots=False)
+    try:
+        state = observe("plot", namespace)
+    except ValueError as error:
+        raise ValueError("--follow: {}".format(error)) from None
     drawn = None
     while not rospy.is_shutdown() and rosgraph.is_master_online():
         with state.lock:
             configuration, overview = state.configuration, state.overview
         if configuration and overview is not None and overview is not drawn and np.isfinite(overview.variance).any():
-            paths = style.save(draw([results_of(configuration, overview)]), stem)
+            paths = files.save(draw([results_of(configuration, overview)]), stem)
             if drawn is None:
                 print("\n".join(paths), flush=True)
             drawn = overview

@@ -35,17 +35,16 @@ def draw(analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
     frequency = np.linspace(0.0, np.pi, 4001)
     top = 1.0
     for at, (analysis, name) in enumerate(zip(analyses, names)):
-        colour = style.PALETTE[at % len(style.PALETTE)]
         numerator, denominator = transfer_of(analysis)
         where, height = (float(drawable(np.array(analysis.number(key)))) for key in ("peak_frequency", "peak_gain"))
         top = max(top, min(height, HIGHEST))
         stable = np.all(np.abs(np.roots(denominator)) < 1.0)
-        axes.plot(frequency, gain(numerator, denominator, frequency), color=colour, linewidth=1.8,
+        axes.plot(frequency, gain(numerator, denominator, frequency), color=style.colour(at), linewidth=1.8,
                   label=("{}: peak {:.4g} at $\\omega = {:.3g}$".format(name, height, where) if stable
                          else "{}: the loop is unstable".format(name)))
-        axes.plot([where], [height], style.MARKERS[at % len(style.MARKERS)], color=colour, markersize=6,
+        axes.plot([where], [height], style.marker(at), color=style.colour(at), markersize=6,
                   markeredgecolor="white", clip_on=False, zorder=5)
-    axes.axhline(1.0, color=style.INK, linewidth=0.9, linestyle=(0, (5, 2.5)))
+    axes.axhline(1.0, color=style.INK, linewidth=0.9, linestyle=style.DASHED)
     axes.axhspan(1.0, 1.15 * top, color=style.BOUND, alpha=0.07, linewidth=0)
     axes.text(0.99 * np.pi, 1.14 * top, "errors grow along the string", ha="right", va="top", color=style.BOUND)
     axes.set_ylim(0.0, 1.15 * top)

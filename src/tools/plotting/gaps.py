@@ -51,8 +51,8 @@ def draw(run: sp.Results, analysis: Optional[sp.Analysis], titles: Sequence[str]
         require_same_platoon(run, analysis, analysis.numbers("collision.probability").size)
     figure, axes = style.new_figure(1, 2, 11.4, 5.0)
     smallest, chances = axes[0]
-    smallest.set_title("(a) {}, {}\n{} realization{}, seed {}{}\n{}".format(
-        name, style.verdict(run.string_stable), style.spaced(realizations_of(gaps)), "s" * (realizations_of(gaps) != 1), run.seed,
+    smallest.set_title("(a) {}, {}\n{}, seed {}{}\n{}".format(
+        name, style.verdict(run.string_stable), style.counted(realizations_of(gaps)), run.seed,
         "" if run.complete else ", incomplete run", worst_in_words(gaps)))
     chances.set_title("(b) probability of a collision\nmeasured with $\\pm${} standard errors".format(style.SHOWN_ERRORS))
     draw_distribution(smallest, gaps)
@@ -98,7 +98,7 @@ def draw_distribution(axes: Axes, gaps: sp.Gaps) -> None:
     worst = worst_of(gaps)
     axes.plot([worst + 1], [gaps.smallest_gap[worst]], "o", color=style.INK, markersize=9, markerfacecolor="none", markeredgewidth=1.4)
     if np.isfinite(gaps.safe_gap):
-        axes.axhline(gaps.safe_gap, color=SAFE, linewidth=1.2, linestyle=(0, (5, 2.5)), label="safe gap {:g} m".format(gaps.safe_gap))
+        axes.axhline(gaps.safe_gap, color=SAFE, linewidth=1.2, linestyle=style.DASHED, label="safe gap {:g} m".format(gaps.safe_gap))
     style.mark_collisions(axes)
     axes.set_ylabel("smallest gap of a realization [m]")
 
@@ -120,7 +120,7 @@ def draw_probabilities(axes: Axes, gaps: sp.Gaps, analysis: Optional[sp.Analysis
             axes.plot(followers, visible(probability), color=PER_STEP, linewidth=1.3, linestyle="-.", marker=dots,
                       label="per step, theory")
         if limit >= lowest:
-            axes.axhline(limit, color=PER_STEP, linewidth=1.0, linestyle=(0, (5, 2.5)),
+            axes.axhline(limit, color=PER_STEP, linewidth=1.0, linestyle=style.DASHED,
                          label="per step, endless string: {:.3g}".format(limit))
     axes.set_yscale("log")
     low, high = axes.get_ylim()
@@ -142,7 +142,7 @@ def draw_shares(axes: Axes, gaps: sp.Gaps, events: Array, colour: str, marker: s
     share = events[at] / gaps.count[at]
     if seen.any():
         axes.errorbar(at[seen] + 1, share[seen], yerr=[(share - low)[seen], (high - share)[seen]], fmt=marker, color=colour,
-                      markerfacecolor="white", markersize=4.5, elinewidth=1.0, capsize=2.5, label=label, zorder=3)
+                      markerfacecolor="white", label=label, zorder=3, **style.POINTS)
     if not seen.all():
         axes.plot(at[~seen] + 1, high[~seen], "v", color=colour, markerfacecolor="none", markersize=5, alpha=0.7,
                   label="none in {}: upper limit".format(style.spaced(realizations_of(gaps))))

@@ -17,18 +17,12 @@ CONFIDENCE = 0.95  # probability that the variances of all steps of a follower l
 SETTLED = 0.01  # relative; if a run's own theory differs more from the analysis, it is drawn as well
 
 
-class Measured(NamedTuple):
-    """A norm along the string, with the half width of its confidence interval."""
-
-    value: Array
-    half_width: Optional[Array]
-
-
 class Norm(NamedTuple):
-    """A norm along the string: arrays with an element per follower. A run has `measured` and its `own` theory, an analysis has
-    `theory` and `bound`, NaN if none exists."""
+    """A norm along the string: arrays with an element per follower. A run has `measured`, perhaps the half width of its confidence
+    interval, and its `own` theory; an analysis has `theory` and `bound`, NaN if none exists."""
 
-    measured: Optional[Measured] = None
+    measured: Optional[Array] = None
+    half_width: Optional[Array] = None
     own: Optional[Array] = None
     theory: Optional[Array] = None
     bound: Optional[float] = None
@@ -62,8 +56,8 @@ def case_of_run(run: sp.Results) -> Case:
         raise ValueError("{}: is of an unstable loop, spectral radius {:.6g}: its norms are infinite".format(run.path, run.spectral_radius))
     errors = drawable_errors(run)
     return Case(run.name, style.verdict(run.string_stable), run.followers,
-                Norm(measured_l2_norm(errors), l2_norm(errors.theoretical_mean)),
-                Norm(measured_supremum(errors), supremum(errors.theoretical_variance)))
+                Norm(measured_l2_norm(errors), own=l2_norm(errors.theoretical_mean)),
+                Norm(supremum(errors.variance), half_width(errors), supremum(errors.theoretical_variance)))
 
 
 def case_of_analysis(analysis: sp.Analysis) -> Case:
@@ -78,7 +72,7 @@ def case_of_analysis(analysis: sp.Analysis) -> Case:
 
 def joined(run: Case, analysis: Case) -> Case:
     """The measurements of a run with the verdict and the bounds of an analysis."""
-    mean, variance = (of._replace(measured=measured.measured, own=measured.own)
+    mean, variance = (measured._replace(theory=of.theory, bound=of.bound)
                       for of, measured in ((analysis.mean, run.mean), (analysis.variance, run.variance)))
     return analysis._replace(name=run.name, mean=mean, variance=variance)
 
@@ -91,19 +85,19 @@ def supremum(curves: Array) -> Array:
     return np.asarray(np.max(np.where(np.isnan(curves), 0.0, curves), axis=1))
 
 
-def measured_l2_norm(errors: sp.Moments) -> Measured:
+def measured_l2_norm(errors: sp.Moments) -> Array:
     """The l2 norm of the means from an unbiased estimate of its square: sampling adds variance/count to every squared mean."""
     square = np.nansum(errors.mean ** 2 - errors.variance / errors.count, axis=1)
-    return Measured(np.sqrt(np.maximum(square, 0.0)), None)
+    return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
 
-def measured_supremum(errors: sp.Moments) -> Measured:
-    """The supremum of the variances with its confidence interval.
+def half_width(errors: sp.Moments) -> Array:
+    """Of the confidence interval of the largest variance.
 
     The largest of many estimates is biased upwards; the interval covers all steps of a follower at once (Bonferroni).
     """
     quantile = NormalDist().inv_cdf(1.0 - 0.5 * (1.0 - CONFIDENCE) / errors.variance.shape[1])
-    return Measured(supremum(errors.variance), quantile * supremum(style.standard_error_of_variance(errors.variance, errors.count)))
+    return np.asarray(quantile * supremum(style.standard_error_of_variance(errors.variance, errors.count)))
 
 
 def draw(cases: Sequence[Case], titles: Sequence[str]) -> Figure:
@@ -112,7 +106,7 @@ def draw(cases: Sequence[Case], titles: Sequence[str]) -> Figure:
     for column, (shown, name) in enumerate(zip(cases, names)):
         top, bottom = axes[:, column]
         top.set_title(style.column_title(column, len(cases), "{}, {}".format(name, shown.verdict)))
-        draw_norm(top, shown.mean, (0, (5, 2.5)), "white")
+        draw_norm(top, shown.mean, style.DASHED, "white")
         draw_norm(bottom, shown.variance, "-", style.PALETTE[0])
         top.set_ylabel("$\\Vert\\mu_{\\zeta_i}\\Vert_{\\mathcal{L}_2}$ [m]")
         bottom.set_ylabel("$\\Vert P_{\\zeta_i}\\Vert_{\\mathcal{L}_\\infty}$ [m$^2$]")
@@ -123,41 +117,31 @@ def draw(cases: Sequence[Case], titles: Sequence[str]) -> Figure:
 def draw_norm(axes: Axes, norm: Norm, line: style.Line, face: str) -> None:
     theories = list(theories_of(norm))
     for values, look, label in theories:
-        axes.plot(np.arange(1, values.size + 1), values, color=style.INK, linewidth=0.9, linestyle=look, label=label,
-                  marker="_" if values.size == 1 else "")
+        style.draw_theory(axes, values, color=style.INK, linewidth=0.9, linestyle=look, label=label)
     if norm.bound is not None and norm.bound < LARGEST:
         axes.axhline(norm.bound, color=style.BOUND, linewidth=1.4, linestyle=line, label="bound")
     elif norm.bound is not None:
         axes.plot([], [], " ", label="no bound exists")
-    if norm.measured:
-        draw_measured(axes, norm.measured, face)
+    if norm.measured is not None:
+        label = "measured" if norm.half_width is None else "measured, {:.0%} confidence".format(CONFIDENCE)
+        style.draw_measured(axes, norm.measured, norm.half_width, fmt="o", color=style.PALETTE[0], markerfacecolor=face, label=label)
     choose_scale(axes, theories[-1][0])
     axes.legend()
 
 
 def theories_of(norm: Norm) -> Iterator[Tuple[Array, str, str]]:
-    """The norms of the analysis, and those of the run's own theory if there is no analysis or if they differ from it: each with
-    its line and label."""
+    """The theory of the analysis, and the run's own if there is no analysis or if it differs: each with its line and label."""
     if norm.theory is not None:
         yield norm.theory, "-", "theory"
-    if norm.own is not None and norm.theory is None:
+        if norm.own is not None and not np.allclose(norm.own, norm.theory, rtol=SETTLED, atol=0.0):
+            yield norm.own, ":", "theory over the run's steps"
+    elif norm.own is not None:
         yield norm.own, "-", "theory"
-    if norm.own is not None and norm.theory is not None and not np.allclose(norm.own, norm.theory, rtol=SETTLED, atol=0.0):
-        yield norm.own, ":", "theory over the run's steps"
-
-
-def draw_measured(axes: Axes, measured: Measured, face: str) -> None:
-    at = style.thinned(measured.value.size, style.MANY)
-    label, bars = "measured", None
-    if measured.half_width is not None:
-        label, bars = "measured, {:.0%} confidence".format(CONFIDENCE), measured.half_width[at]
-    axes.errorbar(at + 1, measured.value[at], yerr=bars, fmt="o", color=style.PALETTE[0], markerfacecolor=face,
-                  markersize=4.5, elinewidth=1.0, capsize=2.5, label=label)
 
 
 def choose_scale(axes: Axes, norm: Array) -> None:
     """Sets a linear axis from zero, or a logarithmic one if the followers' norms are far apart."""
-    if style.spread(norm[:, np.newaxis]) > style.WIDE_RANGE:
+    if style.spread(norm) > style.WIDE_RANGE:
         style.logarithmic(axes)
     else:
         top = axes.get_ylim()[1]

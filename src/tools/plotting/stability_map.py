@@ -4,6 +4,7 @@ gain, and the regions without a verdict."""
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import stochastic_platoon as sp
@@ -48,34 +49,30 @@ def draw(given: sp.StabilityMap) -> Figure:
     if np.nanmax(stability.spectral_radius) > 1.0:
         axes.contourf(stability.xs, stability.ys, stability.spectral_radius,
                       levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
-    # Undefined: not mean square stable, so no finite variance exists.
-    # Impossible: no Markov chain has these losses, so no loop exists.
-    impossible = np.isnan(stability.spectral_radius)
-    undefined = np.isnan(stability.peak_gain) & ~(stability.spectral_radius >= 1.0) & ~impossible
-    for region, hatch in ((undefined, "\\\\\\\\"), (impossible, "..")):
+    impossible = np.isnan(stability.spectral_radius)  # no Markov chain has these losses, so no loop exists
+    undefined = np.isnan(stability.peak_gain) & ~(stability.spectral_radius >= 1.0) & ~impossible  # no finite variance exists
+    entries = [style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border")]
+    for region, hatch, label in ((undefined, "\\\\\\\\", "not mean square stable"), (impossible, "..", "no such losses: $b < q / (1 - q)$")):
         if region.any():
             axes.contourf(stability.xs, stability.ys, region.astype(float), levels=[0.5, 1.5], colors="white", hatches=[hatch])
+            entries.append(hatched(hatch, label))
     draw_border(axes, stability)
-    of_paper = stability.up == "gain"
-    if of_paper:
+    if stability.up == "gain":
         mark_paper_points(axes, stability)
+        entries = entries[:1] + [hatched("////", "loop unstable, $\\rho(A) \\geq 1$"),
+                                 style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
+                                                    label="the paper's example")]
     axes.set_xlim(stability.xs[0], stability.xs[-1])
     axes.set_ylim(stability.ys[0], stability.ys[-1])
     axes.set_xlabel(LABELS[stability.over])
     axes.set_ylabel(LABELS[stability.up])
-    entries = [style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border")]
-    if of_paper:
-        entries += [Patch(facecolor="white", edgecolor="#9a9a9a", hatch="////", label="loop unstable, $\\rho(A) \\geq 1$"),
-                    style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
-                                       label="the paper's example")]
-    for region, hatch, label in ((undefined, "\\\\\\\\", "not mean square stable"), (impossible, "..", "no such losses: $b < q / (1 - q)$")):
-        if region.any() and not of_paper:
-            entries.append(Patch(facecolor="white", edgecolor="#9a9a9a", hatch=hatch, label=label))
-    axes.legend(
-        handles=entries,
-        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False, columnspacing=1.0, handlelength=1.5,
-        handletextpad=0.5)
+    axes.legend(handles=entries, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False, columnspacing=1.0, handlelength=1.5,
+                handletextpad=0.5)
     return figure
+
+
+def hatched(hatch: str, label: str) -> Patch:
+    return Patch(facecolor="white", edgecolor="#9a9a9a", hatch=hatch, label=label)
 
 
 def draw_peaks(figure: Figure, axes: Axes, stability: sp.StabilityMap) -> None:
@@ -83,27 +80,28 @@ def draw_peaks(figure: Figure, axes: Axes, stability: sp.StabilityMap) -> None:
     # on top of them gives a smooth border.
     unstable = stability.spectral_radius >= 1.0
     peaks = np.where(unstable, 2.0 * HIGHEST_PEAK, np.maximum(stability.peak_gain, 1.0))
-    mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), peaks, cmap="YlOrBr",
-                           norm=LogNorm(1.0, HIGHEST_PEAK), rasterized=True)
-    bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02, ticks=FixedLocator(PEAK_TICKS),
-                          format=FuncFormatter(lambda value, _: "{:g}".format(value)))
-    bar.minorticks_off()
-    bar.set_label("peak gain $\\max_\\omega |T(e^{j\\omega})|$")
+    draw_cells(figure, axes, stability, peaks, LogNorm(1.0, HIGHEST_PEAK), "peak gain $\\max_\\omega |T(e^{j\\omega})|$",
+               ticks=FixedLocator(PEAK_TICKS), format=FuncFormatter(lambda value, _: "{:g}".format(value))).minorticks_off()
 
 
 def draw_loss_gains(figure: Figure, axes: Axes, stability: sp.StabilityMap) -> None:
     # If |T^| exceeds 1, the loss gain does not exist: these cells take the last colour.
     gains = np.where(np.isnan(stability.loss_gain) & (stability.peak_gain > 1.0), 2.0 * HIGHEST_LOSS_GAIN, stability.loss_gain)
-    mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), gains, cmap="YlOrBr",
-                           norm=Normalize(0.0, HIGHEST_LOSS_GAIN), rasterized=True)
-    figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02).set_label("loss gain")
+    draw_cells(figure, axes, stability, gains, Normalize(0.0, HIGHEST_LOSS_GAIN), "loss gain")
+
+
+def draw_cells(figure: Figure, axes: Axes, stability: sp.StabilityMap, values: Array, norm: Normalize, label: str, **options: Any) -> Any:
+    """Colours the cells by their values; returns the colour bar."""
+    mesh = axes.pcolormesh(edges(stability.xs), edges(stability.ys), values, cmap="YlOrBr", norm=norm, rasterized=True)
+    bar = figure.colorbar(mesh, ax=axes, extend="max", aspect=30, pad=0.02, **options)
+    bar.set_label(label)
+    return bar
 
 
 def draw_border(axes: Axes, stability: sp.StabilityMap) -> None:
     if stability.string_stable.min() > 0.5 or stability.string_stable.max() < 0.5:
         return
-    contour = axes.contour(stability.xs, stability.ys, stability.string_stable, levels=[0.5],
-                           linewidths=0.0)
+    contour = axes.contour(stability.xs, stability.ys, stability.string_stable, levels=[0.5], linewidths=0.0)
     for line in contour.allsegs[0]:
         axes.plot(*smoothed(line).T, color=BORDER, linewidth=1.8)
 
@@ -123,8 +121,7 @@ def smoothed(line: Array) -> Array:
 
 def mark_paper_points(axes: Axes, stability: sp.StabilityMap) -> None:
     for headway, gain, side, alignment in PAPER_POINTS:
-        if stability.xs[0] <= headway <= stability.xs[-1] \
-                and stability.ys[0] <= gain <= stability.ys[-1]:
+        if stability.xs[0] <= headway <= stability.xs[-1] and stability.ys[0] <= gain <= stability.ys[-1]:
             axes.plot([headway], [gain], "o", color=style.INK, markerfacecolor="white", markersize=6)
             axes.annotate("$h = {:g}$".format(headway), (headway, gain), xytext=(7 * side, 0), ha=alignment,
                           va="center", textcoords="offset points",

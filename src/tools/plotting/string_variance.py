@@ -16,7 +16,6 @@ from plotting.values import LARGEST, Array, drawable, drawable_errors, drawable_
 
 SETTLED = 0.01  # relative; if the theory of the last step differs more from the stationary variance, both are drawn
 ROOM_FOR_LEGEND = 1.8  # factor of a logarithmic axis for an entry
-WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logarithmic axis
 
 
 class Case(NamedTuple):
@@ -47,11 +46,10 @@ def draw(analyses: Sequence[sp.Analysis], runs: Sequence[sp.Results], titles: Se
     axes = axes[0, 0]
     legend = []
     for at, (shown, name) in enumerate(zip(cases, names)):
-        colour = style.PALETTE[at % len(style.PALETTE)]
-        legend += draw_theory(axes, shown, name, colour)
+        legend += draw_theory(axes, shown, name, style.colour(at))
         if shown.run:
-            legend += draw_measured(axes, shown.run, shown.stationary, name, colour, style.MARKERS[at % len(style.MARKERS)])
-    if style.spread(np.concatenate([shown.stationary for shown in cases])[:, np.newaxis]) > WIDE_RANGE:
+            legend += draw_measured(axes, shown.run, shown.stationary, name, style.colour(at), style.marker(at))
+    if style.spread(np.concatenate([shown.stationary for shown in cases])) > style.WIDE_STRING:
         style.logarithmic(axes)
         axes.set_ylim(top=ROOM_FOR_LEGEND ** len(legend) * axes.get_ylim()[1])
     style.follower_axis(axes, max(shown.stationary.size for shown in cases))
@@ -64,7 +62,7 @@ def draw_limits(axes: Axes, cases: Sequence[Case], names: Sequence[str]) -> None
     for at, (shown, name) in enumerate(zip(cases, names)):
         if shown.swept:
             headways, limits = shown.swept
-            axes.plot(headways, drawable(limits), color=style.PALETTE[at % len(style.PALETTE)], linewidth=1.3, label=name)
+            axes.plot(headways, drawable(limits), color=style.colour(at), linewidth=1.3, label=name)
     style.logarithmic(axes)
     axes.set_xlabel("time headway $h$ [s]")
     axes.set_ylabel("limit of the variance along the string [m$^2$]")
@@ -74,12 +72,10 @@ def draw_limits(axes: Axes, cases: Sequence[Case], names: Sequence[str]) -> None
 def draw_theory(axes: Axes, shown: Case, name: str, colour: str) -> List[Any]:
     """Draws the stationary variances and their limit; returns the legend entries."""
     has_limit = shown.limit < LARGEST
-    followers = np.arange(1, shown.stationary.size + 1)
-    label = "{}: stationary, theory{}".format(name, "" if has_limit else " (no limit)")
-    legend: List[Any] = axes.plot(followers, shown.stationary, color=colour, linewidth=1.3, label=label,
-                       marker="." if followers.size == 1 else "")
+    legend: List[Any] = list(style.draw_theory(axes, shown.stationary, color=colour, linewidth=1.3, label="{}: stationary, theory{}".format(
+        name, "" if has_limit else " (no limit)")))
     if has_limit:
-        legend.append(axes.axhline(shown.limit, color=colour, linewidth=1.0, linestyle=(0, (5, 2.5)),
+        legend.append(axes.axhline(shown.limit, color=colour, linewidth=1.0, linestyle=style.DASHED,
                                    label="{}: limit {:.4g} m$^2$".format(name, shown.limit)))
     return legend
 
@@ -87,19 +83,13 @@ def draw_theory(axes: Axes, shown: Case, name: str, colour: str) -> List[Any]:
 def draw_measured(axes: Axes, run: sp.Results, stationary: Array, name: str, colour: str, marker: str) -> List[Any]:
     """Draws the variances of the run's last step; returns the legend entries."""
     measured = drawable_errors(run)
-    at = style.thinned(run.followers, style.MANY)
-    variance = measured.variance[at, -1]
     last = style.spaced(int(run.steps[-1]))
-    look = {"color": colour, "markersize": 4.5, "markerfacecolor": "white"}
-    errors = style.bars(drawable(run.standard_error_of_variance)[at])
-    what = ("time average up to step {}" if run.time_average else "measured at step {}").format(last)
-    legend = [axes.errorbar(
-        at + 1, variance, yerr=errors, fmt=marker, capsize=2.5, elinewidth=1.0,
-        label="{}: {}{}".format(name, what, ", $\\pm${} standard errors".format(style.SHOWN_ERRORS) if errors is not None else ""), **look)]
-    if run.time_average:
-        return legend
+    errors = style.SHOWN_ERRORS * drawable(run.standard_error_of_variance)
+    label = "{}: {}{}".format(name, ("time average up to step {}" if run.time_average else "measured at step {}").format(last),
+                              ", $\\pm${} standard errors".format(style.SHOWN_ERRORS) if np.isfinite(errors).any() else "")
+    legend = [style.draw_measured(axes, measured.variance[:, -1], errors, fmt=marker, color=colour, markerfacecolor="white", label=label)]
     theory = measured.theoretical_variance[:, -1]
-    if not np.allclose(theory, stationary, rtol=SETTLED, atol=0.0, equal_nan=True):
-        legend += axes.plot(np.arange(1, theory.size + 1), theory, color=colour, linewidth=1.3, linestyle=":",
-                            label="{}: theory at step {}, not yet stationary".format(name, last))
+    if not run.time_average and not np.allclose(theory, stationary, rtol=SETTLED, atol=0.0, equal_nan=True):
+        legend += style.draw_theory(axes, theory, color=colour, linewidth=1.3, linestyle=":",
+                                    label="{}: theory at step {}, not yet stationary".format(name, last))
     return legend

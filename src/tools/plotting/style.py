@@ -1,26 +1,21 @@
-"""The common style of all figures, and their output files."""
+"""The common style of all figures, and what several of them draw."""
 
 from __future__ import annotations
 
-import io
-import os
 import textwrap
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Protocol, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, List, Optional, Protocol, Sequence, Tuple, Union
 
 import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.mathtext import MathTextParser
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402 - the backend must be chosen first
-import numpy as np  # noqa: E402
-from matplotlib.axes import Axes  # noqa: E402
-from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
-from matplotlib.figure import Figure  # noqa: E402
-from matplotlib.lines import Line2D  # noqa: E402
-from matplotlib.mathtext import MathTextParser  # noqa: E402
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter  # noqa: E402
-
-from plotting.values import Array  # noqa: E402
+from plotting.values import Array
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,29 +28,30 @@ Line = Union[str, Tuple[float, Tuple[float, ...]]]  # a line style
 # Okabe and Ito's colours, which colour-blind readers can distinguish.
 PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
 INK = "#222222"
+GREY = "#8a8a8a"
 BOUND = "#D55E00"
+DASHED: Line = (0, (5, 2.5))
+SHORT_DASHED: Line = (0, (3, 1.5))
 
 # First follower dark blue, last dark red, as in the paper; no colour is too light for a line on white.
 FOLLOWERS = LinearSegmentedColormap.from_list(
     "followers", ["#08205c", "#1f5fb4", "#3ba3c8", "#7fb77e", "#e3b23c", "#e0702b", "#c0261f", "#5c0410"])
 
-KINDS = ("png", "svg")
 MARKERS = "os^Dv<>"
+POINTS = {"markersize": 4.5, "elinewidth": 1.0, "capsize": 2.5}  # measurements with error bars
 LINE = 50  # characters per line of a column's title
 MANY = 60  # a curve with more points than this gets no marker on each
+MOST_CURVES = 40  # longer strings show only some followers
+CURVES_OF_MANY = 16
 SHOWN_ERRORS = 2  # half length of error bars in standard errors
 FAR = 3.0  # gaps farther above 0 than this multiple of their range are drawn without the line gap = 0
 WIDE_RANGE = 1000.0  # curves that differ by more than this factor need a logarithmic axis
+WIDE_STRING = 30.0  # the same for the variances along a string
 
 
 class Named(Protocol):
     @property
     def name(self) -> str: ...
-
-
-def bars(standard_errors: Array) -> Optional[Array]:
-    """yerr for these standard errors; None if all are NaN, for which matplotlib would warn."""
-    return SHOWN_ERRORS * standard_errors if np.isfinite(standard_errors).any() else None
 
 
 def apply() -> None:
@@ -73,10 +69,10 @@ def apply() -> None:
     })
 
 
-def new_figure(rows: int, columns: int, width: float, height: float) -> Any:
+def new_figure(rows: int, columns: int, width: float, height: float) -> Tuple[Figure, Any]:
     """A figure and its axes as an array (rows, columns)."""
-    return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, sharex="col",
-                        constrained_layout=True)
+    figure = Figure(figsize=(width, height), constrained_layout=True)
+    return figure, figure.subplots(rows, columns, squeeze=False, sharex="col")
 
 
 def column_title(column: int, columns: int, text: str) -> str:
@@ -104,10 +100,51 @@ def follower_axis(axes: Axes, followers: int) -> None:
     axes.set_xlim(1 - pad, followers + pad)
 
 
+def colour(at: int) -> str:
+    """The colour of a figure's input `at`."""
+    return PALETTE[at % len(PALETTE)]
+
+
+def marker(at: int) -> str:
+    return MARKERS[at % len(MARKERS)]
+
+
+def drawn_followers(followers: int) -> Indices:
+    """Rows of the followers whose curves are drawn."""
+    return thinned(followers, followers if followers <= MOST_CURVES else CURVES_OF_MANY)
+
+
+def follower_colours(followers: int) -> ScalarMappable:
+    """The colours of the followers by to_rgba(i)."""
+    colours = ScalarMappable(Normalize(1, max(followers, 2)), FOLLOWERS)
+    colours.set_array([])
+    return colours
+
+
+def add_colour_bar(figure: Figure, axes: AxesGrid, colours: ScalarMappable, followers: int) -> None:
+    bar = figure.colorbar(colours, ax=list(axes.flat), location="top", aspect=60, fraction=0.05, pad=0.02)
+    bar.set_label("follower $i$")
+    bar.set_ticks(follower_ticks(followers))
+    bar.outline.set_visible(False)
+
+
+def draw_theory(axes: Axes, values: Array, first: int = 1, **look: Any) -> List[Line2D]:
+    """Draws a curve along the string, whose first value belongs to vehicle `first`."""
+    lines: List[Line2D] = axes.plot(first + np.arange(values.size), values, marker="_" if values.size == 1 else "", **look)
+    return lines
+
+
+def draw_measured(axes: Axes, values: Array, half_lengths: Optional[Array] = None, **look: Any) -> Any:
+    """Draws points along the string with error bars; NaN: without. Returns the legend entry."""
+    at = thinned(values.size, MANY)
+    bars = None if half_lengths is None or not np.isfinite(half_lengths).any() else half_lengths[at]
+    return axes.errorbar(at + 1, values[at], yerr=bars, **POINTS, **look)
+
+
 def spread(curves: Array) -> float:
-    """Ratio of the largest to the smallest peak of the curves (rows of an array); 1 if all are zero."""
+    """Ratio of the largest to the smallest peak of the curves (rows of an array), or of these values; 1 if all are zero."""
     magnitude = np.where(np.isfinite(curves), np.abs(curves), 0.0)
-    peaks = magnitude.max(axis=1)
+    peaks = magnitude.reshape(len(magnitude), -1).max(axis=1)
     peaks = peaks[peaks > 0.0]
     return float(peaks.max() / peaks.min()) if peaks.size else 1.0
 
@@ -158,6 +195,10 @@ def signed(value: float) -> str:
     return "{:.3g}".format(value).replace("-", "\u2212")
 
 
+def counted(realizations: int) -> str:
+    return "{} realization{}".format(spaced(realizations), "s" * (realizations != 1))
+
+
 def spaced(integer: int) -> str:
     """The integer with thin spaces between groups of three digits: 1 000 000."""
     return "{:,}".format(integer).replace(",", "\u2009")
@@ -175,45 +216,3 @@ def names_of(titles: Sequence[str], cases: Sequence[Named]) -> List[str]:
         except ValueError as error:
             raise ValueError("--titles: {}: {}".format(title, str(error).strip().splitlines()[-1]))
     return list(titles)
-
-
-def require_writable(stem: str) -> None:
-    """Raises ValueError if no figure can be written there, before any work is done."""
-    folder = os.path.dirname(stem) or "."
-    if not os.path.isdir(folder):
-        raise ValueError("{}: no such folder to write to".format(folder))
-    if not os.path.basename(stem):
-        raise ValueError("--output: {!r} must be a path to a file, without extension".format(stem))
-    for kind in KINDS:
-        if os.path.isdir(stem + "." + kind):
-            raise ValueError("{}.{}: is a folder, no figure can be written there".format(stem, kind))
-
-
-def save(figure: Figure, stem: str) -> List[str]:
-    """Writes stem.png and stem.svg, each completely or not at all; returns their paths."""
-    contents = {}
-    for kind in KINDS:
-        buffer = io.BytesIO()
-        # Without a date, equal inputs give equal files.
-        figure.savefig(buffer, format=kind, **({"metadata": {"Date": None}} if kind == "svg" else {}))
-        contents[stem + "." + kind] = buffer.getvalue()
-    plt.close(figure)
-    write_all(contents)
-    return list(contents)
-
-
-def write_all(contents: Dict[str, bytes]) -> None:
-    """Writes all files under temporary names, then renames them."""
-    temporary = {path: "{}.{}.tmp".format(path, os.getpid()) for path in contents}
-    try:
-        for path, content in contents.items():
-            with open(temporary[path], "wb") as file:
-                file.write(content)
-        for path in contents:
-            os.replace(temporary[path], path)
-    except OSError as error:
-        raise OSError("{}: cannot be written: {}".format(path, error.strerror)) from None
-    finally:
-        for name in temporary.values():
-            if os.path.exists(name):
-                os.remove(name)

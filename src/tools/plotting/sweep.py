@@ -12,8 +12,6 @@ from matplotlib.figure import Figure
 from plotting import style
 from plotting.values import Array, drawable
 
-WIDE_RANGE = 30.0  # variances that differ by more than this factor need a logarithmic axis
-
 
 class Curve(NamedTuple):
     """Arrays over `at`, the parameter on the horizontal axis."""
@@ -87,8 +85,8 @@ def draw(tails: Tails) -> Figure:
     axes = axes[0, 0]
     legend: List[Any] = []
     for at, curve in enumerate(tails.curves):
-        legend += draw_curve(axes, curve, style.PALETTE[at], style.MARKERS[at % len(style.MARKERS)])
-    if style.spread(np.concatenate([curve.variance for curve in tails.curves])[:, np.newaxis]) > WIDE_RANGE:
+        legend += draw_curve(axes, curve, style.colour(at), style.marker(at))
+    if style.spread(np.concatenate([curve.variance for curve in tails.curves])) > style.WIDE_STRING:
         style.logarithmic(axes)
     else:
         axes.set_ylim(bottom=0.0)
@@ -96,11 +94,9 @@ def draw(tails: Tails) -> Figure:
              "noise_variance": "noise variance $P_d$ [m$^2$]", "delay": "delay [steps]", "followers": "followers $N$"}
     axes.set_xlabel(names.get(tails.over, tails.over.replace("$", "\\$")))
     axes.set_ylabel("variance of the last $\\zeta_i$ [m$^2$]")
-    if any((curve.string_stable == 0).any() for curve in tails.curves):
-        legend.append(style.legend_entry(marker="o", linestyle="", color=style.INK, markersize=4.5, label="not string stable"))
-    if any((curve.string_stable == 1).any() for curve in tails.curves):
-        legend.append(style.legend_entry(marker="o", linestyle="", color=style.INK, markersize=4.5,
-                                         markerfacecolor="white", label="string stable"))
+    for stable, face, label in ((0, style.INK, "not string stable"), (1, "white", "string stable")):
+        if any((curve.string_stable == stable).any() for curve in tails.curves):
+            legend.append(style.legend_entry(marker="o", linestyle="", color=style.INK, markersize=4.5, markerfacecolor=face, label=label))
     axes.legend(handles=legend)
     return figure
 

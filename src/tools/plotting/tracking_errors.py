@@ -11,15 +11,12 @@ import numpy as np
 import stochastic_platoon as sp
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from plotting import style
 from plotting.values import Array, drawable, drawable_errors
 
-MOST_CURVES = 40  # longer strings show only some followers
-CURVES_OF_MANY = 16
 CROWDED = 300  # more steps than this are drawn with finer lines, rasterized in the SVG
 
 
@@ -31,42 +28,32 @@ def draw(runs: Sequence[sp.Results], titles: Sequence[str]) -> Figure:
     names = style.names_of(titles, runs)
     figure, axes = style.new_figure(2, len(runs), 1.2 + 4.0 * len(runs), 5.6)
     followers = max(run.followers for run in runs)
-    colours = ScalarMappable(Normalize(1, max(followers, 2)), style.FOLLOWERS)
-    colours.set_array([])
+    colours = style.follower_colours(followers)
     for column, (run, name) in enumerate(zip(runs, names)):
         axes[0, column].set_title(style.column_title(column, len(runs), title(run, name)))
-        (draw_time_average if run.time_average else draw_over_steps)(axes[:, column], run, colours)
+        if run.time_average:
+            draw_time_average(axes[:, column], run)
+        else:
+            draw_over_steps(axes[:, column], run, colours)
     if not runs[0].time_average:
         axes[1, 0].legend(handles=[
-            style.legend_entry(color="#8a8a8a", linewidth=3.0, alpha=0.75, label="measured"),
+            style.legend_entry(color=style.GREY, linewidth=3.0, alpha=0.75, label="measured"),
             style.legend_entry(color=style.INK, linewidth=0.7, label="theory")])
         if followers > 1:
-            add_colour_bar(figure, axes, colours, followers)
+            style.add_colour_bar(figure, axes, colours, followers)
     return figure
 
 
-def add_colour_bar(figure: Figure, axes: style.AxesGrid, colours: ScalarMappable, followers: int) -> None:
-    bar = figure.colorbar(colours, ax=list(axes.flat), location="top", aspect=60, fraction=0.05, pad=0.02)
-    bar.set_label("follower $i$")
-    bar.set_ticks(style.follower_ticks(followers))
-    bar.outline.set_visible(False)
-
-
 def title(run: sp.Results, name: str) -> str:
-    second = "{} realization{}, seed {}".format(style.spaced(run.realizations), "s" * (run.realizations != 1),
-                                               run.seed)
+    drawn = style.drawn_followers(run.followers).size
+    second = "{}, seed {}".format(style.counted(run.realizations), run.seed)
     if run.time_average:
         second = "average over time up to step {}, seed {}".format(style.spaced(int(run.steps[-1])), run.seed)
-    elif drawn(run).size < run.followers:
-        second += ", {} of {} followers drawn".format(drawn(run).size, run.followers)
+    elif drawn < run.followers:
+        second += ", {} of {} followers drawn".format(drawn, run.followers)
     if not run.complete:
         second += ", incomplete run"
     return "{}, {}\n{}".format(name, style.verdict(run.string_stable), second)
-
-
-def drawn(run: sp.Results) -> style.Indices:
-    """Rows of the followers whose curves are drawn."""
-    return style.thinned(run.followers, run.followers if run.followers <= MOST_CURVES else CURVES_OF_MANY)
 
 
 def draw_over_steps(axes: style.AxesGrid, run: sp.Results, colours: ScalarMappable) -> None:
@@ -85,7 +72,7 @@ def draw_curves(axes: Axes, run: sp.Results, measured: Array, theory: Array, col
         quantity = "|{}|".format(quantity) if unit == "m" else quantity
     axes.set_ylabel("{} [{}]".format(quantity, unit))
     crowded = run.steps.size > CROWDED
-    for i in drawn(run):
+    for i in style.drawn_followers(run.followers):
         axes.plot(run.steps, measured[i], color=colours.to_rgba(i + 1), linewidth=1.2 if crowded else 2.4,
                   alpha=0.75, solid_capstyle="round", marker="." if run.steps.size == 1 else "",
                   rasterized=crowded)
@@ -96,17 +83,14 @@ def draw_curves(axes: Axes, run: sp.Results, measured: Array, theory: Array, col
         style.logarithmic(axes)
 
 
-def draw_time_average(axes: style.AxesGrid, run: sp.Results, _: ScalarMappable) -> None:
+def draw_time_average(axes: style.AxesGrid, run: sp.Results) -> None:
     average = drawable_errors(run)
-    i = np.arange(1, run.followers + 1)
-    shown = style.thinned(run.followers, style.MANY)
     for axis, measured, theory, errors, quantity in (
             (axes[0], average.mean, average.theoretical_mean, None, "mean of $\\zeta_i$ over time [m]"),
-            (axes[1], average.variance, average.theoretical_variance, style.bars(drawable(run.standard_error_of_variance)[shown]),
+            (axes[1], average.variance, average.theoretical_variance, style.SHOWN_ERRORS * drawable(run.standard_error_of_variance),
              "variance of $\\zeta_i$ over time [m$^2$]")):
-        axis.plot(i, theory[:, 0], color=style.INK, linewidth=1.0, label="theory, stationary")
-        axis.errorbar(i[shown], measured[shown, 0], yerr=errors, fmt="o",
-                      color=style.PALETTE[0], markersize=4.5, capsize=2.5, elinewidth=1.0, label="measured")
+        style.draw_theory(axis, theory[:, 0], color=style.INK, linewidth=1.0, label="theory, stationary")
+        style.draw_measured(axis, measured[:, 0], errors, fmt="o", color=style.PALETTE[0], label="measured")
         axis.set_ylabel(quantity)
     if style.spread(average.variance) > style.WIDE_RANGE:
         style.logarithmic(axes[1])

@@ -8,15 +8,13 @@ import numpy as np
 import stochastic_platoon as sp
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from plotting import style
-from plotting.tracking_errors import CURVES_OF_MANY, MOST_CURVES, add_colour_bar
 from plotting.values import Array, drawable
 
 PANELS = (("gap", "gap [m]"), ("tracking_error", "tracking error [m]"), ("speed", "speed [m/s]"), ("acceleration", "acceleration [m/s$^2$]"))
-AHEAD = (0, (3, 1.5))  # line of the predecessor
+AHEAD = style.SHORT_DASHED  # line of the predecessor
 AROUND = 2.0  # [s] drawn on either side of --around
 
 
@@ -37,10 +35,7 @@ def nearest(gap: Array) -> Tuple[int, int]:
 
 def drawn(vehicles: int, worst: int) -> style.Indices:
     """The vehicles whose curves are drawn, always with the worst one and its predecessor."""
-    followers = vehicles - 1
-    if followers <= MOST_CURVES:
-        return np.arange(vehicles)
-    return np.union1d(np.append(0, 1 + style.thinned(followers, CURVES_OF_MANY)), [worst - 1, worst])
+    return np.union1d(1 + style.drawn_followers(vehicles - 1), [0, worst - 1, worst])
 
 
 def draw(realization: sp.Trajectories, titles: Sequence[str]) -> Figure:
@@ -52,11 +47,10 @@ def draw(realization: sp.Trajectories, titles: Sequence[str]) -> Figure:
     vehicles = gap.shape[0]
     shown = drawn(vehicles, worst)
     figure, axes = style.new_figure(2, 2, 11.4, 6.4)
-    colours = ScalarMappable(Normalize(1, max(vehicles - 1, 2)), style.FOLLOWERS)
-    colours.set_array([])
+    colours = style.follower_colours(vehicles - 1)
     for axis, (quantity, label) in zip(axes.flat, PANELS):
         draw_panel(axis, seconds, drawable(realization[quantity]), shown, worst, colours)
-        axis.axvline(seconds[at], color="#8a8a8a", linewidth=1.0, zorder=1)
+        axis.axvline(seconds[at], color=style.GREY, linewidth=1.0, zorder=1)
         axis.set_ylabel(label)
     for axis in axes[1]:
         axis.set_xlabel("time [s]")
@@ -66,14 +60,14 @@ def draw(realization: sp.Trajectories, titles: Sequence[str]) -> Figure:
     figure.suptitle("{}: smallest gap {} m, follower {}, step {} ({:.4g} s){}".format(
         name, style.signed(gap[worst, at]), worst, int(steps[at]), seconds[at], few), fontsize=9.5)
     if np.setdiff1d(shown, [0, worst - 1, worst]).size:
-        add_colour_bar(figure, axes, colours, vehicles - 1)
+        style.add_colour_bar(figure, axes, colours, vehicles - 1)
     style.legend_below(axes[1, 0], handles=[
         style.legend_entry(color=style.INK, linewidth=2.4, label="follower {}: the smallest gap".format(worst)),
         style.legend_entry(color=style.INK, linewidth=1.3, linestyle=AHEAD,
                            label="{}, ahead of it".format("vehicle {}".format(worst - 1) if worst > 1 else "leader"))])
     style.legend_below(axes[1, 1], handles=[
         style.legend_entry(color=style.BOUND, linewidth=1.2, label="gap 0: below it a collision"),
-        style.legend_entry(color="#8a8a8a", linewidth=1.0, label="the smallest gap")])
+        style.legend_entry(color=style.GREY, linewidth=1.0, label="the smallest gap")])
     return figure
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 import rospy
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
+
+from .state import PlatoonState
 
 MANOEUVRES = ("brake", "accelerate", "sinusoid", "cruise")
 CHANGES = ("headway", "noise_variance", "loss")
@@ -16,16 +18,14 @@ FASTEST = 1000.0  # [m/s] largest speed that a leader accepts (Manoeuvre::kLarge
 
 
 def number_of(content: Dict[str, Any], key: str) -> float:
-    """The finite number under the key, NaN if it is missing. Raises ValueError for any other value."""
+    """The finite number under the key. Raises ValueError for any other value."""
     value = content.get(key)
-    if value is None:
-        return math.nan
     try:
         if not isinstance(value, bool) and isinstance(value, (int, float)) and math.isfinite(float(value)):
             return float(value)
     except OverflowError:
         pass  # an integer beyond the floating-point range
-    raise ValueError("{}: {}: must be a finite number".format(key, shortened(value)))
+    raise ValueError("{}: {}: must be a finite number".format(key, "missing" if value is None else shortened(value)))
 
 
 def shortened(value: object) -> str:
@@ -34,15 +34,21 @@ def shortened(value: object) -> str:
 
 
 class Commands:
-    """Carries out commands. `configuration` returns the present run's (see description.described), None before the first."""
+    """Carries out commands. The state logs those that succeed."""
 
-    def __init__(self, configuration: Callable[[], Optional[Dict[str, Any]]]) -> None:
-        self.configuration = configuration
+    def __init__(self, state: PlatoonState) -> None:
+        self.state = state
         self.speed = rospy.Publisher("leader/speed", Float64, queue_size=1)
 
     def obey(self, content: Dict[str, Any]) -> Tuple[bool, str]:
         """(success, message) of a command like {"command": "brake"}, {"command": "speed", "speed": 20.0} or
         {"command": "change", "headway": 2.4}."""
+        success, message = self.carry_out(content)
+        if success:
+            self.state.take_order(message)
+        return success, message
+
+    def carry_out(self, content: Dict[str, Any]) -> Tuple[bool, str]:
         command = content.get("command")
         try:
             if command in MANOEUVRES:
@@ -50,21 +56,18 @@ class Commands:
             if command == "speed":
                 return self.set_speed(number_of(content, "speed"))
             if command == "change":
-                given = {key: number_of(content, key) for key in CHANGES}
-                return self.call("change_run", {key: value for key, value in given.items() if not math.isnan(value)})
+                return self.call("change_run", {key: number_of(content, key) for key in CHANGES if content.get(key) is not None})
             return False, "command: {}: must be one of {}, speed, change".format(shortened(command), ", ".join(MANOEUVRES))
         except ValueError as error:
             return False, str(error)
 
     def set_speed(self, speed: float) -> Tuple[bool, str]:
-        if math.isnan(speed):
-            return False, "speed: missing: must be a finite number"
         if abs(speed) > FASTEST:
             return False, "speed: {:g}: must be a finite number of magnitude {:g} at most [m/s]".format(speed, FASTEST)
         # The leader receives its speed on a topic, which returns no answer: check here whether it accepts one.
-        configuration = self.configuration()
+        configuration = self.state.configuration
         if configuration is None:
-            return False, "speed: nothing is known of a run yet: try again when the platoon has begun"
+            return False, "speed: no run is known yet: try again when the platoon has started"
         if not configuration["endless"]:
             return False, ("speed: rejected: in a run of many realizations the leader drives by the model file (leader/speed there); an endless "
                            "run (live.launch, steps:=0) accepts orders")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import collections
 import time
-from typing import Any, Callable, Deque, Dict, Optional
+from typing import Any, Deque, Dict, Optional
 
 MOST = 100  # events
 # The fields of a configuration that a change of the run may alter, with their names and units.
@@ -24,14 +24,14 @@ def shown(value: Any, unit: str) -> str:
 class EventLog:
     """The latest events, each with its time [s since 1970], kind, text, and step if it has one."""
 
-    def __init__(self, clock: Callable[[], float] = time.time) -> None:
-        self.clock, self.news = clock, False
+    def __init__(self) -> None:
+        self.news = False
         self.events: Deque[Dict[str, Any]] = collections.deque(maxlen=MOST)
         self.first: Optional[int] = None  # attempt and realizations of the latest restart
         self.restarted: Optional[int] = None
 
     def add(self, kind: str, text: str, step: Optional[int] = None) -> None:
-        self.events.append({"time": self.clock(), "kind": kind, "step": step, "text": text})
+        self.events.append({"time": time.time(), "kind": kind, "step": step, "text": text})
         self.news = True
 
     def take_news(self) -> bool:
@@ -41,11 +41,12 @@ class EventLog:
 
     def add_run(self, before: Optional[Dict[str, Any]], now: Dict[str, Any]) -> None:
         """Adds another configuration: see description.described()."""
-        changes = [(name, None if before is None else before[key], now[key], unit) for key, name, unit in CHANGES
-                   if before is None or before[key] != now[key]]
-        self.add("run", "a run with " + ", ".join(
-            name + " " + ("" if before is None else shown(old, unit) + " -> ") + shown(new, unit) for name, old, new, unit in changes
-            if before is not None or new is not None) if changes else "another run with the same configuration")
+        if before is None:
+            changes = [name + " " + shown(now[key], unit) for key, name, unit in CHANGES if now[key] is not None]
+        else:
+            changes = ["{} {} -> {}".format(name, shown(before[key], unit), shown(now[key], unit)) for key, name, unit in CHANGES
+                       if before[key] != now[key]]
+        self.add("run", "a run with " + ", ".join(changes) if changes else "another run with the same configuration")
 
     def add_changes(self, before: Any, now: Any) -> bool:
         """Adds the changes between two overviews of a run; `before` may be None. Returns whether the run has restarted."""
@@ -67,7 +68,7 @@ class EventLog:
         return began_again
 
     def add_restart(self, before: Any, now: Any) -> None:
-        """Adds a restart. A stalled platoon begins again every few seconds: consecutive attempts without progress are one event."""
+        """Adds a restart. A stalled platoon restarts every few seconds: consecutive attempts without progress are one event."""
         step = before.step[-1] if now.time_average else None
         latest = self.events[-1] if self.events else {}
         stalled = latest.get("kind") == "restart" and (step <= 0 if now.time_average else before.realizations == self.restarted)
@@ -77,5 +78,5 @@ class EventLog:
             self.first = now.attempt
         self.restarted = now.realizations
         attempts = "attempt {}".format(now.attempt) if self.first == now.attempt else "attempts {} to {}".format(self.first, now.attempt)
-        self.add("restart", attempts + (": the platoon begins again at step 0; averages keep the steps before" if now.time_average else
+        self.add("restart", attempts + (": the platoon restarts at step 0; averages keep the earlier steps" if now.time_average else
                                         ": the batch from realization {} on is repeated".format(now.realizations)), step)

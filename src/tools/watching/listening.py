@@ -33,18 +33,27 @@ def report_start(state: PlatoonState, namespace: str) -> None:
         rospy.rostime.wallsleep(POLL)
 
 
-def listen(state: PlatoonState, namespace: str = "", snapshots: bool = True) -> None:
-    """Subscribes the state to the topics of a namespace such as "/platoon/", by default this node's own.
+def listen(state: PlatoonState, snapshots: bool = True) -> None:
+    """Subscribes the state to the topics of its namespace. Short queues drop old messages, so memory stays bounded."""
+    namespace = "/{}/".format(state.namespace) if state.namespace else "/"
 
-    Short queues drop old messages, so memory stays bounded.
-    """
     def subscribe(topic: str, kind: Any, callback: Callable[[Any], None], queue_size: int = 1) -> None:
-        rospy.Subscriber(topic if topic.startswith("/") else namespace + topic, kind, callback, queue_size=queue_size, tcp_nodelay=True)
+        rospy.Subscriber(topic, kind, callback, queue_size=queue_size, tcp_nodelay=True)
 
-    subscribe("configuration", String, state.take_configuration)
-    subscribe("overview", Overview, lambda message: state.take_overview(message, time.monotonic()))
+    subscribe(namespace + "configuration", String, state.take_configuration)
+    subscribe(namespace + "overview", Overview, lambda message: state.take_overview(message, time.monotonic()))
     subscribe("/diagnostics", DiagnosticArray, state.take_diagnostics, queue_size=20)
     if snapshots:
-        subscribe("predecessor_snapshot", Snapshot, state.take_told, queue_size=5)
-        subscribe("snapshot", Snapshot, state.take_snapshot, queue_size=2)
-    threading.Thread(target=report_start, args=(state, namespace or rospy.get_namespace()), daemon=True).start()
+        subscribe(namespace + "predecessor_snapshot", Snapshot, state.take_told, queue_size=5)
+        subscribe(namespace + "snapshot", Snapshot, state.take_snapshot, queue_size=2)
+    threading.Thread(target=report_start, args=(state, namespace), daemon=True).start()
+
+
+def observe(program: str, namespace: str) -> PlatoonState:
+    """The state of a platoon, without its snapshots, for a program beside the launch. Raises ValueError without a master."""
+    if not rosgraph.is_master_online():
+        raise ValueError("there is no ROS master at {}: launch a platoon, or set ROS_MASTER_URI".format(rosgraph.get_master_uri()))
+    rospy.init_node(program, anonymous=True, disable_rosout=True)
+    state = PlatoonState(namespace=namespace.strip("/"))
+    listen(state, snapshots=False)
+    return state

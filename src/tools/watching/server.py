@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import collections
 import errno
 import http.server
 import ipaddress
@@ -12,75 +11,19 @@ import socket
 import threading
 import time
 import urllib.parse
-from typing import Any, Callable, Dict, List, OrderedDict, Optional, Set, Tuple, Type
+from typing import Any, Callable, Dict, Set, Tuple
 
 from .state import PlatoonState
+from .streams import MOST_PAGES, Streams, encoded
 
-MOST_PAGES = 32         # open at the same time
+Obey = Callable[[Dict[str, Any]], Tuple[bool, str]]
+
 HEARTBEAT = 2.0         # [s] between comment lines on an idle stream
 LONGEST_COMMAND = 4096  # bytes
 PAUSE = 0.2             # [s] before the next accept when the system has no resources for another connection
 NOTHING_LEFT = {errno.EMFILE: "no file descriptor is free", errno.ENFILE: "the system has no file descriptor free",
                 errno.ENOBUFS: "the system has no buffer free", errno.ENOMEM: "the system has no memory free"}
 KINDS_OF_FILE = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
-
-
-def encoded(content: Any) -> bytes:
-    return json.dumps(content, allow_nan=False, separators=(",", ":")).encode()
-
-
-class Stream:
-    """Events not yet sent to one page: only the latest of each kind, so a slow page takes bounded memory."""
-
-    def __init__(self) -> None:
-        self.waiting: OrderedDict[str, bytes] = collections.OrderedDict()
-        self.condition = threading.Condition()
-
-    def put(self, kind: str, data: bytes) -> None:
-        with self.condition:
-            self.waiting.pop(kind, None)
-            self.waiting[kind] = data
-            self.condition.notify()
-
-    def take(self, timeout: float) -> List[Tuple[str, bytes]]:
-        """The waiting events as a list of (kind, data); empty after the timeout [s]."""
-        with self.condition:
-            if not self.waiting:
-                self.condition.wait(timeout)
-            items = list(self.waiting.items())
-            self.waiting.clear()
-            return items
-
-
-class Streams:
-    """The streams of all open pages. Each event is encoded once for all of them, and not at all while no page is open."""
-
-    def __init__(self, give: Callable[[str], Any]) -> None:
-        self.give, self.lock = give, threading.Lock()
-        self.streams: List[Stream] = []
-
-    def open(self, kinds: Tuple[str, ...]) -> Optional[Stream]:
-        """The stream of a new page, filled with the present content of all kinds; None if too many pages are open."""
-        stream = Stream()
-        with self.lock:
-            if len(self.streams) >= MOST_PAGES:
-                return None
-            self.streams.append(stream)
-        for kind in kinds:
-            stream.put(kind, encoded(self.give(kind)))
-        return stream
-
-    def close(self, stream: Stream) -> None:
-        with self.lock:
-            self.streams.remove(stream)
-
-    def send(self, kind: str) -> None:
-        with self.lock:
-            streams = list(self.streams)
-        if streams:
-            data = encoded(self.give(kind))
-            for stream in streams:
-                stream.put(kind, data)
 
 
 def host_of(authority: str) -> str:
@@ -128,13 +71,16 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.send_header("Content-Security-Policy", "default-src 'self'; img-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'")
 
     def refuse(self, status: int, why: str) -> None:
-        self.answer(status, encoded({"success": False, "message": why}))
+        self.report(status, False, why)
+
+    def report(self, status: int, success: bool, message: str) -> None:
+        self.answer(status, encoded({"success": success, "message": message}))
 
     def of_this_machine(self) -> bool:
         """Whether the Host header names this server; if not, answers with status 421."""
         if names_this_machine(host_of(self.headers.get("Host", "")), self.server.names):
             return True
-        self.refuse(421, "this page is not served under that name: use localhost or the machine's address")
+        self.refuse(421, "the server does not have this name: use localhost or the machine's address")
         return False
 
     def do_GET(self) -> None:
@@ -148,7 +94,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         else:
             content = self.server.files.get("/index.html" if path == "/" else path)
             if content is None:
-                return self.refuse(404, "there is /, /state.json and /events")
+                return self.refuse(404, "not found: the server has /, /state.json and /events")
             self.answer(200, content, KINDS_OF_FILE[os.path.splitext(path)[1] or ".html"])
 
     do_HEAD = do_GET
@@ -159,11 +105,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
         # Browsers send the page's Origin; only this server's own page has the same address in Origin and Host.
         origin = self.headers.get("Origin")
         if origin is not None and urllib.parse.urlsplit(origin).netloc.lower() != self.headers.get("Host", "").lower():
-            return self.refuse(403, "commands are taken from this server's own page only, not from " + origin[:100])
+            return self.refuse(403, "the server accepts commands from its own page only, not from " + origin[:100])
         if self.headers.get("Content-Type", "").split(";")[0] != "application/json":
-            return self.refuse(415, "a command is application/json")
+            return self.refuse(415, "a command must be application/json")
         if self.path != "/command":
-            return self.refuse(404, "commands go to /command")
+            return self.refuse(404, "not found: the server accepts commands at /command")
         try:
             length = int(self.headers.get("Content-Length", ""))
             if not 0 <= length <= LONGEST_COMMAND:
@@ -172,12 +118,12 @@ class Handler(http.server.BaseHTTPRequestHandler):
             if not isinstance(content, dict):
                 raise ValueError
         except (ValueError, RecursionError):
-            return self.refuse(400, "a command is a JSON object of at most {} bytes".format(LONGEST_COMMAND))
+            return self.refuse(400, "a command must be a JSON object of at most {} bytes".format(LONGEST_COMMAND))
         try:
             success, message = self.server.obey(content)
         except Exception as error:  # an internal error: report it to the page and keep the connection
-            return self.answer(500, encoded({"success": False, "message": "{}: {}".format(type(error).__name__, error)[:200]}))
-        self.answer(200 if success else 409, encoded({"success": success, "message": message}))
+            return self.refuse(500, "{}: {}".format(type(error).__name__, error)[:200])
+        self.report(200 if success else 409, success, message)
 
     def stream(self) -> None:
         stream = self.server.streams.open(self.server.state.KINDS + ("strip",))
@@ -204,7 +150,7 @@ class PageServer(http.server.ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, host: str, port: int, state: PlatoonState, obey: Callable[[Dict[str, Any]], Tuple[bool, str]], folder: str) -> None:
+    def __init__(self, host: str, port: int, state: PlatoonState, obey: Obey, folder: str) -> None:
         self.host, self.state, self.obey = host, state, obey
         self.names = {"localhost", host.lower(), socket.gethostname().lower()}
         self.streams = Streams(state.give)

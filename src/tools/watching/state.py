@@ -10,7 +10,6 @@ import math
 import threading
 from typing import Any, Callable, Deque, Dict, Iterable, List, Optional, Sequence, Set, Tuple
 
-from . import gaps
 from .description import described, start_of
 from .events import EventLog, is_paused
 from .history import Rate, ThinnedHistory
@@ -19,6 +18,8 @@ STRIP = 240          # snapshots in the space-time strip
 COLUMNS = 120        # steps in the curves over k
 MOST_CURVES = 40     # as in the figures of `plot`: longer strings show only some followers
 CURVES_OF_MANY = 16
+MOMENTS = ("mean", "variance", "theoretical_mean", "theoretical_variance")
+GAPS = ("smallest_gap", "smallest_gap_realization", "smallest_gap_step", "collisions", "collision_bound")  # empty without the signal gap
 
 
 def finite(value: float) -> Optional[float]:
@@ -54,7 +55,7 @@ class PlatoonState:
         self.culprit: Optional[str] = None
         self.retries = 0
         self.start: Optional[str] = None  # a text on the platoon before its first step
-        self.log = EventLog()
+        self.events = EventLog()
         self.early: Optional[Tuple[Any, float]] = None  # (overview, arrival time) of a run whose configuration has not arrived yet
         self.over: Optional[int] = None  # the previous run
         self.begin(None)
@@ -68,13 +69,13 @@ class PlatoonState:
         self.restarts = 0
         self.rate = Rate()
         self.history = ThinnedHistory(COLUMNS)
-        self.strip: Deque[Tuple[int, int, List[Optional[float]]]] = collections.deque(maxlen=STRIP)
+        self.latest: Deque[Dict[str, Any]] = collections.deque(maxlen=STRIP)  # snapshots
         self.told: Optional[Dict[str, Any]] = None
         self.snapshot: Optional[Dict[str, Any]] = None
 
     def tell(self, *kinds: str) -> None:
         """Reports changes of these kinds, and of the log."""
-        for kind in kinds + (("log",) if self.log.take_news() else ()):
+        for kind in kinds + (("log",) if self.events.take_news() else ()):
             self.changed(kind)
 
     def take_configuration(self, message: Any) -> None:
@@ -91,7 +92,7 @@ class PlatoonState:
 
     def begin_described(self, now: Dict[str, Any]) -> None:
         if self.text is None or now != self.configuration or self.run is not None:
-            self.log.add_run(self.configuration, now)
+            self.events.add_run(self.configuration, now)
         self.over = self.run
         self.begin(now)
         early, self.early = self.early, None
@@ -110,7 +111,7 @@ class PlatoonState:
                     self.early = (message, now)
                     return
                 self.begin(known)
-                self.log.add_run(known, known)
+                self.events.add_run(known, known)
             self.early = None
             self.add_overview(message, now)
         self.tell("statistics", "curves", "health")
@@ -120,7 +121,7 @@ class PlatoonState:
         known = self.began and (self.began.attempt, self.began.step[-1])
         # A restarted monitor has no attempt yet, or the previous one.
         if message.attempt and (known is None or (message.attempt, message.step[-1]) >= known):
-            if self.log.add_changes(self.began, message):
+            if self.events.add_changes(self.began, message):
                 self.restarts += 1
                 self.history = ThinnedHistory(COLUMNS)
             self.began, self.start = message, None
@@ -136,11 +137,10 @@ class PlatoonState:
 
     def take_snapshot(self, message: Any) -> None:
         with self.lock:
-            errors = rounded(message.tracking_error)
             self.snapshot = {"realization": message.realization, "step": message.step, "position": numbers(message.position),
-                             "tracking_error": errors, "speed": rounded(message.speed)}
+                             "tracking_error": rounded(message.tracking_error), "speed": rounded(message.speed)}
             if message.step >= 0:
-                self.strip.append((message.realization, message.step, errors))
+                self.latest.append(self.snapshot)
         self.changed("snapshot")
 
     def take_diagnostics(self, message: Any) -> None:
@@ -153,7 +153,7 @@ class PlatoonState:
                 before, self.culprit = self.culprit, values["culprit"] or None
                 self.retries = int(values.get("retries") or 0)
                 if bool(before) != bool(self.culprit):
-                    self.log.add("stall", "run stalled: " + self.culprit if self.culprit else "run continues")
+                    self.events.add("stall", "run stalled: " + self.culprit if self.culprit else "run continues")
             self.tell("health")
 
     def take_topics(self, topics: Set[str]) -> None:
@@ -165,68 +165,57 @@ class PlatoonState:
 
     def take_order(self, text: str) -> None:
         with self.lock:
-            self.log.add("order", text)
+            self.events.add("order", text)
         self.tell()
 
     def of_drawn(self, values: Sequence[float]) -> List[float]:
         """The values of the drawn followers."""
         return [values[i - 1] for i in drawn_followers(len(values))]
 
-    # The content of events.
+    # The content of events, None if there is none yet: besides configuration, snapshot and told.
 
     def give(self, kind: str) -> Any:
-        """The content of an event; None if there is none yet."""
         with self.lock:
-            return getattr(self, "give_" + kind)()
+            return getattr(self, kind)
 
-    def give_configuration(self) -> Optional[Dict[str, Any]]:
-        return self.configuration
-
-    def give_snapshot(self) -> Optional[Dict[str, Any]]:
-        return self.snapshot
-
-    def give_told(self) -> Optional[Dict[str, Any]]:
-        return self.told
-
-    def give_health(self) -> Dict[str, Any]:
+    @property
+    def health(self) -> Dict[str, Any]:
         return {"culprit": self.culprit, "retries": self.retries, "start": self.start}
 
-    def give_log(self) -> List[Dict[str, Any]]:
-        return list(self.log.events)
+    @property
+    def log(self) -> List[Dict[str, Any]]:
+        return list(self.events.events)
 
-    def give_strip(self) -> List[Dict[str, Any]]:
-        return [{"realization": r, "step": k, "tracking_error": errors} for r, k, errors in self.strip]
+    @property
+    def strip(self) -> List[Dict[str, Any]]:
+        return [{key: snapshot[key] for key in ("realization", "step", "tracking_error")} for snapshot in self.latest]
 
-    def last_column(self, values: Sequence[float]) -> List[Optional[float]]:
-        return numbers(values[len(self.overview.step) - 1::len(self.overview.step)])
-
-    def give_statistics(self) -> Optional[Dict[str, Any]]:
+    @property
+    def statistics(self) -> Optional[Dict[str, Any]]:
         of = self.overview
         if of is None or self.configuration is None:
             return None
         scores = [score for score in (of.max_abs_z_mean, of.max_abs_z_variance) if not math.isnan(score)]
-        per_second, followers = self.rate.per_second(), len(of.stationary_variance)
-        wanted = self.configuration["realizations_wanted"]
-        left = None
+        moments = {name: numbers(getattr(of, name)[len(of.step) - 1::len(of.step)]) for name in MOMENTS}
+        is_measured = any(value is not None for value in moments["mean"])
+        per_second, left = self.rate.per_second(), None
         if not of.time_average and not of.complete and per_second:
-            left = (wanted - of.realizations) / per_second
-        measured = any(map(math.isfinite, of.mean[len(of.step) - 1::len(of.step)]))
-        work = followers * (1 if of.time_average else self.configuration["steps"])
-        return {"step": of.step[-1] if measured else None, "latest_step": of.step[-1] if of.attempt else None, "realizations": of.realizations, "time_average": of.time_average,
-                "attempt": of.attempt, "restarts": self.restarts, "manoeuvre": of.manoeuvre,
-                "paused_until": of.counted_from if is_paused(of) else None, "complete": of.complete, "theory": of.theory, "reason": of.reason,
+            left = (self.configuration["realizations_wanted"] - of.realizations) / per_second
+        work = len(of.stationary_variance) * (1 if of.time_average else self.configuration["steps"])
+        return {**moments,
+                **{name: getattr(of, name) for name in (
+                    "realizations", "time_average", "attempt", "manoeuvre", "complete", "theory", "reason", "wall_seconds")},
+                **{name: finite(getattr(of, name)) for name in ("limit_variance", "plausible_z", "realizations_needed")},
+                **{name: numbers(getattr(of, name)) for name in ("standard_error", *GAPS)},
+                "score": numbers(of.variance_score), "max_abs_z": finite(max(scores)) if scores else None,
+                "step": of.step[-1] if is_measured else None, "latest_step": of.step[-1] if of.attempt else None,
+                "restarts": self.restarts, "paused_until": of.counted_from if is_paused(of) else None,
                 "string_stable": of.string_stable if of.theory == "exact" and not of.undecided else None,
                 "stable_headways": list(zip(of.stable_headways[::2], of.stable_headways[1::2])),
-                "limit_variance": finite(of.limit_variance), "mean": self.last_column(of.mean),
-                "variance": self.last_column(of.variance), "theoretical_mean": self.last_column(of.theoretical_mean),
-                "theoretical_variance": self.last_column(of.theoretical_variance),
-                "standard_error": numbers(of.standard_error), "score": numbers(of.variance_score),
-                "max_abs_z": finite(max(scores)) if scores else None, "plausible_z": finite(of.plausible_z),
-                "realizations_needed": finite(of.realizations_needed),
-                "vehicle_steps_per_second": None if per_second is None or of.complete else per_second * work,
-                "seconds_left": left, "wall_seconds": of.wall_seconds, **gaps.of_overview(of)}
+                "vehicle_steps_per_second": None if per_second is None or of.complete else per_second * work, "seconds_left": left}
 
-    def give_curves(self) -> Optional[Dict[str, Any]]:
+    @property
+    def curves(self) -> Optional[Dict[str, Any]]:
         """Mean and variance over k of the drawn followers, measured and theoretical: lists (drawn followers) of lists (steps)."""
         of = self.overview
         if of is None:
@@ -240,14 +229,13 @@ class PlatoonState:
                         mean=[rounded(mean[row] for mean, _ in columns) for row in range(len(followers))],
                         variance=[rounded(variance[row] for _, variance in columns) for row in range(len(followers))])
         width = len(of.step)
-        return dict({name: [rounded(getattr(of, name)[(i - 1) * width:i * width]) for i in followers]
-                     for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")},
+        return dict({name: [rounded(getattr(of, name)[(i - 1) * width:i * width]) for i in followers] for name in MOMENTS},
                     followers=followers, step=list(of.step))
 
     def document(self) -> Dict[str, Any]:
         """The content of /state.json."""
         with self.lock:
-            nothing: Dict[str, Any] = {"followers": None, "step": None, "realizations": None, "mean": [], "variance": [],
-                       "theoretical_variance": [], "string_stable": None, "limit_variance": None, "max_abs_z": None, **gaps.nowhere()}
-            return {**nothing, **(self.give_configuration() or {}), **(self.give_statistics() or {}), **self.give_health(),
-                    "events": self.give_log()}
+            nothing: Dict[str, Any] = {
+                **{name: None for name in ("followers", "step", "realizations", "string_stable", "limit_variance", "max_abs_z")},
+                **{name: [] for name in ("mean", "variance", "theoretical_variance", *GAPS)}}
+            return {**nothing, **(self.configuration or {}), **(self.statistics or {}), **self.health, "events": self.log}

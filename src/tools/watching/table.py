@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Optional
 
-from . import gaps
-
 HEADING = "follower       mean [m]   variance [m^2]   standard error   theory [m^2]         z"
 AROUND = 8  # lines other than the followers' rows
 
@@ -52,14 +50,22 @@ def heading(state: Dict[str, Any]) -> List[str]:
     return [first, "Theory: {}{}".format(state["reason"], limit), second + (", complete" if state["complete"] else "")]
 
 
+def smallest_gap(state: Dict[str, Any]) -> List[str]:
+    """A line on the smallest gap of all followers, the first of equal ones; empty without one."""
+    known = [(gap, row) for row, gap in enumerate(state["smallest_gap"]) if gap is not None]
+    if not known:
+        return []
+    gap, row = min(known)
+    return ["smallest gap {:.3g} m: follower {}, realization {}, step {}".format(
+        gap, row + 1, state["smallest_gap_realization"][row], state["smallest_gap_step"][row])]
+
+
 def table(state: Dict[str, Any], lines: int) -> List[str]:
     """The lines of the table for a terminal of this many lines."""
     text = heading(state)
     if state["culprit"]:
         text.append("RUN STALLED: {} ({} retries)".format(state["culprit"], state["retries"]))
-    smallest = gaps.in_words(state)
-    if smallest:
-        text.append(smallest)
+    text += smallest_gap(state)
     if not state["variance"]:
         return text
     text += ["", HEADING]

@@ -1,7 +1,5 @@
 #include "stochastic_platoon/ros/transport/transport.hpp"
 
-#include <ros/master.h>
-#include <ros/this_node.h>
 #include <ros/time.h>
 
 #include <mutex>

@@ -32,7 +32,7 @@ export class Controls {
     Object.assign(input("headway"), range);
     this.marked = null;  // redraw the marks: the slider's range may change
     document.getElementById("controls-note").textContent = endless || !configuration ? "" :
-      "Orders are taken in an endless run (live.launch): this one averages over realizations, which have to be alike.";
+      "Only an endless run (live.launch) accepts orders: this one averages over realizations, which have to be alike.";
     for (const name of CHANGES) {
       this.set[name] = (configuration?.[name] ?? 0) * (name === "headway" ? this.headwayUnit() : 1);
       const slider = input(name);

@@ -1,8 +1,8 @@
 // Mean and variance over k: measured curves broad and coloured, theory thin on top, as in the paper's figure.
 import { css, followerColour } from "./colours.js";
-import { canvasOf, niceTicks, short, spread, verticalScale } from "./scale.js";
+import { canvasOf, FACE, LEFT, niceTicks, short, spread, verticalScale } from "./scale.js";
 
-const WIDE_RANGE = 1000, LEFT = 52, RIGHT = 8;
+const WIDE_RANGE = 1000, RIGHT = 8;
 
 function line(context, xs, values, y) {
   let down = false;
@@ -27,7 +27,7 @@ export function drawCurves(canvas, of, name, n, chosen, last) {
   const from = of.step[0] ?? 0, to = Math.max(of.step[of.step.length - 1] ?? 1, from + 1);
   const place = k => LEFT + (k - from) / (to - from) * (right - LEFT), xs = of.step.map(place);
 
-  context.font = "12px system-ui, 'DejaVu Sans', sans-serif";
+  context.font = `12px ${FACE}`;
   context.lineWidth = 1;
   context.fillStyle = css("--soft");
   context.textAlign = "right";

@@ -1,12 +1,15 @@
 // A chart along the string: a slot per follower; the pointer chooses one of them.
-import { followerTicks, short } from "./scale.js";
+import { followerTicks, LEFT, short } from "./scale.js";
 
-export const LEFT = 52, TOP = 22;
-const RIGHT = 10, BOTTOM = 38;
+const TOP = 22, RIGHT = 10, BOTTOM = 38;
 
-export function element(tag, attributes = {}, text) {
+export function set(element, attributes) {
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+}
+
+export function element(tag, attributes, text) {
   const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  set(made, attributes);
   if (text !== undefined) made.textContent = text;
   return made;
 }

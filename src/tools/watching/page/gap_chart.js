@@ -1,7 +1,7 @@
 // Smallest gap of each follower so far: a bar from 0, striking below 0, and the number of realizations with a collision above it.
 import { followerColour } from "./colours.js";
-import { element, FollowerChart, LEFT } from "./follower_chart.js";
-import { short, spaced, verticalScale } from "./scale.js";
+import { element, FollowerChart, set } from "./follower_chart.js";
+import { LEFT, short, spaced, verticalScale } from "./scale.js";
 
 const ROOM = 7;  // pixels per digit
 
@@ -29,8 +29,8 @@ export class GapChart extends FollowerChart {
     of.smallest_gap.forEach((gap, row) => {
       const rect = bars[row], top = gap === null ? y(0) : Math.min(y(gap), y(0));
       const height = gap === null ? 0 : Math.max(Math.abs(y(gap) - y(0)), 1);
-      for (const [name, value] of Object.entries({ x: x(row + 1) - width / 2, y: top, width, height, fill: followerColour(row + 1, n) })) rect.setAttribute(name, value);
-      rect.setAttribute("class", (gap < 0 ? "collision" : "") + (row + 1 === chosen ? " chosen" : ""));
+      set(rect, { x: x(row + 1) - width / 2, y: top, width, height, fill: followerColour(row + 1, n),
+        class: (gap < 0 ? "collision" : "") + (row + 1 === chosen ? " chosen" : "") });
       rect.dataset.value = gap;
       rect.replaceChildren(element("title", {}, gapWords(of, row + 1)));
     });

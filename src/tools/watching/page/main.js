@@ -72,11 +72,10 @@ function togglePause() {
     live = "connecting";
     connect();
   }
-  at("pause").textContent = source ? "Pause" : "Go on";
+  at("pause").textContent = source ? "Pause" : "Continue";
   stale.add("words");
 }
 
-const tables = Object.fromEntries(Object.keys(TABLES).map(name => [name, () => TABLES[name](known, road, strip)]));
 const about = () => {
   const { configuration: of, statistics } = known;
   return of ? `h = ${of.headway} sample periods, noise variance ${of.noise_variance} m², ${of.link}, N = ${of.followers}, ` +
@@ -145,11 +144,11 @@ const KEYS = {
   p: togglePause,
   t: () => { at("table-card").open = !at("table-card").open; },
   d: turnTheme,
-  b: () => document.querySelector("[data-command=brake]").click(),
-  a: () => document.querySelector("[data-command=accelerate]").click(),
-  s: () => document.querySelector("[data-command=sinusoid]").click(),
-  c: () => document.querySelector("[data-command=cruise]").click(),
-  n: () => document.querySelector("[data-command=change]").click(),
+  b: () => controls.send("brake"),
+  a: () => controls.send("accelerate"),
+  s: () => controls.send("sinusoid"),
+  c: () => controls.send("cruise"),
+  n: () => controls.send("change"),
 };
 addEventListener("keydown", event => {
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
@@ -166,6 +165,6 @@ at("pause").addEventListener("click", togglePause);
 at("table-card").addEventListener("toggle", () => stale.add("words"));
 new ResizeObserver(everything).observe(document.body);
 controls.take(null);
-offerSaving(tables, about);
+offerSaving(name => TABLES[name](known, road, strip), about);
 connect();
 requestAnimationFrame(frame);

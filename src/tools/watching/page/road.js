@@ -1,7 +1,7 @@
 // The road from above, in lanes from left to right: every vehicle at its position, and below it a mark at the position that its
 // follower received. The view moves with the leader; long strings continue in the lane below.
 import { css, followerColour, inkOn } from "./colours.js";
-import { canvasOf, niceTicks, short } from "./scale.js";
+import { canvasOf, FACE, niceTicks, short } from "./scale.js";
 
 const LEAST_GAP = 5.0;  // [m]
 const LENGTH = 4.2;     // [m] length of a drawn vehicle, below its largest width; vehicles in the model are points
@@ -152,7 +152,7 @@ export class Road {
     }
     if (broad > 15 && long > 20) {
       context.fillStyle = i === 0 ? css("--card") : inkOn(i, n);
-      context.font = "600 11px system-ui, 'DejaVu Sans', sans-serif";
+      context.font = `600 11px ${FACE}`;
       context.textAlign = "center";
       context.fillText(i === 0 ? "L" : i, x - long * 0.68, middle + 4);
     }
@@ -170,7 +170,7 @@ export class Road {
 
   drawSpeed(context, x, y, speed) {
     context.fillStyle = css("--soft");
-    context.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+    context.font = `11px ${FACE}`;
     context.textAlign = "center";
     context.fillText(speed.toFixed(1), x, y);
   }
@@ -188,7 +188,7 @@ export class Road {
     context.lineTo(1, y);
     context.stroke();
     context.fillStyle = css("--soft");
-    context.font = "12px system-ui, 'DejaVu Sans', sans-serif";
+    context.font = `12px ${FACE}`;
     context.textAlign = "left";
     context.fillText(`${short(metres)} m`, long + 8, y + 1);
     this.canvas.dataset.scale = metres;

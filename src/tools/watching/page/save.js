@@ -1,4 +1,6 @@
 // Saves a card's chart as PNG and its data as CSV.
+import { set } from "./follower_chart.js";
+import { FACE } from "./scale.js";
 
 const MARGIN = 14, TITLE = 46;
 
@@ -11,7 +13,7 @@ function offer(content, name) {
 }
 
 // The text of a CSV file: a heading and rows; null is empty.
-export const csvOf = ([heading, rows]) => [heading, ...rows.map(row => row.map(value => value ?? "").join())].join("\n") + "\n";
+const csvOf = ([heading, rows]) => [heading, ...rows.map(row => row.map(value => value ?? "").join())].join("\n") + "\n";
 
 // An SVG as an image. Its styles come from the page's style sheet, which the image does not have: each element gets its own.
 async function imageOf(svg) {
@@ -21,7 +23,7 @@ async function imageOf(svg) {
     for (const name of ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "paint-order", "font-family", "font-size", "font-weight"])
       element.setAttribute(name, style.getPropertyValue(name));
   });
-  for (const [name, value] of [["xmlns", "http://www.w3.org/2000/svg"], ["width", box.width], ["height", box.height]]) copy.setAttribute(name, value);
+  set(copy, { xmlns: "http://www.w3.org/2000/svg", width: box.width, height: box.height });
   const image = new Image();
   image.src = URL.createObjectURL(new Blob([new XMLSerializer().serializeToString(copy)], { type: "image/svg+xml" }));
   await image.decode();
@@ -30,7 +32,7 @@ async function imageOf(svg) {
 }
 
 // The card's charts below each other on the colour of the page, with the card's title and a line about the run.
-export async function pictureOf(card, about) {
+async function pictureOf(card, about) {
   const charts = [...card.querySelectorAll("canvas, svg")], boxes = charts.map(chart => chart.getBoundingClientRect());
   const picture = document.createElement("canvas"), context = picture.getContext("2d"), scale = Math.max(window.devicePixelRatio, 2);
   picture.width = scale * (boxes[0].width + 2 * MARGIN);
@@ -40,9 +42,9 @@ export async function pictureOf(card, about) {
   context.fillStyle = style.backgroundColor;
   context.fillRect(0, 0, picture.width, picture.height);
   context.fillStyle = style.color;
-  context.font = "600 15px system-ui, 'DejaVu Sans', sans-serif";
+  context.font = `600 15px ${FACE}`;
   context.fillText(card.querySelector("h2").textContent.replace(/\s+/g, " ").trim(), MARGIN, MARGIN + 14);
-  context.font = "12px system-ui, 'DejaVu Sans', sans-serif";
+  context.font = `12px ${FACE}`;
   context.fillText(about, MARGIN, MARGIN + 33);
   let top = MARGIN + TITLE;
   for (const [at, chart] of charts.entries()) {
@@ -52,9 +54,9 @@ export async function pictureOf(card, about) {
   return picture;
 }
 
-// Gives every card with a chart two buttons. `tables[card]()` returns heading and rows, null without data; `about()` a line about
+// Gives every card with a chart two buttons. `tableOf(card)` returns heading and rows, null without data; `about()` a line about
 // the run.
-export function offerSaving(tables, about) {
+export function offerSaving(tableOf, about) {
   for (const card of document.querySelectorAll("[data-saves]")) {
     const name = card.dataset.saves, box = card.querySelector("h2").appendChild(document.createElement("span"));
     box.className = "save";
@@ -63,7 +65,7 @@ export function offerSaving(tables, about) {
       Object.assign(button, { type: "button", title: kind === "png" ? "save the chart as PNG" : "save its data as CSV" });
       button.dataset.kind = kind.toUpperCase();  // shown by the style sheet, so that it is no part of the title
       button.addEventListener("click", async () => {
-        const table = tables[name]();
+        const table = tableOf(name);
         if (!table) return;
         if (kind === "csv") offer(new Blob([csvOf(table)], { type: "text/csv" }), `platoon-${name}.csv`);
         else (await pictureOf(card, about())).toBlob(content => offer(content, `platoon-${name}.png`));

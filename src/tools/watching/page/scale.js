@@ -1,4 +1,7 @@
-// Axes: scales, ticks and number formats.
+// Axes: scales, ticks, number formats, and what all charts share.
+
+export const LEFT = 52;  // [px] for the numbers of the vertical axis
+export const FACE = "system-ui, 'DejaVu Sans', sans-serif";
 
 export function short(value, digits = 3) {
   if (value === null || value === undefined) return "–";

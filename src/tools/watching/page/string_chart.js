@@ -1,7 +1,7 @@
 // Variance along the string: a bar with standard errors per follower, theory on top, the limit as a line.
 import { followerColour } from "./colours.js";
-import { element, FollowerChart, LEFT } from "./follower_chart.js";
-import { short, spread, verticalScale } from "./scale.js";
+import { element, FollowerChart, set } from "./follower_chart.js";
+import { LEFT, short, spread, verticalScale } from "./scale.js";
 
 export const MOST_WHISKERS = 200;
 const WIDE_RANGE = 30;
@@ -16,13 +16,9 @@ export class StringChart extends FollowerChart {
     const { bars, width, over, x, y, foot, right } = this.layOut(n, scale, "m²");
     of.variance.forEach((v, at) => {
       const rect = bars[at], top = v === null ? foot : y(v);
-      rect.setAttribute("x", x(at + 1) - width / 2);
-      rect.setAttribute("width", width);
       // On a logarithmic axis the length of a bar has no meaning: draw a mark at the value.
-      rect.setAttribute("y", scale.logarithmic ? top - 2.5 : top);
-      rect.setAttribute("height", v === null ? 0 : scale.logarithmic ? 5 : Math.max(foot - top, 0));
-      rect.setAttribute("fill", followerColour(at + 1, n));
-      rect.setAttribute("class", at + 1 === chosen ? "chosen" : "");
+      const [upper, height] = scale.logarithmic ? [top - 2.5, 5] : [top, Math.max(foot - top, 0)];
+      set(rect, { x: x(at + 1) - width / 2, y: upper, width, height: v === null ? 0 : height, fill: followerColour(at + 1, n), class: at + 1 === chosen ? "chosen" : "" });
       rect.dataset.value = v;
     });
 

@@ -1,8 +1,8 @@
 // Tracking errors over time (to the right) and along the string (downwards), by colour.
 import { css, errorColour } from "./colours.js";
-import { canvasOf, followerTicks } from "./scale.js";
+import { canvasOf, FACE, followerTicks, LEFT } from "./scale.js";
 
-const MOST = 240, LEFT = 52, TOP = 2, BOTTOM = 22;
+const MOST = 240, TOP = 2, BOTTOM = 22;
 
 export class Strip {
   constructor(canvas) {
@@ -51,7 +51,7 @@ export class Strip {
     context.fillRect(LEFT, TOP, right - LEFT, foot - TOP);
     context.drawImage(this.picture, LEFT, TOP, right - LEFT, foot - TOP);
     context.fillStyle = css("--soft");
-    context.font = "12px system-ui, 'DejaVu Sans', sans-serif";
+    context.font = `12px ${FACE}`;
     context.textAlign = "right";
     for (const i of followerTicks(n)) context.fillText(i, LEFT - 7, Math.max(TOP + (i - 0.5) / n * (foot - TOP) + 4, 11));
     this.drawTime(context, foot, right, samplePeriod);

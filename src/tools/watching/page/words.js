@@ -25,7 +25,7 @@ export function showHeadline({ configuration, statistics, health }, live) {
   if (configuration) {
     const verdict = !statistics ? "Starting" : stable === null ? (statistics.theory === "exact" ? "Undecided" : "No theory") : stable ? "✓ String stable" : "✗ Not string stable";
     write(at("verdict"), verdict);
-    write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : health?.start ?? "The first figures come when every vehicle is there.");
+    write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : health?.start ?? "The first figures appear when every vehicle runs.");
     document.title = `${verdict.replace(/^. /, "")}, h = ${configuration.headway}`;
   }
   at("verdict").dataset.stable = stable;

@@ -1,0 +1,52 @@
+"""The files of a figure: PNG and SVG."""
+
+from __future__ import annotations
+
+import io
+import os
+from typing import Dict, List
+
+from matplotlib.figure import Figure
+
+KINDS = ("png", "svg")
+
+
+def require_writable(stem: str) -> None:
+    """Raises ValueError if no figure can be written there, before any work is done."""
+    folder = os.path.dirname(stem) or "."
+    if not os.path.isdir(folder):
+        raise ValueError("{}: no such folder to write to".format(folder))
+    if not os.path.basename(stem):
+        raise ValueError("--output: {!r} must be a path to a file, without extension".format(stem))
+    for kind in KINDS:
+        if os.path.isdir(stem + "." + kind):
+            raise ValueError("{}.{}: is a folder, no figure can be written there".format(stem, kind))
+
+
+def save(figure: Figure, stem: str) -> List[str]:
+    """Writes stem.png and stem.svg, each completely or not at all; returns their paths."""
+    contents = {}
+    for kind in KINDS:
+        buffer = io.BytesIO()
+        # Without a date, equal inputs give equal files.
+        figure.savefig(buffer, format=kind, **({"metadata": {"Date": None}} if kind == "svg" else {}))
+        contents[stem + "." + kind] = buffer.getvalue()
+    write_all(contents)
+    return list(contents)
+
+
+def write_all(contents: Dict[str, bytes]) -> None:
+    """Writes all files under temporary names, then renames them."""
+    temporary = {path: "{}.{}.tmp".format(path, os.getpid()) for path in contents}
+    try:
+        for path, content in contents.items():
+            with open(temporary[path], "wb") as file:
+                file.write(content)
+        for path in contents:
+            os.replace(temporary[path], path)
+    except OSError as error:
+        raise OSError("{}: cannot be written: {}".format(path, error.strerror)) from None
+    finally:
+        for name in temporary.values():
+            if os.path.exists(name):
+                os.remove(name)
