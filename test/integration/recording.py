@@ -1,7 +1,6 @@
-"""Recordings of launches: the base of tests that record, and the tool that reads a bag."""
+"""Recordings of launches: the base of tests that record."""
 
 import os
-import subprocess
 
 import rosbag
 
@@ -11,24 +10,16 @@ from terminal import LaunchTest
 DATA = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data")
 
 
-def bag_statistics(*arguments):
-    return subprocess.run([live_platoon.executable("bag_statistics")] + list(arguments), stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, universal_newlines=True, errors="replace")
-
-
 class BagTest(LaunchTest):
     def setUp(self):
         super().setUp()
-        self.bag = os.path.join(self.folder, "run.bag")
+        self.bag = self.path("run.bag")
 
     def record(self, **arguments):
-        terminal = self.launch(record=self.bag, **arguments)
-        terminal.wait()
-        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
-        return terminal
+        return self.run_to_the_end(record=self.bag, **arguments)
 
     def csv_of(self, *bags):
-        result = bag_statistics(*bags, "--csv")
+        result = live_platoon.tool("bag_statistics", "--csv", *bags)
         self.assertEqual(result.returncode, 0, result.stderr)
         return result.stdout.encode()
 
