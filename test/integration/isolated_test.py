@@ -21,7 +21,7 @@ def name_of(process):
 
 class Listening(LaunchTest):
     def run_platoon(self, prefix):
-        terminal = self.launch(inside=prefix, followers=2, steps=20, realizations=100, stay=True)
+        terminal = self.launch(own_master=True, inside=prefix, followers=2, steps=20, realizations=100, stay=True)
         live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
         return {name_of(process): (process, listening(process)) for process in descendants(terminal.process.pid)}
 
