@@ -24,9 +24,6 @@ def cacc():
 
 
 class Radio(LaunchTest):
-    def write(self, model):
-        return super().write("model.yaml", json.dumps(model))
-
     def check(self, model, **arguments):
         self.output = self.path("run-" + "-".join(arguments.values()))
         bag = self.output + ".bag"
@@ -67,7 +64,7 @@ class Radio(LaunchTest):
         model["inputs"][1]["channel"].update(delay=3, loss={"probability": 0.2, "on_loss": "zero"})
         model["vehicle_types"] = {"human": {"time_headway_seconds": 1.5, "inputs": [{"signal": "position"}]}}
         model["string"] = ["default", "human", "default"]
-        self.check(self.write(model), hosting="one_process")
+        self.check(self.write("model.yaml", json.dumps(model)), hosting="one_process")
 
     def test_an_external_vehicle_that_sends_no_input_to_a_radio_is_named(self):
         self.background(live_platoon.shared("launch", "examples", "rospy_follower.py"), "2", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
