@@ -102,10 +102,10 @@ class Drive(BagTest):
         self.record(followers=2, steps=10, realizations=10)
         forged = self.path("forged.bag")
         with rosbag.Bag(self.bag) as source, rosbag.Bag(forged, "w") as target:
-            for topic, message, time in source.read_messages():
+            for topic, message, stamp in source.read_messages():
                 if topic == "/platoon/vehicle_2/position" and message.step == 7:
                     message.position = tuple(value + 1e-12 for value in message.position)
-                target.write(topic, message, time)
+                target.write(topic, message, stamp)
         terminal = self.launch("replay.launch", bag=forged, drive="vehicle_2", output="", unverified=True)
         terminal.wait()
         self.assertIn("vehicle_2 differs from the recording at step 7", terminal.text())

@@ -85,7 +85,7 @@ class Endless(Orders):
         terminal.interrupt()
         with open(self.output + "/summary.json") as file:
             summary = json.load(file)
-                self.assertTrue(summary["time_average"])
+        self.assertTrue(summary["time_average"])
         self.assertLess(summary["agreement"]["max_abs_z_variance"], 5.0)
         self.assertLess(summary["agreement"]["max_abs_z_mean"], 5.0)
         rows = [line.split(",") for line in live_platoon.statistics(self.output).decode().splitlines()[1:]]
