@@ -50,10 +50,9 @@ class Amplification(LaunchTest):
     def test_a_sinusoid_is_amplified_by_the_frequency_response(self):
         followers, steps, from_step = 20, 400, 200
         rows = ["time,speed"] + ["%.1f,%.17g" % (0.1 * k, 20 + math.sin(0.2 * math.pi * k)) for k in range(steps + 2)]
-        with open(os.path.join(self.folder, "sinusoid.csv"), "w") as file:
-            file.write("\n".join(rows) + "\n")
+        drive = self.write("sinusoid.csv", "\n".join(rows) + "\n")
         for headway, gain, of_twenty in ((2.4, 1.15823, 18.8753), (3.2, 0.799494, 0.0113841)):
-            folder = self.monte_carlo("at-%g" % headway, leader=os.path.join(self.folder, "sinusoid.csv"), headway=headway, noise_variance=0,
+            folder = self.monte_carlo("at-%g" % headway, leader=drive, headway=headway, noise_variance=0,
                                    followers=followers, steps=steps, realizations=2, signals=SIGNALS, burn_in=from_step)
             speed = 20 + np.sin(0.2 * np.pi * np.arange(steps + 1))
             leader = np.concatenate([[0.0], np.cumsum(0.05 * (speed[1:] + speed[:-1]))])

@@ -25,7 +25,6 @@ import tempfile
 import yaml
 from mpmath import mpf
 
-import link_reference
 from audit import loops, paper, paper_models, string_models, strings
 from audit.findings import Findings
 from audit.polynomials import slope, value

@@ -2,15 +2,18 @@
 """Recorded bags are complete and reproduce the run bit for bit; a damaged one ends its replay with a clear error."""
 
 import os
+import signal
 import struct
 import subprocess
 import time
 import unittest
+import xmlrpc.client
 
 import rosbag
+import rosgraph
 
 import live_platoon
-from recording import BagTest, DATA, bag_statistics
+from recording import BagTest, DATA
 
 
 class RecordAndReplay(BagTest):
@@ -19,10 +22,8 @@ class RecordAndReplay(BagTest):
         self.assert_whole(self.bag, 3, 20, -(-realizations // batch))
         measured = live_platoon.statistics(self.output)
         self.assertEqual(self.csv_of(self.bag), measured)
-        again = os.path.join(self.folder, "again")
-        terminal = self.launch("replay.launch", bag=self.bag, output=again)
-        terminal.wait()
-        self.assertTrue(live_platoon.completed_summary(again), terminal.text())
+        again = self.path("again")
+        self.run_to_the_end("replay.launch", bag=self.bag, output=again)
         self.assertEqual(live_platoon.statistics(again), measured)
 
     def test_single_realizations_from_processes(self):
@@ -40,8 +41,7 @@ class RecordAndReplay(BagTest):
     def test_links_with_state_and_a_mixed_string(self):
         model = live_platoon.shared("config", "mixed.yaml")
         for hosting in ("processes", "one_process"):
-            self.bag = os.path.join(self.folder, hosting + ".bag")
-            self.output = os.path.join(self.folder, hosting)
+            self.bag, self.output = self.path(hosting + ".bag"), self.path(hosting)
             self.check(500, hosting, 3000, model=model, output=self.output)
             # The truck, with the headway and standstill distance of its own type.
             replay = self.launch("replay.launch", bag=self.bag, drive="vehicle_3", output="")
@@ -50,8 +50,8 @@ class RecordAndReplay(BagTest):
 
     def test_a_paced_replay_can_be_paced(self):
         self.record(followers=1, steps=10, realizations=20, batch=10)
-        again = os.path.join(self.folder, "again")
-        self.launch("replay.launch", bag=self.bag, output=again, rate=2).wait()  # 2.2 s of platoon time
+        again = self.path("again")
+        self.run_to_the_end("replay.launch", bag=self.bag, output=again, rate=2)  # 2.2 s of platoon time
         self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
         self.assertGreater(live_platoon.completed_summary(again)["wall_seconds"], 0.9)
 
@@ -60,28 +60,34 @@ class RecordAndReplay(BagTest):
         parts = sorted(name for name in os.listdir(self.folder) if name.endswith(".bag"))
         self.assertGreater(len(parts), 2)
         self.assertEqual(parts[0], "run_0.bag")
-        self.assertEqual(self.csv_of(*[os.path.join(self.folder, part) for part in parts]), live_platoon.statistics(self.output))
+        self.assertEqual(self.csv_of(*map(self.path, parts)), live_platoon.statistics(self.output))
+
+    def received(self, node, master):
+        """The number of messages of each vehicle's topics that a node has received."""
+        with xmlrpc.client.ServerProxy(rosgraph.Master("/bag_test", master).lookupNode(node)) as proxy:
+            subscriptions = proxy.getBusStats("/bag_test")[1]
+        return [sum(link[2] for link in links) for topic, links in subscriptions if topic.startswith("/platoon/vehicle_")]
 
     def test_plain_rosbag_record_of_a_paced_run_is_complete(self):
-        environment = dict(os.environ, ROS_MASTER_URI=self.roscore(), ROS_HOSTNAME="localhost", ROS_HOME=self.folder)
-        plain = os.path.join(self.folder, "plain.bag")
-        recorder = subprocess.Popen([live_platoon.system_executable("rosbag", "record"), "-a", "-O", plain, "__name:=plain"],
-                                    env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        live_platoon.wait_for(lambda: live_platoon.process_of("/plain", environment["ROS_MASTER_URI"]), "rosbag record")
-        terminal = self.launch(master=environment["ROS_MASTER_URI"], followers=20, steps=100, realizations=4, batch=2, rate=100, stay=True)
+        master, plain = self.roscore(), self.path("plain.bag")
+        environment = live_platoon.ros_environment(master, ROS_HOME=self.folder)
+        recorder = self.background(live_platoon.system_executable("rosbag", "record"), "-a", "-O", plain, "__name:=plain", env=environment,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        live_platoon.wait_for(lambda: live_platoon.process_of("/plain", master), "rosbag record")
+        terminal = self.launch(master=master, followers=20, steps=100, realizations=4, batch=2, rate=100, stay=True)
         live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
-        time.sleep(2.0)  # an ending node drops unsent messages, and rosbag record does not report how many it has received
-        recorder.send_signal(2)
+        # An ending node drops unsent messages, and rosbag record those that its callbacks have not taken yet.
+        live_platoon.wait_for(lambda: set(self.received("/plain", master)) == {2 * 101}, "all messages to be received")
+        time.sleep(1.0)
+        recorder.send_signal(signal.SIGINT)
         recorder.wait()
         terminal.interrupt()
-        refused = bag_statistics(plain)
+        refused = live_platoon.tool("bag_statistics", plain)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("plain.bag: holds no checksums, so that a changed bit would not be noticed", refused.stderr)
         self.assertEqual(self.csv_of(plain, "--unverified"), live_platoon.statistics(self.output))
-        again = os.path.join(self.folder, "again")
-        terminal = self.launch("replay.launch", bag=plain, output=again, unverified=True)
-        terminal.wait()
-        self.assertTrue(live_platoon.completed_summary(again), terminal.text())
+        again = self.path("again")
+        self.run_to_the_end("replay.launch", bag=plain, output=again, unverified=True)
         self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
 
 
@@ -94,22 +100,21 @@ class Drive(BagTest):
 
     def test_a_vehicle_that_differs_is_told(self):
         self.record(followers=2, steps=10, realizations=10)
-        forged = os.path.join(self.folder, "forged.bag")
+        forged = self.path("forged.bag")
         with rosbag.Bag(self.bag) as source, rosbag.Bag(forged, "w") as target:
-            for topic, message, time in source.read_messages():
+            for topic, message, stamp in source.read_messages():
                 if topic == "/platoon/vehicle_2/position" and message.step == 7:
                     message.position = tuple(value + 1e-12 for value in message.position)
-                target.write(topic, message, time)
+                target.write(topic, message, stamp)
         terminal = self.launch("replay.launch", bag=forged, drive="vehicle_2", output="", unverified=True)
         terminal.wait()
         self.assertIn("vehicle_2 differs from the recording at step 7", terminal.text())
 
     def test_live_followers_behind_the_recorded_leader(self):
         self.record(followers=2, steps=30, realizations=100)
-        again = os.path.join(self.folder, "again")
-        self.launch("replay.launch", bag=self.bag, drive="leader", output=again, followers=3, headway=2.4, seed=5,
-                    realizations=3000).wait()
-        summary = live_platoon.completed_summary(again)
+        again = self.path("again")
+        summary = self.completed(self.launch("replay.launch", bag=self.bag, drive="leader", output=again, followers=3, headway=2.4, seed=5,
+                                             realizations=3000), again)
         self.assertEqual((summary["followers"], summary["seed"], summary["realizations"]), (3, 5, 3000))
         # The theory uses the recorded leader. Bound: the largest of 180 normal scores exceeds it once in 1000 runs.
         self.assertLess(summary["agreement"]["max_abs_z_mean"], 4.6)
@@ -118,7 +123,7 @@ class Drive(BagTest):
 
 class Damaged(BagTest):
     def test_a_replay_of_a_changed_position_does_not_complete(self):
-        forged = os.path.join(self.folder, "forged.bag")
+        forged = self.path("forged.bag")
         with rosbag.Bag(os.path.join(DATA, "small.bag")) as source, rosbag.Bag(forged, "w") as target:
             for topic, message, time_ in source.read_messages():
                 if topic == "/platoon/vehicle_1/position" and message.step == 2:
@@ -127,7 +132,7 @@ class Damaged(BagTest):
         for unverified, reason in ((False, "messages are not as they were recorded"),
                                    (True, "are not those of the positions beside them: the recording is damaged")):
             with self.subTest(unverified=unverified):
-                self.output = os.path.join(self.folder, "unverified{}".format(unverified))
+                self.output = self.path("unverified{}".format(unverified))
                 terminal = self.launch("replay.launch", bag=forged, unverified=unverified)
                 terminal.wait()  # ends by itself
                 self.assertIn(reason, terminal.text())
@@ -149,10 +154,10 @@ class Damaged(BagTest):
             with self.subTest(place=place, drive=drive):
                 bent = bytearray(content)
                 bent[place] ^= 4
-                forged = os.path.join(self.folder, "bent.bag")
+                forged = self.path("bent.bag")
                 with open(forged, "wb") as file:
                     file.write(bent)
-                self.output = os.path.join(self.folder, "out{}{}".format(place, drive))
+                self.output = self.path("out{}{}".format(place, drive))
                 terminal = self.launch("replay.launch", bag=forged, drive=drive)
                 terminal.wait()
                 self.assertIn(reason, terminal.text())

@@ -3,19 +3,12 @@
 string's state in every mode of its chains, and for verdicts the kernel of one link, summed over the lags of the chain."""
 
 import itertools
-import json
-import os
-import shutil
-import subprocess
-import tempfile
 import unittest
 
 import numpy as np
-import yaml
 
 import link_reference
-import live_platoon
-from link_theory_test import COLOUR, LOOPS, model_of
+from link_models import COLOUR, LOOPS, AnalyzeTest, model_of
 
 PREDICTORS = ("hold", "hold", "extrapolate", [1.2, -0.3, 0.1])
 
@@ -154,20 +147,7 @@ def loss_gain(model, points):
     return gain.max() < 1.0, np.abs(np.linalg.eigvals(operator)).max()
 
 
-class Analyze(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-
-    def analyze(self, model, followers, steps, *options):
-        file, result = os.path.join(self.folder, "model.yaml"), os.path.join(self.folder, "theory.json")
-        with open(file, "w") as stream:
-            yaml.safe_dump(json.loads(json.dumps(model)), stream)
-        subprocess.run([live_platoon.executable("analyze"), "--model", file, "--followers", str(followers), "--steps", str(steps),
-                        "--json", result] + list(options), check=True, stdout=subprocess.DEVNULL)
-        with open(result) as stream:
-            return json.load(stream)
-
+class Analyze(AnalyzeTest):
     def test_means_and_variances_of_every_step_are_those_of_the_whole_state(self):
         for seed in range(10):
             model = random_model(seed)
@@ -208,7 +188,7 @@ class Analyze(unittest.TestCase):
         self.assertGreater(grows[-1], 2.0 * grows[400])
 
     def test_sweeps_over_mean_bursts_and_probabilities(self):
-        file = os.path.join(self.folder, "sweep.csv")
+        file = self.path("sweep.csv")
         model = model_of(3, {"loss": {"probability": 0.1, "mean_burst": 1.5, "on_loss": "extrapolate"}})
         points = self.analyze(model, 1, 2, "--sweep-burst", "1:3:3", "--sweep-loss", "0.1:0.7:2", "--csv", file)["sweep"]
         with open(file) as stream:

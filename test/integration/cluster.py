@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 
 import live_platoon
+from processes import processes_with
 
 PROGRAMS = ("munged", "mungekey", "slurmctld", "slurmd", "sbatch", "scontrol", "squeue", "scancel", "sinfo")
 NODES = ("n0", "n1")
@@ -49,19 +50,6 @@ def why_not():
     if missing:
         return "needs " + ", ".join(missing) + " (packages slurmctld, slurmd, slurm-client, munge)"
     return "" if os.geteuid() == 0 else "slurmd runs as root only"
-
-
-def processes_with(word):
-    """Ids of the processes with this word in their environment."""
-    found = []
-    for name in os.listdir("/proc"):
-        try:
-            with open("/proc/{}/environ".format(name), "rb") as file:
-                if word.encode() in file.read().split(b"\0"):
-                    found.append(int(name))
-        except (OSError, ValueError):
-            continue
-    return found
 
 
 class Cluster:

@@ -4,11 +4,8 @@ survives a restart of its node."""
 
 import json
 import os
-import signal
 import sys
-import tempfile
 import threading
-import time
 import unittest
 
 import rospy
@@ -16,15 +13,14 @@ from std_msgs.msg import String
 from stochastic_platoon.msg import ErrorStatistics
 
 import live_platoon
-from dashboard_test import Page, address, ask, state
-from terminal import Terminal, start_master
+from dashboard_page import OnePlatoon, ask, state
+from orders import setUpModule  # noqa: F401: unittest calls it
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "tools"))
 from watching.listening import report_start  # noqa: E402
 from watching.state import PlatoonState  # noqa: E402
 
 FOLLOWERS = 5
-RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, headway=3.2, dashboard=True)
 
 # The number of pixels of a canvas that have a colour, with a tolerance for smoothed edges.
 PIXELS = """const canvas = document.getElementById(arguments[0]), [r, g, b] = arguments[1];
@@ -56,21 +52,14 @@ requestAnimationFrame(frame)'''
 FIRST, LAST = [0x08, 0x20, 0x5c], [0x5c, 0x04, 0x10]  # dark blue, dark red
 
 
-class Live(Page):
+class Live(OnePlatoon):
+    RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, headway=3.2, dashboard=True)
+
     @classmethod
     def setUpClass(cls):
-        super().setUpClass()
-        cls.shared_folder = tempfile.mkdtemp()
-        cls.core, cls.master = start_master(cls.shared_folder)
-        cls.addClassCleanup(cls.core.wait)
-        cls.addClassCleanup(cls.core.terminate)
-        os.environ["ROS_MASTER_URI"] = cls.master
-        rospy.init_node("dashboard_live_test", disable_signals=True)
         cls.statistics = {}
         rospy.Subscriber("/platoon/error_statistics", ErrorStatistics, lambda m: cls.statistics.__setitem__(m.step, m), queue_size=1000)
-        cls.terminal = Terminal(cls.shared_folder, "platoon.launch", master=cls.master, output=os.path.join(cls.shared_folder, "run"), **RUN)
-        cls.addClassCleanup(cls.terminal.end)
-        cls.url = address(cls.terminal)
+        super().setUpClass()
 
     def setUp(self):
         super().setUp()
@@ -112,19 +101,16 @@ class Live(Page):
         return [event["kind"] for event in state(self.url)["events"] if event["kind"] in of]
 
     def test_who_holds_the_platoon_up_is_named_and_no_longer_when_it_moves(self):
-        victim, before = live_platoon.process_of("/platoon/vehicle_3", self.master), self.step()
-        os.kill(victim, signal.SIGSTOP)
-        try:
+        before = self.step()
+        with live_platoon.held("/platoon/vehicle_3"):
             self.wait_for_page("!document.getElementById('culprit').hidden && document.getElementById('culprit').textContent.includes('vehicle_3')",
                                "the name of the vehicle that is stopped")
-            while True:  # during several retries
+
+            def retried():
                 shown = state(self.url)
                 self.assertIn("vehicle_3", shown["culprit"] or "nobody")
-                if shown["retries"] >= 2:
-                    break
-                time.sleep(0.2)
-        finally:
-            os.kill(victim, signal.SIGCONT)
+                return shown["retries"] >= 2
+            live_platoon.wait_for(retried, "several retries")
         self.wait_for_page("document.getElementById('culprit').hidden", "no culprit")
         self.steps_on()
         events = [event for event in state(self.url)["events"] if event["kind"] in ("stall", "restart")]
@@ -137,7 +123,7 @@ class Live(Page):
 
     def test_the_page_goes_on_behind_a_restart_of_its_node(self):
         self.browser.run("window.same_page = true")
-        live_platoon.kill("/platoon/dashboard", self.master)
+        live_platoon.kill("/platoon/dashboard")
         live_platoon.wait_for(lambda: self.step() > 0, "the dashboard at its old address")
         self.wait_for_page("document.getElementById('connection').textContent == 'live'", "the connection")
         self.steps_on()

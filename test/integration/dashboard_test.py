@@ -2,48 +2,23 @@
 """The page in headless Chromium against running platoons: it shows the monitor's numbers at the right places, and survives a
 restart of its node."""
 
-import http.client
 import json
 import os
 import re
 import socket
 import subprocess
-import tempfile
 import unittest
 
 import rospy
 from stochastic_platoon.msg import ErrorStatistics, Overview
 
-import isolated_test
 import live_platoon
-from browser import Browser
-from terminal import LaunchTest, Terminal, start_master
+from dashboard_page import OnePlatoon, Page, address, ask, state
+from orders import setUpModule  # noqa: F401: unittest calls it
+from processes import listening
 
 FOLLOWERS = 5
 RUN = dict(followers=FOLLOWERS, steps=30, realizations=2000, headway=2.4, stay=True, dashboard=True)
-
-
-def address(terminal):
-    terminal.wait_for_text("Dashboard: http://")
-    return re.search(r"Dashboard: (http://localhost:(\d+))", terminal.text()).group(1)
-
-
-def ask(url, method="GET", path="/state.json", body=None, **headers):
-    """Sends a request; returns status and content of the answer."""
-    connection = http.client.HTTPConnection(url[len("http://"):], timeout=30)
-    connection.request(method, path, body, {name.replace("_", "-"): value for name, value in headers.items()})
-    answer = connection.getresponse()
-    content = answer.read()
-    connection.close()
-    return answer.status, json.loads(content)
-
-
-def state(url):
-    """The content of /state.json; empty while the dashboard is not reachable."""
-    try:
-        return ask(url)[1]
-    except (OSError, ValueError):
-        return {}
 
 
 def answers(port):
@@ -51,86 +26,17 @@ def answers(port):
         return caller.connect_ex(("localhost", port)) == 0
 
 
-def numbers(texts):
-    return [float(text) if text not in ("null", "undefined") else None for text in texts]
-
-
-TABLE = """document.getElementById("table-card").open = true;
-return [...document.querySelectorAll("#table tbody tr")].map(row => [...row.cells].map(cell => cell.dataset.value))"""
-BARS = """const svg = document.getElementById("string"), box = svg.getBoundingClientRect();
-return {data: {...svg.dataset}, top: box.top, left: box.left, bars: [...svg.querySelectorAll("rect")].map(bar => {
-  const {top, bottom, left, right} = bar.getBoundingClientRect();
-  return {top, bottom, left, right, value: bar.dataset.value, fill: bar.getAttribute("fill")};
-}), theory: svg.querySelector("path.theory:not(.halo)").getAttribute("d"),
-limit: svg.querySelector("path.limit")?.getAttribute("d") ?? null}"""
-
-
-class Page(LaunchTest):
-    @classmethod
-    def setUpClass(cls):
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
-        cls.first_window = cls.browser.driver.current_window_handle
-
-    def open(self, url):
-        self.browser.open(url)
-        return self.browser
-
-    def wait_for_page(self, condition, what):
-        """Waits until a JavaScript expression is true in the page."""
-        return live_platoon.wait_for(lambda: self.browser.run("return " + condition), what + " on the page", 60.0)
-
-    def page_has(self, expected):
-        """Checks that the table shows these numbers of state.json, to the bit."""
-        self.wait_for_page("document.querySelectorAll('#table tbody tr').length == {} || (document.getElementById('table-card').open = true, false)"
-                           .format(len(expected["variance"])), "the table")
-        columns = [numbers(column) for column in zip(*self.browser.run(TABLE))]
-        for column, key in ((1, "mean"), (2, "variance"), (3, "standard_error"), (4, "theoretical_variance"), (5, "score")):
-            self.assertEqual(columns[column], expected[key], key)
-
-    def bars_stand_where_they_should(self, expected):
-        chart = self.browser.run(BARS)
-        self.assertEqual(chart["data"]["logarithmic"], "false")
-        foot, top, high = (float(chart["data"][key]) for key in ("foot", "top", "high"))
-        reach = max(v + 2 * (e or 0) for v, e in zip(expected["variance"], expected["standard_error"]))
-        self.assertGreaterEqual(high, max([reach] + expected["theoretical_variance"]))
-
-        def height(value):
-            return chart["top"] + foot - value / high * (foot - top)
-        self.assertEqual(len(chart["bars"]), len(expected["variance"]))
-        for bar, value in zip(chart["bars"], expected["variance"]):
-            self.assertEqual(float(bar["value"]), value)
-            self.assertAlmostEqual(bar["top"], height(value), delta=0.6)
-            self.assertAlmostEqual(bar["bottom"], chart["top"] + foot, delta=0.6)
-        middles = [(bar["left"] + bar["right"]) / 2 for bar in chart["bars"]]
-        self.assertEqual(middles, sorted(middles))
-        points = [tuple(map(float, point.split())) for point in re.split("[ML]", chart["theory"])[1:]]
-        for (x, y), middle, value in zip(points, middles, expected["theoretical_variance"]):
-            self.assertAlmostEqual(chart["left"] + x, middle, delta=0.6)
-            self.assertAlmostEqual(chart["top"] + y, height(value), delta=0.6)
-        self.assertEqual(len(points), len(middles))
-        return chart, height
-
-
-class Ensemble(Page):
+class Ensemble(OnePlatoon):
     """A complete run whose nodes stay up: its state is constant."""
 
+    RUN = RUN
+
     @classmethod
     def setUpClass(cls):
-        super().setUpClass()
-        cls.shared_folder = tempfile.mkdtemp()
-        cls.core, cls.master = start_master(cls.shared_folder)
-        cls.addClassCleanup(cls.core.wait)
-        cls.addClassCleanup(cls.core.terminate)
-        os.environ["ROS_MASTER_URI"] = cls.master
-        rospy.init_node("dashboard_test", disable_signals=True)
         cls.statistics, cls.overviews = [], []
         rospy.Subscriber("/platoon/error_statistics", ErrorStatistics, cls.statistics.append, queue_size=1000)
         rospy.Subscriber("/platoon/overview", Overview, cls.overviews.append, queue_size=1000)
-        cls.output_folder = os.path.join(cls.shared_folder, "run")
-        cls.terminal = Terminal(cls.shared_folder, "platoon.launch", master=cls.master, output=cls.output_folder, **RUN)
-        cls.addClassCleanup(cls.terminal.end)
-        cls.url = address(cls.terminal)
+        super().setUpClass()
         cls.summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(cls.output_folder), "the run to complete")
         cls.state = live_platoon.wait_for(lambda: state(cls.url).get("complete") and state(cls.url), "the page's final figures")
 
@@ -229,14 +135,10 @@ class Ensemble(Page):
 
     def test_a_page_of_another_origin_cannot_send_a_command(self):
         """Uses the browser itself, with a page from another server."""
-        folder = self.folder
-        with open(os.path.join(folder, "other.html"), "w") as file:
-            file.write("<p>another origin")
+        self.write("other.html", "<p>another origin")
         port = live_platoon.free_port()
-        other = subprocess.Popen(["/usr/bin/python3", "-m", "http.server", str(port), "--bind", "localhost", "--directory", folder],
-                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(other.wait)
-        self.addCleanup(other.terminate)
+        self.background("/usr/bin/python3", "-m", "http.server", str(port), "--bind", "localhost", "--directory", self.folder,
+                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         page = "http://localhost:{}/other.html".format(port)
         live_platoon.wait_for(lambda: answers(port), "the other server")
         browser = self.open(page)
@@ -253,11 +155,11 @@ class Ensemble(Page):
     def test_it_listens_on_this_machine_only(self):
         node = live_platoon.process_of("/platoon/dashboard", self.master)
         own = int(self.url.rsplit(":", 1)[1])
-        self.assertIn(("this machine", own), isolated_test.listening(node))
-        self.assertEqual([where for where, _ in isolated_test.listening(node) if where != "this machine"], [])
+        self.assertIn(("this machine", own), listening(node))
+        self.assertEqual([where for where, _ in listening(node) if where != "this machine"], [])
 
     def test_watch_prints_the_same_table(self):
-        printed = subprocess.run(["rosrun", "stochastic_platoon", "watch"], stdout=subprocess.PIPE, universal_newlines=True, timeout=60,
+        printed = subprocess.run(["rosrun", "stochastic_platoon", "watch"], stdout=subprocess.PIPE, universal_newlines=True, timeout=live_platoon.DEADLINE,
                                  check=True).stdout
         self.assertIn("not string stable", printed)
         rows = [line.split() for line in printed.splitlines() if re.match(r" +\d+ +[-0-9]", line)]
@@ -265,13 +167,12 @@ class Ensemble(Page):
         for row, variance, theory, score in zip(rows, self.state["variance"], self.state["theoretical_variance"], self.state["score"]):
             self.assertEqual((row[2], row[4], row[5]), ("{:.6g}".format(variance), "{:.6g}".format(theory), "{:.2f}".format(score)))
 
-
     def test_plot_follow_draws_what_the_results_draw(self):
-        figure = os.path.join(self.folder, "followed")
+        figure = self.path("followed")
         subprocess.run(["rosrun", "stochastic_platoon", "plot", "errors", "--follow", "--titles", "run", "--output", figure], check=True,
-                       stdout=subprocess.DEVNULL, timeout=60)
+                       stdout=subprocess.DEVNULL, timeout=live_platoon.DEADLINE)
         subprocess.run(["rosrun", "stochastic_platoon", "plot", "errors", self.output_folder, "--titles", "run", "--output", figure + "_again"],
-                       check=True, stdout=subprocess.DEVNULL, timeout=60)
+                       check=True, stdout=subprocess.DEVNULL, timeout=live_platoon.DEADLINE)
         with open(figure + ".png", "rb") as one, open(figure + "_again.png", "rb") as other:
             self.assertEqual(one.read(), other.read())
 

@@ -3,12 +3,10 @@
 import csv
 import os
 import re
-import shutil
 import subprocess
-import tempfile
 
 import live_platoon
-from terminal import LaunchTest, start_master
+from terminal import LaunchTest, kept_master
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CLAUSES = ("one_publisher", "answer", "size", "finite", "stamp", "turn", "attempt", "start_anew", "causal", "queues", "run",
@@ -24,31 +22,20 @@ def rows(output):
 
 
 class ExternalTest(LaunchTest):
-    @classmethod
-    def setUpClass(cls):
-        cls.home = tempfile.mkdtemp()
-        cls.addClassCleanup(shutil.rmtree, cls.home, ignore_errors=True)
-        core, cls.master = start_master(cls.home)
-        cls.addClassCleanup(core.wait)
-        cls.addClassCleanup(core.terminate)
-
     def setUp(self):
         super().setUp()
-        self.environment = dict(os.environ, ROS_MASTER_URI=self.master, ROS_HOSTNAME="localhost", ROS_HOME=self.folder)
+        self.environment = live_platoon.ros_environment(kept_master(), ROS_HOME=self.folder)
 
     def start(self, *command):
         """Starts an external vehicle."""
-        process = subprocess.Popen(command, env=self.environment)
-        self.addCleanup(process.wait)
-        self.addCleanup(process.terminate)
-        return process
+        return self.background(*command, env=self.environment)
 
     def start_example(self, index):
         return self.start(live_platoon.shared("launch", "examples", "rospy_follower.py"), str(index))
 
     def check_vehicle(self, index, *options):
         return subprocess.run([live_platoon.executable("check_vehicle"), str(index)] + list(options), env=self.environment,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, timeout=100)
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, timeout=live_platoon.DEADLINE)
 
     def assert_keeps_the_contract(self, index, *options):
         done = self.check_vehicle(index, *options)
@@ -63,9 +50,3 @@ class ExternalTest(LaunchTest):
         self.assertEqual(re.findall(r"^ ?(\d+) BROKEN ", done.stdout, re.M), [str(number)], done.stdout)
         self.assertIn("breaks clause {} of the vehicle contract: ".format(number), done.stdout)
         return done.stdout
-
-    def run_to_the_end(self, **arguments):
-        terminal = self.launch(master=self.master, **arguments)
-        terminal.wait()
-        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
-        return terminal

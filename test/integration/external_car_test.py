@@ -45,21 +45,15 @@ class Car(ExternalTest):
         period = 0.1 if "PLATOON_MINUTE" in os.environ else 0.02
         model = self.model_with(sample_period=period, noise_variance=0.0001,
                                 leader="{{speed: [{{from_step: 0, value: {}}}]}}".format(self.SPEED))
-        diagnostics, log, bag = (os.path.join(self.folder, name) for name in ("diagnostics", "car", "run.bag"))
-        terminal = self.launch(master=self.master, followers=4, external=2, realizations=1, steps=self.STEPS, model=model,
+        diagnostics, log, bag = map(self.path, ("diagnostics", "car", "run.bag"))
+        terminal = self.launch(followers=4, external=2, realizations=1, steps=self.STEPS, model=model,
                                rate=round(1.0 / period), stall_timeout=0, record=bag)
-        terminal.wait_for_text("waiting for external vehicle_2: start its node")
         self.start(os.path.join(HERE, "car.py"), log, "__ns:=/car")
-        self.start(os.path.join(live_platoon.shared("src", "tools"), "odometry_vehicle"), "_index:=2", "~odometry:=/car/odom",
+        self.start(live_platoon.shared("src", "tools", "odometry_vehicle"), "_index:=2", "~odometry:=/car/odom",
                    "~reference:=/car/reference")
         with open(diagnostics, "w") as file:
-            listener = subprocess.Popen(["/usr/bin/python3", "-c", LISTENER], env=self.environment, stdout=file)
-        self.addCleanup(listener.wait)
-        self.addCleanup(listener.terminate)
-        terminal.wait()
-        summary = live_platoon.completed_summary(self.output)
-        self.assertTrue(summary, terminal.text())
-        self.assertEqual(summary["positions_lost"], 0)
+            self.background("/usr/bin/python3", "-c", LISTENER, env=self.environment, stdout=file)
+        self.assertEqual(self.completed(terminal)["positions_lost"], 0)
         measured = rows(self.output)
         self.assertEqual({vehicle for vehicle, step in measured if measured[vehicle, step][2] is None}, {2, 3, 4})
         before, own, received = (self.recorded(bag, topic) for topic in
@@ -95,24 +89,21 @@ class Car(ExternalTest):
 
     def test_a_batch_of_many_is_refused_in_words(self):
         self.start(os.path.join(HERE, "car.py"), "__ns:=/car")
-        log = os.path.join(self.folder, "said")
+        log = self.path("said")
         with open(log, "w") as file:
-            adapter = subprocess.Popen([os.path.join(live_platoon.shared("src", "tools"), "odometry_vehicle"), "_index:=2",
-                                        "~odometry:=/car/odom"], env=self.environment, stderr=file)
-        self.addCleanup(adapter.wait)
-        self.addCleanup(adapter.terminate)
-        self.launch(master=self.master, followers=2, external=2, realizations=30, batch=10, stall_timeout=0)
+            self.background(live_platoon.shared("src", "tools", "odometry_vehicle"), "_index:=2", "~odometry:=/car/odom", env=self.environment, stderr=file)
+        self.launch(followers=2, external=2, realizations=30, batch=10, stall_timeout=0)
 
         def refused():
             with open(log) as file:
                 return "a message of 10 positions: must be one, as there is one car" in file.read()
 
-        live_platoon.wait_for(refused, "its words", 30)
+        live_platoon.wait_for(refused, "its words")
 
 
 class OtherPackage(ExternalTest):
     def test_a_package_of_its_own_builds_against_the_devel_space_and_saturates(self):
-        build = os.path.join(self.folder, "build")
+        build = self.path("build")
         subprocess.run(["cmake", "-S", live_platoon.shared("launch", "examples", "saturated_follower"), "-B", build,
                         "-DPYTHON_EXECUTABLE=/usr/bin/python3"], env=self.environment, check=True, stdout=subprocess.DEVNULL)
         subprocess.run(["make", "-C", build], env=self.environment, check=True, stdout=subprocess.DEVNULL)
@@ -124,14 +115,14 @@ class OtherPackage(ExternalTest):
             node = self.start(program, "_index:=3", "_limit:=" + limit)
             if not variances:
                 self.assert_keeps_the_contract(3, "--model", live_platoon.shared("config", "mixed.yaml"))  # it is a truck
-            self.output = os.path.join(self.folder, limit)
+            self.output = self.path(limit)
             self.run_to_the_end(external=3, output=self.output, **settings)
             means.append(rows(self.output)[3, 39][0])
             variances.append([rows(self.output)[vehicle, 39][1] for vehicle in (1, 2, 3)])
             node.terminate()
             node.wait()
         live_platoon.reference(self.folder, **settings)
-        built_in = rows(os.path.join(self.folder, "reference"))
+        built_in = rows(self.path("reference"))
         for vehicle, own in enumerate(variances[0], 1):  # an actuator that never saturates
             self.assertAlmostEqual(own, built_in[vehicle, 39][1], 9)
         self.assertEqual(variances[1][:2], [built_in[vehicle, 39][1] for vehicle in (1, 2)])

@@ -9,7 +9,7 @@ import unittest
 
 import live_platoon
 from external import CLAUSES, ExternalTest, HERE, rows
-from recording import bag_statistics
+from terminal import kept_master
 
 
 class Example(ExternalTest):
@@ -26,13 +26,11 @@ class Example(ExternalTest):
             self.assertLess(abs(measured[cell][1] - variance), 1e-11, cell)
 
     def test_the_rospy_follower_is_the_built_in_vehicle_within_rounding(self):
-        bag = os.path.join(self.folder, "run.bag")
-        terminal = self.launch(master=self.master, external=2, record=bag, **self.SETTINGS)
+        bag = self.path("run.bag")
+        terminal = self.launch(external=2, record=bag, **self.SETTINGS)
         terminal.wait_for_text("waiting for external vehicle_2: start its node")
         self.start_example(2)
-        terminal.wait()
-        summary = live_platoon.completed_summary(self.output)
-        self.assertTrue(summary, terminal.text())
+        summary = self.completed(terminal)
         self.assert_equal_within_rounding()
         self.check_that_theory_speaks_of_vehicle_1_alone(summary, terminal.text())
         self.check_what_reads_the_results(bag)
@@ -59,21 +57,21 @@ class Example(ExternalTest):
     def check_what_reads_the_results(self, bag):
         with open(os.path.join(self.output, "statistics.csv")) as file:
             measured = file.read()
-        found = bag_statistics(bag, "--csv")
+        found = live_platoon.tool("bag_statistics", bag, "--csv")
         self.assertEqual((found.returncode, found.stdout), (0, measured))
-        figure = os.path.join(self.folder, "errors")
+        figure = self.path("errors")
         plot = os.path.join(live_platoon.shared("src", "tools"), "plot")
         subprocess.run([plot, "errors", self.output, "--output", figure], check=True, stdout=subprocess.DEVNULL)
         self.assertGreater(os.path.getsize(figure + ".png"), 10000)
 
     def check_replay(self, bag):
         # Replays its input to the same node; no other vehicle runs.
-        terminal = self.launch("replay.launch", master=self.master, bag=bag, drive="vehicle_2", external=2, output="")
+        terminal = self.launch("replay.launch", bag=bag, drive="vehicle_2", external=2, output="")
         terminal.wait()
         self.assertIn("vehicle_2: 153 messages equal the recorded ones to the bit", terminal.text())
         # The other vehicle was recorded from the built-in implementation.
         self.start_example(3)
-        terminal = self.launch("replay.launch", master=self.master, bag=bag, drive="vehicle_3", external=3, output="")
+        terminal = self.launch("replay.launch", bag=bag, drive="vehicle_3", external=3, output="")
         terminal.wait()
         apart = re.search(r"vehicle_3: 153 messages as in the recording, positions at most (\S+) m apart", terminal.text())
         self.assertTrue(apart, terminal.text())
@@ -82,7 +80,7 @@ class Example(ExternalTest):
     def test_it_stays_up_from_run_to_run_and_goes_with_one_process(self):
         self.start_example(3)
         self.assert_keeps_the_contract(3, "--headway", "2.4", "--model", live_platoon.shared("config", "mixed.yaml"))
-        rejected = self.launch(master=self.master, **self.SETTINGS)
+        rejected = self.launch(**self.SETTINGS)
         self.assertNotEqual(rejected.wait(), 0)
         self.assertIn("/platoon/vehicle_3/position: node /vehicle_3 publishes it already: must be outside first:= .. last:=, or in external:=",
                       rejected.text())
@@ -120,7 +118,7 @@ class Contract(ExternalTest):
                        "twice": r"step 6 of the realizations from 0, attempt \d+ was due, and came: step 5"}
                 self.assertRegex(said, why.get(fault, "step "))
         second = self.start_example(len(faults))
-        live_platoon.wait_for(lambda: live_platoon.process_of("/vehicle_{}".format(len(faults)), self.master), "a second publisher")
+        live_platoon.wait_for(lambda: live_platoon.process_of("/vehicle_{}".format(len(faults)), kept_master()), "a second publisher")
         self.assertRegex(self.assert_broken("one_publisher", len(faults)), r"/broken_followers_\d+_\d+ and /vehicle_{0} publish /platoon/vehicle_{0}/position".format(len(faults)))
         second.terminate()
 
@@ -151,14 +149,14 @@ class Contract(ExternalTest):
 
     def test_a_vehicle_that_never_answers_is_named_once_however_often_the_leader_retries(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:mute")
-        terminal = self.launch(master=self.master, followers=3, external=2, steps=20, realizations=100, rate=100, stall_timeout=0.5)
+        terminal = self.launch(followers=3, external=2, steps=20, realizations=100, rate=100, stall_timeout=0.5)
         terminal.wait_for_text("run stalled: vehicle_2 has sent nothing at all; the vehicle is external: clause 2 of the vehicle contract", 40)
         terminal.interrupt()
         self.assertEqual(terminal.text().count("run stalled: vehicle_2 has sent nothing at all"), 1)
 
     def test_the_recorder_names_a_vehicle_without_stamps(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:unstamped")
-        terminal = self.launch(master=self.master, followers=2, external=2, realizations=10, record=os.path.join(self.folder, "run.bag"))
+        terminal = self.launch(followers=2, external=2, realizations=10, record=self.path("run.bag"))
         terminal.wait_for_text("/platoon/vehicle_2/position: dropped a message without a stamp, which a bag cannot hold; clause 5 of the vehicle")
         terminal.interrupt()
 

@@ -12,43 +12,7 @@ import rospy
 from stochastic_platoon.msg import Progress
 from std_srvs.srv import Trigger
 
-PAGE = os.sysconf("SC_PAGE_SIZE")
-
-
-def children(process):
-    """Process ids of the children of a process, started by any of its threads."""
-    found = []
-    try:
-        for task in os.listdir("/proc/{}/task".format(process)):
-            with open("/proc/{}/task/{}/children".format(process, task)) as file:
-                found += [int(word) for word in file.read().split()]
-    except OSError:
-        pass  # the process has ended
-    return found
-
-
-def nodes(*launches):
-    """Process ids, by node name, of the nodes that these roslaunch processes have started."""
-    found = {}
-    for launch in launches:
-        for process in children(launch):
-            try:
-                with open("/proc/{}/cmdline".format(process)) as file:
-                    words = file.read().split("\0")
-            except OSError:
-                continue
-            found.update({word[len("__name:="):]: process for word in words if word.startswith("__name:=")})
-    return found
-
-
-def footprint(process):
-    """Resident memory [bytes] and number of open descriptors; None if the process has ended."""
-    try:
-        with open("/proc/{}/statm".format(process)) as file:
-            resident = int(file.read().split()[1]) * PAGE
-        return resident, len(os.listdir("/proc/{}/fd".format(process)))
-    except OSError:
-        return None
+from processes import nodes
 
 
 class ShiftedClock:

@@ -1,63 +1,29 @@
 #!/usr/bin/python3
 """Checks on which sockets a running platoon listens, and that launch/isolated makes them unreachable from outside."""
 
-import glob
 import os
-import re
 import subprocess
 import tempfile
 import unittest
 
 import live_platoon
+from processes import descendants, listening, node_of, words_of
 from terminal import LaunchTest
 
 ISOLATED = live_platoon.shared("launch", "isolated")
 NODES = ["vehicle_0", "vehicle_1", "vehicle_2", "channel", "monitor"]
 
 
-def children(process):
-    """Process ids of a process and all its descendants."""
-    found = [process]
-    for file in glob.glob("/proc/{}/task/*/children".format(process)):
-        with open(file) as listed:
-            for child in listed.read().split():
-                found += children(int(child))
-    return found
-
-
-def listening(process):
-    """(address, port) of every TCP socket that a process listens on."""
-    own = set()
-    for link in glob.glob("/proc/{}/fd/*".format(process)):
-        try:
-            own.update(re.findall(r"socket:\[(\d+)\]", os.readlink(link)))
-        except OSError:
-            pass
-    found = []
-    for family in ("tcp", "tcp6"):
-        with open("/proc/{}/net/{}".format(process, family)) as table:
-            for line in table.readlines()[1:]:
-                columns = line.split()
-                if columns[3] != "0A" or columns[9] not in own:
-                    continue
-                address, port = columns[1].split(":")
-                loopback = address in ("0100007F", "00000000000000000000000001000000")
-                found.append(("this machine" if loopback else "everywhere", int(port, 16)))
-    return sorted(found)
-
-
 def name_of(process):
-    with open("/proc/{}/cmdline".format(process)) as file:
-        words = file.read().split("\0")
-    named = [word[len("__name:="):] for word in words if word.startswith("__name:=")]
-    return named[0] if named else os.path.basename(words[1] if "python" in words[0] and len(words) > 1 else words[0])
+    words = words_of(process)
+    return node_of(process) or os.path.basename(words[1] if "python" in words[0] and len(words) > 1 else words[0])
 
 
 class Listening(LaunchTest):
     def run_platoon(self, prefix):
-        terminal = self.launch(inside=prefix, followers=2, steps=20, realizations=100, stay=True)
+        terminal = self.launch(own_master=True, inside=prefix, followers=2, steps=20, realizations=100, stay=True)
         live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
-        return {name_of(process): (process, listening(process)) for process in children(terminal.process.pid)}
+        return {name_of(process): (process, listening(process)) for process in descendants(terminal.process.pid)}
 
     def check_sockets(self, found):
         """TCPROS and all Python servers listen on the loopback interface only, roscpp's XML-RPC server on all interfaces."""

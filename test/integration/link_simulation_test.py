@@ -5,9 +5,6 @@ own random numbers and without code of the package."""
 import csv
 import io
 import json
-import os
-import shutil
-import tempfile
 import unittest
 
 import numpy as np
@@ -15,6 +12,7 @@ import yaml
 
 import link_reference
 import live_platoon
+from folder import FolderTest
 
 FOLLOWERS, STEPS, REALIZATIONS = 7, 40, 40000
 
@@ -78,11 +76,7 @@ def received(vehicle, sent, random):
     return np.array(used)
 
 
-class ShippedModels(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-
+class ShippedModels(FolderTest):
     def measured(self, file):
         text = live_platoon.reference(self.folder, model=file, followers=FOLLOWERS, steps=STEPS, realizations=REALIZATIONS)
         rows = list(csv.DictReader(io.StringIO(text.decode())))
@@ -114,11 +108,8 @@ class ShippedModels(unittest.TestCase):
         with open(live_platoon.shared("config", "lossy.yaml")) as stream:
             model = yaml.safe_load(stream)
         model["channel"]["loss"] = {"probability": 0.2, "mean_burst": 2.5, "on_loss": "hold"}
-        file = os.path.join(self.folder, "bursts.yaml")
-        with open(file, "w") as stream:
-            yaml.safe_dump(model, stream)
-        self.compare(file, model)
-        with open(os.path.join(self.folder, "reference", "summary.json")) as stream:
+        self.compare(self.write("bursts.yaml", json.dumps(model)), model)
+        with open(self.path("reference", "summary.json")) as stream:
             summary = json.load(stream)
         self.assertTrue(summary["theory"]["string_stable"])
         self.assertIn("the run is not judged", summary["warning"])

@@ -3,46 +3,12 @@
 (link_reference.py) and, for verdicts and limits, sums over a fine frequency grid."""
 
 import itertools
-import json
-import os
-import shutil
-import subprocess
-import tempfile
 import unittest
 
 import numpy as np
-import yaml
 
 import link_reference
-import live_platoon
-
-PLANTS = {"numerator": [1.0], "denominator": [1.0, -2.0, 1.0]}
-
-
-def controller(poles, gain):
-    """K = gain / (1 + h) z^n / prod (z - pole): a loop of order n + 2."""
-    return {"numerator": [gain] + [0.0] * len(poles), "denominator": np.poly(poles).tolist(), "divide_by_one_plus_headway": True}
-
-
-LOOPS = {
-    2: {"plant": {"numerator": [1.0, 0.0], "denominator": [1.0, -2.0, 1.0]},
-        "controller": {"numerator": [1.26], "denominator": [1.0], "divide_by_one_plus_headway": True}},
-    3: {"plant": PLANTS, "controller": controller([-0.89], 1.35)},
-    4: {"plant": PLANTS, "controller": controller([-0.89, 0.2], 1.05)},
-    5: {"plant": PLANTS, "controller": controller([-0.89, 0.2, -0.1], 1.15)},
-}
-
-
-def model_of(order=3, channel=None, **changes):
-    model = {"time_headway": 3.2, "standstill_distance": 2.0, "sample_period": 0.1, "noise_variance": 0.6,
-             "leader": {"speed": [{"from_step": 0, "value": 20.0}]}, "initial_position": {"mean": 0.3, "variance": 0.5},
-             "channel": channel or {}}
-    model.update(LOOPS[order])
-    model.update(changes)
-    return model
-
-
-COLOUR = {"numerator": [0.8, 0.3, 0.1], "denominator": [1.0, -0.5, 0.2]}
+from link_models import COLOUR, LOOPS, AnalyzeTest, model_of
 
 # Orders 2 to 5, every predictor, delays 0 to 3, losses 0.01 to 0.9, colour, dither, patterns of 1 to 4 types.
 CASES = {
@@ -104,20 +70,7 @@ def grid(model, points=1 << 16):
     return found
 
 
-class Analyze(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-
-    def analyze(self, model, followers=5, steps=40, *options):
-        file, result = os.path.join(self.folder, "model.yaml"), os.path.join(self.folder, "theory.json")
-        with open(file, "w") as stream:
-            yaml.safe_dump(json.loads(json.dumps(model)), stream)
-        subprocess.run([live_platoon.executable("analyze"), "--model", file, "--followers", str(followers), "--steps", str(steps),
-                        "--json", result] + list(options), check=True, stdout=subprocess.DEVNULL)
-        with open(result) as stream:
-            return json.load(stream)
-
+class Analyze(AnalyzeTest):
     def test_means_and_variances_of_every_step_are_those_of_the_whole_state(self):
         for name, model in CASES.items():
             with self.subTest(name):

@@ -9,9 +9,14 @@ import signal
 import subprocess
 import unittest
 
+import rospy
+import rosservice
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+from stochastic_platoon.msg import ErrorStatistics, Position, Progress, Snapshot
+
 import live_platoon
 from orders import FOLLOWERS, HEADWAY, NOISE_VARIANCE, Orders, setUpModule  # noqa: F401: unittest calls setUpModule
-from recording import bag_statistics
 
 
 class Watched(Orders):
@@ -19,7 +24,6 @@ class Watched(Orders):
         self.in_both(self.check_snapshots)
 
     def check_snapshots(self, hosting):
-        from stochastic_platoon.msg import Position, Snapshot
         snapshots = self.listen("snapshot", Snapshot)
         told = self.listen("predecessor_snapshot", Snapshot)
         vehicle, link = self.listen("vehicle_7/position", Position), self.listen("vehicle_8/predecessor_position", Position)
@@ -56,9 +60,6 @@ class Manoeuvres(Orders):
         self.in_both(self.check_manoeuvres)
 
     def check_manoeuvres(self, hosting):
-        import rospy
-        from std_msgs.msg import Float64
-        from stochastic_platoon.msg import Snapshot
         snapshots = self.listen("snapshot", Snapshot)
         speed = rospy.Publisher("/platoon/leader/speed", Float64, queue_size=10)
         terminal = self.endless(hosting)
@@ -92,46 +93,42 @@ class Manoeuvres(Orders):
         terminal.wait_for_text("the leader drives by the model file again: averages go on in 100 steps (10 s)", 60)
         # A new attempt starts with the leader of the model file.
         self.assertTrue(self.trigger("brake").success)
-        live_platoon.kill("/platoon/platoon" if hosting == "one_process" else "/platoon/vehicle_3", self.master)
+        live_platoon.kill("/platoon/platoon" if hosting == "one_process" else "/platoon/vehicle_3")
         speed_is(20.0)
 
     def test_a_report_of_another_node_does_not_end_the_launch(self):
-        import rospy
-        from stochastic_platoon.msg import Progress
-        settings = dict(followers=2, steps=20, realizations=500, seed=4)
+        settings = dict(followers=2, steps=20, realizations=300, seed=4)
         reports = self.listen("progress", Progress)
         reporter = rospy.Publisher("/platoon/progress", Progress, queue_size=10)
         self.addCleanup(reporter.unregister)
-        terminal = self.launch(master=self.master, batch=10, rate=150, **settings)
+        terminal = self.launch(batch=10, rate=150, stall_timeout=0, **settings)
         now = reports.newest(lambda message: message.receiver == "monitor" and message.step >= 0, "the first steps")
-        end = "/platoon/until_complete"
-        live_platoon.wait_for(lambda: live_platoon.process_of(end, self.master), end)
-        live_platoon.wait_for(lambda: reporter.get_num_connections() >= 4, "leader, monitor, until_complete and this node to listen")
-        for _ in range(5):
-            reporter.publish(Progress(receiver="monitor", run=now.run, attempt=now.attempt, first_realization=500, step=-2, finished=True))
-        terminal.wait()
-        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+        with live_platoon.held("/platoon/vehicle_2"):
+            end = "/platoon/until_complete"
+            live_platoon.wait_for(lambda: live_platoon.process_of(end), end)
+            live_platoon.wait_for(lambda: reporter.get_num_connections() >= 4, "leader, monitor, until_complete and this node to listen")
+            for _ in range(5):
+                reporter.publish(Progress(receiver="monitor", run=now.run, attempt=now.attempt, first_realization=300, step=-2, finished=True))
+        self.completed(terminal)
+        self.assert_bits(**settings)
 
     def test_a_run_over_realizations_refuses_in_words_and_keeps_its_bits(self):
-        import rospy
-        from std_msgs.msg import Float64
-        settings = dict(followers=3, steps=20, realizations=1500, headway=3.2, seed=4)
+        settings = dict(followers=3, steps=20, realizations=500, headway=3.2, seed=4)
         speed = rospy.Publisher("/platoon/leader/speed", Float64, queue_size=10)
-        terminal = self.launch(master=self.master, batch=50, rate=100, **settings)
-        for service in ("brake", "accelerate", "sinusoid", "cruise"):
-            answer = self.trigger(service)
+        terminal = self.launch(batch=50, rate=100, stall_timeout=0, **settings)
+        with live_platoon.held("/platoon/vehicle_3"):  # the run does not end meanwhile
+            for service in ("brake", "accelerate", "sinusoid", "cruise"):
+                answer = self.trigger(service)
+                self.assertFalse(answer.success)
+                self.assertIn("in a run of many realizations the leader drives by the model file", answer.message)
+            live_platoon.wait_for(lambda: speed.get_num_connections() > 0, "the leader to listen")
+            speed.publish(3.0)
+            terminal.wait_for_text("leader/speed: rejected: in a run of many realizations", 60)
+            answer = self.change(headway=2.4)
             self.assertFalse(answer.success)
-            self.assertIn("in a run of many realizations the leader drives by the model file", answer.message)
-        live_platoon.wait_for(lambda: speed.get_num_connections() > 0, "the leader to listen")
-        speed.publish(3.0)
-        terminal.wait_for_text("leader/speed: rejected: in a run of many realizations", 60)
-        answer = self.change(headway=2.4)
-        self.assertFalse(answer.success)
-        self.assertIn("steps: 20: must be 0 (an endless run", answer.message)
-        terminal.wait()
-        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+            self.assertIn("steps: 20: must be 0 (an endless run", answer.message)
+        self.completed(terminal)
+        self.assert_bits(**settings)
 
 
 class Changes(Orders):
@@ -139,12 +136,10 @@ class Changes(Orders):
         self.in_both(self.check_change)
 
     def check_change(self, hosting):
-        import rospy
-        from stochastic_platoon.msg import ErrorStatistics, Snapshot
         snapshots, statistics = self.listen("snapshot", Snapshot), self.listen("error_statistics", ErrorStatistics)
-        bag = os.path.join(self.folder, hosting)
+        bag = self.path(hosting)
         terminal = self.endless(hosting, rate=0, burn_in="", seed=3, record=bag + ".bag")
-        enough = 4000 if live_platoon.SANITIZED else 20000
+        enough = 4000 if live_platoon.SANITIZED else 8000
 
         def averaged(headway_is, run):
             live_platoon.wait_for(lambda: list(statistics.messages)[-1:] and statistics.messages[-1].step > enough,
@@ -191,8 +186,8 @@ class Changes(Orders):
                 self.assertEqual(len(list(csv.DictReader(file))), FOLLOWERS)
         # Each run has its own bag, recorded up to the end of the run.
         for suffix, headway in (("", 3.2), ("-run2", 2.4)):
-            read = os.path.join(self.folder, hosting + suffix + "-read")
-            self.assertEqual(bag_statistics(bag + suffix + ".bag.active", "--output", read).returncode, 0)
+            read = self.path(hosting + suffix + "-read")
+            self.assertEqual(live_platoon.tool("bag_statistics", bag + suffix + ".bag.active", output=read).returncode, 0)
             with open(os.path.join(read, "summary.json")) as file:
                 summary = json.load(file)
             self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)
@@ -204,14 +199,12 @@ class Changes(Orders):
         self.in_both(self.check_order_and_kill)
 
     def check_order_and_kill(self, hosting):
-        import rospy
-        from stochastic_platoon.msg import Progress
         reports = self.listen("progress", Progress)
         self.endless(hosting, followers=3, rate=200)
         nodes = ["platoon"] if hosting == "one_process" else ["monitor", "vehicle_0"]
         for number, victims in enumerate((nodes[:1], nodes, nodes[:1], nodes, nodes[:1])):
             before = reports.newest(lambda message: message.receiver == "monitor" and message.step >= 0, "steps").run
-            processes = [live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/" + victim, self.master), victim) for victim in victims]
+            processes = [live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/" + victim), victim) for victim in victims]
             headway = round(3.0 + 0.1 * number, 1)
             answer = self.change(headway=headway)
             for process in processes:
@@ -224,9 +217,6 @@ class Changes(Orders):
             del reports.messages[:-20]
 
     def test_an_order_before_the_one_before_has_begun_keeps_that_one(self):
-        import rosservice
-        import rospy
-        from std_srvs.srv import Trigger
         self.endless("processes", followers=3, rate=200)
         rospy.wait_for_service("/platoon/change_run", 60)
         subprocess.run(["rossrv", "show", rosservice.get_service_type("/platoon/change_run")], check=True, stdout=subprocess.DEVNULL)

@@ -1,5 +1,6 @@
 """Access to a running platoon for the integration tests, and waiting for conditions with a deadline."""
 
+import contextlib
 import json
 import os
 import random
@@ -17,6 +18,7 @@ import rospkg
 SANITIZED = "PLATOON_SANITIZED" in os.environ
 PATIENCE = 5.0 if SANITIZED else 1.0
 UNDISTURBED = 5 if SANITIZED else 1  # most attempts: in a sanitized build the first step may take longer than the stall timeout
+RESERVED = []  # sockets of free_port()
 DEADLINE = 150.0  # [s] for a run to complete on a busy machine
 
 
@@ -40,15 +42,26 @@ def wait_for(condition, what, deadline=DEADLINE):
 
 
 def free_port():
-    """A port for a master: free now, and outside the range from which the system assigns ports."""
+    """A free port for a master, outside the range from which the system assigns ports.
+
+    It is reserved while this process runs: a socket stays bound to it, so that no other test can choose it. A server that sets
+    SO_REUSEADDR, as those of Python do, can listen on it.
+    """
     while True:
-        port = random.randrange(20000, 32000)
-        with socket.socket() as listener:
-            try:
-                listener.bind(("localhost", port))
-                return port
-            except OSError:
-                continue
+        port, bound = random.randrange(20000, 32000), socket.socket()
+        try:
+            bound.bind(("localhost", port))
+        except OSError:
+            bound.close()
+            continue
+        bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        RESERVED.append(bound)
+        return port
+
+
+def ros_environment(master, **more):
+    """The environment of a process that is to be on this master."""
+    return dict(os.environ, ROS_MASTER_URI=master, ROS_HOSTNAME="localhost", **more)
 
 
 def completed_summary(output):
@@ -90,19 +103,22 @@ def shared(*parts):
     return os.path.join(rospkg.RosPack().get_path("stochastic_platoon"), *parts)
 
 
-def monte_carlo(folder, *flags, **options):
-    """The finished process of monte_carlo with its output in the folder."""
-    command = [executable("monte_carlo"), "--output", folder, *flags]
-    for name, value in options.items():
-        command += ["--" + name.replace("_", "-"), str(value)]
-    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+def tool(name, *arguments, **options):
+    """The finished process of one of the package's programs."""
+    command = [executable(name), *arguments]
+    for option, value in options.items():
+        command += ["--" + option.replace("_", "-"), str(value)]
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, errors="replace",
+                          timeout=DEADLINE * PATIENCE)
 
 
 def reference(output, **settings):
     """statistics.csv of monte_carlo with these settings: the same platoon in one process, without ROS."""
     folder = os.path.join(output, "reference")
     settings.setdefault("model", shared("config", "paper.yaml"))
-    monte_carlo(folder, **settings).check_returncode()
+    done = tool("monte_carlo", output=folder, **settings)
+    if done.returncode != 0:
+        raise AssertionError(done.stderr)
     return statistics(folder)
 
 
@@ -125,9 +141,13 @@ def kill(node, master=None):
     wait_for(lambda: process_of(node, master) not in (None, before), node + " to come back")
 
 
-def let_go_on(process):
-    """Continues a process that SIGSTOP holds, if it still exists."""
+@contextlib.contextmanager
+def held(node, master=None):
+    """Holds a node by SIGSTOP, from its start on if it does not run yet; continues it at the end."""
+    process = wait_for(lambda: process_of(node, master), node)
+    os.kill(process, signal.SIGSTOP)
     try:
-        os.kill(process, signal.SIGCONT)
-    except ProcessLookupError:
-        pass
+        yield
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(process, signal.SIGCONT)

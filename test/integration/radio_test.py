@@ -3,7 +3,6 @@
 recorded and replayed whole."""
 
 import json
-import os
 import subprocess
 import unittest
 
@@ -12,8 +11,7 @@ import rosgraph
 import yaml
 
 import live_platoon
-from recording import bag_statistics
-from terminal import LaunchTest
+from terminal import LaunchTest, kept_master
 
 FOLLOWERS, STEPS, REALIZATIONS = 4, 60, 3000
 BATCHES = 6
@@ -26,19 +24,11 @@ def cacc():
 
 
 class Radio(LaunchTest):
-    def write(self, model):
-        file = os.path.join(self.folder, "model.yaml")
-        with open(file, "w") as opened:
-            json.dump(model, opened)
-        return file
-
     def check(self, model, **arguments):
-        self.output = os.path.join(self.folder, "run-" + "-".join(arguments.values()))
+        self.output = self.path("run-" + "-".join(arguments.values()))
         bag = self.output + ".bag"
         terminal = self.launch(model=model, output=self.output, batch=REALIZATIONS // BATCHES, record=bag, **SETTINGS, **arguments)
-        terminal.wait()
-        summary = live_platoon.completed_summary(self.output)
-        self.assertTrue(summary, terminal.text())
+        summary = self.completed(terminal)
         self.assertLess(summary["agreement"]["max_abs_z_variance"], 6)
         self.assertGreater(summary["agreement"]["max_abs_z_variance"], 0.5)
         measured = live_platoon.statistics(self.output)
@@ -58,37 +48,33 @@ class Radio(LaunchTest):
             for topic in ("/platoon/vehicle_{}/input".format(i), "/platoon/vehicle_{}/predecessor_input".format(i + 1)):
                 self.assertEqual(counts[topic], BATCHES * (STEPS + 1), topic)
         self.assertNotIn("/platoon/vehicle_{}/input".format(FOLLOWERS), counts, "nobody hears the last vehicle")
-        found = bag_statistics(bag, "--csv")
+        found = live_platoon.tool("bag_statistics", bag, "--csv")
         self.assertEqual((found.returncode, found.stdout.encode()), (0, measured))
-        again = os.path.join(self.folder, "again")
+        again = self.path("again")
         text = self.replayed(bag, output=again)
         self.assertTrue(live_platoon.completed_summary(again), text)
         self.assertEqual(live_platoon.statistics(again), measured)
         for vehicle in ("vehicle_1", "vehicle_3"):
             self.assertIn("{}: {} messages equal the recorded ones to the bit".format(vehicle, BATCHES * (STEPS + 1)),
                           self.replayed(bag, drive=vehicle, output=""))
-        self.assertIn("leader/positions: given: must be speed", self.replayed(bag, drive="leader", output=os.path.join(self.folder, "behind")))
+        self.assertIn("leader/positions: given: must be speed", self.replayed(bag, drive="leader", output=self.path("behind")))
 
     def test_a_mixed_string_with_lost_inputs_in_one_process(self):
         model = cacc()
         model["inputs"][1]["channel"].update(delay=3, loss={"probability": 0.2, "on_loss": "zero"})
         model["vehicle_types"] = {"human": {"time_headway_seconds": 1.5, "inputs": [{"signal": "position"}]}}
         model["string"] = ["default", "human", "default"]
-        self.check(self.write(model), hosting="one_process")
+        self.check(self.write("model.yaml", json.dumps(model)), hosting="one_process")
 
     def test_an_external_vehicle_that_sends_no_input_to_a_radio_is_named(self):
-        master = self.roscore()
-        environment = dict(os.environ, ROS_MASTER_URI=master, ROS_HOSTNAME="localhost", ROS_HOME=self.folder)
-        follower = subprocess.Popen([live_platoon.shared("launch", "examples", "rospy_follower.py"), "2"], env=environment,
-                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(follower.wait)
-        self.addCleanup(follower.terminate)
-        terminal = self.launch(master=master, model="cacc.yaml", external=2, **SETTINGS)
+        self.background(live_platoon.shared("launch", "examples", "rospy_follower.py"), "2", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                        env=live_platoon.ros_environment(kept_master(), ROS_HOME=self.folder))
+        terminal = self.launch(model="cacc.yaml", external=2, **SETTINGS)
         terminal.wait_for_text("vehicle_2 is external and publishes no vehicle_2/input, which vehicle_3 receives by radio")
         terminal.interrupt()
 
     def test_without_radios_nobody_publishes_inputs(self):
-        terminal = self.launch(model="acc.yaml", output=self.output, stay="true", **SETTINGS)
+        terminal = self.launch(model="acc.yaml", own_master=True, stay="true", **SETTINGS)
         live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run")
         topics = [topic for topic, _ in rosgraph.Master("/radio_test", terminal.master).getTopicTypes()]
         self.assertIn("/platoon/vehicle_1/position", topics)

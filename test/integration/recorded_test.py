@@ -43,16 +43,14 @@ class Recorded(LaunchTest):
         with open(os.path.join(folder, "summary.json")) as file:
             agreement = json.load(file)["agreement"]
         self.assertTrue(1 < agreement["max_abs_z_mean"] < 5.5, agreement)
-        self.launch(leader="city.csv", output=self.output, **settings).wait()
-        self.assertTrue(live_platoon.completed_summary(self.output))
+        self.run_to_the_end(leader="city.csv", **settings)
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.statistics(folder))
         for name in ("signals.csv", "amplification.csv"):
             with open(os.path.join(self.output, name)) as live, open(os.path.join(folder, name)) as own:
                 self.assertEqual(live.read(), own.read(), name)
 
     def test_a_table_lasts_as_long_as_the_run_and_may_have_any_columns_and_units(self):
-        with open(os.path.join(self.folder, "lap.csv"), "w") as file:
-            file.write("recorded by hand\nTime;Speed1\n" + "".join("%.12g;%.12g\n" % (100 + 0.5 * k, 36 + 3.6 * math.sin(k)) for k in range(61)))
+        self.write("lap.csv", "recorded by hand\nTime;Speed1\n" + "".join("%.12g;%.12g\n" % (100 + 0.5 * k, 36 + 3.6 * math.sin(k)) for k in range(61)))
         model = self.model_with(leader=dict(file="lap.csv", time="Time", speed="Speed1", unit="km/h", skip_rows=1, from_second=5.0))
         folder = self.monte_carlo("run", model=model, followers=2, realizations=10)
         with open(os.path.join(folder, "summary.json")) as file:
@@ -62,7 +60,7 @@ class Recorded(LaunchTest):
         np.testing.assert_allclose(np.diff(self.leader_of(folder)), 0.05 * (speed[1:] + speed[:-1]), atol=1e-9)
 
     def test_the_speed_of_a_car_in_a_bag_becomes_a_table(self):
-        bag_file, table = os.path.join(self.folder, "car.bag"), os.path.join(self.folder, "drive.csv")
+        bag_file, table = self.path("car.bag"), self.path("drive.csv")
         with rosbag.Bag(bag_file, "w") as bag:
             for k in range(241):
                 odometry = Odometry()
@@ -80,27 +78,23 @@ class Recorded(LaunchTest):
         np.testing.assert_allclose(self.leader_of(folder), 0.5 * (0.1 * np.arange(121)) ** 2, atol=1e-6)
 
     def recorded_drive(self, bag, table, *options):
-        tool = os.path.join(live_platoon.shared("src", "tools"), "recorded_drive")
-        return subprocess.run([tool, bag, "--output", table, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+        return subprocess.run([live_platoon.shared("src", "tools", "recorded_drive"), bag, "--output", table, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
 
     def test_bad_tables_are_named(self):
         for text, reason in (("time,velocity\n0,1\n1,1\n", "no column speed: must be one of time, velocity"),
                              ("time,speed\n0,1\n3,1\n", "row 3: 3 s after the row before: must be at most 1 s")):
-            with open(os.path.join(self.folder, "bad.csv"), "w") as file:
-                file.write(text)
-            done = live_platoon.monte_carlo(os.path.join(self.folder, "none"), leader=os.path.join(self.folder, "bad.csv"))
+            done = live_platoon.tool("monte_carlo", output=self.path("none"), leader=self.write("bad.csv", text))
             self.assertEqual(done.returncode, 1)
-            self.assertIn("leader/file: {}: {}".format(os.path.join(self.folder, "bad.csv"), reason), done.stderr)
+            self.assertIn("leader/file: {}: {}".format(self.path("bad.csv"), reason), done.stderr)
         for leader, reason in ((dict(file="bad.csv", unit="knots"), "leader/unit: knots: must be km/h or m/s or mph"),
                                (dict(file="bad.csv", speed="v", position="x"), "leader/speed: given: must be absent beside position")):
-            done = live_platoon.monte_carlo(os.path.join(self.folder, "none"), model=self.model_with(leader=leader))
+            done = live_platoon.tool("monte_carlo", output=self.path("none"), model=self.model_with(leader=leader))
             self.assertIn(reason, done.stderr)
 
     TRACE = [1, 1, 0, 1, 0, 0, 1, 1, 1, 0, 1, 1, 0, 0, 0, 1, 1]
 
     def trace(self, name, entries):
-        with open(os.path.join(self.folder, name), "w") as file:
-            file.write("second,received\n" + "".join("%.1f,%d\n" % (0.1 * k, entry) for k, entry in enumerate(entries)))
+        self.write(name, "second,received\n" + "".join("%.1f,%d\n" % (0.1 * k, entry) for k, entry in enumerate(entries)))
 
     def measured(self, folder):
         with open(os.path.join(folder, "statistics.csv")) as file:
@@ -148,8 +142,7 @@ class Recorded(LaunchTest):
         model = self.model_with(channel={"loss": {"trace": "log.csv"}})
         lossy = self.monte_carlo("lossy", model=model, **settings)
         self.assertNotEqual(live_platoon.statistics(lossy), live_platoon.statistics(plain))
-        self.launch(model=model, output=self.output, **settings).wait()
-        self.assertTrue(live_platoon.completed_summary(self.output))
+        self.run_to_the_end(model=model, **settings)
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.statistics(lossy))
         with open(os.path.join(self.output, "ages.csv")) as live, open(os.path.join(lossy, "ages.csv")) as own:
             self.assertEqual(live.read(), own.read())
@@ -196,31 +189,25 @@ class Recorded(LaunchTest):
         settings = dict(followers=3, steps=60, realizations=3000)
         for name, loss in (("one", {"probability": 0.1}), ("constant", {"by_distance": [[20.0, 0.1]]})):
             self.monte_carlo(name, model=self.model_with(channel={"loss": loss}), **settings)
-        one, constant = (self.measured(os.path.join(self.folder, name)) for name in ("one", "constant"))
+        one, constant = (self.measured(self.path(name)) for name in ("one", "constant"))
         self.assertEqual(constant, one)
         loss = {"by_distance": [[2.0, 0.02], [8.0, 0.6]]}
         model = self.model_with(channel={"loss": loss})
         reference = self.monte_carlo("by_distance", model=model, **settings)
         self.assertNotEqual(self.measured(reference), one)
         for hosting in ("processes", "one_process"):
-            output = os.path.join(self.folder, hosting)
-            self.launch(model=model, output=output, hosting=hosting, **settings).wait()
-            self.assertTrue(live_platoon.completed_summary(output))
-            self.assertEqual(live_platoon.statistics(output), live_platoon.statistics(reference))
+            self.run_to_the_end(model=model, output=self.path(hosting), hosting=hosting, **settings)
+            self.assertEqual(live_platoon.statistics(self.path(hosting)), live_platoon.statistics(reference))
 
     def test_a_radio_loses_by_distance_with_the_same_bits_in_the_graph(self):
         loss = {"by_distance": [[0.2, 0.02], [0.6, 0.6]]}
         radio = {"signal": "input", "from": "predecessor", "noise_variance": 0.01, "channel": {"delay": 2, "loss": loss}}
         radar = {"signal": "position", "from": "predecessor", "noise_variance": 0.01, "channel": {"loss": loss}}
         with open(live_platoon.shared("config", "cacc.yaml")) as file:
-            cacc = dict(yaml.safe_load(file), inputs=[radar, radio])
-        model = os.path.join(self.folder, "radio.yaml")
-        with open(model, "w") as file:
-            yaml.safe_dump(cacc, file)
+            model = self.write("radio.yaml", json.dumps(dict(yaml.safe_load(file), inputs=[radar, radio])))
         settings = dict(followers=3, steps=60, realizations=1000)
         reference = self.monte_carlo("radio", model=model, **settings)
-        self.launch(model=model, output=self.output, **settings).wait()
-        self.assertTrue(live_platoon.completed_summary(self.output))
+        self.run_to_the_end(model=model, **settings)
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.statistics(reference))
 
 

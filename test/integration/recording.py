@@ -1,34 +1,27 @@
-"""Recordings of launches: the base of tests that record, and the tool that reads a bag."""
+"""Recordings: the bases of tests that record a launch, and of tests that alter the bag in test/data."""
 
+import json
 import os
-import subprocess
 
 import rosbag
 
-import live_platoon
+from folder import FolderTest
+from live_platoon import tool
 from terminal import LaunchTest
 
 DATA = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data")
 
 
-def bag_statistics(*arguments):
-    return subprocess.run([live_platoon.executable("bag_statistics")] + list(arguments), stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, universal_newlines=True, errors="replace")
-
-
 class BagTest(LaunchTest):
     def setUp(self):
         super().setUp()
-        self.bag = os.path.join(self.folder, "run.bag")
+        self.bag = self.path("run.bag")
 
     def record(self, **arguments):
-        terminal = self.launch(record=self.bag, **arguments)
-        terminal.wait()
-        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
-        return terminal
+        return self.run_to_the_end(record=self.bag, **arguments)
 
     def csv_of(self, *bags):
-        result = bag_statistics(*bags, "--csv")
+        result = tool("bag_statistics", "--csv", *bags)
         self.assertEqual(result.returncode, 0, result.stderr)
         return result.stdout.encode()
 
@@ -41,3 +34,37 @@ class BagTest(LaunchTest):
             self.assertEqual(counts["/platoon/vehicle_{}/predecessor_position".format(i)], batches * (steps + 1))
         self.assertEqual(counts["/platoon/configuration"], 1)
         self.assertGreaterEqual(counts["/platoon/error_statistics"], steps)
+
+
+class SmallBagTest(FolderTest):
+    SMALL = os.path.join(DATA, "small.bag")
+
+    def altered(self, name, keep):
+        path = self.path(name)
+        with rosbag.Bag(self.SMALL) as source, rosbag.Bag(path, "w") as target:
+            for topic, message, time in source.read_messages():
+                for _ in range(keep(topic, message)):
+                    target.write(topic, message, time)
+        return path
+
+    def refused(self, bag, *said, options=()):
+        result = tool("bag_statistics", bag, *options)
+        self.assertEqual(result.returncode, 1)
+        for words in said:
+            self.assertIn(words, result.stderr)
+        self.assertNotIn("terminate", result.stderr)
+        return result
+
+    def partial(self, bag, *options):
+        output = self.path("partial")
+        result = tool("bag_statistics", bag, "--partial", *options, output=output)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(output, "summary.json")) as file:
+            return json.load(file)
+
+    def bent(self, name, change):
+        def forge(topic, message):
+            change(topic, message)
+            return 1
+
+        return self.altered(name, forge)

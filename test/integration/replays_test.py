@@ -9,9 +9,9 @@ number of replays for each outcome; status 0 if all are right.
 import argparse
 import collections
 import concurrent.futures
+import contextlib
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -20,7 +20,8 @@ import time
 import unittest
 
 import live_platoon
-from terminal import LaunchTest, Terminal, start_master
+from folder import FolderTest, temporary_folder
+from terminal import Terminal, start_master
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 RUN = dict(followers=2, steps=20, realizations=30, batch=10)
@@ -57,17 +58,12 @@ def ended(text):
 class Followers:
     """External vehicles on their own master, and the replays that drive them."""
 
-    def __init__(self, folder):
-        self.folder = folder
-        self.core, self.master = start_master(folder)
-        self.environment = dict(os.environ, ROS_MASTER_URI=self.master, ROS_HOSTNAME="localhost", ROS_HOME=folder)
-
-    def close(self):
-        self.core.terminate()
-        self.core.wait()
+    def __init__(self, folder, cleanup):
+        self.folder, self.master = folder, start_master(folder, cleanup)
 
     def start(self, *command):
-        return subprocess.Popen(command, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        return subprocess.Popen(command, env=live_platoon.ros_environment(self.master, ROS_HOME=self.folder), stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL)
 
     def replay(self, bag, command, **arguments):
         """The output of a replay that drives the vehicle started by this command. Raises AssertionError if it does not end."""
@@ -91,10 +87,9 @@ def example():
 
 def run_lane(bag, numbers, deadline):
     """Runs the replays of one lane. Returns counts of the outcomes, and the output of the replays that were not right."""
-    folder = tempfile.mkdtemp()
-    followers = Followers(folder)
     outcomes, texts = collections.Counter(), []
-    try:
+    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
+        followers = Followers(folder, stack.callback)
         for number in numbers:
             if time.monotonic() > deadline:
                 break
@@ -106,9 +101,6 @@ def run_lane(bag, numbers, deadline):
             outcomes[outcome] += 1
             if outcome != "right":
                 texts.append("replay {}: {}\n{}".format(number, outcome, text[-3000:]))
-    finally:
-        followers.close()
-        shutil.rmtree(folder, ignore_errors=True)
     return outcomes, texts
 
 
@@ -129,17 +121,14 @@ def run_many(bag, count, busy, lanes, seconds=float("inf")):
             loop.wait()
 
 
-class Replays(LaunchTest):
+class Replays(FolderTest):
     @classmethod
     def setUpClass(cls):
-        cls.kept = tempfile.mkdtemp()
-        cls.addClassCleanup(shutil.rmtree, cls.kept, ignore_errors=True)
-        cls.bag = record(cls.kept)
+        cls.bag = record(temporary_folder(cls.addClassCleanup))
 
     def setUp(self):
         super().setUp()
-        self.followers = Followers(self.folder)
-        self.addCleanup(self.followers.close)
+        self.followers = Followers(self.folder, self.addCleanup)
 
     def test_a_link_that_carries_answers_late_costs_an_attempt_and_the_verdict_comes(self):
         text = self.followers.replay(self.bag, [os.path.join(HERE, "slow_accept.py"), "2", "0.5"])
@@ -182,16 +171,13 @@ class Replays(LaunchTest):
 
 
 def main(arguments):
-    folder = tempfile.mkdtemp()
-    try:
+    with tempfile.TemporaryDirectory() as folder:
         began = time.monotonic()
         outcomes, texts = run_many(record(folder), arguments.count, arguments.busy, arguments.lanes, 60.0 * arguments.minutes)
         print("\n".join(texts))
         print("{} replays beside {} busy loops in {:.0f} s: {}".format(sum(outcomes.values()), arguments.busy, time.monotonic() - began, ", ".join(
             "{} {}".format(number, outcome) for outcome, number in outcomes.most_common())))
         return 0 if set(outcomes) == {"right"} else 1
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 if __name__ == "__main__":

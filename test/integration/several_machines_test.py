@@ -13,11 +13,15 @@ import sys
 import time
 import unittest
 
+import rospy
+
 import live_platoon
+from faults import ProgressWatch
+from processes import children
 from terminal import LaunchTest, Terminal
 
 INSIDE = "--inside"
-FOLLOWERS_GIVEN = ["unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"]
+NAMESPACES = ["unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"]
 BRIDGE = "10.77.0.254"
 MASTER = "http://10.77.0.1:11311"
 SETTINGS = dict(followers=20, steps=20, realizations=6400)
@@ -31,8 +35,8 @@ def network(command):
 def own_namespaces():
     """The command prefix that runs a command in its own namespaces: as root, or as root of a user namespace."""
     if os.geteuid() != 0:
-        return FOLLOWERS_GIVEN + ["--user", "--map-root-user"]
-    return FOLLOWERS_GIVEN
+        return NAMESPACES + ["--user", "--map-root-user"]
+    return NAMESPACES
 
 
 class Machine:
@@ -74,7 +78,7 @@ class SeveralMachines(LaunchTest):
     def power_off(self, machine, terminal):
         """Removes a machine without notice: it closes no connection and answers no packet."""
         machine.set_link("down")
-        for process in self.faults.children(terminal.process.pid) + [terminal.process.pid]:
+        for process in children(terminal.process.pid) + [terminal.process.pid]:
             os.kill(process, signal.SIGKILL)
         terminal.process.wait()
         network("netns delete " + machine.name)
@@ -96,10 +100,8 @@ class SeveralMachines(LaunchTest):
         lost = self.launch_on(self.third, "followers.launch", first=11, last=20)
         os.environ.update(ROS_MASTER_URI=MASTER, ROS_IP=BRIDGE)
         os.environ.pop("ROS_HOSTNAME", None)
-        import rospy
-        import faults
         rospy.init_node("several_machines_test", disable_signals=True)
-        self.faults, self.watch = faults, faults.ProgressWatch()
+        self.watch = ProgressWatch()
 
         self.flows()
         self.third.set_link("down")
@@ -114,11 +116,8 @@ class SeveralMachines(LaunchTest):
         self.launch_on(fourth, "followers.launch", first=11, last=20)
         self.recovers("a machine replaced by another")
 
-        self.run.wait()
-        summary = live_platoon.completed_summary(self.output)
-        self.assertTrue(summary, self.run.text())
-        self.assertEqual(summary["positions_lost"], 0)
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.output, **SETTINGS))
+        self.assertEqual(self.completed(self.run)["positions_lost"], 0)
+        self.assert_bits(**SETTINGS)
 
 
 def why_not():

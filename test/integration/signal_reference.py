@@ -8,7 +8,7 @@ from scipy.signal import lfilter, lfiltic
 from scipy.special import ndtr
 
 import link_reference
-import radio_theory_test as radio
+import radio_reference as radio
 
 LONG, COMPLEX = np.longdouble, np.clongdouble
 FOLLOWERS, STEPS = 4, 50
@@ -113,15 +113,14 @@ class LinkedPlatoon:
 
 
 class RadioPlatoon(LinkedPlatoon):
-    """Cars behind radar and radio, with the spectra and the step of radio_theory_test."""
+    """Cars behind radar and radio, with the spectra and the step of radio_reference."""
 
     def __init__(self, model):
         self.model, self.pattern, self.car = model, 1, radio.Car(model)
         self.vehicles = [dict(model, time_headway=model["time_headway_seconds"] / model["sample_period"])] * (FOLLOWERS + 2)
 
     def responses(self):
-        radio.DENSE_FOLLOWERS = FOLLOWERS
-        dense, sources = radio.Dense(self.car), 2 * FOLLOWERS
+        dense, sources = radio.Dense(self.car, FOLLOWERS), 2 * FOLLOWERS
         state, rows = np.zeros((dense.count, sources + 1), LONG), np.zeros((FOLLOWERS + 1, STEPS + 1, sources + 1))
         for k in range(-1, STEPS - 1):
             received, noise = np.zeros(sources + 1, LONG), np.zeros((sources, sources + 1), LONG)

@@ -6,16 +6,12 @@ many frequencies in extended precision, and collisions with integrals over the d
 signal_theory_test.py [ANALYZE] [--models M] [--seed SEED]
 """
 
-import argparse
-import json
-import pathlib
 import random
-import subprocess
-import tempfile
 
 import numpy as np
 from scipy.special import ndtr, ndtri, owens_t
 
+from random_models import analysis_of, parsed
 from signal_reference import FOLLOWERS, STEPS, LinkedPlatoon, RadioPlatoon, crossing, drawn, signals_of
 
 CLOSE = 1e-9
@@ -106,32 +102,18 @@ def check(model_name, platoon, found, wanted):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("analyze", nargs="?", help="the program; default: that of the sourced workspace")
-    parser.add_argument("--models", type=int, default=5, help="of each kind")
-    parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
-    if arguments.analyze is None:
-        import live_platoon
-        arguments.analyze = live_platoon.executable("analyze")
+    arguments = parsed(__doc__, 5)
     worst, stable, number = 0.0, 0, 0
-    for kind in ("paper", "mixed", "radio"):
+    for kind, platoon in (("paper", LinkedPlatoon), ("mixed", LinkedPlatoon), ("radio", RadioPlatoon)):
         for model_number in range(arguments.models):
             name = "signals-%s-%d-%d" % (kind, arguments.seed, model_number)
             draw = random.Random(name)
             model, wanted = drawn(kind, draw), 10 ** draw.uniform(-9, -0.5)
-            with tempfile.TemporaryDirectory() as folder:
-                file, result = pathlib.Path(folder) / "model.yaml", pathlib.Path(folder) / "result.json"
-                file.write_text(json.dumps(model))
-                done = subprocess.run([arguments.analyze, "--model", str(file), "--followers", str(FOLLOWERS), "--steps", str(STEPS),
-                                       "--signals", ",".join(SIGNALS), "--collision-probability", repr(wanted), "--json", str(result)],
-                                      capture_output=True, text=True)
-                if done.returncode != 0 and "rho(A)" in done.stderr:
-                    continue  # the gains make the loop unstable
-                assert done.returncode == 0, "%s: %s\n%s" % (name, done.stderr, json.dumps(model))
-                found = json.loads(result.read_text())
-            worst = max(worst, check(name, (RadioPlatoon if kind == "radio" else LinkedPlatoon)(model), found, wanted))
-            stable, number = stable + bool(found["string_stable"]), number + 1
+            found = analysis_of(arguments.analyze, name, model, followers=FOLLOWERS, steps=STEPS, signals=",".join(SIGNALS),
+                                collision_probability=repr(wanted))
+            if found:
+                worst = max(worst, check(name, platoon(model), found, wanted))
+                stable, number = stable + bool(found["string_stable"]), number + 1
     print("%d models, %d of them string stable: largest difference %.2g, relative" % (number, stable, worst))
     assert 0 < stable < number, "both verdicts must occur"
 

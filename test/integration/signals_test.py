@@ -13,19 +13,13 @@ import numpy as np
 import yaml
 
 import live_platoon
+from live_platoon import tool
 from terminal import LaunchTest
 
 FOLLOWERS, STEPS, REALIZATIONS = 4, 50, 4000
 SIGNALS = "gap,speed,acceleration,jerk"
 SETTINGS = dict(followers=FOLLOWERS, steps=STEPS, realizations=REALIZATIONS, seed=5)
 TABLES = ("statistics.csv", "signals.csv", "gaps.csv", "amplification.csv")
-
-
-def run(program, *arguments, **options):
-    command = [live_platoon.executable(program), *arguments]
-    for name, value in options.items():
-        command += ["--" + name.replace("_", "-"), str(value)]
-    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
 
 
 def rows_of(*path):
@@ -47,58 +41,47 @@ class Signals(LaunchTest):
         with open(live_platoon.shared("config", "paper.yaml")) as file:
             model = yaml.safe_load(file)
         model.update(standstill_distance=2.0, vehicle_length=0.25, safe_gap=0.5, leader={"speed": [{"from_step": 0, "value": 0.0}]})
-        self.model = self.write(model)
+        self.model = self.write("model.yaml", json.dumps(model))
 
-    def write(self, model, name="model.yaml"):
-        file = os.path.join(self.folder, name)
-        with open(file, "w") as opened:
-            json.dump(model, opened)
-        return file
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def monte_carlo(self, name, **options):
-        found = run("monte_carlo", model=self.model, signals=SIGNALS, output=self.path(name), **dict(SETTINGS, **options))
+    def measure(self, name, **options):
+        """The output of monte_carlo."""
+        found = tool("monte_carlo", model=self.model, signals=SIGNALS, output=self.path(name), **dict(SETTINGS, **options))
         self.assertEqual(found.returncode, 0, found.stderr)
         return found.stdout
 
     def test_the_same_bits_in_every_hosting_after_a_kill_of_shards_and_from_a_bag(self):
-        self.monte_carlo("monte_carlo")
+        self.measure("monte_carlo")
         expected = tables_of(self.path("monte_carlo"))
         shards = [self.path("shard_%d" % i) for i in range(3)]
         for i, shard in enumerate(shards):
-            self.monte_carlo(os.path.basename(shard), shard="%d/3" % i)
-        self.assertEqual(run("merge", *shards, output=self.path("merged")).returncode, 0)
+            self.measure(os.path.basename(shard), shard="%d/3" % i)
+        self.assertEqual(tool("merge", *shards, output=self.path("merged")).returncode, 0)
         self.assertEqual(tables_of(self.path("merged")), expected)
         for hosting in ("processes", "one_process"):
             output, bag = self.path(hosting), self.path(hosting + ".bag")
             # The bag of the processes is recorded without signals.
             signals = SIGNALS if hosting == "one_process" else ""
-            terminal = self.launch(model=self.model, hosting=hosting, output=output, record=bag, batch=500, signals=signals, **SETTINGS)
-            terminal.wait()
-            self.assertTrue(live_platoon.completed_summary(output), terminal.text())
+            self.run_to_the_end(model=self.model, hosting=hosting, output=output, record=bag, batch=500, signals=signals, **SETTINGS)
             if signals:
                 self.assertEqual(tables_of(output), expected)
-            found = run("bag_statistics", bag, signals=SIGNALS, output=self.path("of_" + hosting))
+            found = tool("bag_statistics", bag, signals=SIGNALS, output=self.path("of_" + hosting))
             self.assertEqual(found.returncode, 0, found.stderr)
             self.assertEqual(tables_of(self.path("of_" + hosting)), expected)
 
     def test_a_kill_9_of_follower_and_monitor_changes_no_bit(self):
         slow = dict(SETTINGS, realizations=800)
-        self.monte_carlo("monte_carlo", **slow)
+        self.measure("monte_carlo", **slow)
         terminal = self.launch(model=self.model, output=self.path("killed"), batch=100, rate=150, signals=SIGNALS, **slow)
         checkpoint = self.path("killed/checkpoint.cbor")
         for node in ("vehicle_2", "monitor"):
             live_platoon.wait_for(lambda: os.path.exists(checkpoint), "a checkpoint")
             live_platoon.kill("/platoon/" + node, terminal.master)
-        terminal.wait()
-        self.assertTrue(live_platoon.completed_summary(self.path("killed")), terminal.text())
+        self.completed(terminal, self.path("killed"))
         self.assertEqual(tables_of(self.path("killed")), tables_of(self.path("monte_carlo")))
 
     def test_measurement_and_theory_agree_within_the_standard_error(self):
         realizations = 100000
-        self.monte_carlo("many", realizations=realizations)
+        self.measure("many", realizations=realizations)
         largest = {"mean": 0.0, "variance": 0.0}
         for row in rows_of(self.path("many"), "signals.csv"):
             mean, variance, of_mean, of_variance = (float(row[name]) for name in
@@ -122,12 +105,12 @@ class Signals(LaunchTest):
             self.assertGreater(int(row["below_safe_gap"]), int(row["collisions"]))
 
     def test_the_worst_realization_is_replayed(self):
-        text = self.monte_carlo("run")
+        text = self.measure("run")
         folder = self.path("run")
         with open(os.path.join(folder, "summary.json")) as file:
             worst = json.load(file)["smallest_gap"]
         self.assertIn("--repeat {}/summary.json --only {} --trajectories".format(folder, worst["realization"]), text)
-        found = run("monte_carlo", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=worst["realization"],
+        found = tool("monte_carlo", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=worst["realization"],
                     output=self.path("worst"))
         self.assertEqual(found.returncode, 0, found.stderr)
         rows = rows_of(self.path("worst"), "trajectories.csv")
@@ -138,11 +121,11 @@ class Signals(LaunchTest):
         position = {(int(row["vehicle"]), int(row["step"])): float(row["position"]) for row in rows}
         i, k = worst["vehicle"], worst["step"]
         self.assertEqual(position[i - 1, k] - position[i, k] - 0.25, worst["gap"])
-        again = run("monte_carlo", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=0, output=self.path("worst"))
+        again = tool("monte_carlo", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=0, output=self.path("worst"))
         self.assertIn("exists and is never overwritten", again.stderr)
 
     def test_behind_losses_signals_are_measured_only(self):
-        text = self.monte_carlo("lossy", loss=0.1)
+        text = self.measure("lossy", loss=0.1)
         self.assertIn("gap of follower 4 at step 49: mean", text)
         self.assertIn("(measured only)", text)
         rows = rows_of(self.path("lossy"), "signals.csv")
@@ -163,7 +146,7 @@ class Signals(LaunchTest):
         for key in ("vehicle_length", "safe_gap"):
             with open(self.model) as file:
                 model = dict(json.load(file), **{key: -1.0})
-            found = run("monte_carlo", model=self.write(model, "bad.yaml"), output=self.path("none"))
+            found = tool("monte_carlo", model=self.write("bad.yaml", json.dumps(model)), output=self.path("none"))
             self.assertIn("model/%s: -1.0: must be a finite number >= 0" % key, found.stderr)
 
 

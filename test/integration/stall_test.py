@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Diagnosis of a stall of an endless platoon, in both hostings."""
 
-import os
-import signal
 import unittest
+
+from diagnostic_msgs.msg import DiagnosticArray
 
 import live_platoon
 from orders import Orders, setUpModule  # noqa: F401: unittest calls setUpModule
@@ -23,9 +23,8 @@ class Diagnosed(Orders):
         self.in_both(self.check_diagnostics)
 
     def check_diagnostics(self, hosting):
-        from diagnostic_msgs.msg import DiagnosticArray
         topic = self.listen("/diagnostics", DiagnosticArray)
-        terminal = self.endless(hosting, record=os.path.join(self.folder, hosting + ".bag"))
+        terminal = self.endless(hosting, record=self.path(hosting + ".bag"))
         one = hosting == "one_process"
         names = {"leader", "followers" if one else "follower", "channel", "monitor", "recorder"}
 
@@ -43,19 +42,14 @@ class Diagnosed(Orders):
         if one:
             self.assertLessEqual(max(len(message.status) for message in topic.messages), 5)
             return
-        process = live_platoon.process_of("/platoon/vehicle_3", self.master)
-        os.kill(process, signal.SIGSTOP)
-        try:
+        with live_platoon.held("/platoon/vehicle_3"):
             live_platoon.wait_for(lambda: "vehicle_3 has sent nothing" in self.statuses(topic)["monitor"][1]["culprit"],
                                   "the culprit", 60)
             self.assertEqual(self.statuses(topic)["monitor"][0], 2)
-            terminal.wait_for_text("run stalled: vehicle_3 has sent nothing", 20)
-        finally:
-            os.kill(process, signal.SIGCONT)
+            terminal.wait_for_text("run stalled: vehicle_3 has sent nothing")
         live_platoon.wait_for(lambda: self.statuses(topic)["monitor"][1]["culprit"] == "", "the platoon to move", 60)
 
     def test_a_stall_is_one_state_until_a_step_is_complete_and_counts_retries(self):
-        from diagnostic_msgs.msg import DiagnosticArray
         topic = self.listen("/diagnostics", DiagnosticArray)
         terminal = self.endless("processes", followers=5, stall_timeout=0.5)
 
@@ -69,15 +63,11 @@ class Diagnosed(Orders):
                         found.append((values["culprit"], int(values.get("retries", -1))))
             return found
         live_platoon.wait_for(lambda: of_monitor() and int(self.statuses(topic)["monitor"][1]["step"]) > 10, "the platoon to move", 60)
-        process = live_platoon.process_of("/platoon/vehicle_3", self.master)
-        os.kill(process, signal.SIGSTOP)
-        try:
+        with live_platoon.held("/platoon/vehicle_3"):
             live_platoon.wait_for(lambda: of_monitor()[-1][0], "the culprit", 60)
             begin = len(of_monitor())
             live_platoon.wait_for(lambda: len(of_monitor()) >= begin + 10, "ten more statuses", 60)
             during = of_monitor()[begin:]
-        finally:
-            os.kill(process, signal.SIGCONT)
         self.assertEqual([culprit for culprit, _ in during if "vehicle_3 has sent nothing since step" not in culprit], [])
         retries = [count for _, count in during]
         self.assertEqual(retries, sorted(retries))

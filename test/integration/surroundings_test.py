@@ -26,12 +26,10 @@ class Surroundings(LaunchTest):
 
     def test_other_odd_paths_work(self):
         output = self.folder + "/a folder with blanks, \"quotes\" and $signs"
-        self.launch(output=output, followers=1, steps=5, realizations=10).wait()
-        self.assertTrue(live_platoon.completed_summary(output))
+        self.run_to_the_end(output=output, followers=1, steps=5, realizations=10)
 
     def test_a_home_that_cannot_be_written_is_named(self):
-        blocked = self.folder + "/file"
-        open(blocked, "w").close()
+        blocked = self.write("file", "")
         environment = dict(os.environ, ROS_HOSTNAME="localhost", ROS_LOG_DIR=blocked + "/log")
         terminal = self.launch(environment=environment)
         self.assertNotEqual(terminal.wait(), 0)
@@ -49,16 +47,15 @@ class Surroundings(LaunchTest):
         terminal.process.kill()
         terminal.wait()
         live_platoon.wait_for(lambda: not any(os.path.exists("/proc/{}".format(process)) for process in processes),
-                              "the nodes to end", 10.0)
-        settings = dict(followers=2, steps=20, realizations=100)
-        second = os.path.join(self.folder, "second")
-        self.launch(master=master, output=second, **settings).wait()
-        self.assertLessEqual(live_platoon.completed_summary(second)["attempts"], live_platoon.UNDISTURBED)
-        self.assertEqual(live_platoon.statistics(second), live_platoon.reference(self.folder, **settings))
+                              "the nodes to end")
+        settings, second = dict(followers=2, steps=20, realizations=100), self.path("second")
+        summary = self.completed(self.launch(master=master, output=second, **settings), second)
+        self.assertLessEqual(summary["attempts"], live_platoon.UNDISTURBED)
+        self.assert_bits(second, **settings)
 
     def test_a_run_whose_launch_was_killed_with_its_monitor_is_gone_on_with_at_once(self):
         settings = dict(followers=2, steps=20, realizations=1000)
-        terminal = self.launch(batch=50, rate=300, **settings)
+        terminal = self.launch(own_master=True, batch=50, rate=100, **settings)  # the second launch is as fast as it can
         live_platoon.wait_for(lambda: os.path.exists(self.output + "/checkpoint.cbor"), "a checkpoint")
         processes = self.nodes_of(terminal.master) + [live_platoon.process_of("/rosout", terminal.master)]
         with xmlrpc.client.ServerProxy(terminal.master) as master:
@@ -66,14 +63,12 @@ class Surroundings(LaunchTest):
         for process in [terminal.process.pid] + processes:
             os.kill(process, signal.SIGKILL)
         terminal.wait()
-        again = self.launch(resume="true", **settings)
-        again.wait()
+        again = self.run_to_the_end(own_master=True, resume="true", **settings)
         self.assertNotIn("in use", again.text())
-        self.assertTrue(live_platoon.completed_summary(self.output), again.text())
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+        self.assert_bits(**settings)
 
     def test_a_node_that_comes_back_at_the_address_it_had_is_connected_to(self):
-        shim, port = os.path.join(self.folder, "forced_port.so"), os.path.join(self.folder, "port")
+        shim, port = self.path("forced_port.so"), self.path("port")
         subprocess.run(["cc", "-shared", "-fPIC", "-o", shim, os.path.join(os.path.dirname(__file__), "forced_port.c"), "-ldl"], check=True)
         settings = dict(followers=2, steps=20, realizations=10000)
         terminal = self.launch(environment=dict(os.environ, ROS_HOSTNAME="localhost", LD_PRELOAD=shim, FORCED_PORT=port),
@@ -87,8 +82,8 @@ class Surroundings(LaunchTest):
                 file.write(address.rsplit(":", 1)[1].strip("/"))
             live_platoon.kill("/platoon/" + name, terminal.master)
             live_platoon.wait_for(lambda: not os.path.exists(port), "a node at that port")
-        terminal.wait()
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+        self.completed(terminal)
+        self.assert_bits(**settings)
 
     def test_a_killed_channel_with_state_needs_no_timeout(self):
         settings = dict(followers=3, steps=400, realizations=2, model=live_platoon.shared("config", "lossy.yaml"))
@@ -96,41 +91,38 @@ class Surroundings(LaunchTest):
         terminal.wait_for_text("1/2 realizations")  # in the last batch: a later batch would reveal the gap
         live_platoon.kill("/platoon/channel", terminal.master)
         terminal.wait(60.0)
-        self.assertEqual(live_platoon.completed_summary(self.output)["attempts"], 2)
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+        self.assertEqual(self.completed(terminal)["attempts"], 2)
+        self.assert_bits(**settings)
 
     def test_kill_9_of_until_complete_ends_the_launch_and_loses_nothing(self):
         settings = dict(followers=2, steps=20, realizations=2000)
         terminal = self.launch(batch=100, rate=100, **settings)
         terminal.wait_for_text("/2000 realizations")
-        os.kill(live_platoon.process_of("/platoon/until_complete", terminal.master), signal.SIGKILL)
+        end = live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/until_complete", terminal.master), "until_complete")
+        os.kill(end, signal.SIGKILL)
         terminal.wait()
         self.assertIn("resume:=true goes on from there", terminal.text())
-        self.launch(resume="true", **settings).wait()
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+        self.run_to_the_end(resume="true", **settings)
+        self.assert_bits(**settings)
 
     def test_nodes_outlive_a_master_that_is_started_anew(self):
         port = live_platoon.free_port()
-        environment = dict(os.environ, ROS_MASTER_URI="http://localhost:{}".format(port), ROS_HOSTNAME="localhost",
-                           ROS_HOME=self.folder)
+        address = "http://localhost:{}".format(port)
 
         def master():
-            process = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL,
-                                       stderr=subprocess.DEVNULL)
-            self.addCleanup(process.wait)
-            self.addCleanup(process.kill)
-            return process
+            return self.background("rosmaster", "--core", "-p", str(port), env=live_platoon.ros_environment(address, ROS_HOME=self.folder),
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
         first = master()
         settings = dict(followers=2, steps=20, realizations=3000)
-        terminal = self.launch(master=environment["ROS_MASTER_URI"], batch=100, rate=150, **settings)
+        terminal = self.launch(master=address, batch=100, rate=150, **settings)
         terminal.wait_for_text("/3000 realizations")
         first.kill()
         first.wait()
         master()
         summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
         self.assertLessEqual(summary["attempts"], live_platoon.UNDISTURBED)
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+        self.assert_bits(**settings)
 
 
 class FullDisk(LaunchTest):
@@ -144,14 +136,13 @@ class FullDisk(LaunchTest):
         self.assertIsNone(terminal.process.poll(), "ended without results")
         self.assertFalse(os.path.exists(self.output + "/summary.json"))
         resource.prlimit(monitor, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-        terminal.wait()
-        text = terminal.text()
+        summary, text = self.completed(terminal), terminal.text()
         self.assertEqual(text.count("Retrying until there is space; the run continues"), 1, text)
         self.assertIn("File too large", text)
         self.assertIn("MB are free there", text)
         self.assertIn(self.output + ": can be written again", text)
-        self.assertLessEqual(live_platoon.completed_summary(self.output)["attempts"], live_platoon.UNDISTURBED)
-        self.assertEqual(live_platoon.statistics(self.output), live_platoon.reference(self.folder, **settings))
+        self.assertLessEqual(summary["attempts"], live_platoon.UNDISTURBED)
+        self.assert_bits(**settings)
 
 
 if __name__ == "__main__":

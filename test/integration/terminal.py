@@ -1,13 +1,14 @@
 """roslaunch as run from a terminal, for tests that start it themselves."""
 
+import functools
 import os
-import shutil
 import signal
 import subprocess
 import tempfile
 import unittest
 
 import live_platoon
+from folder import FolderTest, temporary_folder
 
 # Each master runs rosversion twice for parameters that the tests do not need: two Python programs, a tenth of a short launch.
 QUICK = os.path.join(os.path.dirname(os.path.abspath(__file__)), "quick")
@@ -52,51 +53,69 @@ class Terminal:
 
     def end(self):
         if self.process.poll() is None:
-            self.process.send_signal(signal.SIGINT)
-            self.wait()
+            self.interrupt()
         self.log.close()
 
 
-def start_master(folder):
-    """Starts a master that outlives launches; returns its process and address."""
+def start_master(folder, cleanup):
+    """Starts a master that outlives launches, until `cleanup` (such as addCleanup) ends it; returns its address."""
     port = live_platoon.free_port()
     master = "http://localhost:{}".format(port)
-    environment = dict(os.environ, ROS_MASTER_URI=master, ROS_HOSTNAME="localhost", ROS_HOME=folder)
-    core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", master), "the master")
-    except BaseException:
-        core.terminate()
-        raise
-    return core, master
+    core = subprocess.Popen(["roscore", "-p", str(port)], env=live_platoon.ros_environment(master, ROS_HOME=folder),
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    cleanup(core.wait)
+    cleanup(core.terminate)
+    live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", master), "the master")
+    return master
 
 
-class LaunchTest(unittest.TestCase):
+@functools.lru_cache(maxsize=None)
+def kept_master():
+    """The master of all launches of a test module that need none of their own: a launch that starts one takes twice as long."""
+    return start_master(temporary_folder(unittest.addModuleCleanup), unittest.addModuleCleanup)
+
+
+class LaunchTest(FolderTest):
     def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        self.output = os.path.join(self.folder, "run")
+        super().setUp()
+        self.output = self.path("run")
 
     def roscore(self):
-        """Starts a master that outlives launches; returns its address."""
-        core, master = start_master(self.folder)
-        self.addCleanup(core.wait)
-        self.addCleanup(core.terminate)
-        return master
+        """Starts a master for this test alone; returns its address."""
+        return start_master(self.folder, self.addCleanup)
 
-    def launch(self, file="platoon.launch", **arguments):
+    def launch(self, file="platoon.launch", own_master=False, **arguments):
         arguments.setdefault("output", self.output)
         arguments = {name: value for name, value in arguments.items() if value is not None}
+        if not own_master:
+            arguments.setdefault("master", kept_master())
         terminal = Terminal(self.folder, file, **arguments)
         self.addCleanup(terminal.end)
         return terminal
 
+    def completed(self, terminal, output=None):
+        """Waits for the end of a launch; returns the summary of its run, which must be complete."""
+        terminal.wait()
+        summary = live_platoon.completed_summary(output or self.output)
+        self.assertTrue(summary, terminal.text())
+        return summary
+
+    def assert_bits(self, output=None, **settings):
+        """Checks that the statistics of a run are those of monte_carlo."""
+        output = output or self.output
+        self.assertEqual(live_platoon.statistics(output), live_platoon.reference(output, **settings))
+
+    def run_to_the_end(self, file="platoon.launch", **arguments):
+        """A launch that has ended, with a complete run in its output folder."""
+        terminal = self.launch(file, **arguments)
+        self.completed(terminal, arguments.get("output"))
+        return terminal
+
     def monte_carlo(self, name, *flags, **options):
         """Folder of a run of monte_carlo that must succeed."""
-        folder = os.path.join(self.folder, name)
-        done = live_platoon.monte_carlo(folder, *flags, **options)
+        done = live_platoon.tool("monte_carlo", *flags, output=self.path(name), **options)
         self.assertEqual(done.returncode, 0, done.stderr)
-        return folder
+        return self.path(name)
 
     def model_with(self, **changes):
         """The paper's model file with some lines replaced; None removes a line."""
@@ -106,7 +125,4 @@ class LaunchTest(unittest.TestCase):
             lines = [line for line in lines if not line.startswith(key + ":")]
             if value is not None:
                 lines.append("{}: {}".format(key, value))
-        path = os.path.join(self.folder, "model.yaml")
-        with open(path, "w") as file:
-            file.write("\n".join(lines) + "\n")
-        return path
+        return self.write("model.yaml", "\n".join(lines) + "\n")

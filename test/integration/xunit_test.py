@@ -1,0 +1,66 @@
+#!/usr/bin/python3
+"""test/xunit.py, which runs each program test: its JUnit file, and that no process outlives an interrupted test."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+import live_platoon
+from processes import processes_with
+
+XUNIT = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "xunit.py")
+# A test that starts a master, and a process in a session of its own.
+LAUNCHING = """
+import subprocess, sys, tempfile, time
+sys.path.insert(0, sys.argv[1])
+import terminal
+other = subprocess.Popen(["sleep", "1000"], start_new_session=True)
+core, _ = terminal.start_master(tempfile.gettempdir())
+print("both run", flush=True)
+time.sleep(1000)
+"""
+
+
+class Xunit(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.result = os.path.join(self.folder, "result.xml")
+
+    def start(self, *program):
+        """Starts xunit.py with a mark in the environment, as a shell starts a command in the foreground."""
+        return subprocess.Popen([XUNIT, self.result, "name", *program], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                universal_newlines=True, env=dict(os.environ, MARK=self.folder, TMPDIR=self.folder), start_new_session=True)
+
+    def ended(self, *program):
+        """Exit status, output and JUnit file of a program."""
+        process = self.start(*program)
+        printed, _ = process.communicate(timeout=live_platoon.DEADLINE)
+        return process.returncode, printed, xml.etree.ElementTree.parse(self.result).getroot()
+
+    def test_status_and_output_are_those_of_the_program(self):
+        self.assertEqual(self.ended("sh", "-c", "echo said")[:2], (0, "said\n"))
+        status, printed, suite = self.ended("sh", "-c", "echo wrong; exit 3")
+        self.assertEqual((status, printed, suite.get("failures"), suite.find("testcase/failure").text), (3, "wrong\n", "1", "wrong\n"))
+        status, _, suite = self.ended("sh", "-c", "exit 77")
+        self.assertEqual((status, suite.get("skipped"), suite.get("failures")), (0, "1", "0"))
+
+    def test_no_process_outlives_an_interrupted_test(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(signal=number):
+                process = self.start(sys.executable, "-c", LAUNCHING, os.path.dirname(os.path.abspath(__file__)))
+                self.addCleanup(process.stdout.close)
+                self.assertEqual(process.stdout.readline(), "both run\n")
+                self.assertGreater(len(processes_with("MARK=" + self.folder)), 4)  # xunit.py, the test, sleep, roscore, rosmaster, rosout
+                os.killpg(process.pid, number)
+                self.assertEqual(process.wait(timeout=live_platoon.DEADLINE), 130)
+                self.assertEqual(processes_with("MARK=" + self.folder), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
