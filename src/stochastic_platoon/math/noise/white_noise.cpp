@@ -125,6 +125,7 @@ PLATOON_TARGET inline Lanes to_low(Lanes lanes) {
   return PLATOON_TO_LOW(1, 1, 3, 3, 5, 5, 7, 7);
 }
 using Arithmetic = Fused;
+#include "stochastic_platoon/math/noise/noise_lanes.inc"
 }  // namespace avx2
 #undef PLATOON_TARGET
 
@@ -149,6 +150,7 @@ using Arithmetic = Fused;
 #else
 using Arithmetic = Emulated;
 #endif
+#include "stochastic_platoon/math/noise/noise_lanes.inc"
 }  // namespace baseline
 #undef PLATOON_TARGET
 
