@@ -9,7 +9,7 @@
 #include "stochastic_platoon/math/statistics/agreement.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "unit/paper_platoon.hpp"
-#include "unit/same_gaps.hpp"
+#include "unit/same_bits.hpp"
 
 namespace platoon {
 namespace {
@@ -27,16 +27,13 @@ TEST(MonteCarlo, GivesTheSameBitsForEveryNumberOfThreadsAndBatchSize) {
   ASSERT_EQ(expected.size(), 60u);
   for (const unsigned threads : {1u, 2u, 3u}) {
     for (const std::uint64_t batch : {1, 7, 8192}) {
-      const std::vector<Moments> found = totals(threads, batch);
-      for (std::size_t c = 0; c < found.size(); ++c) {
-        ASSERT_EQ(found[c].mean, expected[c].mean) << threads << " threads, batches of " << batch << ", cell " << c;
-        ASSERT_EQ(found[c].squared_deviations, expected[c].squared_deviations);
-      }
+      SCOPED_TRACE(std::to_string(threads) + " threads, batches of " + std::to_string(batch));
+      expect_same_bits(totals(threads, batch), expected);
     }
   }
 }
 
-TEST(MonteCarlo, OfOtherSeedsIsAnotherSample) {
+TEST(MonteCarlo, DependsOnTheSeed) {
   const PlatoonModel model = paper_platoon();
   EXPECT_NE(monte_carlo(model, {1, 1, 4, 10, 10}, 1, kNoProgress).moments.totals().back().mean,
             monte_carlo(model, {2, 1, 4, 10, 10}, 1, kNoProgress).moments.totals().back().mean);
@@ -57,7 +54,7 @@ TEST(MonteCarlo, AgreesWithTheory) {
   }
 }
 
-TEST(MonteCarlo, NoticesATheoryThatIsAFewPercentOff) {
+TEST(MonteCarlo, DisagreesWithATheoryThatIsAFewPercentOff) {
   PlatoonModel model = eventful_platoon(3.2);
   const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 8000, 1000}, 2, kNoProgress);
   model.default_vehicle().noise_variance *= 1.08;
@@ -66,7 +63,7 @@ TEST(MonteCarlo, NoticesATheoryThatIsAFewPercentOff) {
             largest_plausible_score(2 * theory.mean.size()));
 }
 
-TEST(MonteCarlo, TellsItsProgressUpToTheEnd) {
+TEST(MonteCarlo, ReportsItsProgressUpToTheEnd) {
   std::vector<std::uint64_t> told;
   monte_carlo(paper_platoon(), {1, 2, 5, 100, 7}, 3, [&told](std::uint64_t done) { told.push_back(done); });
   ASSERT_FALSE(told.empty());
@@ -74,7 +71,7 @@ TEST(MonteCarlo, TellsItsProgressUpToTheEnd) {
   EXPECT_EQ(told.back(), 100u);
 }
 
-TEST(MonteCarlo, TakesNoThreadsForOne) {
+TEST(MonteCarlo, RunsInOneThreadIfNoneIsGiven) {
   EXPECT_EQ(monte_carlo(paper_platoon(), {1, 1, 2, 10, 3}, 0, kNoProgress).count(), 10u);
 }
 
@@ -82,16 +79,11 @@ const Ensemble kEnsemble{3, 2, 10, 1000, 32, {"gap", "jerk"}};
 const SignalCells kCells = signal_cells(eventful_platoon(3.2), 2, 10, kEnsemble.signals);
 
 void expect_same_totals(const EnsembleTotals& found, const EnsembleTotals& expected) {
-  ASSERT_EQ(found.count(), expected.count());
-  const std::vector<Moments> totals = found.moments.totals(), others = expected.moments.totals();
-  for (std::size_t c = 0; c < totals.size(); ++c) {
-    ASSERT_EQ(totals[c].mean, others[c].mean) << c;
-    ASSERT_EQ(totals[c].squared_deviations, others[c].squared_deviations) << c;
-  }
+  expect_same_bits(found.moments, expected.moments);
   expect_same_gaps(found.gaps, expected.gaps);
 }
 
-TEST(EnsembleRun, OfTheShardsOfAnyNumberGivesTheBitsOfOneRunInAnyOrder) {
+TEST(EnsembleRun, InAnyNumberOfShardsHasTheBitsOfOneRun) {
   const PlatoonModel model = eventful_platoon(3.2);
   const EnsembleTotals expected = monte_carlo(model, kEnsemble, 1, kNoProgress);
   for (const std::uint64_t of : {1, 2, 3, 5, 7, 16, 31, 64}) {
@@ -105,7 +97,7 @@ TEST(EnsembleRun, OfTheShardsOfAnyNumberGivesTheBitsOfOneRunInAnyOrder) {
   }
 }
 
-TEST(EnsembleRun, BeginsNothingMoreWhenItIsStopped) {
+TEST(EnsembleRun, StartsNoBatchOnceItIsStopped) {
   EnsembleRun run(paper_platoon(), kEnsemble, {0, kEnsemble.realizations});
   run.stop();
   EXPECT_FALSE(run.work());
@@ -113,7 +105,7 @@ TEST(EnsembleRun, BeginsNothingMoreWhenItIsStopped) {
   EXPECT_FALSE(run.is_complete());
 }
 
-TEST(EnsembleRun, ComputesWhatIsMissingAndNothingElse) {
+TEST(EnsembleRun, ComputesMissingRealizationsOnly) {
   const PlatoonModel model = eventful_platoon(3.2);
   const RealizationRange range{100, 900};
   EnsembleRun whole(model, kEnsemble, range);
@@ -134,7 +126,7 @@ TEST(EnsembleRun, ComputesWhatIsMissingAndNothingElse) {
   expect_same_totals(rest.release(), expected);
 }
 
-TEST(EnsembleRun, HasNothingToDoWhereAllIsThere) {
+TEST(EnsembleRun, IsCompleteIfEverythingIsGiven) {
   const PlatoonModel model = paper_platoon();
   EnsembleRun run(model, kEnsemble, {0, 64});
   run.work();
@@ -144,7 +136,7 @@ TEST(EnsembleRun, HasNothingToDoWhereAllIsThere) {
   EXPECT_FALSE(again.work());
 }
 
-TEST(EnsembleRun, ShowsWhatWasHandedOverWhichIsNeverWrong) {
+TEST(EnsembleRun, ShowsTotalsFromWhichARunCanContinue) {
   const PlatoonModel model = eventful_platoon(3.2);
   const EnsembleTotals expected = monte_carlo(model, kEnsemble, 1, kNoProgress);
   EnsembleRun run(model, kEnsemble, {0, kEnsemble.realizations}, EnsembleTotals(kCells), 0.0);
@@ -161,7 +153,7 @@ TEST(EnsembleRun, ShowsWhatWasHandedOverWhichIsNeverWrong) {
   }
 }
 
-TEST(EnsembleRun, IsMadeCompleteByOneOfItsThreads) {
+TEST(EnsembleRun, IsCompletedByOneOfItsThreads) {
   const PlatoonModel model = paper_platoon();
   for (const double hand_over_seconds : {0.0, 1e9}) {
     EnsembleRun run(model, kEnsemble, {0, 1000}, EnsembleTotals(kCells), hand_over_seconds);

@@ -3,20 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "stochastic_platoon/math/model/white_noise.hpp"
 #include "unit/paper_platoon.hpp"
+#include "unit/same_bits.hpp"
 
 namespace platoon {
 namespace {
-
-bool same_bits(double left, double right) {
-  return std::memcmp(&left, &right, sizeof left) == 0;
-}
 
 std::vector<double> positions(std::uint32_t vehicle, std::size_t count) {
   std::vector<double> x(count);
@@ -84,7 +80,7 @@ TEST(SignalReduction, HasTheBitsOfEachSignalAlone) {
   expect_bits_of_the_values(signals({"gap", "speed", "acceleration", "jerk"}), KeptMoments::two);
 }
 
-TEST(SignalReduction, TakesSignalsOfAnyForm) {
+TEST(SignalReduction, AcceptsSignalsOfAnyForm) {
   FollowerSignals odd = signals({"jerk", "gap", "speed"});
   odd.requested.front().factor = 1e-3;  // so that the least value is not that of the gap, either
   odd.error = {true, 1.5, 2, -0.3};

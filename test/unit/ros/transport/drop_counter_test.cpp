@@ -7,7 +7,7 @@ namespace {
 
 constexpr MessageId kId{};
 
-TEST(DropCounter, CountsEachVerdictAndWhatIsNotToBeExpected) {
+TEST(DropCounter, CountsEachReasonAndTheFaults) {
   DropCounter drops("/platoon/vehicle_2/position");
   for (const DropReason drop : {DropReason::stale, DropReason::stale, DropReason::missed_start, DropReason::not_finite})
     drops.count(drop, kId, 1);
@@ -16,7 +16,7 @@ TEST(DropCounter, CountsEachVerdictAndWhatIsNotToBeExpected) {
   EXPECT_EQ(drops.faults(), 1u);
 }
 
-TEST(DropCounter, KnowsHowAnExternalVehicleViolatedTheContractUntilAMessageOfItCounts) {
+TEST(DropCounter, KeepsTheLatestBreachOfAnExternalVehicle) {
   DropCounter drops("/platoon/vehicle_2/position", "vehicle_2");
   EXPECT_FALSE(drops.latest_breach());
   drops.count(DropReason::missed_start, kId, 1);
@@ -26,7 +26,7 @@ TEST(DropCounter, KnowsHowAnExternalVehicleViolatedTheContractUntilAMessageOfItC
   EXPECT_FALSE(drops.latest_breach());
 }
 
-TEST(DropCounter, TheContractBindsNoBuiltInVehicle) {
+TEST(DropCounter, IgnoresBreachesOfABuiltInVehicle) {
   DropCounter drops("/platoon/vehicle_2/position");
   drops.count(DropReason::wrong_size, kId, 1);
   EXPECT_FALSE(drops.latest_breach());

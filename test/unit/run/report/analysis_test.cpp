@@ -5,6 +5,7 @@
 
 #include <sstream>
 
+#include "unit/messages.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {
@@ -51,12 +52,12 @@ TEST(Analysis, WarnsWhereTheCoefficientsDoNotDetermineAFineVerdict) {
   model.default_vehicle().design.reset();
   model.default_vehicle().loop = closed_loop_from(exact);
   const std::string warning = "Warning: A, B and C have T(1) = 1";
-  EXPECT_EQ(report(model, analyze(model, 2, 10)).find(warning), std::string::npos);
-  EXPECT_NE(report(model, analyze(model, 2, 10)).find("of one follower sqrt(sum of mean(k)^2)"), std::string::npos);
+  EXPECT_FALSE(contains(report(model, analyze(model, 2, 10)), warning));
+  EXPECT_TRUE(contains(report(model, analyze(model, 2, 10)), "of one follower sqrt(sum of mean(k)^2)"));
   model.default_vehicle().loop = closed_loop_from(StateSpace(exact.a(), exact.b() * (1.0 + 1e-6), exact.c()));
   const Analysis analysis = analyze(model, 2, 10);
   EXPECT_NEAR(analysis.integral_defect, 1e-6 * (1.0 + 3.2 / 4.2), 1e-12);
-  EXPECT_NE(report(model, analysis).find(warning), std::string::npos);
+  EXPECT_TRUE(contains(report(model, analysis), warning));
 }
 
 TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
@@ -71,7 +72,7 @@ TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
   const nlohmann::json other = to_json(unstable_loop, analysis);
   EXPECT_TRUE(other.at("stationary_variance").at(0).is_null());
   EXPECT_TRUE(other.at("peak_gain").is_null());
-  EXPECT_NE(report(unstable_loop, analysis).find("not mean square stable"), std::string::npos);
+  EXPECT_TRUE(contains(report(unstable_loop, analysis), "not mean square stable"));
 }
 
 TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
@@ -104,8 +105,8 @@ TEST(Analysis, HasTheSignalsThatAreRequested) {
   for (const char* key : {"limit_probability", "limit_rate", "required_standstill_distance"})
     EXPECT_TRUE(collision.at(key).is_number()) << key;
   const std::string text = report(model, analysis);
-  EXPECT_NE(text.find("Jerk: stationary variance "), std::string::npos);
-  EXPECT_NE(text.find("Required standstill distance for 1e-06 per step: "), std::string::npos);
+  EXPECT_TRUE(contains(text, "Jerk: stationary variance "));
+  EXPECT_TRUE(contains(text, "Required standstill distance for 1e-06 per step: "));
 }
 
 TEST(Analysis, HasTheAmplificationOfTheSpeed) {
@@ -128,11 +129,10 @@ TEST(Analysis, HasTheAmplificationOfTheSpeed) {
   const double first = found.at("l2_ratio").at(1);
   EXPECT_TRUE(first > 0.9 && first < 1.0) << first;
   EXPECT_NEAR(found.at("l2_head_to_tail").at(2), first * found.at("l2_ratio").at(2).get<double>(), 1e-12);
-  EXPECT_NE(report(model, analyzed()).find("Amplification of the speed (L2): largest "), std::string::npos);
+  EXPECT_TRUE(contains(report(model, analyzed()), "Amplification of the speed (L2): largest "));
   request.burn_in = 210;
   model.leader = LeaderProfile({{0, 20.0}}, 0.1);
-  EXPECT_NE(report(model, analyzed()).find("Amplification: none, as the leader drives at constant speed from step 210"),
-            std::string::npos);
+  EXPECT_TRUE(contains(report(model, analyzed()), "Amplification: none, as the leader drives at constant speed from step 210"));
 }
 
 TEST(Analysis, HasNoSignalsUnlessRequested) {
@@ -153,7 +153,7 @@ TEST(Analysis, HasNoSignalsWhereErrorsAreNotNormal) {
     EXPECT_TRUE(document.at("signals").is_null());
     EXPECT_TRUE(document.at("amplification").is_null());
     EXPECT_TRUE(document.at("collision").is_null());
-    EXPECT_NE(report(model, analysis).find("measured only, as errors are not normal"), std::string::npos);
+    EXPECT_TRUE(contains(report(model, analysis), "measured only, as errors are not normal"));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "unit/messages.hpp"
 #include "unit/paper_run.hpp"
 
 namespace platoon {
@@ -58,8 +59,7 @@ TEST(Prediction, IsVoidFromTheFirstExternalVehicleOn) {
     EXPECT_EQ(prediction.stationary_variance[0], whole.stationary_variance[0]);
     EXPECT_TRUE(std::isnan(prediction.stationary_variance[1]));
     EXPECT_FALSE(prediction.stability.limit_variance) << "the string does not go on so";
-    EXPECT_NE(prediction.stability.reason.find("; this speaks of follower 1, before vehicle_2, which is external"),
-              std::string::npos);
+    EXPECT_TRUE(contains(prediction.stability.reason, "; this speaks of follower 1, before vehicle_2, which is external"));
   }
 }
 
@@ -70,7 +70,7 @@ TEST(Prediction, OfLossesInBurstsIsExactWithoutAVerdict) {
   EXPECT_EQ(prediction.theory, Theory::exact);
   EXPECT_EQ(prediction.variance, error_moments(configuration.model, 2, 3).variance);
   EXPECT_TRUE(prediction.fourth_cumulant.empty());
-  EXPECT_NE(prediction.warning.find("the run is not judged"), std::string::npos);
+  EXPECT_TRUE(contains(prediction.warning, "the run is not judged"));
   configuration.run.steps = 0;
   configuration.run.burn_in = 1000000;
   const Prediction over_time = predict(configuration);
