@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "stochastic_platoon/math/model/white_noise.cpp"
+#include "stochastic_platoon/math/noise/white_noise.cpp"
 
 namespace platoon {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 
 int main() {
   constexpr std::size_t kBatch = 8192;

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
@@ -43,7 +43,7 @@ TEST(HowToAdd, AVehicleByItsClosedLoop) {
 
 // A channel: a stage of the link. This one sends a position only if it differs from the last one sent by more than a
 // threshold; otherwise the last one holds (an event-triggered sender). It keeps state: start() sets it, step() updates
-// it. A line in model/link.cpp adds the stage to the others.
+// it. A line in channel/link.cpp adds the stage to the others.
 class EventTriggered : public LinkStage {
 public:
   explicit EventTriggered(double threshold) : threshold_(threshold) {}

@@ -6,7 +6,7 @@
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/math/model/loop_design.hpp"
-#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 

@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "stochastic_platoon/math/model/vector_clones.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 

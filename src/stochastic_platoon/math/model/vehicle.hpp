@@ -9,7 +9,7 @@
 #include "stochastic_platoon/math/model/loop_batch.hpp"
 #include "stochastic_platoon/math/model/manoeuvre.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 
 namespace platoon {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 

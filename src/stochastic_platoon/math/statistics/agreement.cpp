@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 
 namespace platoon {
 

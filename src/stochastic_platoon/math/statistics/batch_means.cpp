@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 
 namespace platoon {
 

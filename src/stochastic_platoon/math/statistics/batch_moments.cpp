@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 #include "stochastic_platoon/math/statistics/lane_tree.hpp"
 #include "stochastic_platoon/math/statistics/moments.hpp"
 

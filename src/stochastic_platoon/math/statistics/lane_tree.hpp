@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 #include "stochastic_platoon/math/statistics/batch_moments.hpp"
 
 namespace platoon {

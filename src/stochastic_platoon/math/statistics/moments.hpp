@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 

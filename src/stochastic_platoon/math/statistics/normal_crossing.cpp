@@ -7,7 +7,7 @@
 #include <boost/math/special_functions/owens_t.hpp>
 #include <cmath>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 
 namespace platoon {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <tuple>
 
-#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 #include "stochastic_platoon/math/statistics/lane_tree.hpp"
 
 namespace platoon {

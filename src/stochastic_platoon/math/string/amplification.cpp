@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/signal.hpp"
-#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 
 namespace platoon {
 

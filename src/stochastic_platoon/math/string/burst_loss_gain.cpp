@@ -6,9 +6,9 @@
 #include <memory>
 #include <optional>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/loop_spectrum.hpp"
 
 namespace platoon {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/burst_loss_gain.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"

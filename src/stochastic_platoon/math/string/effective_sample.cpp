@@ -9,7 +9,7 @@
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/linked_vehicle.hpp"
 
 namespace platoon {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/burst_string.hpp"
 #include "stochastic_platoon/math/string/pattern_gain.hpp"

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 
 namespace platoon {
 

@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/signal.hpp"
-#include "stochastic_platoon/math/model/special_values.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/pattern_means.hpp"
 

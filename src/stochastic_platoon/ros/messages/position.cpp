@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/ros/messages/message_pool.hpp"
 #include "stochastic_platoon/ros/observation/diagnostics.hpp"
 #include "stochastic_platoon/ros/observation/snapshots.hpp"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "stochastic_platoon/math/model/information_age.hpp"
+#include "stochastic_platoon/math/channel/information_age.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {

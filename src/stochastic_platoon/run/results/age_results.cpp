@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <numeric>
 
-#include "stochastic_platoon/math/model/information_age.hpp"
-#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/math/channel/information_age.hpp"
+#include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/math/channel/link.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {

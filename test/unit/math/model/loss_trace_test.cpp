@@ -7,7 +7,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/model/packet_loss.hpp"
+#include "stochastic_platoon/math/channel/packet_loss.hpp"
 
 namespace platoon {
 namespace {

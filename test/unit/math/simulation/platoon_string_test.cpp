@@ -6,7 +6,7 @@
 #include <cstring>
 #include <map>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {

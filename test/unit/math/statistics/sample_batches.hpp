@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/math/statistics/moment_table.hpp"
 
 namespace platoon {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/same_bits.hpp"
 

@@ -132,7 +132,8 @@ TEST(Analysis, HasTheAmplificationOfTheSpeed) {
   EXPECT_TRUE(contains(report(model, analyzed()), "Amplification of the speed (L2): largest "));
   request.burn_in = 210;
   model.leader = LeaderProfile({{0, 20.0}}, 0.1);
-  EXPECT_TRUE(contains(report(model, analyzed()), "Amplification: none, as the leader drives at constant speed from step 210"));
+  EXPECT_TRUE(
+      contains(report(model, analyzed()), "Amplification: none, as the leader drives at constant speed from step 210"));
 }
 
 TEST(Analysis, HasNoSignalsUnlessRequested) {

@@ -59,7 +59,8 @@ TEST(Prediction, IsVoidFromTheFirstExternalVehicleOn) {
     EXPECT_EQ(prediction.stationary_variance[0], whole.stationary_variance[0]);
     EXPECT_TRUE(std::isnan(prediction.stationary_variance[1]));
     EXPECT_FALSE(prediction.stability.limit_variance) << "the string does not go on so";
-    EXPECT_TRUE(contains(prediction.stability.reason, "; this speaks of follower 1, before vehicle_2, which is external"));
+    EXPECT_TRUE(
+        contains(prediction.stability.reason, "; this speaks of follower 1, before vehicle_2, which is external"));
   }
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "unit/messages.hpp"
 #include "unit/paper_run.hpp"

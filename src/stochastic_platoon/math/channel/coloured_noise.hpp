@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "stochastic_platoon/math/model/link_stage.hpp"
+#include "stochastic_platoon/math/channel/link_stage.hpp"
 #include "stochastic_platoon/math/model/transfer_function.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/model/information_age.hpp"
+#include "stochastic_platoon/math/channel/information_age.hpp"
 
 #include <gtest/gtest.h>
 

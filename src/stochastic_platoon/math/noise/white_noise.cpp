@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #define PLATOON_NAMED_WIDTHS
@@ -10,7 +10,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 
@@ -156,7 +156,7 @@ PLATOON_TARGET inline Lanes to_low(Lanes lanes) {
   return PLATOON_TO_LOW(1, 1, 3, 3, 5, 5, 7, 7, 9, 9, 11, 11, 13, 13, 15, 15);
 }
 using Arithmetic = Fused;
-#include "stochastic_platoon/math/model/noise_lanes.inc"
+#include "stochastic_platoon/math/noise/noise_lanes.inc"
 }  // namespace avx512
 #undef PLATOON_TARGET
 
@@ -171,7 +171,7 @@ PLATOON_TARGET inline Lanes to_low(Lanes lanes) {
   return PLATOON_TO_LOW(1, 1, 3, 3, 5, 5, 7, 7);
 }
 using Arithmetic = Fused;
-#include "stochastic_platoon/math/model/noise_lanes.inc"
+#include "stochastic_platoon/math/noise/noise_lanes.inc"
 }  // namespace avx2
 #undef PLATOON_TARGET
 
@@ -196,7 +196,7 @@ using Arithmetic = Fused;
 #else
 using Arithmetic = Emulated;
 #endif
-#include "stochastic_platoon/math/model/noise_lanes.inc"
+#include "stochastic_platoon/math/noise/noise_lanes.inc"
 }  // namespace baseline
 #undef PLATOON_TARGET
 

@@ -1,14 +1,14 @@
-#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/math/channel/link.hpp"
 
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "stochastic_platoon/math/model/coloured_noise.hpp"
-#include "stochastic_platoon/math/model/delay_line.hpp"
-#include "stochastic_platoon/math/model/packet_loss.hpp"
-#include "stochastic_platoon/math/model/quantiser.hpp"
+#include "stochastic_platoon/math/channel/coloured_noise.hpp"
+#include "stochastic_platoon/math/channel/delay_line.hpp"
+#include "stochastic_platoon/math/channel/packet_loss.hpp"
+#include "stochastic_platoon/math/channel/quantiser.hpp"
 
 namespace platoon {
 

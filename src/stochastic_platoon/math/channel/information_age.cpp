@@ -1,10 +1,10 @@
-#include "stochastic_platoon/math/model/information_age.hpp"
+#include "stochastic_platoon/math/channel/information_age.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/model/packet_loss.hpp"
+#include "stochastic_platoon/math/channel/packet_loss.hpp"
 
 namespace platoon {
 

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/model/quantiser.hpp"
+#include "stochastic_platoon/math/channel/quantiser.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "stochastic_platoon/math/model/vector_clones.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "stochastic_platoon/math/channel/link_stage.hpp"
 #include "stochastic_platoon/math/model/link_model.hpp"
-#include "stochastic_platoon/math/model/link_stage.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 
 namespace platoon {

@@ -1,10 +1,10 @@
-#include "stochastic_platoon/math/model/packet_loss.hpp"
+#include "stochastic_platoon/math/channel/packet_loss.hpp"
 
 #include <array>
 #include <stdexcept>
 #include <string>
 
-#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 

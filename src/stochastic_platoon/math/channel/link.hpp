@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "stochastic_platoon/math/channel/link_stage.hpp"
 #include "stochastic_platoon/math/model/link_model.hpp"
-#include "stochastic_platoon/math/model/link_stage.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/model/link.hpp"
+#include "stochastic_platoon/math/channel/link.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "stochastic_platoon/math/model/coloured_noise.hpp"
-#include "stochastic_platoon/math/model/delay_line.hpp"
-#include "stochastic_platoon/math/model/packet_loss.hpp"
-#include "stochastic_platoon/math/model/quantiser.hpp"
+#include "stochastic_platoon/math/channel/coloured_noise.hpp"
+#include "stochastic_platoon/math/channel/delay_line.hpp"
+#include "stochastic_platoon/math/channel/packet_loss.hpp"
+#include "stochastic_platoon/math/channel/quantiser.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/model/delay_line.hpp"
+#include "stochastic_platoon/math/channel/delay_line.hpp"
 
 #include <algorithm>
 #include <stdexcept>

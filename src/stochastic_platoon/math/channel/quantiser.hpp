@@ -1,7 +1,7 @@
 #pragma once
 
-#include "stochastic_platoon/math/model/link_stage.hpp"
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/channel/link_stage.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 
 namespace platoon {
 

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/model/white_noise.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 
 #include <Random123/philox.h>
 #include <gtest/gtest.h>

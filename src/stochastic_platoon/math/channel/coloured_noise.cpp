@@ -1,9 +1,9 @@
-#include "stochastic_platoon/math/model/coloured_noise.hpp"
+#include "stochastic_platoon/math/channel/coloured_noise.hpp"
 
 #include <array>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/model/vector_clones.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 
