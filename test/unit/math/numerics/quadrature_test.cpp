@@ -15,7 +15,7 @@ double integrate(const Quadrature& rule, const Function& f) {
   return sum;
 }
 
-TEST(Quadrature, GaussLegendreIsExactForPolynomialsBelowTwiceItsCount) {
+TEST(Quadrature, OfGaussAndLegendreIsExactBelowTwiceItsCount) {
   for (const int count : {1, 2, 5, 16}) {
     const Quadrature rule = gauss_legendre(count);
     for (int power = 0; power < 2 * count; ++power) {
@@ -25,7 +25,7 @@ TEST(Quadrature, GaussLegendreIsExactForPolynomialsBelowTwiceItsCount) {
   }
 }
 
-TEST(Quadrature, MeanOverTheCircleIsRightHoweverCloseThePolesAre) {
+TEST(Quadrature, HasTheMeanOverTheCircleForPolesCloseToIt) {
   // The mean of 1 / |z - a|^2 is 1 / (1 - |a|^2) for |a| < 1, and of its real pairs accordingly.
   for (const double radius : {0.0, 0.5, 0.9, 0.999, 0.999999}) {
     for (const double angle : {0.0, 0.4, 2.0, 3.141592653589793}) {
@@ -43,7 +43,7 @@ TEST(Quadrature, MeanOverTheCircleIsRightHoweverCloseThePolesAre) {
   }
 }
 
-TEST(Quadrature, PeaksResolveFunctionsThatNarrowThere) {
+TEST(Quadrature, ResolvesFunctionsThatAreNarrowAtAPeak) {
   const double peak = 1.3;
   for (const double width : {1e-2, 1e-4, 1e-6}) {
     const auto bump = [&](double w) { return std::exp(-std::pow((w - peak) / width, 2)); };
@@ -52,7 +52,7 @@ TEST(Quadrature, PeaksResolveFunctionsThatNarrowThere) {
   }
 }
 
-TEST(Quadrature, RefinementKeepsTheRuleConsistent) {
+TEST(Quadrature, StaysConsistentUnderRefinement) {
   const auto one = [](double) { return 1.0; };
   const Quadrature coarse = half_circle_quadrature({{1.0, 0.1}}, {0.0, 2.0});
   const Quadrature fine = half_circle_quadrature({{1.0, 0.1}}, {0.0, 2.0}, 2);
@@ -62,7 +62,7 @@ TEST(Quadrature, RefinementKeepsTheRuleConsistent) {
 }
 
 // The mean of (1 - a^2) / (1 - 2 a cos w + a^2) e^{-j m w} over the circle is a^m.
-TEST(OscillatingWeights, IntegrateWhatTurnsOftenOnEveryPanel) {
+TEST(OscillatingWeights, IntegrateOscillationsWithinAPanel) {
   for (const double a : {0.5, 0.9, 0.999}) {
     const Quadrature rule = half_circle_quadrature({{0.0, -std::log(a)}}, {0.0}, 1);
     for (const double m : {0.0, 3.0, 40.0, 1000.0, 10000.0}) {
@@ -78,7 +78,7 @@ TEST(OscillatingWeights, IntegrateWhatTurnsOftenOnEveryPanel) {
   }
 }
 
-TEST(Quadrature, RefusesNoNodesAndSingularitiesOnTheAxis) {
+TEST(Quadrature, RejectsNoNodesAndSingularitiesOnTheAxis) {
   EXPECT_THROW(gauss_legendre(0), std::invalid_argument);
   EXPECT_THROW(half_circle_quadrature({{1.0, 0.0}}, {}), std::invalid_argument);
 }

@@ -89,6 +89,7 @@ TEST(RunOptions, ReadEverySetting) {
   EXPECT_EQ(options.window, 9);
   EXPECT_EQ(options.stall_timeout, 0.5);
   EXPECT_EQ(options.burn_in, 11);
+  EXPECT_EQ(read({{"stall_timeout", "0"}}).stall_timeout, 0.0);
 }
 
 TEST(RunOptions, NameAnInvalidSetting) {
@@ -157,10 +158,6 @@ TEST(RunOptions, NameAnInvalidSignal) {
 TEST(RunOptions, BoundThePipelineDepthWithAnExternalVehicle) {
   EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}}).pipeline_depth(), 500u);
   EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}, {"external", "3"}}).pipeline_depth(), 128u);
-}
-
-TEST(RunOptions, MayHaveNoStallTimeout) {
-  EXPECT_EQ(read({{"stall_timeout", "0"}}).stall_timeout, 0.0);
 }
 
 TEST(RunOptions, NameEveryMissingSetting) {

@@ -46,7 +46,7 @@ TEST(Analysis, HasEveryKeyWithItsShape) {
   EXPECT_NEAR(document.at("critical_headway").get<double>(), 2.8, 1e-9);
 }
 
-TEST(Analysis, WarnsWhereTheCoefficientsDoNotDetermineAFineVerdict) {
+TEST(Analysis, WarnsIfTheCoefficientsAreTooCoarse) {
   PlatoonModel model = model_at(3.2);
   const StateSpace exact = model.default_vehicle().loop.realization;
   model.default_vehicle().design.reset();
@@ -60,7 +60,7 @@ TEST(Analysis, WarnsWhereTheCoefficientsDoNotDetermineAFineVerdict) {
   EXPECT_TRUE(contains(report(model, analysis), warning));
 }
 
-TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
+TEST(Analysis, HasNullForAQuantityThatDoesNotExist) {
   const PlatoonModel unstable_string = model_at(2.4);
   const nlohmann::json document = to_json(unstable_string, analyze(unstable_string, 3, 10));
   EXPECT_TRUE(document.at("limit_variance").is_null());
@@ -75,7 +75,7 @@ TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
   EXPECT_TRUE(contains(report(unstable_loop, analysis), "not mean square stable"));
 }
 
-TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
+TEST(Analysis, HasNoCriticalHeadwayOfAGivenClosedLoop) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().design.reset();
   const nlohmann::json document = to_json(model, analyze(model, 2, 5));
@@ -84,7 +84,7 @@ TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
   EXPECT_THROW(sweep(model, {{3.0}, {}, {}}), std::invalid_argument);
 }
 
-TEST(Analysis, HasTheSignalsThatAreRequested) {
+TEST(Analysis, HasTheRequestedSignals) {
   const PlatoonModel model = model_at(3.2);
   const Analysis analysis = analyze(model, 3, 10, [](const char*) {}, {{"jerk"}, 1e-6});
   const nlohmann::json document = to_json(model, analysis);
@@ -144,7 +144,7 @@ TEST(Analysis, HasNoSignalsUnlessRequested) {
   EXPECT_FALSE(document.contains("amplification"));
 }
 
-TEST(Analysis, HasNoSignalsWhereErrorsAreNotNormal) {
+TEST(Analysis, HasNoSignalsIfErrorsAreNotNormal) {
   for (const bool in_bursts : {false, true}) {
     PlatoonModel model = model_at(3.2);
     model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
@@ -158,7 +158,7 @@ TEST(Analysis, HasNoSignalsWhereErrorsAreNotNormal) {
   }
 }
 
-TEST(Sweep, CoversHeadwaysAndGainsAndMeetsTheSinglePoints) {
+TEST(StabilitySweep, CoversHeadwaysAndGains) {
   const std::vector<SweepPoint> points = sweep(model_at(3.2), {{2.4, 3.2}, {1.35, 9.0}, {}});
   ASSERT_EQ(points.size(), 4u);
   EXPECT_FALSE(points[0].stability.string_stable);
