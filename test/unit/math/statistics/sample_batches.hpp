@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/math/statistics/moment_table.hpp"
+#include "unit/math/noise/draw.hpp"
 
 namespace platoon {
 
@@ -12,8 +12,7 @@ constexpr std::size_t kCells = 3;
 
 /// Values of realizations first .. first + count - 1 in a cell: a mean that is large compared with the deviation.
 inline std::vector<double> sample_values(std::size_t cell, std::uint64_t first, std::size_t count) {
-  std::vector<double> x(count);
-  WhiteNoise(1).fill({static_cast<std::uint32_t>(cell), 0}, first, count, x.data());
+  std::vector<double> x = draw(1, {static_cast<std::uint32_t>(cell), 0}, first, count);
   for (double& value : x) value = 100.0 * static_cast<double>(cell) + 0.7 * value;
   return x;
 }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/noise/white_noise.hpp"
+#include "unit/math/noise/draw.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/same_bits.hpp"
 
@@ -15,8 +15,7 @@ namespace platoon {
 namespace {
 
 std::vector<double> positions(std::uint32_t vehicle, std::size_t count) {
-  std::vector<double> x(count);
-  WhiteNoise(1).fill({vehicle, 0}, 0, count, x.data());
+  std::vector<double> x = draw(1, {vehicle, 0}, 0, count);
   for (double& value : x) value = 100.0 * vehicle + 0.7 * value;
   return x;
 }

@@ -11,11 +11,6 @@
 namespace platoon {
 namespace {
 
-LoopDesign paper_design() {
-  return {TransferFunction(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0)),
-          TransferFunction(Eigen::Vector2d(1.35, 0.0), Eigen::Vector2d(1.0, 0.89)), true};
-}
-
 PlatoonModel model_at(double headway) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().design = paper_design();

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "unit/math/noise/draw.hpp"
 #include "unit/messages.hpp"
 #include "unit/paper_run.hpp"
 #include "unit/temporary_folder.hpp"
@@ -21,11 +21,8 @@ protected:
   static MomentTable table(std::uint64_t realizations) {
     MomentTable result(kCells);
     BatchMoments batch(0, realizations, kCells);
-    std::vector<double> values(realizations);
-    for (std::size_t c = 0; c < kCells; ++c) {
-      WhiteNoise(1).fill({static_cast<std::uint32_t>(c), 0}, 0, realizations, values.data());
-      batch.set(c, values.data());
-    }
+    for (std::size_t c = 0; c < kCells; ++c)
+      batch.set(c, draw(1, {static_cast<std::uint32_t>(c), 0}, 0, realizations).data());
     result.add(batch);
     return result;
   }
