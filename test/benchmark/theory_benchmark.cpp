@@ -31,10 +31,10 @@ void StringStability(benchmark::State& state) {
 BENCHMARK(StringStability)->Unit(benchmark::kMillisecond);
 
 void CriticalHeadway(benchmark::State& state) {
-  const platoon::LoopDesign design = paper_design();
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(platoon::stable_headways([&](double h) { return platoon::close_loop(design, h); }));
-  }
+  platoon::PlatoonModel model = paper_model();
+  model.default_vehicle().design = paper_design();
+  model.types.front().inherited.headway = true;
+  for (auto _ : state) benchmark::DoNotOptimize(platoon::stable_headways(model));
 }
 BENCHMARK(CriticalHeadway)->Unit(benchmark::kMillisecond);
 

@@ -209,4 +209,14 @@ long double modulus_minus_one(std::complex<long double> s) {
   return excess / (1.0L + std::abs(1.0L + s));
 }
 
+std::vector<std::complex<double>> frequencies_of(const std::vector<std::complex<long double>>& places) {
+  std::vector<std::complex<double>> frequencies;
+  for (const std::complex<long double>& s : places) {
+    const long double excess = modulus_minus_one(s);
+    if (excess <= -1.0L) continue;  // z = 0 is infinitely far from the circle
+    frequencies.emplace_back(static_cast<double>(std::arg(1.0L + s)), static_cast<double>(-std::log1p(excess)));
+  }
+  return frequencies;
+}
+
 }  // namespace platoon

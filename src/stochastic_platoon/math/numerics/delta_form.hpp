@@ -36,4 +36,8 @@ double spectral_radius(const DeltaPolynomial& p);
 /// |1 + s| - 1, without cancellation for small s.
 long double modulus_minus_one(std::complex<long double> s);
 
+/// The complex frequencies w = -j ln(1 + s) of poles or zeros s; none for one at z = 0. A spectrum is singular at those
+/// of its poles.
+std::vector<std::complex<double>> frequencies_of(const std::vector<std::complex<long double>>& places);
+
 }  // namespace platoon

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
 #include "stochastic_platoon/math/numerics/exact.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
-#include "stochastic_platoon/math/string/loop_spectrum.hpp"
 
 namespace platoon {
 
@@ -80,7 +80,7 @@ double resolvent_energy(const StateSpace& system, std::size_t followers) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   const Resolvent r = stable_resolvent(system);
   const ResolventHalf near(r, Centre::kOne), far(r, Centre::kMinusOne);
-  const Quadrature rule = half_circle_quadrature(singular_frequencies(r.delta_denominator), {0.0});
+  const Quadrature rule = half_circle_quadrature(frequencies_of(zeros(r.delta_denominator)), {0.0});
   long double energy = 0.0L;
   for (std::size_t k = 0; k < rule.node.size(); ++k) {
     const ResolventHalf& half = rule.node[k] < 1.5707963267948966 ? near : far;

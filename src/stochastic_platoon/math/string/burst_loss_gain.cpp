@@ -6,10 +6,11 @@
 #include <memory>
 #include <optional>
 
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/string/loop_spectrum.hpp"
+#include "stochastic_platoon/math/string/burst_string.hpp"
 
 namespace platoon {
 
@@ -43,7 +44,7 @@ Quadrature resolving_quadrature(const BurstPattern& pattern, int refinement) {
 double least_decay(const BurstPattern& pattern) {
   double width = 1.0;
   for (const BurstVehicle& vehicle : pattern.types) {
-    double radius = std::max(vehicle.plain().spectral_radius(), std::sqrt(vehicle.second_moment_radius()));
+    double radius = std::max(vehicle.spectral_radius(), std::sqrt(vehicle.loss_feedback()));
     if (vehicle.losses()) radius = std::max(radius, std::abs(vehicle.losses()->memory()));
     width = std::min(width, 1.0 - radius);
   }
@@ -75,7 +76,7 @@ double near_root(const BurstSpectra& spectra) {
 
 /// The loss gain by near_root(), with the number of equally spaced nodes doubled until they resolve the poles to two
 /// digits and decide its side of 1; none if `most` nodes do not suffice.
-std::optional<double> told_by_equal_nodes(const BurstPattern& pattern, std::size_t most) {
+std::optional<double> by_equal_nodes(const BurstPattern& pattern, std::size_t most) {
   constexpr double kDigits = 5.0;  // -ln of the second digit
   std::size_t nodes = first_nodes(pattern);
   while (nodes < most && static_cast<double>(2 * nodes) * least_decay(pattern) <= kDigits) nodes *= 2;
@@ -93,14 +94,14 @@ std::optional<double> told_by_equal_nodes(const BurstPattern& pattern, std::size
 /// equally spaced nodes.
 double loss_gain_for_sign(const BurstPattern& pattern) {
   constexpr double kDoubt = 1e-7;  // of a quadrature without refinement, mostly below 1e-11
-  if (const std::optional<double> found = told_by_equal_nodes(pattern, 2 * first_nodes(pattern))) return *found;
+  if (const std::optional<double> found = by_equal_nodes(pattern, 2 * first_nodes(pattern))) return *found;
   for (const int refinement : {0, 1}) {
     const Quadrature rule = resolving_quadrature(pattern, refinement);
     if (rule.node.size() > kMostKernelNodes) break;
     const double found = near_root(BurstSpectra(pattern, rule));
     if (refinement > 0 || std::abs(found - 1.0) > kDoubt) return found;
   }
-  return told_by_equal_nodes(pattern, kMostNodes).value_or(1.0);
+  return by_equal_nodes(pattern, kMostNodes).value_or(1.0);
 }
 
 /// values(spectra) on the nodes of a quadrature, refined until they settle; none if that takes too many nodes.
@@ -182,14 +183,17 @@ std::vector<double> settled_values_of_endless(const BurstPattern& pattern, const
   return settled_values(pattern, values);
 }
 
-double burst_loss_gain(const BurstPattern& pattern, bool sign_only) {
+double loss_gain(const BurstPattern& pattern) {
   if (!pattern.has_losses()) return 0.0;
-  if (sign_only) return loss_gain_for_sign(pattern);
   const auto root = [](const BurstSpectra& spectra) {
     const LossOperator losses(spectra);
     return std::vector<double>{perron_root(losses, losses.dimensions())};
   };
   return settled_values_of_endless(pattern, root).front();
+}
+
+double loss_margin(const BurstPattern& pattern) {
+  return pattern.has_losses() ? 1.0 / loss_gain_for_sign(pattern) - 1.0 : kInfinity;
 }
 
 }  // namespace platoon

@@ -9,7 +9,7 @@
 
 namespace platoon {
 
-/// The operator of loss gains (see burst_string_stability()) on the drives of all lossy places. Drives of places with
+/// The operator of loss gains (see loss_gain()) on the drives of all lossy places. Drives of places with
 /// the same losses are adjacent.
 class LossOperator {
 public:
@@ -41,9 +41,5 @@ std::vector<double> settled_values(const BurstPattern& pattern,
 /// too.
 std::vector<double> settled_values_of_endless(const BurstPattern& pattern,
                                               const std::function<std::vector<double>(const BurstSpectra&)>& values);
-
-/// The loss gain, for a mean square stable pattern with |prod T^| < 1 for w > 0; 1e-12 relative. If `sign_only`, only
-/// as accurate as needed to compare it with 1.
-double burst_loss_gain(const BurstPattern& pattern, bool sign_only = false);
 
 }  // namespace platoon

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
-#include "stochastic_platoon/math/string/burst_pattern.hpp"
 #include "stochastic_platoon/math/string/burst_scatter.hpp"
+#include "stochastic_platoon/math/string/burst_vehicle.hpp"
 
 namespace platoon {
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stochastic_platoon/math/numerics/stable_intervals.hpp"
-#include "stochastic_platoon/math/string/burst_string.hpp"
 #include "stochastic_platoon/math/string/varied_pattern.hpp"
 
 namespace platoon {
@@ -31,17 +29,16 @@ std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model) {
   if (!model.default_vehicle().link.loses() || types.empty() || has_feed_forward(model)) return std::nullopt;
   const double least = least_burst(model);
   CriticalBurst found{least, std::max(kLongest, 2.0 * least), {}, true, types};
-  const auto at = [&model](double burst) { return with_mean_burst(model, burst); };
-  VariedPattern<BurstPattern> varied(at, least, burst_pattern, burst_gain_margin, burst_loss_margin);
-  const StabilityMargin gain = varied.gain(), losses = varied.losses();
-  const auto is_stable = [&](double burst) { return gain(burst) > 0.0 && losses(burst) > 0.0; };
+  const VariedMargins margins =
+      varied_margins<BurstPattern>([&model](double burst) { return with_mean_burst(model, burst); }, least);
+  const auto is_stable = [&](double burst) { return margins.gain(burst) > 0.0 && margins.losses(burst) > 0.0; };
   found.stable = is_stable(least);
   if (!found.stable) return found;
   const double steps = std::ceil(std::log(found.to / least) / std::log(kRatio));
   for (double before = least, step = 1.0; step <= steps; ++step) {
     const double burst = least * std::pow(found.to / least, step / steps);
     if (!is_stable(burst)) {
-      found.critical = stable_intervals(losses, {before, burst}, gain).front().to;
+      found.critical = stable_intervals(margins.losses, {before, burst}, margins.gain).front().to;
       break;
     }
     before = burst;

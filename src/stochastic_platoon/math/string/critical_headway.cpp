@@ -6,10 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "stochastic_platoon/math/string/burst_string.hpp"
-#include "stochastic_platoon/math/string/linked_string.hpp"
-#include "stochastic_platoon/math/string/loop_spectrum.hpp"
-#include "stochastic_platoon/math/string/pattern_gain.hpp"
 #include "stochastic_platoon/math/string/varied_pattern.hpp"
 
 namespace platoon {
@@ -30,27 +26,7 @@ std::vector<double> samples_of(const HeadwayRange& range) {
   return samples;
 }
 
-template <class Pattern>
-StableHeadways stable_headways(VariedPattern<Pattern> varied, const HeadwayRange& range) {
-  return stable_headways(varied.losses(), range, varied.gain());
-}
-
 }  // namespace
-
-double string_margin(const ClosedLoop& loop, double headway) {
-  if (!loop.parts) LoopSpectrum(loop, headway);  // throws without double integral action
-  const double decay = 1.0 - spectral_radius(loop);
-  if (!(decay > 0.0)) return decay;
-  const PatternGain gain({rated_factor(loop)});
-  const LeastMargin least = gain.least();
-  const auto is_flat = [&] {  // then |T| < 1 is not sufficient
-    if (loop.parts) return gain.zeros() > *loop.integrators;
-    const LoopSpectrum spectrum(loop, headway);
-    return spectrum.margin_zeros() > spectrum.sensitivity_zeros();
-  };
-  const bool flat = gain.zeros() > 2 && is_flat();
-  return std::min(decay, flat ? std::min(least.value, 0.0) : least.value);
-}
 
 HeadwayRange headways_about(double headway) {
   HeadwayRange range;
@@ -62,7 +38,8 @@ HeadwayRange headways_about(double headway) {
   return range;
 }
 
-StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range) {
+StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range,
+                               const StabilityMargin& necessary) {
   if (!(range.from > 0.0 && range.from < range.to && std::isfinite(range.to))) {
     throw std::invalid_argument("headway range: " + std::to_string(range.from) + " to " + std::to_string(range.to) +
                                 ": must be 0 < from < to, finite");
@@ -70,20 +47,6 @@ StableHeadways stable_headways(const HeadwayLaw& law, const HeadwayRange& range)
   if (range.samples < 2) {
     throw std::invalid_argument("samples: " + std::to_string(range.samples) + ": must be >= 2");
   }
-  return stable_headways(
-      [&law](double headway) {
-        // A headway without a loop of double integral action counts as unstable.
-        try {
-          return string_margin(law(headway), headway);
-        } catch (const std::invalid_argument&) {
-          return -1.0;
-        }
-      },
-      range);
-}
-
-StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range,
-                               const StabilityMargin& necessary) {
   const std::vector<double> samples = samples_of(range);
   StableHeadways result{stable_intervals(margin, samples, necessary), {}, range, {}};
   if (!result.intervals.empty() && result.intervals.back().to == samples.back())
@@ -98,19 +61,9 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
   });
   if (!designed || types.empty()) return std::nullopt;
   const double own = model.default_vehicle().headway;
-  const auto at = [&model](double headway) { return with_headway(model, headway); };
-  HeadwayRange range = headways_about(own);
-  StableHeadways found;
-  if (is_papers(model) && !model.default_vehicle().loop.parts) {
-    found = stable_headways([&model](double headway) { return close_loop(*model.default_vehicle().design, headway); },
-                            range);
-  } else if (has_bursts(model)) {
-    found = stable_headways(VariedPattern<BurstPattern>(at, own, burst_pattern, burst_gain_margin, burst_loss_margin),
-                            range);
-  } else {
-    found = stable_headways(
-        VariedPattern<LinkedPattern>(at, own, linked_pattern, linked_gain_margin, linked_loss_margin), range);
-  }
+  const VariedMargins margins = varied_margins(
+      model, [&model](double headway) { return with_headway(model, headway); }, own);
+  StableHeadways found = stable_headways(margins.losses, headways_about(own), margins.gain);
   found.types = types;
   return found;
 }

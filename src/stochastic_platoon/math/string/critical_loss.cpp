@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "stochastic_platoon/math/string/burst_string.hpp"
-#include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/varied_pattern.hpp"
 
 namespace platoon {
@@ -46,11 +44,6 @@ double largest_probability(const PlatoonModel& model) {
   return largest;
 }
 
-template <class Pattern>
-std::vector<StableInterval> intervals_of(VariedPattern<Pattern> varied, const std::vector<double>& samples) {
-  return stable_intervals(varied.losses(), samples, varied.gain());
-}
-
 }  // namespace
 
 std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
@@ -58,21 +51,20 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;
   const int stride = varied_link(given.default_vehicle()).loss ? 1 : 5;  // in hundredths
-  const double largest = has_bursts(model) ? largest_probability(model) : 0.99;
+  const bool bursts = has_bursts(model);
+  const double largest = bursts ? largest_probability(model) : 0.99;
   std::vector<double> samples;
   for (int i = 0; i < 99 && 0.01 * i < largest; i += stride) samples.push_back(0.01 * i);
   samples.push_back(largest);
   StableLosses losses{{}, {}, types, largest};
   const double own = varied_link(model.default_vehicle()).loss->probability;
-  if (has_bursts(model)) {
-    const auto at = [&model](double probability) { return with_loss_in_bursts(model, probability); };
-    losses.intervals = intervals_of(
-        VariedPattern<BurstPattern>(at, own, burst_pattern, burst_gain_margin, burst_loss_margin), samples);
-  } else {
-    const auto at = [&model](double probability) { return with_loss(model, probability); };
-    losses.intervals = intervals_of(
-        VariedPattern<LinkedPattern>(at, own, linked_pattern, linked_gain_margin, linked_loss_margin), samples);
-  }
+  const VariedMargins margins = varied_margins(
+      model,
+      [&](double probability) {
+        return bursts ? with_loss_in_bursts(model, probability) : with_loss(model, probability);
+      },
+      own);
+  losses.intervals = stable_intervals(margins.losses, samples, margins.gain);
   if (losses.intervals.empty() || losses.intervals.front().from > 0.0) return losses;
   if (losses.intervals.front().to < samples.back()) losses.critical = losses.intervals.front().to;
   return losses;

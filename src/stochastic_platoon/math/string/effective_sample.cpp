@@ -155,9 +155,8 @@ IndependentShare ErrorCorrelation::of(std::uint64_t steps, std::uint64_t stretch
 std::vector<ErrorCorrelation> error_correlations(const PlatoonModel& model, std::size_t followers) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   std::vector<ErrorCorrelation> correlations(followers);
-  const LinkedPattern pattern = linked_pattern(model);
-  const auto is_unstable = [](const LinkedVehicle& vehicle) { return vehicle.spectral_radius() >= 1.0; };
-  if (std::any_of(pattern.types.begin(), pattern.types.end(), is_unstable)) return correlations;
+  const LinkedPattern pattern(model);
+  if (pattern.spectral_radius() >= 1.0) return correlations;
   for (std::size_t length = kFirstLength; length <= kMostLength && length * followers <= kMostValues; length *= 2) {
     const Spectra spectra(pattern, length);
     Transform transform(length);

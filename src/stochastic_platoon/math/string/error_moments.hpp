@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/string/stationary_variance.hpp"
 
 namespace platoon {
 
@@ -35,13 +34,12 @@ private:
 /// and zeta_0 the leader's error, mean and variance of zeta_i(k) are
 /// \f[ E \zeta_i(k) = (T^i \zeta_0)(k) + \mu \sum_{m<i} a_m(k), \f]
 /// \f[ P_{\zeta_i}(k) = \sum_{m<i} (P_d \sum_{l \le k} g_m(l)^2 + V a_m(k)^2). \f]
-/// Behind a recorded leader the means are mean_errors_behind_recorded_leader() and the variances the same. The
-/// standstill distance cancels. For a platoon other than the paper's this function returns linked_error_moments().
+/// The standstill distance cancels.
 ///
-/// Arithmetic is in double for loops that plant and controller form without slow poles, and in extended precision by
-/// powers of z - 1 for all others; the error is 1e-12 of the largest term for a mean, and 1e-12 relative for a
-/// variance. O(followers steps) time, O(steps) memory beyond the result. Holds for unstable loops too, within the range
-/// of double.
+/// These sums, in double, serve the paper's platoon with loops that plant and controller form without slow poles; the
+/// published digests contain their bits. linked_error_moments() serves all others, burst_error_moments() losses in
+/// bursts. The error is 1e-12 of the largest term for a mean, and 1e-12 relative for a variance. O(followers steps)
+/// time, O(steps) memory beyond the result. Holds for unstable loops too, within the range of double.
 ///
 /// Throws std::invalid_argument unless followers >= 1 and steps >= 1, and if the loop has no equilibrium.
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/string/loop_spectrum.hpp"
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
 
 namespace platoon {
 
@@ -64,7 +64,7 @@ int LinkFilter::surprise_zeros() const {
 
 int LinkFilter::noise_zeros() const {
   if (link_.quantisation_step > 0.0) return 0;
-  if (noise_variance_ == 0.0) return kNoNoise;
+  if (noise_variance_ == 0.0) return ZerosAtZero::kNone;
   const Polynomial& filter = link_.noise_filter.numerator();
   return leading_zeros(delta_form(filter), delta_form(filter.cwiseAbs()), 0);
 }
@@ -72,7 +72,7 @@ int LinkFilter::noise_zeros() const {
 std::vector<std::complex<double>> LinkFilter::noise_frequencies() const {
   const CirclePolynomial filter = delta_form(link_.noise_filter.denominator());
   if (filter.size() < 2) return {};
-  return singular_frequencies(filter);
+  return frequencies_of(zeros(filter));
 }
 
 }  // namespace platoon

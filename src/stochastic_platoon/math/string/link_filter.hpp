@@ -9,6 +9,14 @@
 
 namespace platoon {
 
+/// Multiplicity of the factor w^2 in spectral gains at low frequencies.
+struct ZerosAtZero {
+  int complement;  ///< |1 - H T^|^2: 1 if delay or losses leave a mean error at constant speed, 2 or more otherwise
+  int innovation;  ///< from the predecessor's position to a link's prediction error: |(1 - L) F|^2, 1 for holding, ...
+  int noise;       ///< of all links; kNone without noise
+  static constexpr int kNone = 1000;
+};
+
 /// One link into a follower on the unit circle, its independent losses replaced by their mean effect. With p = 1 - q
 /// and the predictor L = c_1 z^-1 + c_2 z^-2 + ..., the link multiplies the sent values by p F z^-m, F = 1 / (1 - q L).
 /// The losses act on the moments as a white noise w = (theta - p) e at its output, F w, with theta 1 if a value arrives
@@ -46,10 +54,9 @@ public:
   /// Mean lag of a signal that grows steadily [steps]: m + q (c_1 + 2 c_2 + ...) / p.
   double lag() const { return static_cast<double>(link_.delay) + loss_.probability * mean_innovation(); }
 
-  /// Multiplicity of z = 1 as a zero of 1 - L, and of the noise; kNoNoise without noise.
+  /// Multiplicity of z = 1 as a zero of 1 - L, and of the noise; ZerosAtZero::kNone without noise.
   int surprise_zeros() const;
   int noise_zeros() const;
-  static constexpr int kNoNoise = 1000;
 
   /// z^n / F by powers of z - 1.
   const CirclePolynomial& registers() const { return near_.registers; }

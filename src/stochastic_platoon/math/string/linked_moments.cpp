@@ -113,7 +113,8 @@ private:
   // Adds a white source of this variance, present from step 0 on, to the values sent over a link.
   void add_white(std::size_t place, std::size_t link, const Sequence& sent, double variance) {
     MeanVehicle::Passed own = responses_.vehicle(place).over_link(link, sent);
-    Values own_innovation = squares(own.innovation[link]);
+    Values own_innovation;
+    if (factor(place, link) > 0.0) own_innovation = squares(own.innovation[link]);
     Responses responses = responses_.downstream(place, std::move(own.own));
     for (auto* rows : {&responses.error, &responses.innovation[0], &responses.innovation[1]}) {
       for (Values& row : *rows) std::partial_sum(row.begin(), row.end(), row.begin());

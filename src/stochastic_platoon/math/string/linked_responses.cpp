@@ -12,6 +12,13 @@ CausalConvolution::Values squares(const MeanVehicle::Sequence& values) {
   return result;
 }
 
+MeanVehicle::Sequence virtual_leader(const PlatoonModel& model, std::size_t steps) {
+  MeanVehicle::Sequence positions{0.0L};
+  for (std::int64_t k = -1; positions.size() <= steps; ++k)
+    positions.push_back(positions.back() + static_cast<long double>(model.sample_period * model.leader.speed(k)));
+  return positions;
+}
+
 Motion leader_motion(const PlatoonModel& model, std::size_t steps) {
   Motion received;
   MeanVehicle::Sequence& positions = received.position;
@@ -24,7 +31,7 @@ Motion leader_motion(const PlatoonModel& model, std::size_t steps) {
                      model.recorded_leader.begin() + static_cast<std::ptrdiff_t>(steps + 1));
     return received;
   }
-  for (std::size_t a = 0; a <= steps; ++a) positions.push_back(model.leader.position(static_cast<std::int64_t>(a) - 1));
+  positions = virtual_leader(model, steps);
   return VehicleResponse(model.default_vehicle())(received);
 }
 
@@ -77,8 +84,10 @@ LinkedResponses::Means LinkedResponses::means() const {
     const Sequence errors = vehicle(i).error(predecessor, passed.own.position);
     result.error.insert(result.error.end(), errors.begin(), errors.end());
     result.innovation.emplace_back();
-    for (std::size_t link = 0; link < vehicle(i).links(); ++link)
-      result.innovation.back()[link].assign(passed.innovation[link].begin(), passed.innovation[link].end());
+    for (std::size_t link = 0; link < vehicle(i).links(); ++link) {
+      if (vehicle(i).variance_factor(link) > 0.0)
+        result.innovation.back()[link].assign(passed.innovation[link].begin(), passed.innovation[link].end());
+    }
   });
   return result;
 }
@@ -87,8 +96,10 @@ Responses LinkedResponses::downstream(std::size_t place, Motion motion) const {
   Responses responses;
   const auto append = [&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
     responses.error.push_back(squares(vehicle(i).error(predecessor, passed.own.position)));
-    for (std::size_t link = 0; link < passed.innovation.size(); ++link)
-      responses.innovation[link].push_back(squares(passed.innovation[link]));  // empty for the source's own vehicle
+    for (std::size_t link = 0; link < passed.innovation.size(); ++link) {
+      const bool loses = link < vehicle(i).links() && vehicle(i).variance_factor(link) > 0.0;
+      responses.innovation[link].push_back(loses ? squares(passed.innovation[link]) : Values());
+    }
   };
   visit_downstream(place, std::move(motion), append);
   return responses;

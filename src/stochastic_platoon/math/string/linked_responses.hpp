@@ -17,9 +17,12 @@ struct Responses {
   using Values = CausalConvolution::Values;
 
   std::vector<Values> error;  ///< of zeta
-  /// Those of e, per link; empty for the source's own vehicle, and where a vehicle has no such link.
+  /// Those of e, per link; empty for the source's own vehicle, and where a vehicle has no such link with losses.
   std::array<std::vector<Values>, 2> innovation;
 };
+
+/// r_0 [m] from step -1 to step steps - 1, without the rounding of large positions to double.
+MeanVehicle::Sequence virtual_leader(const PlatoonModel& model, std::size_t steps);
 
 /// The leader's motion from step -1 to step steps - 1. Throws std::invalid_argument if the recorded leader ends before.
 Motion leader_motion(const PlatoonModel& model, std::size_t steps);
@@ -39,7 +42,7 @@ public:
   const VehicleModel& model(std::size_t i) const { return vehicles_[i % period()]; }
   const MeanVehicle& vehicle(std::size_t i) const { return mean_vehicles_[i % period()]; }
 
-  /// Means of all errors, and per follower of the e of each link.
+  /// Means of all errors, and per follower of the e of each link with losses.
   struct Means {
     Values error;
     std::vector<std::array<Values, 2>> innovation;

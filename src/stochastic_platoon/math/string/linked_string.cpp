@@ -3,161 +3,232 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
+#include "stochastic_platoon/math/numerics/krylov.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/string/burst_string.hpp"
-#include "stochastic_platoon/math/string/pattern_gain.hpp"
-#include "stochastic_platoon/math/string/pattern_means.hpp"
 #include "stochastic_platoon/math/string/pattern_spectra.hpp"
 
 namespace platoon {
 
 namespace {
 
-constexpr double kQuadratureDoubt = 1e-12;  // accuracy of the quadrature
-
-/// Whether 1 - |prod T^|^2 vanishes faster at w = 0 than the numerators it divides in a variance: the noises, times |1
-/// - H T^|^2 for the errors and |1 - L|^2 for the losses.
-bool grows_at_zero(const LinkedPattern& pattern, const PatternGain& gain) {
-  int noise = any_losses(pattern) ? 0 : ZerosAtZero::kNone, passed = ZerosAtZero::kNone;
-  for (const LinkedVehicle& vehicle : pattern.types) {
-    const ZerosAtZero zeros = vehicle.zeros_at_zero();
-    noise = std::min(noise, zeros.noise);
-    passed = std::min(passed, zeros.complement);
-    passed = std::min(passed, zeros.innovation);
-  }
-  if (noise == ZerosAtZero::kNone) noise = 0;  // as for any noise, however small
-  return gain.zeros() > passed + noise;
-}
-
-double loss_gain_of(const LinkedPattern& pattern, const PatternGain& gain) {
-  if (!any_losses(pattern)) return 0.0;
-  return refined([&](int refinement) {
-           return std::vector<double>{loss_gain_by(PatternSpectra(pattern, gain, true, refinement), pattern)};
-         })
-      .front();
-}
-
-struct MeanSquare {
-  double spectral_radius = 0.0, loss_feedback = 0.0;
-  bool stable() const { return spectral_radius < 1.0 && loss_feedback < 1.0; }
-  double margin() const { return 1.0 - std::max(spectral_radius, loss_feedback); }
+/// A lossy link of the pattern.
+struct LossyLink {
+  std::size_t vehicle, link;  ///< place in the pattern, and in LinkedVehicle::links()
 };
 
-MeanSquare mean_square(const LinkedPattern& pattern) {
-  MeanSquare worst;
-  for (const LinkedVehicle& vehicle : pattern.types) {
-    worst.spectral_radius = std::max(worst.spectral_radius, vehicle.spectral_radius());
-    worst.loss_feedback = std::max(worst.loss_feedback, vehicle.loss_feedback());
+std::vector<LossyLink> lossy_links(const LinkedPattern& pattern) {
+  std::vector<LossyLink> found;
+  for (std::size_t j = 0; j < pattern.size(); ++j) {
+    for (std::size_t link = 0; link < pattern[j].links().size(); ++link) {
+      if (pattern[j].links()[link].has_losses()) found.push_back({j, link});
+    }
   }
-  return worst;
+  return found;
 }
 
-void judge(const LinkedPattern& pattern, double speed, StringStability& verdict) {
-  const VehicleModel& first = pattern.types.front().vehicle();
-  const bool plain = first.link.is_white_noise_only() && !first.feed_forward;
-  const char* const gain_name = pattern.size() > 1   ? "|T^| of one pattern"
-                                : first.feed_forward ? "|Gamma|"
-                                : plain              ? "|T|"
-                                                     : "|T^|";
-  const PatternGain gain = pattern.gain();
-  if (!judge_gain(gain, gain_name, verdict)) return;
-  if (grows_at_zero(pattern, gain)) {
-    verdict.reason = reason_of_growth_at_zero(gain_name);
-    return;
+/// ebar^2: the squared mean of e at constant speed, in metres per step; inputs are 0 there.
+double squared_mean_innovation(const LinkFilter& link, std::size_t index, double speed) {
+  const double ebar = index == 0 ? speed * link.mean_innovation() : 0.0;
+  return ebar * ebar;
+}
+
+/// sigma^2 of one link, given the spectrum of the predecessor's position.
+double loss_variance(const PatternSpectra& spectra, const LinkedPattern& pattern, std::size_t follower,
+                     std::size_t link, const Eigen::ArrayXd& spectrum, double speed) {
+  const LinkFilter& filter = pattern[follower].links()[link];
+  if (!filter.has_losses()) return 0.0;
+  const PatternSpectra::Input& of = spectra.input[pattern.type(follower)][link];
+  const std::size_t before = pattern.type(follower + pattern.size() - 1);
+  return filter.loss_factor() * (spectra.mean(of.innovation * (spectra.at_link(link, before, spectrum) + of.noise)) +
+                                 squared_mean_innovation(filter, link, speed));
+}
+
+/// Visits the followers one after the other with (i, spectrum of the position in front, spectrum that each link adds),
+/// until a visit returns false.
+template <class Visit>
+void pass_along(const PatternSpectra& spectra, const LinkedPattern& pattern, double speed, std::size_t followers,
+                const Visit& visit) {
+  std::vector<std::vector<Eigen::ArrayXd>> added;  // per type; noise alone if no link of it loses
+  for (const std::vector<PatternSpectra::Input>& inputs : spectra.input) {
+    added.emplace_back();
+    for (const PatternSpectra::Input& of : inputs) added.back().emplace_back(of.passed * of.noise);
   }
-  const double loss_gain = loss_gain_of(pattern, gain);
-  const bool has_stage = std::any_of(pattern.types.begin(), pattern.types.end(), [](const LinkedVehicle& v) {
-    return v.vehicle().link.loss || varied_link(v.vehicle()).loss;
+  Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.weight.size());
+  for (std::size_t i = 0; i < followers; ++i) {
+    const std::size_t type = pattern.type(i);
+    for (std::size_t link = 0; link < added[type].size() && pattern[i].has_losses(); ++link) {
+      const PatternSpectra::Input& of = spectra.input[type][link];
+      added[type][link] =
+          of.passed * of.noise + of.loss_gain * loss_variance(spectra, pattern, i, link, spectrum, speed);
+    }
+    if (!visit(i, spectrum, added[type])) return;
+    spectrum *= spectra.gain[type];
+    for (const Eigen::ArrayXd& of_link : added[type]) spectrum += of_link;
+  }
+}
+
+std::vector<double> variances_by(const PatternSpectra& spectra, const LinkedPattern& pattern, double speed,
+                                 std::size_t followers) {
+  std::vector<double> variances;
+  pass_along(spectra, pattern, speed, followers, [&](std::size_t i, const auto& spectrum, const auto& added) {
+    const std::size_t type = pattern.type(i);
+    double variance = spectra.error_variance(type, spectrum, added.front());
+    if (added.size() > 1) variance += spectra.mean(spectra.headway[type] * added.back());
+    variances.push_back(std::isnan(variance) ? kInfinity : variance);
+    return !std::isinf(variances.back());
   });
-  if (has_stage) verdict.loss_gain = loss_gain;
-  if (!judge_losses(loss_gain, kQuadratureDoubt, "losses", verdict)) return;
-  verdict.string_stable = true;
-  const std::vector<double> limits = refined(
-      [&](int refinement) { return limits_by(PatternSpectra(pattern, gain, true, refinement), pattern, speed); });
-  verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
-  verdict.reason = reason_of_stability(verdict.spectral_radius, gain_name,
-                                       any_losses(pattern) ? std::optional<double>(loss_gain) : std::nullopt);
+  variances.resize(followers, kInfinity);
+  return variances;
+}
+
+std::vector<double> shares_by(const PatternSpectra& spectra, const LinkedPattern& pattern, double speed,
+                              std::size_t followers) {
+  std::vector<double> shares(2 * followers, 0.0);
+  std::array<Eigen::ArrayXd, 2> part;
+  for (Eigen::ArrayXd& of : part) of = Eigen::ArrayXd::Zero(spectra.weight.size());
+  pass_along(spectra, pattern, speed, followers, [&](std::size_t i, const auto&, const auto& added) {
+    const std::size_t type = pattern.type(i);
+    for (std::size_t link = 0; link < part.size(); ++link) {
+      const Eigen::ArrayXd own = link < added.size() ? added[link] : Eigen::ArrayXd::Zero(spectra.weight.size());
+      shares[2 * i + link] = spectra.error_variance(type, part[link], own);
+      part[link] = spectra.gain[type] * part[link] + own;
+    }
+    return true;
+  });
+  return shares;
+}
+
+/// The matrix of loss gains as a linear map of the variances of w: see loss_gain(). Applied by following
+/// the spectra around the pattern, in O(nodes) per vehicle.
+class LossGains {
+public:
+  LossGains(const PatternSpectra& spectra, const LinkedPattern& pattern)
+      : spectra_(spectra), pattern_(pattern), divisor_(spectra.pattern_margin()), lossy_(lossy_links(pattern)) {}
+
+  /// The pattern_margin() of the spectra.
+  const Eigen::ArrayXd& divisor() const { return divisor_; }
+  const std::vector<LossyLink>& lossy() const { return lossy_; }
+
+  /// kappa < |(1-L) F|^2 Phi > for each lossy link, Phi the spectrum sent over it, if vehicle l adds added[l] to the
+  /// spectrum.
+  Eigen::VectorXd arriving(const std::vector<Eigen::ArrayXd>& added) const {
+    Eigen::VectorXd result(static_cast<Eigen::Index>(lossy_.size()));
+    Eigen::ArrayXd spectrum = spectra_.in_front(added, divisor_);
+    std::size_t row = 0;
+    for (std::size_t j = 0; j < pattern_.size(); ++j) {
+      const std::size_t type = pattern_.type(j), before = pattern_.type(j + pattern_.size() - 1);
+      for (; row < lossy_.size() && lossy_[row].vehicle == j; ++row) {
+        const std::size_t link = lossy_[row].link;
+        result(static_cast<Eigen::Index>(row)) =
+            pattern_[j].links()[link].loss_factor() *
+            spectra_.mean(spectra_.input[type][link].innovation * spectra_.at_link(link, before, spectrum));
+      }
+      spectrum = spectra_.gain[type] * spectrum + added[j];
+    }
+    return result;
+  }
+
+  /// Adds to the spectrum of each vehicle the part due to losses of these variances.
+  void add(const Eigen::VectorXd& sigma, std::vector<Eigen::ArrayXd>& added) const {
+    for (std::size_t row = 0; row < lossy_.size(); ++row) {
+      const LossyLink& of = lossy_[row];
+      added[of.vehicle] +=
+          spectra_.input[pattern_.type(of.vehicle)][of.link].loss_gain * sigma(static_cast<Eigen::Index>(row));
+    }
+  }
+
+  Eigen::VectorXd operator()(const Eigen::VectorXd& sigma) const {
+    std::vector<Eigen::ArrayXd> added(pattern_.size(), Eigen::ArrayXd::Zero(spectra_.weight.size()));
+    add(sigma, added);
+    return arriving(added);
+  }
+
+private:
+  const PatternSpectra& spectra_;
+  const LinkedPattern& pattern_;
+  Eigen::ArrayXd divisor_;
+  std::vector<LossyLink> lossy_;
+};
+
+std::vector<double> limits_by(const PatternSpectra& spectra, const LinkedPattern& pattern, double speed) {
+  const std::size_t m = pattern.size();
+  std::vector<Eigen::ArrayXd> added;
+  for (std::size_t j = 0; j < m; ++j) added.push_back(spectra.added_by_noise(pattern.type(j)));
+  const LossGains gains(spectra, pattern);
+  if (!gains.lossy().empty()) {
+    Eigen::VectorXd given = gains.arriving(added);
+    const Eigen::ArrayXd nothing = Eigen::ArrayXd::Zero(spectra.weight.size());
+    for (std::size_t row = 0; row < gains.lossy().size(); ++row) {
+      const LossyLink& of = gains.lossy()[row];
+      given(static_cast<Eigen::Index>(row)) += loss_variance(spectra, pattern, of.vehicle, of.link, nothing, speed);
+    }
+    gains.add(solve_one_minus(gains, given), added);
+  }
+  std::vector<double> limits;
+  Eigen::ArrayXd spectrum = spectra.in_front(added, gains.divisor());
+  for (std::size_t j = 0; j < m; ++j) {
+    limits.push_back(spectra.error_variance(pattern.type(j), spectrum, added[j]));
+    spectrum = spectra.gain[pattern.type(j)] * spectrum + added[j];
+  }
+  return limits;
+}
+
+double loss_gain_by(const PatternSpectra& spectra, const LinkedPattern& pattern) {
+  const LossGains gains(spectra, pattern);
+  return perron_root(gains, static_cast<Eigen::Index>(gains.lossy().size()));
+}
+
+/// The loss gain on the correct side of 1; near 1 as accurate as the quadrature.
+double coarse_loss_gain(const PatternSpectra& spectra, const LinkedPattern& pattern) {
+  constexpr double kFar = 2.0;
+  const LossGains gains(spectra, pattern);
+  const auto size = static_cast<Eigen::Index>(gains.lossy().size());
+  const RootBounds bounds = perron_bounds(gains, size);
+  if (bounds.most < 1.0 / kFar || bounds.least > kFar) return std::sqrt(bounds.least * bounds.most);
+  return perron_root(gains, size);
+}
+
+/// values(spectra) on quadratures that are refined until they settle; `endless`: values of an endless string.
+template <class Values>
+std::vector<double> settled(const LinkedPattern& pattern, bool endless, const Values& values) {
+  const PatternGain gain = pattern.gain();
+  return refined([&](int refinement) { return values(PatternSpectra(pattern, gain, endless, refinement)); });
 }
 
 }  // namespace
 
-double metres_per_step(const PlatoonModel& model) {
-  if (!model.recorded_leader.empty()) {
-    const std::size_t n = model.recorded_leader.size();
-    return n < 2 ? 0.0 : model.recorded_leader[n - 1] - model.recorded_leader[n - 2];
-  }
-  return model.leader.changes().empty() ? 0.0 : model.sample_period * model.leader.changes().back().value;
+std::vector<double> stationary_variances(const LinkedPattern& pattern, double speed, std::size_t followers) {
+  return settled(pattern, false,
+                 [&](const PatternSpectra& spectra) { return variances_by(spectra, pattern, speed, followers); });
 }
 
-std::vector<double> linked_stationary_variances(const PlatoonModel& model, std::size_t followers) {
-  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  const LinkedPattern pattern = linked_pattern(model);
-  if (!mean_square(pattern).stable()) return std::vector<double>(followers, kNaN);
-  const PatternGain gain = pattern.gain();
-  return refined([&](int refinement) {
-    return variances_by(PatternSpectra(pattern, gain, false, refinement), pattern, metres_per_step(model), followers);
-  });
-}
-
-std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers) {
-  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  const LinkedPattern pattern = linked_pattern(model);
-  std::vector<std::array<double, 2>> result(followers, {kNaN, kNaN});
-  if (!mean_square(pattern).stable()) return result;
-  const PatternGain gain = pattern.gain();
-  const std::vector<double> shares = refined([&](int refinement) {
-    return shares_by(PatternSpectra(pattern, gain, false, refinement), pattern, metres_per_step(model), followers);
-  });
-  for (std::size_t i = 0; i < followers; ++i) result[i] = {shares[2 * i], shares[2 * i + 1]};
+std::vector<std::array<double, 2>> variances_by_input(const LinkedPattern& pattern, double speed,
+                                                      std::size_t followers) {
+  const std::vector<double> shares = settled(
+      pattern, false, [&](const PatternSpectra& spectra) { return shares_by(spectra, pattern, speed, followers); });
+  std::vector<std::array<double, 2>> result;
+  for (std::size_t i = 0; i < followers; ++i) result.push_back({shares[2 * i], shares[2 * i + 1]});
   return result;
 }
 
-std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers) {
-  if (has_bursts(model)) return burst_stationary_means(model, followers);
-  const LinkedPattern pattern = linked_pattern(model);
-  if (!mean_square(pattern).stable()) return std::vector<double>(followers, kNaN);
-  std::vector<double> means;
-  for (std::size_t i = 0; i < followers; ++i) means.push_back(metres_per_step(model) * pattern[i].lag());
-  return means;
+std::vector<double> limit_variances(const LinkedPattern& pattern, double speed) {
+  return settled(pattern, true, [&](const PatternSpectra& spectra) { return limits_by(spectra, pattern, speed); });
 }
 
-StringStability linked_string_stability(const PlatoonModel& model) {
-  const LinkedPattern pattern = linked_pattern(model);
-  const MeanSquare worst = mean_square(pattern);
-  StringStability verdict;
-  verdict.spectral_radius = worst.spectral_radius;
-  verdict.mean_square_stable = worst.stable();
-  if (worst.stable()) {
-    judge(pattern, metres_per_step(model), verdict);
-  } else if (worst.spectral_radius >= 1.0) {
-    verdict.reason =
-        formatted("not mean square stable: rho(A) = %s is not below 1", beside_one(worst.spectral_radius).c_str());
-  } else {
-    verdict.reason = formatted(
-        "not mean square stable: p q ||L F||^2 = %s is not below 1, so that predictions from predictions grow",
-        beside_one(worst.loss_feedback).c_str());
-  }
-  return verdict;
+double loss_gain(const LinkedPattern& pattern) {
+  if (!pattern.has_losses()) return 0.0;
+  return settled(pattern, true,
+                 [&](const PatternSpectra& spectra) { return std::vector<double>{loss_gain_by(spectra, pattern)}; })
+      .front();
 }
 
-double linked_gain_margin(const LinkedPattern& pattern) {
-  const MeanSquare worst = mean_square(pattern);
-  if (!worst.stable()) return std::max(-1.0, worst.margin());
-  const PatternGain gain = pattern.gain();
-  const double least = gain.least(PatternGain::kSignAccuracy).value;
-  return least > 0.0 && grows_at_zero(pattern, gain) ? 0.0 : least;
-}
-
-double linked_loss_margin(const LinkedPattern& pattern) {
-  if (!any_losses(pattern)) return kInfinity;
-  const PatternGain gain = pattern.gain();
-  double loss_gain = coarse_loss_gain(PatternSpectra(pattern, gain, true, 0), pattern);
-  if (std::abs(loss_gain - 1.0) < 1e-9) loss_gain = loss_gain_of(pattern, gain);  // with refined panels
-  return 1.0 / loss_gain - 1.0;
+double loss_margin(const LinkedPattern& pattern) {
+  if (!pattern.has_losses()) return kInfinity;
+  double found = coarse_loss_gain(PatternSpectra(pattern, pattern.gain(), true, 0), pattern);
+  if (std::abs(found - 1.0) < 1e-9) found = loss_gain(pattern);  // with refined panels
+  return 1.0 / found - 1.0;
 }
 
 }  // namespace platoon

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
-#include "stochastic_platoon/math/string/loop_spectrum.hpp"
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
 
 namespace platoon {
 
@@ -210,31 +209,6 @@ double LinkedVehicle::loss_feedback() const {
 
 bool LinkedVehicle::has_losses() const {
   return std::any_of(links_.begin(), links_.end(), [](const LinkFilter& link) { return link.has_losses(); });
-}
-
-PatternGain LinkedPattern::gain() const {
-  std::vector<RatedFactor> factors;
-  for (std::size_t type = 0; type < types.size(); ++type) {
-    factors.push_back(types[type].factor());
-    factors.back().factor.count = static_cast<long double>(std::count(order.begin(), order.end(), type));
-  }
-  return PatternGain(std::move(factors));
-}
-
-LinkedPattern linked_pattern(const PlatoonModel& model, const LinkedPattern& known) {
-  LinkedPattern found;
-  std::map<std::size_t, std::size_t> place;  // model type -> index in found.types
-  for (const std::size_t type : type_order(model)) {
-    const auto inserted = place.emplace(type, found.types.size());
-    if (inserted.second) {
-      const VehicleModel& vehicle = model.types[type].vehicle;
-      const LinkedVehicle* const before =
-          found.types.size() < known.types.size() ? &known.types[found.types.size()] : nullptr;
-      found.types.push_back(before != nullptr && before->is_of(vehicle) ? *before : LinkedVehicle(vehicle, before));
-    }
-    found.order.push_back(inserted.first->second);
-  }
-  return found;
 }
 
 }  // namespace platoon

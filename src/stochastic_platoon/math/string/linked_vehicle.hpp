@@ -9,7 +9,7 @@
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
 #include "stochastic_platoon/math/string/designed_gain.hpp"
 #include "stochastic_platoon/math/string/link_filter.hpp"
-#include "stochastic_platoon/math/string/pattern_gain.hpp"
+#include "stochastic_platoon/math/string/vehicle_pattern.hpp"
 
 namespace platoon {
 
@@ -35,14 +35,6 @@ struct LinkedVehicleValue {
   std::complex<double> response;    ///< T^ without it
   double sent;                      ///< |1 / G|^2: from the spectrum of y to that of the own input; 0 without radios
   std::array<InputValue, 2> input;  ///< the position, and the predecessor's input (zero without feed-forward)
-};
-
-/// Multiplicity of the factor w^2 in spectral gains at low frequencies.
-struct ZerosAtZero {
-  int complement;  ///< |1 - H T^|^2: 1 if delay or losses leave a mean error at constant speed, 2 or more otherwise
-  int innovation;  ///< from the predecessor's position to a link's prediction error: |(1 - L) F|^2, 1 for holding, ...
-  int noise;       ///< of all links; kNone without noise
-  static constexpr int kNone = LinkFilter::kNoNoise;
 };
 
 /// One follower behind its links with independent losses, on the unit circle, w in rad/sample.
@@ -98,19 +90,6 @@ private:
   RatedFactor factor_;
 };
 
-/// One pattern of the string: its vehicle types, each once, and their order.
-struct LinkedPattern {
-  std::vector<LinkedVehicle> types;
-  std::vector<std::size_t> order;  ///< index of the type at each place of the pattern
-
-  std::size_t size() const { return order.size(); }
-  std::size_t type(std::size_t follower) const { return order[follower % order.size()]; }
-  const LinkedVehicle& operator[](std::size_t follower) const { return types[type(follower)]; }
-  PatternGain gain() const;
-};
-
-/// The pattern of a platoon. `known`: pattern of the same platoon with other headways and links; its unchanged vehicles
-/// are reused. Throws std::invalid_argument for losses in bursts.
-LinkedPattern linked_pattern(const PlatoonModel& model, const LinkedPattern& known = {});
+using LinkedPattern = VehiclePattern<LinkedVehicle>;
 
 }  // namespace platoon

@@ -101,14 +101,15 @@ LoopResponse::LoopResponse(const ClosedLoop& loop) {
     numerator_.swap(c);
     denominator_.swap(d);
   }
-  gain_ = rounded_delta(t.numerator).front() / rounded_delta(t.denominator).front();
+  const long double gain = rounded_delta(t.numerator).front() / rounded_delta(t.denominator).front();
   denominator_.pop_back();  // the leading 1
   std::reverse(numerator_.begin(), numerator_.end());
   std::reverse(denominator_.begin(), denominator_.end());
   // (1 - lambda) v_j = v_{j+1} - d y + c u
-  equilibrium_.push_back(gain_);
+  equilibrium_.push_back(gain);
   for (std::size_t j = 0; j + 1 < n; ++j)
-    equilibrium_.push_back((j < at_zero_ ? equilibrium_[j] : 0.0L) + denominator_[j] * gain_ - numerator_[j]);
+    equilibrium_.push_back((j < at_zero_ ? equilibrium_[j] : 0.0L) + denominator_[j] * gain - numerator_[j]);
+  for (long double& value : equilibrium_) value /= gain;
 }
 
 void LoopResponse::advance(Sequence& state, long double input) const {
@@ -133,22 +134,10 @@ LoopResponse::Sequence LoopResponse::operator()(const Sequence& input) const {
 
 LoopResponse::Sequence LoopResponse::free_response(std::size_t count) const {
   Sequence state = equilibrium_;
-  for (long double& value : state) value /= gain_;
   Sequence response(count);
   for (std::size_t k = 0; k < count; ++k) {
     response[k] = state.front();
     advance(state, 0.0L);
-  }
-  return response;
-}
-
-LoopResponse::Sequence LoopResponse::lag(const Sequence& moved) const {
-  Sequence state(numerator_.size(), 0.0L);
-  Sequence response(moved.size(), 0.0L);
-  for (std::size_t k = 1; k < moved.size(); ++k) {
-    advance(state, 0.0L);
-    for (std::size_t j = 0; j < state.size(); ++j) state[j] -= equilibrium_[j] * moved[k];
-    response[k] = state.front();
   }
   return response;
 }

@@ -19,11 +19,10 @@ namespace platoon {
 /// most 100 times D on the unit circle; otherwise the number of nodes at 1 minimizes the terms relative to D.
 class LoopResponse {
 public:
-  using Scalar = long double;
-  using Sequence = std::vector<Scalar>;
+  using Sequence = std::vector<long double>;
 
   /// Smaller states count as zero: arithmetic with subnormal numbers is a hundred times slower.
-  static constexpr Scalar kNegligibleState = 1e-290L;
+  static constexpr long double kNegligibleState = 1e-290L;
 
   /// T must be strictly proper.
   explicit LoopResponse(const ClosedLoop& loop);
@@ -34,21 +33,13 @@ public:
   /// The free motion y(0), y(1), ... from the equilibrium with output 1.
   Sequence free_response(std::size_t count) const;
 
-  /// y from the zero state if, instead of an input, the state is shifted by -e moved(k) at step k, with e the
-  /// equilibrium for input 1: y relative to the equilibrium with a leader at the sum of the moves.
-  Sequence lag(const Sequence& moved) const;
-
-  /// T(1).
-  long double gain() const { return gain_; }
-
 private:
   void advance(Sequence& state, long double input) const;
 
   std::size_t at_zero_;   ///< number of nodes at 0, which belong to the first states
   Sequence numerator_;    ///< c_{n-1}, ..., c_0
   Sequence denominator_;  ///< d_{n-1}, ..., d_0
-  Sequence equilibrium_;  ///< for input 1
-  long double gain_;
+  Sequence equilibrium_;  ///< with output 1
 };
 
 }  // namespace platoon

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
-#include "stochastic_platoon/math/string/loop_spectrum.hpp"
 
 namespace platoon {
 

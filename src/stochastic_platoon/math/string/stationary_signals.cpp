@@ -7,8 +7,8 @@
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/refinement.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/string/linked_string.hpp"
-#include "stochastic_platoon/math/string/pattern_means.hpp"
+#include "stochastic_platoon/math/string/pattern_spectra.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
 
 namespace platoon {
 
@@ -69,13 +69,6 @@ std::vector<double> limit_moments_by(const PatternSpectra& spectra, const Linked
   return values;
 }
 
-/// Zeros t of the spectra of all noises.
-int noise_zeros(const LinkedPattern& pattern) {
-  int zeros = ZerosAtZero::kNone;
-  for (const LinkedVehicle& vehicle : pattern.types) zeros = std::min(zeros, vehicle.zeros_at_zero().noise);
-  return zeros == ZerosAtZero::kNone ? 0 : zeros;  // as for any noise, however small
-}
-
 /// Means of a signal of followers first + 1, ..., first + signals.size().
 std::vector<double> means_of(const PlatoonModel& model, const std::vector<Signals>& signals, std::size_t index,
                              std::size_t first) {
@@ -114,12 +107,10 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   if (!has_normal_errors(model))
     throw std::invalid_argument("model: has losses or quantisation: must have normal errors for stationary_signals()");
-  const LinkedPattern pattern = linked_pattern(model);
+  const LinkedPattern pattern(model);
   const std::vector<Signals> signals = requested_signals(model, names, followers);
   std::vector<StationarySignal> result(names.size());
-  const bool settles = std::all_of(pattern.types.begin(), pattern.types.end(),
-                                   [](const LinkedVehicle& vehicle) { return vehicle.spectral_radius() < 1.0; });
-  if (!settles) {
+  if (!pattern.mean_square_stable()) {
     const std::vector<double> none(followers, kNaN);
     for (StationarySignal& signal : result) signal.followers = {none, none, none};
     return result;
@@ -131,7 +122,7 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
     result[s].followers = moments_of(means_of(model, signals, s, 0), values, s, names.size());
   if (!string_stable) return result;
   // Limits that do not exist are left out: their poles at w = 0 would keep the quadrature from settling.
-  const int zeros = gain.zeros() - noise_zeros(pattern);
+  const int zeros = gain.zeros() - pattern.noise_zeros();
   const std::size_t m = pattern.size();
   std::vector<Signals> endless = requested_signals(model, names, 2 * m);
   endless.erase(endless.begin(), endless.begin() + static_cast<std::ptrdiff_t>(m));  // behind no leader

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -7,16 +8,23 @@
 
 namespace platoon {
 
-/// Stationary variances P_1, ..., P_N [m^2] of the tracking errors, paper corollary cor:stationary_all and eq. (pzeta):
-/// \f[ P_1 = \|H T\|_2^2 P_d, \qquad P_i = P_{i-1} + \|S T^{i-1}\|_2^2 P_d, \f]
-/// by quadrature over the unit circle, refined until it settles; 1e-12 relative. For a string unstable platoon they
-/// grow without bound, to infinity if they leave the range of double.
-///
-/// For a platoon other than the paper's this function returns linked_stationary_variances(), or
-/// burst_stationary_variances() for losses in bursts.
-///
-/// NaN throughout if rho(A) >= 1: there is no stationary variance. Throws std::invalid_argument unless followers >= 1,
-/// and if S has fewer than two zeros at z = 1.
+/// Stationary means and variances of the tracking errors of followers 1, ..., N. NaN throughout if the platoon is not
+/// mean square stable. All functions throw std::invalid_argument unless followers >= 1, and for losses in bursts
+/// without theory: see no_burst_theory().
+
+/// Variances P_1, ..., P_N [m^2]: see linked_string.hpp and burst_string.hpp. 1e-12 relative. In a string unstable
+/// platoon they grow without bound, to infinity if they leave the range of double.
 std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers);
+
+/// The shares of the links that measure positions and of the radios in these variances [m^2], from noise and losses of
+/// all vehicles; per follower the share of the position and that of the predecessor's input. Infinite or NaN where the
+/// variance is.
+std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers);
+
+/// Means at the leader's last speed [m]: v times the mean lag of the received position.
+std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers);
+
+/// The leader's last speed, in metres per step.
+double metres_per_step(const PlatoonModel& model);
 
 }  // namespace platoon

@@ -1,43 +1,46 @@
 #include "stochastic_platoon/math/string/string_stability.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
-#include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/string/burst_string.hpp"
-#include "stochastic_platoon/math/string/linked_string.hpp"
-#include "stochastic_platoon/math/string/loop_spectrum.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/string_pattern.hpp"
 
 namespace platoon {
 
 namespace {
 
-/// Mean over the circle of |HT|^2 + |T|^2 |S|^2 / (1 - |T|^2).
-double mean_limit_spectrum(const LoopSpectrum& spectrum, const PatternGain& gain) {
-  std::vector<std::complex<double>> singular = spectrum.pole_frequencies();
-  for (const std::complex<double>& w : gain.margin_frequencies()) singular.push_back(w);
-  double coarse = std::numeric_limits<double>::quiet_NaN();
-  double before = std::numeric_limits<double>::infinity();
-  for (int refinement = 0; refinement <= 5; ++refinement) {
-    const Quadrature rule = half_circle_quadrature(singular, {0.0}, refinement);
-    long double sum = 0.0L;
-    for (std::size_t k = 0; k < rule.node.size(); ++k) {
-      const LoopSpectrumValue value = spectrum.at(rule.node[k]);
-      sum += rule.weight[k] * (value.complement + value.gain * value.ratio);
-    }
-    const auto fine = static_cast<double>(sum);
-    const double change = std::abs(fine - coarse) / fine;
-    if (is_converged(change, before)) return fine;
-    coarse = fine;
-    before = change;
-  }
-  return coarse;
+/// The differences between the verdicts of both kinds of patterns.
+struct Wording {
+  const char* losses;
+  std::string growth;  ///< of predictions from predictions
+  double doubt;        ///< accuracy of the loss gain
+};
+
+Wording wording(const LinkedPattern& pattern) {
+  return {"losses",
+          "p q ||L F||^2 = " + beside_one(pattern.loss_feedback()) +
+              " is not below 1, so that predictions from predictions grow",
+          1e-12};
 }
 
-}  // namespace
+Wording wording(const BurstPattern& pattern) {
+  return {"losses in bursts",
+          "the second moments of predictions from predictions grow by " + beside_one(pattern.loss_feedback()) +
+              " a step, which is not below 1",
+          1e-11};
+}
 
+const char* gain_name(const VehicleModel& first, std::size_t vehicles) {
+  if (vehicles > 1) return "|T^| of one pattern";
+  if (first.feed_forward) return "|Gamma|";
+  return first.link.is_white_noise_only() ? "|T|" : "|T^|";
+}
+
+/// Judges |prod T^| alone: sets the peak, mean_bounded and, for a negative verdict, the reason. True if |prod T^| < 1
+/// for all w > 0.
 bool judge_gain(const PatternGain& gain, const std::string& name, StringStability& verdict) {
   verdict.peak_gain = 1.0;
   verdict.peak_frequency = 0.0;
@@ -65,54 +68,65 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
   return false;
 }
 
-bool judge_losses(double loss_gain, double doubt, const std::string& losses, StringStability& verdict) {
-  verdict.undecided = std::abs(loss_gain - 1.0) <= doubt;
+/// Judges the loss gain of a string that judge_gain() accepts: sets the reason of a negative verdict. True if it is
+/// below 1.
+bool judge_losses(double loss_gain, const Wording& words, StringStability& verdict) {
+  verdict.undecided = std::abs(loss_gain - 1.0) <= words.doubt;
   if (verdict.undecided) {
     verdict.reason = formatted(
         "undecided: the loss gain is 1 to %.0e, so that rounding decides whether the variance that losses add grows along the string",
-        doubt);
+        words.doubt);
     return false;
   }
   if (loss_gain < 1.0) return true;
   verdict.reason = "not string stable: the loss gain is " + beside_one(loss_gain) + ", above 1: the variance that " +
-                   losses + " add grows along the string";
+                   words.losses + " add grows along the string";
   return false;
 }
 
-std::string reason_of_stability(double spectral_radius, const std::string& name, std::optional<double> loss_gain) {
-  const std::string radius = beside_one(spectral_radius);
-  return loss_gain ? "string stable: rho(A) = " + radius + " is below 1, " + name +
-                         " is below 1 for all w > 0, and the loss gain is " + beside_one(*loss_gain) + ", below 1"
-                   : "string stable: rho(A) = " + radius + " is below 1 and " + name + " is below 1 for all w > 0";
+/// Judges a mean square stable string.
+template <class Pattern>
+void judge(const Pattern& pattern, double speed, StringStability& verdict) {
+  const std::string name = gain_name(pattern.types.front().vehicle(), pattern.size());
+  const PatternGain gain = pattern.gain();
+  if (!judge_gain(gain, name, verdict)) return;
+  if (pattern.grows_at_zero(gain)) {
+    verdict.reason = "not string stable: " + name + " < 1 for all w > 0, but 1 - " + name +
+                     "^2 vanishes so fast at w = 0 that the variances grow without bound";
+    return;
+  }
+  const double losses = loss_gain(pattern);
+  const bool has_stage = std::any_of(pattern.types.begin(), pattern.types.end(), [](const auto& v) {
+    return v.vehicle().link.loss || varied_link(v.vehicle()).loss;
+  });
+  if (has_stage) verdict.loss_gain = losses;
+  if (!judge_losses(losses, wording(pattern), verdict)) return;
+  verdict.string_stable = true;
+  const std::vector<double> limits = limit_variances(pattern, speed);
+  verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
+  const std::string radius = beside_one(verdict.spectral_radius);
+  verdict.reason = pattern.has_losses()
+                       ? "string stable: rho(A) = " + radius + " is below 1, " + name +
+                             " is below 1 for all w > 0, and the loss gain is " + beside_one(losses) + ", below 1"
+                       : "string stable: rho(A) = " + radius + " is below 1 and " + name + " is below 1 for all w > 0";
 }
 
-std::string reason_of_growth_at_zero(const std::string& name) {
-  return "not string stable: " + name + " < 1 for all w > 0, but 1 - " + name +
-         "^2 vanishes so fast at w = 0 that the variances grow without bound";
-}
+}  // namespace
 
 StringStability string_stability(const PlatoonModel& model) {
-  if (has_bursts(model)) return burst_string_stability(model);
-  if (!is_papers(model) || model.default_vehicle().loop.parts) return linked_string_stability(model);
-  const LoopSpectrum spectrum(model.default_vehicle().loop, model.default_vehicle().headway);
-  StringStability verdict;
-  verdict.spectral_radius = spectral_radius(model.default_vehicle().loop);
-  verdict.mean_square_stable = verdict.spectral_radius < 1.0;
-  if (!verdict.mean_square_stable) {
-    verdict.reason = "not mean square stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is not below 1";
+  return with_pattern(model, [&model](const auto& pattern) {
+    StringStability verdict;
+    verdict.spectral_radius = pattern.spectral_radius();
+    verdict.mean_square_stable = pattern.mean_square_stable();
+    if (verdict.mean_square_stable) {
+      judge(pattern, metres_per_step(model), verdict);
+    } else if (verdict.spectral_radius >= 1.0) {
+      verdict.reason = "not mean square stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is not below 1";
+    } else {
+      verdict.reason = "not mean square stable: " + wording(pattern).growth;
+    }
     return verdict;
-  }
-  const PatternGain gain({rated_factor(model.default_vehicle().loop)});
-  if (!judge_gain(gain, "|T|", verdict)) return verdict;
-  if (spectrum.margin_zeros() > spectrum.sensitivity_zeros()) {
-    verdict.reason = reason_of_growth_at_zero("|T|");
-    return verdict;
-  }
-  verdict.string_stable = true;
-  verdict.limit_variance = mean_limit_spectrum(spectrum, gain) * model.default_vehicle().noise_variance;
-  verdict.reason = reason_of_stability(verdict.spectral_radius, "|T|");
-  if (model.default_vehicle().link.loss) verdict.loss_gain = 0.0;  // loss probability 0
-  return verdict;
+  });
 }
 
 }  // namespace platoon

@@ -2,59 +2,54 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
-#include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/numerics/stable_intervals.hpp"
+#include "stochastic_platoon/math/string/string_pattern.hpp"
 
 namespace platoon {
 
-/// The pattern of a platoon as a function of one varied value, and its margins. Keeps the pattern at the last place, as
-/// both margins need it.
-template <class Pattern>
-class VariedPattern {
-public:
-  using Former = Pattern (*)(const PlatoonModel&, const Pattern& known);
-  using Margin = double (*)(const Pattern&);
-
-  /// Margins as linked_gain_margin() and linked_loss_margin().
-  VariedPattern(std::function<PlatoonModel(double)> model_at, double known, Former former, Margin gain_margin,
-                Margin loss_margin)
-      : model_at_(std::move(model_at)),
-        former_(former),
-        gain_(gain_margin),
-        losses_(loss_margin),
-        known_(former(model_at_(known), {})) {}
-
-  StabilityMargin gain() {
-    return [this](double place) { return of(gain_, place); };
-  }
-  StabilityMargin losses() {
-    return [this](double place) { return of(losses_, place); };
-  }
-
-private:
-  // A value without a loop of double integral action counts as unstable.
-  double of(Margin margin, double place) {
-    try {
-      if (place != place_) {
-        place_ = std::numeric_limits<double>::quiet_NaN();
-        last_ = former_(model_at_(place), known_);
-        place_ = place;
-      }
-      return margin(last_);
-    } catch (const std::invalid_argument&) {
-      return -1.0;
-    }
-  }
-
-  std::function<PlatoonModel(double)> model_at_;
-  Former former_;
-  Margin gain_, losses_;
-  Pattern known_, last_;
-  double place_ = std::numeric_limits<double>::quiet_NaN();
+/// The margins of a platoon's pattern as functions of one varied value: gain_margin() and loss_margin().
+struct VariedMargins {
+  StabilityMargin gain, losses;
 };
+
+/// `model_at`: the platoon at a value; `known`: a value with a loop. A value without a loop of double integral action
+/// counts as unstable. The pattern at the last value is kept, as both margins need it.
+template <class Pattern>
+VariedMargins varied_margins(std::function<PlatoonModel(double)> model_at, double known) {
+  struct Varied {
+    std::function<PlatoonModel(double)> model_at;
+    Pattern known, last;
+    double value = std::numeric_limits<double>::quiet_NaN();  // of `last`
+  };
+  const Pattern pattern(model_at(known));
+  const auto varied = std::make_shared<Varied>(Varied{std::move(model_at), pattern, {}});
+  const auto margin = [varied](double (*of)(const Pattern&)) {
+    return [varied, of](double value) {
+      try {
+        if (value != varied->value) {
+          varied->value = std::numeric_limits<double>::quiet_NaN();
+          varied->last = Pattern(varied->model_at(value), varied->known);
+          varied->value = value;
+        }
+        return of(varied->last);
+      } catch (const std::invalid_argument&) {
+        return -1.0;
+      }
+    };
+  };
+  return {margin([](const Pattern& found) { return found.gain_margin(); }),
+          margin([](const Pattern& found) { return loss_margin(found); })};
+}
+
+/// The margins by the theory that the platoon's links need.
+inline VariedMargins varied_margins(const PlatoonModel& model, std::function<PlatoonModel(double)> model_at,
+                                    double known) {
+  return has_bursts(model) ? varied_margins<BurstPattern>(std::move(model_at), known)
+                           : varied_margins<LinkedPattern>(std::move(model_at), known);
+}
 
 }  // namespace platoon

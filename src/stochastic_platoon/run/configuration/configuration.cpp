@@ -5,7 +5,7 @@
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/burst_moments.hpp"
-#include "stochastic_platoon/math/string/burst_pattern.hpp"
+#include "stochastic_platoon/math/string/burst_vehicle.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"

@@ -7,8 +7,8 @@
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/burst_moments.hpp"
-#include "stochastic_platoon/math/string/burst_pattern.hpp"
-#include "stochastic_platoon/math/string/linked_string.hpp"
+#include "stochastic_platoon/math/string/burst_vehicle.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/run/report/age_analysis.hpp"

@@ -21,6 +21,13 @@ CirclePolynomial with_zeros(const std::vector<long double>& zeros) {
   return p;
 }
 
+TEST(CirclePolynomial, HasACoordinateForEveryFrequency) {
+  for (const double w : {0.0, 1e-9, 1e-3, 1.0, 1.5, 2.0, 3.0, 3.14159265, 3.141592653589793}) {
+    const Centre centre = w < 1.57 ? Centre::kOne : Centre::kMinusOne;
+    EXPECT_NEAR(frequency_at(circle_coordinate(w, centre), centre), w, 1e-15 * w) << w;
+  }
+}
+
 TEST(CirclePolynomial, EqualsItsTaylorExpansion) {
   const Polynomial p = sample_polynomial();
   for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {

@@ -6,8 +6,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
 #include "stochastic_platoon/math/paper/lemma_one.hpp"
-#include "stochastic_platoon/math/string/loop_spectrum.hpp"
+#include "stochastic_platoon/math/string/pattern_gain.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 
@@ -35,14 +36,13 @@ std::vector<double> error_spectra(const PlatoonModel& model, std::size_t followe
     throw std::invalid_argument("frequency: " + std::to_string(frequency) + ": must be in [0, pi]");
   }
   std::vector<double> spectra(followers, std::numeric_limits<double>::quiet_NaN());
-  const LoopSpectrum spectrum(model.default_vehicle().loop, model.default_vehicle().headway);
   if (spectral_radius(model.default_vehicle().loop) >= 1.0) return spectra;
-  const LoopSpectrumValue value = spectrum.at(frequency);
-  const double input = value.gain * value.sensitivity + value.margin * value.complement;  // 1 - S = HT
-  spectra[0] = value.complement * model.default_vehicle().noise_variance;
-  for (std::size_t i = 1; i < followers; ++i) {
-    spectra[i] = value.gain * spectra[i - 1] + input * model.default_vehicle().noise_variance;
-  }
+  const std::complex<double> z = std::polar(1.0, frequency), t = model.default_vehicle().loop.transfer(z),
+                             ht = headway_policy(model.default_vehicle().headway)(z) * t;
+  const double gain = std::norm(t), input = gain * std::norm(1.0 - ht) + (1.0 - gain) * std::norm(ht);
+  spectra[0] = std::norm(ht) * model.default_vehicle().noise_variance;
+  for (std::size_t i = 1; i < followers; ++i)
+    spectra[i] = gain * spectra[i - 1] + input * model.default_vehicle().noise_variance;
   return spectra;
 }
 
@@ -57,9 +57,15 @@ TransferFunction spectral_factor(const PlatoonModel& model) {
   if (!stability.string_stable) {
     throw std::invalid_argument("T(z): has no spectral factor M of 1 - T T~: " + stability.reason);
   }
-  const LoopSpectrum spectrum(model.default_vehicle().loop, model.default_vehicle().headway);
+  const ClosedLoop& loop = model.default_vehicle().loop;
+  const DeltaFraction transfer = delta_fraction(loop);
+  const int margin_zeros = PatternGain({rated_factor(loop)}).zeros();
+  CirclePolynomial margin =
+      subtract(squared_modulus(transfer.denominator, Centre::kOne), squared_modulus(transfer.numerator, Centre::kOne));
+  for (int i = 0; i < margin_zeros; ++i) margin = without_zero_at_origin(margin);
   std::vector<std::complex<double>> zeros;
-  for (const std::complex<double>& t : spectrum.margin_roots()) {
+  for (const std::complex<long double>& root : platoon::zeros(margin)) {
+    const std::complex<double> t(root);
     // 1 - cos w = t in z = e^{jw}: z^2 - 2 (1 - t) z + 1 = 0, a pair z, 1/z.
     const std::complex<double> offset = std::sqrt(t * (t - 2.0));
     const std::complex<double> outer =
@@ -67,11 +73,10 @@ TransferFunction spectral_factor(const PlatoonModel& model) {
     zeros.push_back(1.0 / outer);
   }
   const Polynomial inner = from_zeros(zeros);
-  const auto at_one = static_cast<double>(spectrum.about(Centre::kOne).stripped_margin.front());
-  const double scale = std::sqrt(at_one / std::pow(2.0, spectrum.margin_zeros())) / inner.sum();
+  const double scale = std::sqrt(static_cast<double>(margin.front()) / std::pow(2.0, margin_zeros)) / inner.sum();
   Polynomial factor = scale * inner;
-  for (int i = 0; i < spectrum.margin_zeros(); ++i) factor = multiply(factor, Eigen::Vector2d(1.0, -1.0));
-  const Polynomial& denominator = model.default_vehicle().loop.transfer.denominator();
+  for (int i = 0; i < margin_zeros; ++i) factor = multiply(factor, Eigen::Vector2d(1.0, -1.0));
+  const Polynomial& denominator = loop.transfer.denominator();
   Polynomial padded = Polynomial::Zero(denominator.size());
   padded.head(factor.size()) = factor;
   return {padded, denominator};

@@ -11,8 +11,7 @@ namespace platoon {
 /// w [rad/sample], by the recursion of Theorem 1, eq. (zdom_psdz_all):
 ///     phi_1 = |HT|^2 P_d,   phi_i = |T|^2 phi_{i-1} + |T|^2 |S|^2 P_d + (1 - |T|^2) |1 - S|^2 P_d.
 ///
-/// NaN throughout when rho(A) >= 1. Throws std::invalid_argument unless followers >= 1 and 0 <= w <= pi, and
-/// when S has fewer than two zeros at z = 1.
+/// NaN throughout when rho(A) >= 1. Throws std::invalid_argument unless followers >= 1 and 0 <= w <= pi.
 std::vector<double> error_spectra(const PlatoonModel& model, std::size_t followers, double frequency);
 
 /// Norm of F_{zeta_N} = [S T^{N-1} ... S T, -HT] (corollary cor:stationary_all): P_N = norm^2 P_d. NaN when

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
-#include "stochastic_platoon/math/string/loop_spectrum.hpp"
+#include "stochastic_platoon/math/string/linked_vehicle.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "unit/math/string/example_loops.hpp"
 
@@ -38,8 +38,8 @@ TEST(Spectrum, RecursionIsTheSumOverTheNoisesInFront) {
 TEST(Spectrum, MeanOverTheCircleIsTheStationaryVariance) {
   for (const ExampleLoop& example : example_loops()) {
     const PlatoonModel model = model_with(example.loop, example.headway);
-    const LoopSpectrum loop(example.loop, example.headway);
-    const Quadrature rule = half_circle_quadrature(loop.pole_frequencies(), {}, 1);
+    const LinkedVehicle vehicle(model.default_vehicle());
+    const Quadrature rule = half_circle_quadrature(vehicle.pole_frequencies(), {}, 1);
     std::vector<double> mean(5, 0.0);
     for (std::size_t k = 0; k < rule.node.size(); ++k) {
       const std::vector<double> spectra = error_spectra(model, 5, rule.node[k]);

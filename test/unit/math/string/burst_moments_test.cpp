@@ -4,8 +4,8 @@
 
 #include <stdexcept>
 
-#include "stochastic_platoon/math/string/burst_string.hpp"
 #include "stochastic_platoon/math/string/linked_moments.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {
@@ -38,7 +38,7 @@ TEST(BurstMoments, OfIndependentLossesAreThoseOfTheirTheory) {
 TEST(BurstMoments, SettleAtTheStationaryValues) {
   for (const PlatoonModel& model : {with_bursts(0.1, 2.0, {1.0}), with_bursts(0.1, 1.5, {2.0, -1.0})}) {
     const ErrorMoments moments = burst_error_moments(model, 4, 400);
-    const std::vector<double> variance = burst_stationary_variances(model, 4), mean = burst_stationary_means(model, 4);
+    const std::vector<double> variance = stationary_variances(model, 4), mean = stationary_means(model, 4);
     for (std::size_t i = 1; i <= 4; ++i) {
       EXPECT_NEAR(moments.variance_at(i, 399) / variance[i - 1], 1.0, 1e-10);
       EXPECT_NEAR(moments.mean_at(i, 399), mean[i - 1], 1e-10);

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "stochastic_platoon/math/string/burst_spectra.hpp"
-#include "stochastic_platoon/math/string/linked_string.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {
@@ -86,7 +88,7 @@ TEST(BurstLink, RejectsLossesWithoutTheory) {
 // Transforms on equally spaced nodes and the kernel on other nodes give the same mean.
 TEST(BurstSpectra, ScatterTheSameOnAllNodes) {
   for (const double mean_burst : {1.05, 3.0}) {
-    const BurstPattern pattern = burst_pattern(with_bursts(0.2, mean_burst, {1.0}));
+    const BurstPattern pattern(with_bursts(0.2, mean_burst, {1.0}));
     const BurstSpectra equally_spaced(pattern, 2048), others(pattern, half_circle_quadrature({{0.0, 0.05}}, {}, 2));
     const auto mean = [](const BurstSpectra& spectra) {
       const BurstSpectra::Type& type = spectra.of(0);
@@ -98,32 +100,36 @@ TEST(BurstSpectra, ScatterTheSameOnAllNodes) {
 
 // Reference: dense second moments of three vehicles with all their registers and modes.
 TEST(BurstString, HasTheVariancesOfTheWholeState) {
-  const std::vector<double> hold = burst_stationary_variances(with_bursts(0.1, 2.0, {1.0}), 3);
-  const std::vector<double> extrapolate = burst_stationary_variances(with_bursts(0.1, 1.5, {2.0, -1.0}), 3);
+  const std::vector<double> hold = stationary_variances(with_bursts(0.1, 2.0, {1.0}), 3);
+  const std::vector<double> extrapolate = stationary_variances(with_bursts(0.1, 1.5, {2.0, -1.0}), 3);
   const double held[] = {6.949241, 9.448674, 10.647768}, extrapolated[] = {3.422210, 5.155340, 6.096187};
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(hold[i], held[i], 5e-7);
     EXPECT_NEAR(extrapolate[i], extrapolated[i], 5e-7);
   }
-  EXPECT_NEAR(*burst_string_stability(with_bursts(0.2, 3.0, {1.0})).loss_gain, 0.426077, 5e-7);
+  EXPECT_NEAR(*string_stability(with_bursts(0.2, 3.0, {1.0})).loss_gain, 0.426077, 5e-7);
 }
 
 // With the mean burst of independent losses the results are those of their theory, which shares only the vehicle.
 TEST(BurstString, OfIndependentLossesIsTheTheoryOfThem) {
-  const auto compare = [](PlatoonModel model) {
-    const std::vector<double> expected = linked_stationary_variances(model, 8);
-    const std::vector<double> found = burst_stationary_variances(model, 8);
-    for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(found[i] / expected[i], 1.0, 1e-11) << i;
-    const std::vector<double> means = stationary_means(model, 8), burst_means = burst_stationary_means(model, 8);
-    for (std::size_t i = 0; i < means.size(); ++i) EXPECT_NEAR(burst_means[i], means[i], 1e-11);
-    const StringStability linked = linked_string_stability(model), burst = burst_string_stability(model);
-    EXPECT_EQ(burst.string_stable, linked.string_stable);
-    EXPECT_NEAR(burst.peak_gain, linked.peak_gain, 1e-11);
-    EXPECT_EQ(burst.loss_gain.has_value(), linked.loss_gain.has_value());
-    EXPECT_NEAR(burst.loss_gain.value_or(0.0), linked.loss_gain.value_or(0.0), 1e-10);
-    EXPECT_EQ(burst.limit_variance.has_value(), linked.limit_variance.has_value());
-    const double limit = linked.limit_variance.value_or(1.0);
-    EXPECT_NEAR(burst.limit_variance.value_or(1.0) / limit, 1.0, 1e-10);
+  const auto compare = [](const PlatoonModel& model) {
+    const BurstPattern pattern(model);
+    const double speed = metres_per_step(model);
+    const std::vector<double> expected = stationary_variances(model, 8), means = stationary_means(model, 8);
+    const std::vector<double> found = stationary_variances(pattern, speed, 8);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_NEAR(found[i] / expected[i], 1.0, 1e-11) << i;
+      EXPECT_NEAR(speed * pattern[i].lag(), means[i], 1e-11) << i;
+    }
+    const StringStability linked = string_stability(model);
+    EXPECT_NEAR(1.0 + pattern.gain().peak().excess, linked.peak_gain, 1e-11);
+    EXPECT_EQ(pattern.gain_margin() > 0.0, linked.loss_gain.has_value());
+    if (!linked.loss_gain) return;
+    EXPECT_NEAR(loss_gain(pattern), *linked.loss_gain, 1e-10);
+    EXPECT_EQ(loss_margin(pattern) > 0.0, linked.string_stable);
+    if (!linked.string_stable) return;
+    const std::vector<double> limits = limit_variances(pattern, speed);
+    EXPECT_NEAR(*std::max_element(limits.begin(), limits.end()) / *linked.limit_variance, 1.0, 1e-10);
   };
   for (const double headway : {2.4, 3.2, 400.0}) {
     compare(with_bursts(0.1, 1.0 / 0.9, {2.0, -1.0}, headway));
@@ -143,33 +149,33 @@ TEST(BurstString, OfIndependentLossesIsTheTheoryOfThem) {
 
 // The verdict and the growth of the variance along the string agree.
 TEST(BurstString, GrowsAlongTheStringExactlyIfTheLossGainIsAboveOne) {
-  const StringStability stable = burst_string_stability(with_bursts(0.1, 2.0, {2.0, -1.0}));
-  const StringStability unstable = burst_string_stability(with_bursts(0.1, 3.0, {2.0, -1.0}));
+  const StringStability stable = string_stability(with_bursts(0.1, 2.0, {2.0, -1.0}));
+  const StringStability unstable = string_stability(with_bursts(0.1, 3.0, {2.0, -1.0}));
   EXPECT_TRUE(stable.string_stable);
   EXPECT_LT(*stable.loss_gain, 1.0);
   EXPECT_FALSE(unstable.string_stable);
   EXPECT_GT(*unstable.loss_gain, 1.0);
   EXPECT_EQ(unstable.reason.find("not string stable: the loss gain is "), 0u);
-  const std::vector<double> growing = burst_stationary_variances(with_bursts(0.1, 3.0, {2.0, -1.0}), 200);
+  const std::vector<double> growing = stationary_variances(with_bursts(0.1, 3.0, {2.0, -1.0}), 200);
   EXPECT_GT(growing[199] / growing[198], 1.1);
-  const std::vector<double> settling = burst_stationary_variances(with_bursts(0.1, 2.0, {2.0, -1.0}), 500);
+  const std::vector<double> settling = stationary_variances(with_bursts(0.1, 2.0, {2.0, -1.0}), 500);
   EXPECT_LT(settling.back(), *stable.limit_variance);
   EXPECT_NEAR(settling.back() / *stable.limit_variance, 1.0, 1e-3);
 }
 
 TEST(BurstString, HasNoStationaryVarianceWherePredictionsGrow) {
   const PlatoonModel model = with_bursts(0.3, 6.0, {2.0, -1.0});
-  EXPECT_EQ(burst_string_stability(model).reason.find("not mean square stable: the second moments of predictions"), 0u);
-  EXPECT_TRUE(std::isnan(burst_stationary_variances(model, 2)[1]));
-  EXPECT_TRUE(std::isnan(burst_stationary_means(model, 2)[1]));
+  EXPECT_EQ(string_stability(model).reason.find("not mean square stable: the second moments of predictions"), 0u);
+  EXPECT_TRUE(std::isnan(stationary_variances(model, 2)[1]));
+  EXPECT_TRUE(std::isnan(stationary_means(model, 2)[1]));
 }
 
 TEST(BurstString, RejectsWhatHasNoTheory) {
-  EXPECT_THROW(burst_stationary_variances(with_bursts(0.1, 2.0, {1.0}), 0), std::invalid_argument);
-  EXPECT_THROW(burst_string_stability(with_bursts(0.5, 1.0, {1.0})), std::invalid_argument);
+  EXPECT_THROW(stationary_variances(with_bursts(0.1, 2.0, {1.0}), 0), std::invalid_argument);
+  EXPECT_THROW(string_stability(with_bursts(0.5, 1.0, {1.0})), std::invalid_argument);
   PlatoonModel radio = with_bursts(0.1, 2.0, {1.0});
   radio.default_vehicle().feed_forward = FeedForward();
-  EXPECT_THROW(burst_stationary_means(radio, 1), std::invalid_argument);
+  EXPECT_THROW(stationary_means(radio, 1), std::invalid_argument);
 }
 
 }  // namespace

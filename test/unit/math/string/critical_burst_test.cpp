@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "stochastic_platoon/math/string/burst_string.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/math/string/critical_loss.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {
@@ -23,7 +23,7 @@ LoopDesign paper_design() {
 }
 
 bool is_stable(const PlatoonModel& model) {
-  return burst_string_stability(model).string_stable;
+  return string_stability(model).string_stable;
 }
 
 TEST(CriticalBurst, SeparatesStableFromUnstable) {

@@ -3,13 +3,23 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/string/linked_vehicle.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/math/string/example_loops.hpp"
 
 namespace platoon {
 namespace {
+
+/// The closed loop at headway h.
+using HeadwayLaw = std::function<ClosedLoop(double headway)>;
+
+StableHeadways stable_headways_of(const HeadwayLaw& law, const HeadwayRange& range = {}) {
+  return stable_headways(
+      [&law](double headway) { return LinkedPattern(model_with(law(headway), headway)).gain_margin(); }, range);
+}
 
 /// G = 1/(z-1)^2 with K = gain z / (z + 0.89) at every headway.
 HeadwayLaw fixed_gain(double gain) {
@@ -30,7 +40,7 @@ ClosedLoop cancelling(double headway) {
 
 TEST(CriticalHeadway, OfThePapersExampleIsKnownInClosedForm) {
   // 1 - |T|^2 ~ (h (1+h) - 2 / K(1)) w^2 with K(1) = 1.35 / (1.89 (1+h)): h = 2 * 1.89 / 1.35 = 2.8.
-  const StableHeadways found = stable_headways(paper_loop);
+  const StableHeadways found = stable_headways_of(paper_loop);
   ASSERT_TRUE(found.critical.has_value());
   EXPECT_NEAR(*found.critical, 2.8, 1e-11);
   ASSERT_EQ(found.intervals.size(), 1u);
@@ -38,7 +48,7 @@ TEST(CriticalHeadway, OfThePapersExampleIsKnownInClosedForm) {
 }
 
 TEST(CriticalHeadway, DoesNotExistWhereLongHeadwaysAreUnstableAgain) {
-  const StableHeadways found = stable_headways(fixed_gain(0.3));
+  const StableHeadways found = stable_headways_of(fixed_gain(0.3));
   EXPECT_FALSE(found.critical.has_value());
   ASSERT_EQ(found.intervals.size(), 1u);
   const double from = (-1.0 + std::sqrt(1.0 + 8.0 * 1.89 / 0.3)) / 2.0;  // h (1+h) = 2 / K(1)
@@ -50,7 +60,7 @@ TEST(CriticalHeadway, IsWhereTheVerdictTurns) {
   const HeadwayLaw laws[] = {paper_loop, fixed_gain(0.3), fixed_gain(0.05), cancelling};
   for (const HeadwayLaw& law : laws) {
     const auto stable = [&](double h) { return string_stability(model_with(law(h), h)).string_stable; };
-    for (const HeadwayInterval& interval : stable_headways(law).intervals) {
+    for (const HeadwayInterval& interval : stable_headways_of(law).intervals) {
       EXPECT_TRUE(stable(interval.from + 1e-9));
       EXPECT_FALSE(stable(interval.from - 1e-9));
       EXPECT_TRUE(stable(interval.to - 1e-9));
@@ -64,11 +74,11 @@ TEST(CriticalHeadway, IsWhereTheVerdictTurns) {
 TEST(CriticalHeadway, MarginHasTheSignOfTheVerdict) {
   for (const ExampleLoop& example : example_loops()) {
     const bool stable = string_stability(model_with(example.loop, example.headway)).string_stable;
-    EXPECT_EQ(string_margin(example.loop, example.headway) > 0.0, stable) << example.name;
+    EXPECT_EQ(LinkedPattern(model_with(example.loop, example.headway)).gain_margin() > 0.0, stable) << example.name;
   }
   for (const ExampleLoop& example : string_stable_loops()) {
     if (example.name.find("flat") != std::string::npos) continue;  // at the border: the margin is 0 but for rounding
-    EXPECT_GT(string_margin(example.loop, example.headway), 0.0) << example.name;
+    EXPECT_GT(LinkedPattern(model_with(example.loop, example.headway)).gain_margin(), 0.0) << example.name;
   }
 }
 
@@ -81,12 +91,12 @@ TEST(CriticalHeadway, FindsStretchesNarrowerThanTheSamples) {
     };
   };
   const HeadwayRange range{2.7, 3.6, 8};
-  const StableHeadways island = stable_headways(law(1.0), range);
+  const StableHeadways island = stable_headways_of(law(1.0), range);
   ASSERT_EQ(island.intervals.size(), 1u);
   EXPECT_NEAR(island.intervals[0].from, 2.99, 1e-9);
   EXPECT_NEAR(island.intervals[0].to, 3.01, 1e-9);
   EXPECT_FALSE(island.critical.has_value());
-  const StableHeadways gap = stable_headways(law(-1.0), range);
+  const StableHeadways gap = stable_headways_of(law(-1.0), range);
   ASSERT_EQ(gap.intervals.size(), 2u);
   EXPECT_EQ(gap.intervals[0].from, 2.7);
   EXPECT_NEAR(gap.intervals[0].to, 2.99, 1e-9);
@@ -95,10 +105,10 @@ TEST(CriticalHeadway, FindsStretchesNarrowerThanTheSamples) {
 }
 
 TEST(CriticalHeadway, RefusesAnEmptyRangeAndTooFewSamples) {
-  EXPECT_THROW(stable_headways(paper_loop, {0.0, 1.0, 10}), std::invalid_argument);
-  EXPECT_THROW(stable_headways(paper_loop, {2.0, 1.0, 10}), std::invalid_argument);
-  EXPECT_THROW(stable_headways(paper_loop, {1.0, INFINITY, 10}), std::invalid_argument);
-  EXPECT_THROW(stable_headways(paper_loop, {1.0, 2.0, 1}), std::invalid_argument);
+  EXPECT_THROW(stable_headways_of(paper_loop, {0.0, 1.0, 10}), std::invalid_argument);
+  EXPECT_THROW(stable_headways_of(paper_loop, {2.0, 1.0, 10}), std::invalid_argument);
+  EXPECT_THROW(stable_headways_of(paper_loop, {1.0, INFINITY, 10}), std::invalid_argument);
+  EXPECT_THROW(stable_headways_of(paper_loop, {1.0, 2.0, 1}), std::invalid_argument);
 }
 
 // A vehicle sampled at a kilohertz keeps headways of thousands of samples.
@@ -109,7 +119,7 @@ TEST(CriticalHeadway, IsSoughtAboutTheModelsOwnHeadway) {
   const TransferFunction controller(Eigen::Vector2d(1235.158157878057, -1234.4254979937014), Eigen::Vector2d(1.0, 0.0));
   const HeadwayLaw law = [&](double headway) { return close_loop(plant, controller, headway); };
   ASSERT_TRUE(string_stability(model_with(law(h), h)).string_stable);
-  const StableHeadways found = stable_headways(law, headways_about(h));
+  const StableHeadways found = stable_headways_of(law, headways_about(h));
   ASSERT_EQ(found.intervals.size(), 1u);
   EXPECT_LE(found.intervals[0].from, h);
   EXPECT_GE(found.intervals[0].to, h);
@@ -121,10 +131,13 @@ TEST(CriticalHeadway, IsSoughtAboutTheModelsOwnHeadway) {
 TEST(CriticalHeadway, OfAdaptiveCruiseControlIsKnownInClosedForm) {
   LoopDesign design{{car_with_actuator_lag(0.1, 0.2), 0.01}, {ControllerGains{0.2, 0.7, 0.0}, 0.01}};
   design.headway_filter = true;
-  const StableHeadways found = stable_headways([&](double h) { return close_loop(design, h); });
-  ASSERT_TRUE(found.critical);
+  PlatoonModel model = model_with(close_loop(design, 300.0), 300.0);
+  model.default_vehicle().design = design;
+  model.types.front().inherited.headway = true;
+  const std::optional<StableHeadways> found = stable_headways(model);
+  ASSERT_TRUE(found && found->critical);
   const double expected = (-1.0 + std::sqrt(1.0 + 8.0 / (0.2 * 0.01 * 0.01))) / 2.0;
-  EXPECT_NEAR(*found.critical, expected, 1e-9 * expected);
+  EXPECT_NEAR(*found->critical, expected, 1e-9 * expected);
   EXPECT_NEAR(0.01 * expected, 3.15728, 1e-5);
 }
 
@@ -132,14 +145,14 @@ TEST(CriticalHeadway, NeverContradictsTheVerdictAtTheHeadwayAskedFor) {
   const HeadwayLaw laws[] = {paper_loop, fixed_gain(0.3), cancelling};
   for (const HeadwayLaw& law : laws) {
     std::vector<double> headways{0.02, 1.0, 2.8, 4.0, 900.0, 2500.0};
-    for (const HeadwayInterval& interval : stable_headways(law).intervals) {
+    for (const HeadwayInterval& interval : stable_headways_of(law).intervals) {
       for (const double change : {-1e-12, -1e-14, 0.0, 1e-14, 1e-12})
         headways.push_back(interval.from * (1.0 + change));
     }
     for (const double h : headways) {
       const bool stable = string_stability(model_with(law(h), h)).string_stable;
       bool inside = false;
-      for (const HeadwayInterval& interval : stable_headways(law, headways_about(h)).intervals)
+      for (const HeadwayInterval& interval : stable_headways_of(law, headways_about(h)).intervals)
         inside = inside || (interval.from <= h && h <= interval.to);
       EXPECT_EQ(inside, stable) << h;
     }

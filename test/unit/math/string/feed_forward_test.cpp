@@ -13,6 +13,7 @@
 #include "stochastic_platoon/math/string/linked_moments.hpp"
 #include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/math/radio_cars.hpp"
 
 namespace platoon {
@@ -47,7 +48,7 @@ TEST(FeedForward, HasTheCriticalHeadwayOfAnIndependentProgram) {
 TEST(FeedForward, GivesGammaByItsFactorsAndByItsFormula) {
   for (const std::int64_t delay : {1, 2, 25, 60}) {
     const PlatoonModel model = radio_platoon(0.5, 0.01, 0.01, delay);
-    const LinkedPattern pattern = linked_pattern(model);
+    const LinkedPattern pattern(model);
     const LinkedVehicle& vehicle = pattern.types.front();
     const RatedFactor& factor = vehicle.factor();
     const auto gain = [&](double w) {  // |Gamma|^2 from poles and zeros, 1 at w = 0

@@ -9,6 +9,7 @@
 #include "stochastic_platoon/math/string/critical_loss.hpp"
 #include "stochastic_platoon/math/string/linked_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/math/string/example_loops.hpp"
 #include "unit/paper_platoon.hpp"
 
@@ -21,24 +22,14 @@ PlatoonModel with_loss(double probability, const std::vector<double>& predictor,
   return model;
 }
 
-// Reference: the computation for the paper's platoon, which has no links.
-TEST(LinkedString, WithoutLossesIsThePapers) {
+// Reference: the sums for the paper's platoon, in double.
+TEST(LinkedString, WithoutLossesHasThePapersErrors) {
   for (const double headway : {2.4, 3.2}) {
     const PlatoonModel model = paper_platoon(headway);
-    const StringStability paper = string_stability(model), linked = linked_string_stability(model);
-    EXPECT_EQ(linked.string_stable, paper.string_stable);
-    EXPECT_NEAR(linked.peak_gain, paper.peak_gain, 1e-12);
-    EXPECT_EQ(linked.limit_variance.has_value(), paper.limit_variance.has_value());
-    if (paper.limit_variance) {
-      EXPECT_NEAR(*linked.limit_variance / *paper.limit_variance, 1.0, 1e-11);
-    }
-    const std::vector<double> expected = stationary_variances(model, 50);
-    const std::vector<double> found = linked_stationary_variances(model, 50);
-    for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(found[i] / expected[i], 1.0, 1e-11) << i;
-    const ErrorMoments table = error_moments(model, 5, 40), linked_table = linked_error_moments(model, 5, 40);
-    for (std::size_t c = 0; c < table.variance.size(); ++c) {
-      EXPECT_NEAR(linked_table.variance[c], table.variance[c], 1e-12 * table.variance.back());
-      EXPECT_NEAR(linked_table.mean[c], table.mean[c], 1e-11);
+    const ErrorMoments expected = error_moments(model, 5, 40), found = linked_error_moments(model, 5, 40);
+    for (std::size_t c = 0; c < expected.variance.size(); ++c) {
+      EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-12 * expected.variance.back());
+      EXPECT_NEAR(found.mean[c], expected.mean[c], 1e-11);
     }
   }
 }
@@ -49,7 +40,7 @@ TEST(LinkedString, OfAlikeTypesIsHomogeneous) {
   PlatoonModel patterned = model;
   patterned.types.push_back({"twin", vehicle(model, 1)});
   patterned.string = {0, 1, 1};
-  const StringStability one = linked_string_stability(model), other = linked_string_stability(patterned);
+  const StringStability one = string_stability(model), other = string_stability(patterned);
   EXPECT_NEAR(*other.loss_gain, *one.loss_gain, 1e-10);
   EXPECT_NEAR(*other.limit_variance / *one.limit_variance, 1.0, 1e-9);
   const ErrorMoments expected = linked_error_moments(model, 7, 30), found = linked_error_moments(patterned, 7, 30);
@@ -58,14 +49,11 @@ TEST(LinkedString, OfAlikeTypesIsHomogeneous) {
 }
 
 TEST(LinkedString, SaysInOneSentenceWhy) {
-  EXPECT_EQ(linked_string_stability(with_loss(0.3, {2.0, -1.0})).reason.find("not string stable: the loss gain is "),
+  EXPECT_EQ(string_stability(with_loss(0.3, {2.0, -1.0})).reason.find("not string stable: the loss gain is "), 0u);
+  EXPECT_EQ(string_stability(with_loss(0.1, {2.0, -1.0}, 2.4)).reason.find("not string stable: |T^| exceeds 1 by "),
             0u);
-  EXPECT_EQ(
-      linked_string_stability(with_loss(0.1, {2.0, -1.0}, 2.4)).reason.find("not string stable: |T^| exceeds 1 by "),
-      0u);
-  EXPECT_EQ(
-      linked_string_stability(with_loss(0.4, {2.0, -1.0})).reason.find("not mean square stable: p q ||L F||^2 = "), 0u);
-  EXPECT_EQ(linked_string_stability(with_loss(0.1, {1.0})).reason.find("string stable: rho(A) = "), 0u);
+  EXPECT_EQ(string_stability(with_loss(0.4, {2.0, -1.0})).reason.find("not mean square stable: p q ||L F||^2 = "), 0u);
+  EXPECT_EQ(string_stability(with_loss(0.1, {1.0})).reason.find("string stable: rho(A) = "), 0u);
 }
 
 TEST(LinkedString, HasALossGainOfZeroWhereALinkMayLoseButDoesNot) {
@@ -78,8 +66,8 @@ TEST(LinkedString, HasALossGainOfZeroWhereALinkMayLoseButDoesNot) {
 
 // Extrapolation settles while p q ||L F||^2 < 1, that is q < 1/3; the string only below the critical loss.
 TEST(LinkedString, HasNoStationaryVarianceWherePredictionsGrow) {
-  EXPECT_TRUE(std::isfinite(linked_stationary_variances(with_loss(0.333, {2.0, -1.0}), 1).front()));
-  EXPECT_TRUE(std::isnan(linked_stationary_variances(with_loss(0.334, {2.0, -1.0}), 1).front()));
+  EXPECT_TRUE(std::isfinite(stationary_variances(with_loss(0.333, {2.0, -1.0}), 1).front()));
+  EXPECT_TRUE(std::isnan(stationary_variances(with_loss(0.334, {2.0, -1.0}), 1).front()));
 }
 
 TEST(LinkedString, ShowsTheMeanThatDelayAndHoldingLeave) {
@@ -93,8 +81,8 @@ TEST(LinkedString, ShowsTheMeanThatDelayAndHoldingLeave) {
 TEST(StableLosses, AreFoundToTheLastDigitsThatDecide) {
   const std::optional<StableLosses> losses = stable_losses(with_loss(0.1, {2.0, -1.0}));
   ASSERT_TRUE(losses && losses->critical);
-  EXPECT_TRUE(linked_string_stability(with_loss(*losses->critical - 1e-9, {2.0, -1.0})).string_stable);
-  EXPECT_FALSE(linked_string_stability(with_loss(*losses->critical + 1e-9, {2.0, -1.0})).string_stable);
+  EXPECT_TRUE(string_stability(with_loss(*losses->critical - 1e-9, {2.0, -1.0})).string_stable);
+  EXPECT_FALSE(string_stability(with_loss(*losses->critical + 1e-9, {2.0, -1.0})).string_stable);
   const std::optional<StableLosses> held = stable_losses(with_loss(0.1, {1.0}));
   EXPECT_EQ(stable_losses(paper_platoon())->critical, held->critical) << "without a loss stage it holds";
   EXPECT_FALSE(held->critical) << "stable throughout";
@@ -123,14 +111,14 @@ PlatoonModel cars_and_a_truck(std::size_t vehicles) {
 // Each of them is string stable by itself, hence their product.
 TEST(LinkedString, LongPatternsAreDecidedFromTheirVehicles) {
   for (const std::size_t vehicles : {8u, 12u, 30u, 300u, 1000u}) {
-    const StringStability verdict = linked_string_stability(cars_and_a_truck(vehicles));
+    const StringStability verdict = string_stability(cars_and_a_truck(vehicles));
     EXPECT_EQ(verdict.decision(), true) << vehicles << ": " << verdict.reason;
     EXPECT_GT(*verdict.limit_variance, 0.0) << vehicles;
   }
   const std::optional<StableHeadways> headways = stable_headways(cars_and_a_truck(8));
   ASSERT_TRUE(headways && headways->critical) << "long headways are stable, too";
-  EXPECT_TRUE(linked_string_stability(with_headway(cars_and_a_truck(8), *headways->critical + 1e-9)).string_stable);
-  EXPECT_FALSE(linked_string_stability(with_headway(cars_and_a_truck(8), *headways->critical - 1e-9)).string_stable);
+  EXPECT_TRUE(string_stability(with_headway(cars_and_a_truck(8), *headways->critical + 1e-9)).string_stable);
+  EXPECT_FALSE(string_stability(with_headway(cars_and_a_truck(8), *headways->critical - 1e-9)).string_stable);
 }
 
 // A pattern and its repetitions have the same limit.
@@ -142,10 +130,10 @@ TEST(LinkedString, LimitOfALossyPatternDoesNotDependOnHowItIsWritten) {
   twice.string = {0, 0, 1, 0, 0, 1};
   PlatoonModel often = once;
   for (int i = 0; i < 30; ++i) often.string.insert(often.string.end(), once.string.begin(), once.string.end());
-  const StringStability expected = linked_string_stability(once);
+  const StringStability expected = string_stability(once);
   ASSERT_TRUE(expected.string_stable) << expected.reason;
   for (const PlatoonModel& model : {twice, often}) {  // 6 and 93 links, below and above the size of a Krylov space
-    const StringStability found = linked_string_stability(model);
+    const StringStability found = string_stability(model);
     EXPECT_NEAR(*found.limit_variance / *expected.limit_variance, 1.0, 1e-10);
     const double periods = static_cast<double>(model.string.size()) / 3.0;
     EXPECT_GT(*found.loss_gain, 0.0) << periods;
@@ -162,8 +150,8 @@ TEST(LinkedString, TypesThatInheritTheHeadwayFollowIt) {
   ASSERT_TRUE(found && found->critical);
   EXPECT_EQ(found->types, (std::vector<std::string>{"default", "truck"}));
   EXPECT_NEAR(*found->critical, 2.8, 1e-9);  // that of one vehicle
-  EXPECT_TRUE(linked_string_stability(with_headway(model, *found->critical + 1e-6)).string_stable);
-  EXPECT_FALSE(linked_string_stability(with_headway(model, *found->critical - 1e-6)).string_stable);
+  EXPECT_TRUE(string_stability(with_headway(model, *found->critical + 1e-6)).string_stable);
+  EXPECT_FALSE(string_stability(with_headway(model, *found->critical - 1e-6)).string_stable);
   model.string = {1};
   EXPECT_EQ(stable_headways(model)->types, std::vector<std::string>{"truck"});
   model.types[1].inherited.headway = false;
@@ -188,12 +176,12 @@ TEST(LinkedString, TypesThatInheritTheLossProbabilityFollowIt) {
 TEST(LinkedString, FlatGainsGrowWhereTheErrorsVanishMoreSlowly) {
   const ExampleLoop flat = string_stable_loops().back();
   PlatoonModel model = model_with(flat.loop, flat.headway);
-  EXPECT_EQ(linked_string_stability(model).decision(), true);
+  EXPECT_EQ(string_stability(model).decision(), true);
   model.default_vehicle().link.delay = 1;
-  const StringStability delayed = linked_string_stability(model);
+  const StringStability delayed = string_stability(model);
   EXPECT_EQ(delayed.decision(), false);
   EXPECT_NE(delayed.reason.find("vanishes so fast"), std::string::npos) << delayed.reason;
-  const std::vector<double> variances = linked_stationary_variances(model, 4096);
+  const std::vector<double> variances = stationary_variances(model, 4096);
   const double early = variances[1023] - variances[511], late = variances[4095] - variances[2047];
   EXPECT_GT(late, early) << "they grow like N^(1/4)";
 }
@@ -207,14 +195,14 @@ TEST(LinkedString, FlatGainsBehindExtrapolationHaveALimit) {
   b << -0.075, 0.3526315789473684, 0.4447368421052632, 0.3526315789473684, -0.075;
   model.default_vehicle().loop = closed_loop_from(StateSpace(shift, b, Eigen::VectorXd::Unit(5, 0).transpose()));
   model.default_vehicle().link.loss = LossModel{0.05, {}, {2.0, -1.0}};
-  const LinkedPattern pattern = linked_pattern(model);
+  const LinkedPattern pattern(model);
   ASSERT_EQ(pattern.gain().zeros(), 2);
   EXPECT_EQ(pattern[0].zeros_at_zero().innovation, 2);
   EXPECT_EQ(pattern[0].zeros_at_zero().complement, 2);
-  const StringStability verdict = linked_string_stability(model);
+  const StringStability verdict = string_stability(model);
   ASSERT_EQ(verdict.decision(), true) << verdict.reason;
   // The distance to the limit decays like N^(-1/4).
-  const std::vector<double> variances = linked_stationary_variances(model, 10000);
+  const std::vector<double> variances = stationary_variances(model, 10000);
   const double missing = *verdict.limit_variance - variances[9999], before = *verdict.limit_variance - variances[624];
   EXPECT_NEAR(before / missing, 2.0, 0.1);
   EXPECT_NEAR(variances[9999], 47.64, 0.01);
@@ -225,24 +213,23 @@ TEST(LinkedString, DelaysAreExactHoweverLong) {
   PlatoonModel model = with_loss(0.2, {1.0});
   for (const std::int64_t delay : {1, 7, 9, 20, 33}) {
     model.default_vehicle().link.delay = delay;
-    const std::vector<double> stationary = linked_stationary_variances(model, 3);
+    const std::vector<double> stationary = stationary_variances(model, 3);
     model.default_vehicle().initial_position = {};
     const ErrorMoments table = linked_error_moments(model, 3, 400 + 4 * delay);
     for (std::size_t i = 1; i <= 3; ++i)
       EXPECT_NEAR(table.variance_at(i, table.steps - 1) / stationary[i - 1], 1.0, 1e-10) << delay << " " << i;
   }
   model.default_vehicle().link.delay = 1000000;
-  const std::vector<double> late = linked_stationary_variances(model, 2);
+  const std::vector<double> late = stationary_variances(model, 2);
   EXPECT_TRUE(std::isfinite(late[1]));
 }
 
 TEST(LinkedTheory, ThrowsForWhatItDoesNotKnow) {
   PlatoonModel bursts = with_loss(0.1, {1.0});
   bursts.default_vehicle().link.loss->mean_burst = 3.0;
-  EXPECT_THROW(linked_string_stability(bursts), std::invalid_argument);
-  EXPECT_THROW(linked_stationary_variances(bursts, 2), std::invalid_argument);
+  EXPECT_THROW(LinkedPattern{bursts}, std::invalid_argument);
   EXPECT_THROW(linked_error_moments(bursts, 2, 5), std::invalid_argument);
-  EXPECT_THROW(linked_stationary_variances(with_loss(0.1, {1.0}), 0), std::invalid_argument);
+  EXPECT_THROW(stationary_variances(with_loss(0.1, {1.0}), 0), std::invalid_argument);
   EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 0, 5), std::invalid_argument);
   EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 2, 0), std::invalid_argument);
 }

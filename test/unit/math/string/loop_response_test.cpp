@@ -68,25 +68,9 @@ TEST(LoopResponse, FreeMotionIsTheEndOfAConstantInput) {
   constexpr std::size_t kSteps = 300;
   for (const ClosedLoop& loop : {paper_loop(3.2), delayed_car()}) {
     const LoopResponse response(loop);
-    EXPECT_NEAR(static_cast<double>(response.gain()), 1.0, 1e-15);
     Sequence step = response(Sequence(kSteps, 1.0L));
     for (long double& value : step) value = 1.0L - value;
     expect_equal(response.free_response(kSteps), step, 1e-15L, "free motion");
-  }
-}
-
-TEST(LoopResponse, LagIsBehindALeaderThatMoves) {
-  constexpr std::size_t kSteps = 100;
-  for (const ClosedLoop& loop : {paper_loop(3.2), delayed_car()}) {
-    const LoopResponse response(loop);
-    Sequence moved(kSteps, 0.0L), leader(kSteps, 0.0L);
-    for (std::size_t k = 1; k < kSteps; ++k) {
-      moved[k] = k < 30 ? 0.5L : -0.25L;
-      leader[k] = leader[k - 1] + moved[k];
-    }
-    Sequence behind = response(leader);
-    for (std::size_t k = 0; k < kSteps; ++k) behind[k] -= leader[k];
-    expect_equal(response.lag(moved), behind, 1e-15L, "lag");
   }
 }
 

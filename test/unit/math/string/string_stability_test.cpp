@@ -159,9 +159,9 @@ TEST(StringStability, FlatterThanTheSensitivityHasNoLimitThoughTheGainStaysBelow
   EXPECT_TRUE(verdict.mean_bounded) << verdict.reason;
   EXPECT_FALSE(verdict.string_stable) << verdict.reason;
   EXPECT_FALSE(verdict.limit_variance.has_value());
-  const std::vector<double> variances = stationary_variances(model_with(flat.loop, flat.headway), 1 << 18);
+  const std::vector<double> variances = stationary_variances(model_with(flat.loop, flat.headway), 1 << 16);
   const auto increment = [&](std::size_t i) { return variances[i] - variances[i - 1]; };
-  EXPECT_NEAR(increment(1 << 12) / increment((1 << 18) - 1), 32.0, 3.0);  // 64^{5/6}; 64^{3/2} with a limit
+  EXPECT_NEAR(increment(1 << 12) / increment((1 << 16) - 1), 10.08, 0.9);  // 16^{5/6}; 16^{3/2} with a limit
 }
 
 TEST(StringStability, LimitScalesWithTheNoise) {
@@ -180,11 +180,6 @@ TEST(StringStability, UnstableVehicleHasNoGainAndNoLimit) {
   EXPECT_TRUE(std::isnan(verdict.peak_gain) && std::isnan(verdict.peak_frequency));
   EXPECT_FALSE(verdict.limit_variance.has_value());
   EXPECT_NE(verdict.reason.find("rho(A) = 1.05"), std::string::npos) << verdict.reason;
-}
-
-TEST(StringStability, RefusesALoopThatDoesNotTrackRampsAndAHeadwayThatIsNotPositive) {
-  EXPECT_THROW(verdict_of({"", 1.0, paper_loop(3.2)}), std::invalid_argument);
-  EXPECT_THROW(verdict_of({"", 0.0, paper_loop(3.2)}), std::invalid_argument);
 }
 
 }  // namespace

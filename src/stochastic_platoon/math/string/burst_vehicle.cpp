@@ -1,7 +1,6 @@
-#include "stochastic_platoon/math/string/burst_pattern.hpp"
+#include "stochastic_platoon/math/string/burst_vehicle.hpp"
 
 #include <algorithm>
-#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -27,8 +26,8 @@ bool alternates(const LossModel& loss) {
 BurstVehicle::BurstVehicle(const VehicleModel& vehicle, const BurstVehicle* known)
     : vehicle_(vehicle),
       plain_(without_losses(vehicle), known == nullptr ? nullptr : &known->plain_),
-      second_moment_radius_(vehicle.link.loses() ? platoon::second_moment_radius(*vehicle.link.loss) : 0.0) {
-  if (!vehicle.link.loses() || !(second_moment_radius_ < 1.0)) return;
+      loss_feedback_(vehicle.link.loses() ? platoon::second_moment_radius(*vehicle.link.loss) : 0.0) {
+  if (!vehicle.link.loses() || !(loss_feedback_ < 1.0)) return;
   losses_ = known != nullptr && known->losses_ && known->vehicle_.link.loss == vehicle.link.loss
                 ? known->losses_
                 : std::make_shared<BurstLink>(*vehicle.link.loss);
@@ -58,39 +57,8 @@ ZerosAtZero BurstVehicle::zeros_at_zero() const {
   return zeros;
 }
 
-PatternGain BurstPattern::gain() const {
-  std::vector<RatedFactor> factors;
-  for (std::size_t type = 0; type < types.size(); ++type) {
-    factors.push_back(types[type].factor());
-    factors.back().factor.count = static_cast<long double>(std::count(order.begin(), order.end(), type));
-  }
-  return PatternGain(std::move(factors));
-}
-
-bool BurstPattern::mean_square_stable() const {
-  return std::all_of(types.begin(), types.end(), [](const BurstVehicle& v) { return v.mean_square_stable(); });
-}
-
-bool BurstPattern::has_losses() const {
-  return std::any_of(types.begin(), types.end(), [](const BurstVehicle& v) { return v.losses() != nullptr; });
-}
-
-BurstPattern burst_pattern(const PlatoonModel& model, const BurstPattern& known) {
-  BurstPattern found;
-  std::map<std::size_t, std::size_t> place;  // model type -> index in found.types
-  for (const std::size_t type : type_order(model)) {
-    const auto inserted = place.emplace(type, found.types.size());
-    if (inserted.second) {
-      const VehicleModel& vehicle = model.types[type].vehicle;
-      const BurstVehicle* const before =
-          found.types.size() < known.types.size() ? &known.types[found.types.size()] : nullptr;
-      const bool unchanged =
-          before != nullptr && before->vehicle().headway == vehicle.headway && before->vehicle().link == vehicle.link;
-      found.types.push_back(unchanged ? *before : BurstVehicle(vehicle, before));
-    }
-    found.order.push_back(inserted.first->second);
-  }
-  return found;
+bool BurstVehicle::is_of(const VehicleModel& vehicle) const {
+  return vehicle.headway == vehicle_.headway && vehicle.link == vehicle_.link;
 }
 
 bool has_bursts(const PlatoonModel& model) {

@@ -16,7 +16,7 @@ class BurstVehicle {
 public:
   /// `known`: the same vehicle with another headway or other losses; it saves the search for zeros that do not depend
   /// on the headway. Throws std::invalid_argument for a vehicle with feed-forward, and as BurstLink does unless
-  /// `mean_square_stable()` is false.
+  /// `loss_feedback()` is 1 or more.
   explicit BurstVehicle(const VehicleModel& vehicle, const BurstVehicle* known = nullptr);
 
   /// The vehicle behind its link without losses.
@@ -26,8 +26,9 @@ public:
   const BurstLink* losses() const { return losses_.get(); }
 
   const VehicleModel& vehicle() const { return vehicle_; }
-  double second_moment_radius() const { return second_moment_radius_; }  ///< of the link
-  bool mean_square_stable() const { return plain_.spectral_radius() < 1.0 && second_moment_radius_ < 1.0; }
+  bool has_losses() const { return losses_ != nullptr; }
+  double spectral_radius() const { return plain_.spectral_radius(); }  ///< rho(A)
+  double loss_feedback() const { return loss_feedback_; }              ///< second_moment_radius() of the link
 
   /// Mean lag of the received position at constant speed [steps].
   double lag() const;
@@ -38,28 +39,17 @@ public:
   /// As LinkedVehicle::zeros_at_zero().
   ZerosAtZero zeros_at_zero() const;
 
+  /// Whether this object describes `vehicle`, which differs at most in headway and losses.
+  bool is_of(const VehicleModel& vehicle) const;
+
 private:
   VehicleModel vehicle_;
   LinkedVehicle plain_;
-  double second_moment_radius_;
+  double loss_feedback_;
   std::shared_ptr<const BurstLink> losses_;
 };
 
-/// One pattern of the string: its vehicle types, each once, and their order.
-struct BurstPattern {
-  std::vector<BurstVehicle> types;
-  std::vector<std::size_t> order;  ///< index of the type at each place of the pattern
-
-  std::size_t size() const { return order.size(); }
-  std::size_t type(std::size_t follower) const { return order[follower % order.size()]; }
-  const BurstVehicle& operator[](std::size_t follower) const { return types[type(follower)]; }
-  PatternGain gain() const;
-  bool mean_square_stable() const;
-  bool has_losses() const;
-};
-
-/// The pattern of a platoon. `known`: pattern of the same platoon with other headways or losses.
-BurstPattern burst_pattern(const PlatoonModel& model, const BurstPattern& known = {});
+using BurstPattern = VehiclePattern<BurstVehicle>;
 
 /// Whether a link of the string loses in bursts.
 bool has_bursts(const PlatoonModel& model);
