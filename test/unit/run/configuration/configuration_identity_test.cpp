@@ -21,16 +21,6 @@ TEST_F(ConfigurationIdentityTest, OfARunDependsOnEverySettingAndTheLaunch) {
   }
 }
 
-TEST_F(ConfigurationIdentityTest, IsKeptInEveryCopyToTheBit) {
-  const Configuration configuration = configured({{"seed", "9223372036854775807"}, {"noise_variance", "0.1"}});
-  const Configuration again = parse_configuration(YAML::Load(to_json(configuration).dump()));
-  EXPECT_EQ(to_json(again), to_json(configuration));
-  EXPECT_EQ(again.model.default_vehicle().loop.realization.a(),
-            configuration.model.default_vehicle().loop.realization.a());
-  EXPECT_EQ(again.model.default_vehicle().loop.realization.b(),
-            configuration.model.default_vehicle().loop.realization.b());
-}
-
 TEST_F(ConfigurationIdentityTest, OfStatisticsDependsOnModelSeedFollowersAndSteps) {
   const nlohmann::json identity = statistics_identity(configured({}));
   for (const Settings& settings :

@@ -31,8 +31,8 @@ protected:
     if (admission.drop != DropReason::none) return admission.drop;
     log_ += "take " + std::to_string(stream) + " ";
     if (const std::optional<CompleteBatch> batch = arrivals_.count(stream, descriptor))
-      log_ += formatted("batch %d of %d ", static_cast<int>(batch->first_realization),
-                        static_cast<int>(batch->positions_received));
+      log_ += formatted("batch %ju of %ju ", std::uintmax_t{batch->first_realization},
+                        std::uintmax_t{batch->positions_received});
     return admission.drop;
   }
 
@@ -117,6 +117,7 @@ TEST_F(ArrivalsTest, OfAnUnfinishedBatchAreVoidInANewAttempt) {
   EXPECT_EQ(receive(1, {4, 8, -1}), DropReason::none);
   EXPECT_EQ(log(), "restarted take 1 ");
   EXPECT_EQ(arrivals_.attempt(), 4u);
+  EXPECT_EQ(arrivals_.messages(), 1u);
   expect_acknowledged({4, 8, kNothingYet});
   EXPECT_EQ(receive(1, {1, 8, 0}), DropReason::stale);
   EXPECT_EQ(receive(0, {4, 8, -1}), DropReason::none);
@@ -195,8 +196,7 @@ TEST_F(ArrivalsTest, HaveAnIdForEveryStepOfTheAttempt) {
 }
 
 TEST_F(ArrivalsTest, HaveTheLatestMessageOfEachStreamInThePresentAttempt) {
-  receive(0, {1, 0, -1});
-  receive(0, {1, 0, 0});
+  receive_steps_of(0, 1, 0, -1, 0);
   EXPECT_EQ(arrivals_.latest(0)->step, 0);
   EXPECT_FALSE(arrivals_.latest(1));
   receive(1, {2, 0, -1});
