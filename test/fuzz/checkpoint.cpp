@@ -12,10 +12,9 @@
 namespace {
 
 void read(const std::string& bytes) {
-  const std::string folder = platoon::fuzz::folder();
-  platoon::fuzz::write(platoon::checkpoint_file(folder), bytes);
+  platoon::fuzz::folder().file("checkpoint.cbor", bytes);
   try {
-    const std::optional<platoon::Checkpoint> found = platoon::read_checkpoint(folder);
+    const std::optional<platoon::Checkpoint> found = platoon::read_checkpoint(platoon::fuzz::folder().path());
     if (!found) std::abort();
     std::uint64_t end = 0, count = 0;
     for (const auto& entry : found->totals.moments.blocks()) {
@@ -32,7 +31,7 @@ void read(const std::string& bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string bytes(reinterpret_cast<const char*>(data), size);
+  const std::string bytes = platoon::fuzz::text_of(data, size);
   read(bytes);
   read(platoon::formatted("stochastic_platoon checkpoint 3\n%016llx\n",
                           static_cast<unsigned long long>(platoon::digest(bytes))) +

@@ -11,7 +11,6 @@
 #include "stochastic_platoon/run/configuration/model_file.hpp"
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
-#include "unit/temporary_folder.hpp"
 
 extern "C" {
 int fuzz_model_file(const std::uint8_t* data, std::size_t size);
@@ -25,7 +24,7 @@ namespace {
 
 const std::string kCorpus = PLATOON_SOURCE_DIR "/test/fuzz/corpus/";
 
-void answers_all_of(const std::string& name, int (*harness)(const std::uint8_t*, std::size_t)) {
+void expect_accepted(const std::string& name, int (*harness)(const std::uint8_t*, std::size_t)) {
   std::size_t inputs = 0;
   for (const auto& entry : std::filesystem::directory_iterator(kCorpus + name)) {
     SCOPED_TRACE(entry.path());
@@ -37,23 +36,23 @@ void answers_all_of(const std::string& name, int (*harness)(const std::uint8_t*,
   EXPECT_GE(inputs, 2U);
 }
 
-TEST(Corpus, IsAnsweredByItsHarness) {
-  answers_all_of("model_file", fuzz_model_file);
-  answers_all_of("checkpoint", fuzz_checkpoint);
-  answers_all_of("bag", fuzz_bag);
-  answers_all_of("message", fuzz_message);
+TEST(Corpus, IsAcceptedByItsHarness) {
+  expect_accepted("model_file", fuzz_model_file);
+  expect_accepted("checkpoint", fuzz_checkpoint);
+  expect_accepted("bag", fuzz_bag);
+  expect_accepted("message", fuzz_message);
 }
 
-TEST(Corpus, HoldsAModelFileThatIsOne) {
+TEST(Corpus, HasAValidModelFile) {
   EXPECT_NO_THROW(parse_model(load_yaml(kCorpus + "model_file/paper")));
 }
 
-TEST(Corpus, HoldsACheckpointThatIsOne) {
-  fuzz::write(checkpoint_file(fuzz::folder()), content_of(kCorpus + "checkpoint/whole"));
-  EXPECT_TRUE(read_checkpoint(fuzz::folder()));
+TEST(Corpus, HasAValidCheckpoint) {
+  fuzz::folder().file("checkpoint.cbor", content_of(kCorpus + "checkpoint/whole"));
+  EXPECT_TRUE(read_checkpoint(fuzz::folder().path()));
 }
 
-TEST(Corpus, HoldsABagThatIsOne) {
+TEST(Corpus, HasValidBags) {
   for (const char* name : {"plain", "packed", "endless"})
     EXPECT_GT(statistics_of_bags({{kCorpus + "bag/" + name}}, {}).result.realizations, 0U) << name;
 }

@@ -1,36 +1,25 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <cstdint>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <string>
+
+#include "unit/temporary_folder.hpp"
 
 namespace platoon::fuzz {
 
-/// A folder of this process, in memory if /dev/shm exists; removed when the process exits normally.
-inline const std::string& folder() {
-  struct Folder {
-    const std::string name = std::string(std::filesystem::exists("/dev/shm") ? "/dev/shm" : "/tmp") +
-                             "/stochastic_platoon_fuzz_" + std::to_string(::getpid());
-    Folder() { std::filesystem::create_directories(name); }
-    ~Folder() { std::filesystem::remove_all(name); }
-  };
-  static const Folder made;
-  return made.name;
+/// A folder of this process, removed when the process exits normally.
+inline const TemporaryFolder& folder() {
+  static const TemporaryFolder made;
+  return made;
 }
 
-inline void write(const std::string& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+inline std::string text_of(const std::uint8_t* data, std::size_t size) {
+  return {reinterpret_cast<const char*>(data), size};
 }
 
 /// Writes these bytes to a file and returns its name.
 inline std::string file_of(const std::uint8_t* data, std::size_t size) {
-  const std::string name = folder() + "/input";
-  write(name, std::string(reinterpret_cast<const char*>(data), size));
-  return name;
+  return folder().file("input", text_of(data, size));
 }
 
 }  // namespace platoon::fuzz

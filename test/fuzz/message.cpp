@@ -21,16 +21,13 @@ using stochastic_platoon::Position;
 using stochastic_platoon::Progress;
 
 const platoon::Configuration& configuration() {
-  static const platoon::Configuration made = [] {
-    platoon::Configuration of_paper = platoon::parse_configuration(
-        platoon::configuration_document({{"model", PLATOON_SOURCE_DIR "/config/paper.yaml"},
-                                         {"followers", "2"},
-                                         {"steps", "3"},
-                                         {"realizations", "5"},
-                                         {"batch", "2"}}));
-    return of_paper;
-  }();
-  return made;
+  static const platoon::Configuration of_paper =
+      platoon::parse_configuration(platoon::configuration_document({{"model", PLATOON_SOURCE_DIR "/config/paper.yaml"},
+                                                                    {"followers", "2"},
+                                                                    {"steps", "3"},
+                                                                    {"realizations", "5"},
+                                                                    {"batch", "2"}}));
+  return of_paper;
 }
 
 class Receivers {
@@ -43,7 +40,7 @@ public:
 
   void take(std::size_t vehicle, const Position::ConstPtr& message) {
     const platoon::MessageDescriptor descriptor = platoon::descriptor_of(*message);
-    stamp_ = platoon::later(message->header.stamp, platoon::platoon_period(0.1));
+    platoon::later(message->header.stamp, platoon::platoon_period(0.1));
     const std::uint64_t before = statistics_.arrivals().messages();
     const platoon::DropReason drop = statistics_.take(vehicle, descriptor, platoon::positions_of(message));
     const bool counted = statistics_.arrivals().messages() == before + 1 || statistics_.arrivals().messages() == 1;
@@ -76,14 +73,13 @@ private:
   platoon::MessageOrder order_;
   platoon::FollowerVehicle vehicle_;
   platoon::Credit credit_;
-  ros::Time stamp_;
   double time_ = 0.0;
 };
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  std::string bytes(reinterpret_cast<const char*>(data), size);
+  std::string bytes = platoon::fuzz::text_of(data, size);
   ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(&bytes[0]), static_cast<std::uint32_t>(size));
   Receivers receivers;
   try {

@@ -47,7 +47,7 @@ def imported(name):
 
 
 class Package(unittest.TestCase):
-    def test_what_the_installed_programs_import_is_declared(self):
+    def test_imports_of_the_installed_programs_are_declared(self):
         manifest = xml.etree.ElementTree.fromstring(text_of("package.xml"))
         declared = {entry.text.replace("python3-", "") for kind in ("depend", "exec_depend") for entry in manifest.findall(kind)}
         found = 0
@@ -103,7 +103,7 @@ class Package(unittest.TestCase):
             for folder in ground:
                 del below[folder]
 
-    def test_constants_and_types_of_a_library_have_names_of_their_own(self):
+    def test_constants_and_types_of_a_library_have_different_names(self):
         """Two files of a library that define the same name in unnamed namespaces cannot be compiled as one file (CMAKE_UNITY_BUILD)."""
         places, meanings = collections.defaultdict(set), collections.defaultdict(set)
         for name in source_files():

@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """Tests of `plot amplification` on files made here: figures, every documented error."""
 
-import os
 import sys
 import unittest
 
@@ -68,31 +67,30 @@ class Amplification(AmplificationTest):
 
 class AmplificationErrors(AmplificationTest):
     def test_a_run_without_amplification(self):
-        self.assert_refuses("amplification", self.make_run(), saying=["amplification.csv: no such file: run with signals:=speed"])
-        self.assert_refuses("amplification", self.path("none"), saying=["none: no such folder"])
+        self.assert_rejects("amplification", self.make_run(), saying=["amplification.csv: no such file: run with signals:=speed"])
+        self.assert_rejects("amplification", self.path("none"), saying=["none: no such folder"])
 
     def test_a_byte_that_was_changed(self):
         run = self.make_amplification()
-        with open(self.path("run", "amplification.csv"), "r+b") as file:
-            file.seek(-20, os.SEEK_END)
-            file.write(b"7")
-        self.assert_refuses("amplification", run, saying=["is not as it was written"])
+        written = self.read("run", "amplification.csv")
+        self.write_bytes(written[:-20] + b"7" + written[-19:], "run", "amplification.csv")
+        self.assert_rejects("amplification", run, saying=["is not as it was written"])
 
     def test_rows_and_columns_that_are_missing(self):
         heading, leader, *rows = table().splitlines()
         for name, lines, words in (("a", [heading] + rows, "each vehicle 0..N"), ("b", [heading, leader], "each vehicle 0..N"),
                                    ("c", [heading.replace("rms_mean_speed", "x"), leader] + rows, "column rms_mean_speed is missing")):
-            self.assert_refuses("amplification", self.make_amplification(name, "\n".join(lines) + "\n"), saying=[words])
+            self.assert_rejects("amplification", self.make_amplification(name, "\n".join(lines) + "\n"), saying=[words])
 
     def test_a_summary_of_another_string(self):
         run = self.make_amplification(text=table(4))
-        self.assert_refuses("amplification", run, saying=["followers is 3, but amplification.csv beside it has 4"])
+        self.assert_rejects("amplification", run, saying=["followers is 3, but amplification.csv beside it has 4"])
 
     def test_a_leader_at_constant_speed(self):
         empty = "\n".join([table().splitlines()[0]] + ["{},,,,,0,1,0,,,,,0,1,0,".format(i) for i in range(4)]) + "\n"
-        self.assert_refuses("amplification", self.make_amplification("a", empty), saying=["the leader drives at constant speed"])
+        self.assert_rejects("amplification", self.make_amplification("a", empty), saying=["the leader drives at constant speed"])
         hidden = empty.replace(",,,,,0,1", ",,,,,0.5,1", 1)
-        self.assert_refuses("amplification", self.make_amplification("b", hidden), saying=["noise hides the motion"])
+        self.assert_rejects("amplification", self.make_amplification("b", hidden), saying=["noise hides the motion"])
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import xml.dom.minidom
 import zlib
 
 import numpy as np
+import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "tools")
@@ -47,9 +48,17 @@ class PlotTest(unittest.TestCase):
             file.write(text)
         return self.path(*names)
 
-    def read(self, name):
-        with open(self.path(name), "rb") as file:
+    def write_bytes(self, content, *names):
+        with open(self.path(*names), "wb") as file:
+            file.write(content)
+        return self.path(*names)
+
+    def read(self, *names):
+        with open(self.path(*names), "rb") as file:
             return file.read()
+
+    def lines(self, *names):
+        return self.read(*names).decode().splitlines()
 
     def rows(self, followers=3, steps=4):
         return ["{},{},{},{},{},{},{}".format(i, k, COUNT, 0.1 * i * k, 1.0 + i + 0.1 * k, 0.1 * i * k, 1.0 + i)
@@ -78,8 +87,7 @@ class PlotTest(unittest.TestCase):
         return self.path(name)
 
     def checksum(self, *names):
-        with open(self.path(*names), "rb") as file:
-            return "{:08x}".format(zlib.crc32(file.read()))
+        return "{:08x}".format(zlib.crc32(self.read(*names)))
 
     def make_average(self, name="average"):
         rows = ["{},5000,4800,0.01,{},0,{}".format(i, 1.0 + i, 1.1 + i) for i in (1, 2, 3)]
@@ -116,12 +124,11 @@ class PlotTest(unittest.TestCase):
         code, printed, message = self.run_plot(*arguments, "--output", self.output)
         self.assertEqual(code, 0, message)
         self.assertEqual(printed.split(), [self.output + ".png", self.output + ".svg"])
-        with open(self.output + ".png", "rb") as file:
-            self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(self.read("figure.png")[:8], b"\x89PNG\r\n\x1a\n")
         self.assertEqual(xml.dom.minidom.parse(self.output + ".svg").documentElement.tagName, "svg")
         self.assertEqual([name for name in os.listdir(self.folder) if name.endswith(".tmp")], [])
 
-    def assert_refuses(self, *arguments, saying):
+    def assert_rejects(self, *arguments, saying):
         before = sorted(os.listdir(self.folder))
         code, printed, message = self.run_plot(*arguments, "--output", self.output)
         self.assertEqual(code, 1)
@@ -130,6 +137,17 @@ class PlotTest(unittest.TestCase):
             self.assertIn(words, message)
         self.assertEqual(sorted(os.listdir(self.folder)), before)
 
-    def assert_run_refused(self, *saying, **run):
+    def assert_run_rejected(self, *saying, **run):
         path = self.make_run(**run)
-        self.assert_refuses("errors", path, saying=(path,) + saying)
+        self.assert_rejects("errors", path, saying=(path,) + saying)
+
+    def assert_rejects_every_damage(self, run, name, every=1):
+        """Results.load() rejects the run after a flipped bit in every such byte of the file."""
+        written = self.read(run, name)
+        for at in range(0, len(written), every):
+            damaged = bytearray(written)
+            damaged[at] ^= 1 << at % 8
+            self.write_bytes(damaged, run, name)
+            with self.assertRaises(ValueError, msg="{} byte {}".format(name, at)):
+                sp.Results.load(self.path(run))
+        self.write_bytes(written, run, name)

@@ -154,19 +154,12 @@ class Gaps(GapTest):
 
 class GapErrors(GapTest):
     def test_a_run_without_gaps(self):
-        self.assert_refuses("gaps", self.make_run(), saying=["gaps.csv: no such file: run with signals:=gap"])
-        self.assert_refuses("gaps", self.path("none"), saying=["none: no such folder"])
+        self.assert_rejects("gaps", self.make_run(), saying=["gaps.csv: no such file: run with signals:=gap"])
+        self.assert_rejects("gaps", self.path("none"), saying=["none: no such folder"])
 
     def test_a_byte_that_was_changed(self):
-        run = self.make_gaps(realizations=20)
-        written = self.read("gaps/gaps.csv")
-        for at in range(0, len(written), 7):
-            damaged = bytearray(written)
-            damaged[at] ^= 1 << at % 8
-            with open(self.path("gaps", "gaps.csv"), "wb") as file:
-                file.write(damaged)
-            with self.assertRaises(ValueError, msg="byte {}".format(at)):
-                sp.Results.load(run)
+        self.make_gaps(realizations=20)
+        self.assert_rejects_every_damage("gaps", "gaps.csv", every=7)
 
     def test_rows_and_columns_that_are_missing(self):
         heading, first, *rows = self.gap_table(*smallest_gaps(3, 30, 200)).splitlines()
@@ -176,15 +169,15 @@ class GapErrors(GapTest):
                                    ("d", [heading.replace(",bin_", ",bin_x", 1), first] + rows, "the name of a column bin_X"),
                                    ("e", [short] + [",".join(row.split(",")[:8]) for row in [first] + rows], "column bin_... is missing"),
                                    ("f", [heading, first.replace(",200,", ",201,")] + rows, "the bins do not add up to count")):
-            self.assert_refuses("gaps", self.make_gaps(name, "\n".join(lines) + "\n"), saying=["gaps.csv", words])
+            self.assert_rejects("gaps", self.make_gaps(name, "\n".join(lines) + "\n"), saying=["gaps.csv", words])
 
     def test_a_summary_of_another_string(self):
-        self.assert_refuses("gaps", self.make_gaps(summary_followers=4), saying=["followers is 4, but gaps.csv beside it has 3"])
+        self.assert_rejects("gaps", self.make_gaps(summary_followers=4), saying=["followers is 4, but gaps.csv beside it has 3"])
 
     def test_an_analysis_of_another_platoon_or_without_collisions(self):
         run = self.make_gaps()
-        self.assert_refuses("gaps", run, "--analysis", self.make_collisions(4), saying=["3 followers", "has 4"])
-        self.assert_refuses("gaps", run, "--analysis", self.make_analysis("plain.json"), saying=["collision.probability is missing"])
+        self.assert_rejects("gaps", run, "--analysis", self.make_collisions(4), saying=["3 followers", "has 4"])
+        self.assert_rejects("gaps", run, "--analysis", self.make_analysis("plain.json"), saying=["collision.probability is missing"])
 
 
 class Trajectories(GapTest):
@@ -213,16 +206,15 @@ class Trajectories(GapTest):
         self.assertEqual((shown[0], shown[1], shown[-1]), (0, 1, 500))
         self.assertTrue({233, 234} <= set(shown) and len(shown) <= 19)
 
-    def test_refuses_what_is_no_realization(self):
-        self.assert_refuses("trajectories", self.path("none.csv"), saying=["none.csv: No such file"])
+    def test_rejects_an_invalid_realization(self):
+        self.assert_rejects("trajectories", self.path("none.csv"), saying=["none.csv: No such file"])
         path = self.make_trajectories()
-        self.assert_refuses("trajectories", path, "--around", "30", saying=["--around: 30: must be a step of", "from -1 to 29"])
-        with open(path) as file:
-            lines = file.read().splitlines()
+        self.assert_rejects("trajectories", path, "--around", "30", saying=["--around: 30: must be a step of", "from -1 to 29"])
+        lines = self.lines("trajectories.csv")
         for changed, words in ((lines[:-1], "each vehicle 0..N"), ([lines[0].replace("gap", "x")] + lines[1:], "column gap is missing"),
                                (lines[:1], "holds no rows")):
             self.write("\n".join(changed) + "\n", "trajectories.csv")
-            self.assert_refuses("trajectories", path, saying=[path, words])
+            self.assert_rejects("trajectories", path, saying=[path, words])
 
 
 if __name__ == "__main__":

@@ -77,7 +77,7 @@ class Figures(PlotTest):
     def test_map_is_drawn(self):
         self.assert_draws("map", self.make_map())
 
-    def test_values_of_an_unstable_loop_beyond_all_bounds_are_drawn(self):
+    def test_huge_and_infinite_values_are_drawn(self):
         rows = ["1,{0},{1},1e{2},1e{2},1e{2},1e{2}".format(k, COUNT, 77 * k) for k in range(5)]
         rows.append("1,5,9,inf,nan,-inf,-nan")
         self.assert_draws("errors", self.make_run(rows=rows, followers=1, steps=6,
@@ -125,7 +125,7 @@ class Numbers(PlotTest):
         curve = figure.axes[0].get_lines()[0]
         self.assertAlmostEqual(max(curve.get_ydata()), 1.1588996213, 6)
 
-    def test_curves_hold_the_files_values(self):
+    def test_curves_have_the_values_of_the_file(self):
         run = sp.Results.load(self.make_run(rows=list(reversed(self.rows()))))
         figure = plot.tracking_errors.draw([run], [])
         lines = figure.axes[0].get_lines()
@@ -134,7 +134,7 @@ class Numbers(PlotTest):
         np.testing.assert_allclose(lines[4].get_ydata(), [0.0, 0.3, 0.6, 0.9])
         np.testing.assert_allclose(figure.axes[1].get_lines()[5].get_ydata(), [4.0] * 4)
 
-    def test_the_title_says_name_verdict_realizations_and_seed(self):
+    def test_the_title_has_name_verdict_realizations_and_seed(self):
         run = sp.Results.load(self.make_run("h24", complete=False, realizations=1000000,
                                                  theory={"spectral_radius": 0.6, "string_stable": False}))
         self.assertEqual(plot.tracking_errors.title(run, "h24"),
@@ -191,7 +191,7 @@ class Sweeps(PlotTest):
                                  for i, loss in enumerate((0, 0.1)) for j, headway in enumerate((2.4, 3.2, 4))
                                  for vehicle in (1, 2) for step in (8, 9)])
 
-    def test_draws_a_curve_over_what_takes_the_most_values(self):
+    def test_draws_curves_over_the_parameter_with_most_values(self):
         self.assert_draws("sweep", self.grid())
         tails = plot.sweep.tails_of(sp.Sweep.load(self.path("sweep.csv")))
         self.assertEqual(tails.over, "headway")
@@ -200,12 +200,12 @@ class Sweeps(PlotTest):
         np.testing.assert_allclose(tails.curves[1].variance, [102.9, 112.9, 122.9])
         self.assertEqual(list(tails.curves[0].string_stable), [0, 1, 1])
 
-    def test_draws_over_what_is_asked_for(self):
+    def test_draws_curves_over_a_requested_parameter(self):
         self.grid()
         self.assertEqual(len(plot.sweep.tails_of(sp.Sweep.load(self.path("sweep.csv")), "loss").curves), 3)
         self.assert_draws("sweep", self.path("sweep.csv"), "--over", "loss")
 
-    def test_draws_what_has_no_theory_and_one_point(self):
+    def test_draws_one_point_without_theory(self):
         self.assert_draws("sweep", self.make_sweep(self.row(0, 0.1, 3.2, theory="", stable="")))
 
     def test_paired_axes_are_one_curve(self):
@@ -216,24 +216,24 @@ class Sweeps(PlotTest):
         path = self.make_sweep(*[self.row(i, 0.09999999999999992, 2.4 + i) for i in range(3)])
         self.assertEqual([curve.name for curve in plot.sweep.tails_of(sp.Sweep.load(path)).curves], ["loss = 0.1"])
 
-    def test_refuses_what_is_no_sweep(self):
-        self.assert_refuses("sweep", self.path("none"), saying=["No such file"])
-        self.assert_refuses("sweep", self.write("", "sweep.csv"), saying=["is empty"])
+    def test_rejects_an_invalid_sweep(self):
+        self.assert_rejects("sweep", self.path("none"), saying=["No such file"])
+        self.assert_rejects("sweep", self.write("", "sweep.csv"), saying=["is empty"])
         row = self.row(0, 0, 3)
-        self.assert_refuses("sweep", self.make_sweep(row, heading=SWEEP.replace("agrees", "x")), saying=["column agrees is missing"])
-        self.assert_refuses("sweep", self.make_sweep(row.replace("0,0,3,", "0,"), heading=SWEEP.replace("loss,headway,", "")),
+        self.assert_rejects("sweep", self.make_sweep(row, heading=SWEEP.replace("agrees", "x")), saying=["column agrees is missing"])
+        self.assert_rejects("sweep", self.make_sweep(row.replace("0,0,3,", "0,"), heading=SWEEP.replace("loss,headway,", "")),
                             saying=["nothing varies in it"])
-        self.assert_refuses("sweep", self.make_sweep(), saying=["holds no rows"])
-        self.assert_refuses("sweep", self.make_sweep("1,2"), saying=["line 2 has 2 values instead of 14"])
-        self.assert_refuses("sweep", self.make_sweep(self.row(0, 0, 3, variance="much")),
+        self.assert_rejects("sweep", self.make_sweep(), saying=["holds no rows"])
+        self.assert_rejects("sweep", self.make_sweep("1,2"), saying=["line 2 has 2 values instead of 14"])
+        self.assert_rejects("sweep", self.make_sweep(self.row(0, 0, 3, variance="much")),
                             saying=["line 2: variance: much: must be a number"])
-        self.assert_refuses("sweep", self.make_sweep(self.row(0, "a", "[1 2]")), saying=["no number varies in it: loss, headway"])
-        self.assert_refuses("sweep", self.make_sweep(self.row(0, 0, 3, variance="nan")), saying=["variance is NaN everywhere"])
-        self.assert_refuses("sweep", self.grid(), "--over", "delay", saying=["--over: delay: must be a varying parameter of", "loss, headway"])
+        self.assert_rejects("sweep", self.make_sweep(self.row(0, "a", "[1 2]")), saying=["no number varies in it: loss, headway"])
+        self.assert_rejects("sweep", self.make_sweep(self.row(0, 0, 3, variance="nan")), saying=["variance is NaN everywhere"])
+        self.assert_rejects("sweep", self.grid(), "--over", "delay", saying=["--over: delay: must be a varying parameter of", "loss, headway"])
 
-    def test_refuses_more_curves_than_can_be_told_apart(self):
+    def test_rejects_too_many_curves(self):
         rows = [self.row(2 * i + j, i, j) for i in range(8) for j in range(2)]
-        self.assert_refuses("sweep", self.make_sweep(*rows), "--over", "headway", saying=["8 curves over headway: must be at most 7"])
+        self.assert_rejects("sweep", self.make_sweep(*rows), "--over", "headway", saying=["8 curves over headway: must be at most 7"])
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import sys
 import unittest
 
 sys.dont_write_bytecode = True
-from watching_messages import configuration, overview  # noqa: E402
+from watching_messages import configuration, overview, table_of  # noqa: E402
 from watching import state, table  # noqa: E402
 
 NAMES = ("smallest_gap", "smallest_gap_realization", "smallest_gap_step", "collisions", "collision_bound")
@@ -36,7 +36,7 @@ class Gaps(unittest.TestCase):
         document = self.document(**given)
         self.assertEqual({name: document[name] for name in NAMES}, given)
 
-    def test_what_does_not_exist_is_null(self):
+    def test_missing_figures_are_null(self):
         document = self.document(**gaps([math.inf] * 3, [0] * 3, [0] * 3, [0] * 3, [math.nan] * 3))
         self.assertEqual((document["smallest_gap"], document["collision_bound"]), ([None] * 3, [None] * 3))
         self.assertNotIn("smallest gap", " ".join(table.table(document, 24)))
@@ -50,17 +50,14 @@ class Gaps(unittest.TestCase):
 
 class Watched(unittest.TestCase):
     def lines(self, followers, smallest, lines=24):
-        known = state.PlatoonState()
-        known.take_configuration(configuration(followers))
-        known.take_overview(overview(followers, **gaps(smallest, [804213] * followers, [61] * followers, [3] * followers, [])), 0.0)
-        return table.table(known.document(), lines)
+        return table_of(followers, lines, **gaps(smallest, [804213] * followers, [61] * followers, [3] * followers, []))
 
     def test_the_table_has_the_smallest_gap_of_all_followers_in_one_line(self):
         smallest = [2.0 - 0.1 * i for i in range(17)]
         smallest[16] = -0.8312
         self.assertIn("smallest gap -0.831 m: follower 17, realization 804213, step 61", self.lines(17, smallest))
 
-    def test_of_equal_gaps_the_table_has_the_first(self):
+    def test_the_table_has_the_first_of_equal_gaps(self):
         self.assertIn("smallest gap 0.5 m: follower 2, realization 804213, step 61", self.lines(3, [1.0, 0.5, 0.5]))
 
     def test_the_table_fits_the_screen(self):

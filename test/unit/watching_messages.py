@@ -9,7 +9,8 @@ import types
 import stochastic_platoon as sp
 
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "tools")
-sys.path.insert(0, TOOLS)  # for the module watching
+sys.path.insert(0, TOOLS)
+from watching import state, table  # noqa: E402
 
 NAN = math.nan
 RUN = {"realizations": 1000, "batch": 100, "rate": 0.0, "seed": 1, "hosting": "processes", "output": "/tmp/run", "burn_in": 200,
@@ -46,3 +47,11 @@ def endless(followers, step, **changes):
 def snapshot(step, followers=3, realization=0, run=1):
     return message(run=run, realization=realization, step=step, position=[2.0 * step - 6.4 * i for i in range(followers + 1)],
                    tracking_error=[0.25 * i for i in range(followers)], speed=[20.0 + i for i in range(followers + 1)])
+
+
+def table_of(followers, lines, **changes):
+    """The table of a platoon with this overview, on a terminal of so many lines."""
+    known = state.PlatoonState()
+    known.take_configuration(configuration(followers))
+    known.take_overview(overview(followers, **changes), 0.0)
+    return table.table(known.document(), lines)

@@ -21,7 +21,7 @@ from watching import server, state, streams  # noqa: E402
 class Served(unittest.TestCase):
     def setUp(self):
         self.state = state.PlatoonState()
-        self.asked = []
+        self.commands_received = []
         self.server = server.PageServer("localhost", 0, self.state, self.obey, os.path.join(TOOLS, "watching", "page"))
         thread = threading.Thread(target=self.server.serve_forever, kwargs={"poll_interval": 0.02})
         thread.start()
@@ -32,7 +32,7 @@ class Served(unittest.TestCase):
         self.own = "localhost:{}".format(self.server.server_port)
 
     def obey(self, content):
-        self.asked.append(content)
+        self.commands_received.append(content)
         return True, "done"
 
     def ask(self, method, path, body=None, **headers):
@@ -56,34 +56,34 @@ class Served(unittest.TestCase):
         for path in ("/../server.py", "/..%2fserver.py", "/server.py", "//etc/passwd", "/index.htm"):
             self.assertEqual(self.ask("GET", path)[0], 404, path)
 
-    def test_takes_commands_of_its_own_page_only(self):
+    def test_accepts_commands_from_its_own_page_only(self):
         body, kind = b'{"command": "brake"}', "application/json"
         own = "http://" + self.own
         for headers in ({"Origin": own}, {}):
             self.assertEqual(self.ask("POST", "/command", body, Content_Type=kind, **headers)[0], 200)
-        self.assertEqual(self.asked, [{"command": "brake"}] * 2)
+        self.assertEqual(self.commands_received, [{"command": "brake"}] * 2)
         for origin in ("http://evil.example", "http://localhost:1", "https://" + self.own + ".evil.example", "null", ""):
             self.assertEqual(self.ask("POST", "/command", body, Content_Type=kind, Origin=origin)[0], 403, origin)
         # A page of another origin can send this without a preflight request.
         self.assertEqual(self.ask("POST", "/command", body, Content_Type="text/plain", Origin=own)[0], 415)
-        self.assertEqual(len(self.asked), 2)
+        self.assertEqual(len(self.commands_received), 2)
 
-    def test_refuses_a_name_that_was_rebound_to_this_machine(self):
+    def test_rejects_a_host_name_that_was_rebound_to_this_machine(self):
         for host in ("evil.example", "evil.example:80", "localhost.evil.example", "", "[", "127.0.0.1.evil.example"):
             for method, path, body in (("POST", "/command", b"{}"), ("GET", "/", None), ("GET", "/state.json", None), ("GET", "/events", None)):
                 status, _ = self.ask(method, path, body, Host=host, Origin="http://" + host, Content_Type="application/json")
                 self.assertEqual(status, 421, (host, path))
         for host in ("127.0.0.1", "localhost:9999", "[::1]:80", "LOCALHOST"):
             self.assertEqual(self.ask("GET", "/state.json", Host=host)[0], 200, host)
-        self.assertEqual(self.asked, [])
+        self.assertEqual(self.commands_received, [])
 
-    def test_refuses_what_is_no_command(self):
+    def test_rejects_an_invalid_command(self):
         for body in (b"", b"[]", b"nonsense", b'{"command": ' + b" " * 5000 + b"1}", b"\xff\xfe", b"[" * 4000):
             self.assertEqual(self.ask("POST", "/command", body, Content_Type="application/json")[0], 400, body[:20])
         self.assertEqual(self.ask("POST", "/", b"{}", Content_Type="application/json")[0], 404)
-        self.assertEqual(self.asked, [])
+        self.assertEqual(self.commands_received, [])
 
-    def test_one_page_too_many_is_told_so_and_a_place_that_is_left_is_free(self):
+    def test_rejects_one_page_too_many_until_another_is_closed(self):
         opened = [self.server.streams.open(()) for _ in range(streams.MOST_PAGES)]
         status, text = self.ask("GET", "/events")
         self.assertEqual(status, 503)
@@ -91,7 +91,7 @@ class Served(unittest.TestCase):
         self.server.streams.close(opened[0])
         self.assertIsNotNone(self.server.streams.open(()))
 
-    def test_a_page_that_does_not_read_holds_the_latest_news_only(self):
+    def test_a_page_that_does_not_read_keeps_the_latest_news_only(self):
         self.state.take_configuration(configuration())
         stream = self.server.streams.open(self.state.KINDS)
         stream.take(0)
@@ -101,7 +101,6 @@ class Served(unittest.TestCase):
         items = stream.take(0)
         self.assertEqual([kind for kind, _ in items], ["snapshot"])
         self.assertEqual(json.loads(items[0][1])["step"], 999)
-
 
     def test_a_command_that_fails_is_answered_with_the_reason(self):
         def fail(content):
@@ -130,7 +129,7 @@ class Starved(unittest.TestCase):
             words = file.read().rsplit(")", 1)[1].split()
         return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
-    def test_without_a_free_descriptor_it_answers_with_the_reason_and_does_not_spin(self):
+    def test_answers_with_the_reason_without_a_free_descriptor_and_does_not_spin(self):
         child = subprocess.Popen([sys.executable, "-c", STARVED, TOOLS], stdout=subprocess.PIPE, universal_newlines=True)
         self.addCleanup(child.stdout.close)
         self.addCleanup(child.wait)
@@ -166,7 +165,7 @@ class Starved(unittest.TestCase):
         self.fail("it serves no page any more")
 
 
-class Ordered(unittest.TestCase):
+class Commands(unittest.TestCase):
     """Commands with a stub of ROS."""
 
     def setUp(self):
@@ -190,7 +189,7 @@ class Ordered(unittest.TestCase):
         self.state = state.PlatoonState()
         self.commands = commands.Commands(self.state)
 
-    def test_a_speed_that_is_no_finite_number_is_refused_in_words(self):
+    def test_an_invalid_speed_is_rejected_with_the_reason(self):
         for value in (10 ** 400, -10 ** 400, math.inf, math.nan, True, "20", [20], 1000.5, -1e6):
             success, message = self.commands.obey({"command": "speed", "speed": value})
             self.assertFalse(success)
@@ -198,7 +197,7 @@ class Ordered(unittest.TestCase):
         self.assertFalse(self.commands.obey({"command": "speed"})[0])
         self.assertEqual(self.published, [])
 
-    def test_a_speed_is_refused_where_the_leader_takes_none(self):
+    def test_a_speed_is_rejected_if_the_leader_accepts_none(self):
         for known, words in (({"endless": False}, "rejected: in a run of many realizations"), (None, "no run is known yet")):
             self.state.configuration = known
             success, message = self.commands.obey({"command": "speed", "speed": 20})

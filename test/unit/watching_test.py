@@ -9,7 +9,7 @@ import unittest
 import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
-from watching_messages import NAN, configuration, endless, message, overview, snapshot  # noqa: E402
+from watching_messages import NAN, configuration, endless, message, overview, snapshot, table_of  # noqa: E402
 from watching import description, state, table  # noqa: E402
 
 
@@ -25,7 +25,7 @@ class Configuration(unittest.TestCase):
         found = description.described(configuration(**sp.Model.load("by_distance.yaml").to_dict()).data)
         self.assertEqual((found["link"], found["loss"]), ("additive noise, losses by distance", None))
 
-    def test_a_platoon_of_another_version_is_named(self):
+    def test_another_version_is_named(self):
         known = state.PlatoonState()
         known.take_configuration(message(data=configuration().data.replace(sp.__version__, "0.1.9")))
         self.assertIn("version: 0.1.9: must be " + sp.__version__, " ".join(table.table(known.document(), 24)))
@@ -44,7 +44,7 @@ class State(unittest.TestCase):
         self.assertEqual((document["step"], document["followers"], document["max_abs_z"]), (3, 3, 2.5))
         self.assertEqual(self.state.give("curves")["variance"], [[10, 11, 12, 13], [20, 21, 22, 23], [30, 31, 32, 33]])
 
-    def test_before_the_first_figures_every_curve_is_there_and_empty(self):
+    def test_every_curve_is_empty_before_the_first_figures(self):
         nothing = endless(3, 0)
         nothing.mean = nothing.variance = [NAN] * 3
         self.state.take_overview(nothing, 0.0)
@@ -53,13 +53,13 @@ class State(unittest.TestCase):
         for name in ("mean", "variance", "theoretical_mean", "theoretical_variance"):
             self.assertEqual(curves[name], [[], [], []], name)
 
-    def test_what_does_not_exist_is_null(self):
+    def test_missing_figures_are_null(self):
         self.state.take_overview(endless(3, 7), 0.0)
         self.state.take_overview(overview(theory="none", limit_variance=NAN, theoretical_variance=[NAN] * 12), 0.0)
         document = json.loads(json.dumps(self.state.document(), allow_nan=False))
         self.assertEqual((document["string_stable"], document["limit_variance"], document["theoretical_variance"]), (None, None, [None] * 3))
 
-    def test_another_configuration_begins_anew_and_the_same_one_does_not(self):
+    def test_another_configuration_resets_the_state_and_the_same_one_does_not(self):
         self.state.take_overview(overview(), 0.0)
         self.state.take_snapshot(snapshot(3))
         self.state.take_configuration(configuration())
@@ -91,7 +91,7 @@ class State(unittest.TestCase):
         self.assertEqual(fresh.document()["realizations"], 100)
         self.assertEqual([event["text"] for event in fresh.document()["events"]][1:], ["the first step has arrived"])
 
-    def test_a_late_overview_of_the_run_before_does_not_stay(self):
+    def test_a_late_overview_of_the_previous_run_is_replaced(self):
         self.state.take_overview(overview(run=1), 0.0)
         self.state.take_configuration(configuration(time_headway=2.4))
         self.state.take_overview(overview(run=1), 0.0)
@@ -99,11 +99,11 @@ class State(unittest.TestCase):
             self.state.take_overview(overview(run=2, realizations=realizations), 0.0)
         self.assertEqual(self.state.document()["realizations"], 6)
 
-    def test_what_followers_were_told_is_of_a_step_as_positions_are(self):
+    def test_received_positions_have_a_realization_and_a_step(self):
         self.state.take_told(message(run=1, realization=8, step=5, position=[1.0, NAN]))
         self.assertEqual(self.state.give("told"), {"realization": 8, "step": 5, "position": [1.0, None]})
 
-    def test_the_culprit_is_the_monitors_and_goes_when_it_is_over(self):
+    def test_the_culprit_is_that_of_the_monitor_until_the_stall_ends(self):
         def diagnostics(name, culprit, retries="0"):
             entries = [message(key="culprit", value=culprit), message(key="retries", value=retries)]
             self.state.take_diagnostics(message(status=[message(name=name, message="", values=entries)]))
@@ -119,7 +119,7 @@ class State(unittest.TestCase):
     def texts(self):
         return [event["text"] for event in self.state.document()["events"]]
 
-    def test_a_restart_begins_the_curves_anew_and_is_an_event(self):
+    def test_a_restart_clears_the_curves_and_is_an_event(self):
         self.state.take_configuration(configuration(3, 0))
         for attempt, steps in ((1, range(0, 300, 10)), (2, range(0, 50, 10))):
             for step in steps:
@@ -167,7 +167,7 @@ class State(unittest.TestCase):
             self.state.take_order("again")
         self.assertEqual(len(self.texts()), 100)
 
-    def test_before_the_first_step_it_counts_the_vehicles_that_are_there(self):
+    def test_the_running_vehicles_are_counted_before_the_first_step(self):
         def start(count, *others):
             self.state.take_topics({"vehicle_{}/position".format(i) for i in range(count)} | set(others))
             return self.state.document()["start"]
@@ -219,33 +219,27 @@ class State(unittest.TestCase):
 
 
 class Table(unittest.TestCase):
-    def lines(self, followers, lines, **changes):
-        known = state.PlatoonState()
-        known.take_configuration(configuration(followers))
-        known.take_overview(overview(followers, **changes), 0.0)
-        return table.table(known.document(), lines)
-
     def test_has_a_row_of_mean_variance_error_theory_and_score(self):
-        self.assertEqual(self.lines(3, 50)[-1].split(), ["3", "3.3", "33", "0.5", "34", "-1.00"])
+        self.assertEqual(table_of(3, 50)[-1].split(), ["3", "3.3", "33", "0.5", "34", "-1.00"])
 
     def test_gives_times_in_seconds_beside_steps(self):
-        first, _, second = self.lines(3, 50)[:3]
+        first, _, second = table_of(3, 50)[:3]
         self.assertIn("h = 3.2 (0.32 s)", first)
         self.assertIn("step 3 (0.3 s), 100 of 1000 realizations", second)
-        self.assertIn("averages over time up to step 3 (0.3 s)", " ".join(self.lines(3, 50, time_average=True)))
+        self.assertIn("averages over time up to step 3 (0.3 s)", " ".join(table_of(3, 50, time_average=True)))
 
-    def test_of_a_long_string_has_both_ends_in_as_many_lines_as_there_are(self):
-        lines = self.lines(500, 24)
+    def test_shows_both_ends_of_a_long_string_within_the_lines(self):
+        lines = table_of(500, 24)
         self.assertLessEqual(len(lines), 24)
         self.assertIn("...", lines[-8])
         self.assertEqual(lines[-1].split()[0], "500")
 
-    def test_says_how_many_realizations_a_verdict_needs(self):
-        self.assertIn("no verdict before about 2.9e+04", " ".join(self.lines(
+    def test_shows_the_realizations_that_a_verdict_needs(self):
+        self.assertIn("no verdict before about 2.9e+04", " ".join(table_of(
             3, 50, max_abs_z_mean=NAN, max_abs_z_variance=NAN, plausible_z=NAN, realizations_needed=29123.0)))
-        self.assertNotIn("verdict", " ".join(self.lines(3, 50)))
+        self.assertNotIn("verdict", " ".join(table_of(3, 50)))
 
-    def test_without_a_platoon_says_so(self):
+    def test_shows_that_there_is_no_platoon(self):
         self.assertEqual(table.table(state.PlatoonState().document(), 24), ["Waiting for a platoon's monitor"])
 
 

@@ -21,6 +21,18 @@ inline Polynomial polynomial_with_zeros(const std::vector<std::complex<double>>&
   return p;
 }
 
+/// Monic polynomial with these zeros, which come in conjugate pairs.
+inline Polynomial polynomial_with_all_zeros(const std::vector<std::complex<double>>& zeros) {
+  Eigen::VectorXcd p = Eigen::VectorXcd::Ones(1);
+  for (const std::complex<double>& zero : zeros) {
+    Eigen::VectorXcd next = Eigen::VectorXcd::Zero(p.size() + 1);
+    next.head(p.size()) = p;
+    next.tail(p.size()) -= zero * p;
+    p = next;
+  }
+  return p.real();
+}
+
 /// Monic polynomial of this degree with random real and complex zeros inside the circle of radius 0.95.
 template <typename Generator>
 Polynomial random_polynomial(int degree, Generator& generator) {

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <Eigen/LU>
 #include <complex>
 #include <string>
 #include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "unit/math/model/fractions.hpp"
+#include "unit/paper_platoon.hpp"
 
 namespace platoon {
 
@@ -15,69 +16,36 @@ struct ExampleLoop {
   ClosedLoop loop;
 };
 
-/// The paper's example: G = 1/(z-1)^2, K = (1.35/(1+h)) z/(z+0.89).
-inline ClosedLoop paper_loop(double headway) {
-  const TransferFunction plant(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0));
-  const TransferFunction controller(Eigen::Vector2d(1.35 / (1.0 + headway), 0.0), Eigen::Vector2d(1.0, 0.89));
-  return close_loop({plant, controller}, headway);
-}
-
-/// Monic polynomial with these real zeros and these zeros r e^{+-j phi}.
-inline Polynomial with_zeros(const std::vector<double>& real, const std::vector<std::complex<double>>& pairs) {
-  Polynomial p = Polynomial::Ones(1);
-  for (const double zero : real) p = multiply(p, Eigen::Vector2d(1.0, -zero));
-  for (const std::complex<double> zero : pairs) {
-    p = multiply(p, Eigen::Vector3d(1.0, -2.0 * zero.real(), std::norm(zero)));
-  }
-  return p;
-}
-
-/// T = N/D with this D and N = D(1) + (dD/dz(1) - h D(1)) (z - 1) + (z - 1)^2 extra(z): the N that double integral
-/// action requires.
-inline TransferFunction ramp_tracking(const Polynomial& d, double headway, const Polynomial& extra) {
-  const double value = d.sum();
-  const double slope = derivative(d).sum() - headway * value;
-  const Polynomial n = add(Eigen::Vector2d(slope, value - slope), multiply(Eigen::Vector3d(1.0, -2.0, 1.0), extra));
-  return {n, d};
-}
-
 /// Closed loops of orders 2 to 6, with complex poles, slow poles, cancellations and several realizations.
 inline std::vector<ExampleLoop> example_loops() {
   using Pair = std::complex<double>;
-  const Polynomial none = Polynomial::Zero(1);
   const auto canonical = [](const TransferFunction& t) { return closed_loop_from(observable_canonical(t)); };
   std::vector<ExampleLoop> loops;
   loops.push_back({"paper stable", 3.2, paper_loop(3.2)});
   loops.push_back({"paper unstable", 2.4, paper_loop(2.4)});
-  const TransferFunction two = ramp_tracking(with_zeros({}, {std::polar(0.6, 0.9)}), 1.5, none);
+  const TransferFunction two = ramp_tracking(polynomial_with_zeros({std::polar(0.6, 0.9)}), 1.5);
   loops.push_back({"order 2, complex", 1.5, canonical(two)});
-  const TransferFunction slow = ramp_tracking(with_zeros({0.999, 0.4}, {}), 2500.0, none);
+  const TransferFunction slow = ramp_tracking(polynomial_with_zeros({0.999, 0.4}), 2500.0);
   loops.push_back({"order 2, slow", 2500.0, canonical(slow)});
   const TransferFunction four =
-      ramp_tracking(with_zeros({0.3, -0.5}, {std::polar(0.85, 1.7)}), 4.0, Eigen::VectorXd::Constant(1, 0.05));
+      ramp_tracking(polynomial_with_zeros({0.3, -0.5, std::polar(0.85, 1.7)}), 4.0, Eigen::VectorXd::Constant(1, 0.05));
   loops.push_back({"order 4, complex", 4.0, canonical(four)});
   const TransferFunction five =
-      ramp_tracking(with_zeros({0.2}, {Pair(0.5, 0.4), Pair(-0.6, 0.5)}), 3.0, Eigen::Vector2d(0.02, -0.01));
+      ramp_tracking(polynomial_with_zeros({0.2, Pair(0.5, 0.4), Pair(-0.6, 0.5)}), 3.0, Eigen::Vector2d(0.02, -0.01));
   loops.push_back({"order 5, complex", 3.0, canonical(five)});
-  const TransferFunction six = ramp_tracking(with_zeros({0.9, 0.1}, {std::polar(0.999, 2.0), std::polar(0.7, 0.3)}),
-                                             12.0, Eigen::Vector2d(1e-3, 0.0));
+  const TransferFunction six =
+      ramp_tracking(polynomial_with_zeros({0.9, 0.1, std::polar(0.999, 2.0), std::polar(0.7, 0.3)}), 12.0,
+                    Eigen::Vector2d(1e-3, 0.0));
   loops.push_back({"order 6, resonant", 12.0, canonical(six)});
 
   // Plant with a stable mode that the controller cancels, and actuator lag: order 4 after reduction.
   const TransferFunction plant(Eigen::VectorXd::Constant(1, 0.02),
-                               multiply(Eigen::Vector3d(1.0, -2.0, 1.0), with_zeros({0.8, 0.5}, {})));
-  const TransferFunction controller(multiply(with_zeros({0.8}, {}), Eigen::Vector2d(1.0, -0.9)),
-                                    with_zeros({0.1, -0.2}, {}));
+                               multiply(Eigen::Vector3d(1.0, -2.0, 1.0), polynomial_with_zeros({0.8, 0.5})));
+  const TransferFunction controller(multiply(polynomial_with_zeros({0.8}), Eigen::Vector2d(1.0, -0.9)),
+                                    polynomial_with_zeros({0.1, -0.2}));
   loops.push_back({"cancellation", 5.0, close_loop({plant, controller}, 5.0)});
 
-  // The paper's loop in other coordinates, dense.
-  Eigen::Matrix3d basis;
-  basis << 1.0, 0.3, -0.2, 0.5, -1.0, 0.4, 0.1, 0.2, 0.9;
-  const StateSpace canonical_paper = paper_loop(3.2).realization;
-  const Eigen::Matrix3d inverse = basis.inverse();
-  loops.push_back({"paper, dense realization", 3.2,
-                   closed_loop_from({basis * canonical_paper.a() * inverse, basis * canonical_paper.b(),
-                                     canonical_paper.c() * inverse})});
+  loops.push_back({"paper, dense realization", 3.2, closed_loop_from(dense_paper_loop())});
   return loops;
 }
 
@@ -89,17 +57,12 @@ inline ExampleLoop all_pole(const std::string& name, const Polynomial& d) {
 
 /// T = D(1) / D(z) with |T|^2 = 1 / p(1 - cos w), from the zeros of p, p(0) = 1: to each belong z and 1/z.
 inline ExampleLoop with_gain_from(const std::string& name, const std::vector<std::complex<double>>& zeros) {
-  Eigen::VectorXcd d = Eigen::VectorXcd::Ones(1);
+  std::vector<std::complex<double>> poles;
   for (const std::complex<double>& t : zeros) {
-    const std::complex<double> offset = std::sqrt(t * (t - 2.0));
-    const std::complex<double> a = 1.0 - t + offset;
-    const std::complex<double> b = 1.0 - t - offset;
-    Eigen::VectorXcd next = Eigen::VectorXcd::Zero(d.size() + 1);
-    next.head(d.size()) = d;
-    next.tail(d.size()) -= (std::abs(a) < std::abs(b) ? a : b) * d;
-    d = next;
+    const std::complex<double> offset = std::sqrt(t * (t - 2.0)), a = 1.0 - t + offset, b = 1.0 - t - offset;
+    poles.push_back(std::abs(a) < std::abs(b) ? a : b);
   }
-  return all_pole(name, d.real());
+  return all_pole(name, polynomial_with_all_zeros(poles));
 }
 
 /// String stable loops of orders 2 to 6.
@@ -109,14 +72,15 @@ inline std::vector<ExampleLoop> string_stable_loops() {
   loops.push_back({"paper", 3.2, paper_loop(3.2)});
   loops.push_back({"paper near its border", 2.8001, paper_loop(2.8001)});
   const auto tracking = [](const Polynomial& d, double headway) {
-    return closed_loop_from(observable_canonical(ramp_tracking(d, headway, Polynomial::Zero(1))));
+    return closed_loop_from(observable_canonical(ramp_tracking(d, headway)));
   };
-  loops.push_back({"order 2, slow", 1001.0, tracking(with_zeros({0.999, 0.4}, {}), 1001.0)});
-  loops.push_back({"order 3, complex", 4.0, tracking(with_zeros({0.3}, {std::polar(0.6, 0.5)}), 4.0)});
-  loops.push_back({"order 3, slow complex", 2000.0, tracking(with_zeros({0.4}, {std::polar(0.999, 5e-4)}), 2000.0)});
-  loops.push_back(all_pole("order 4, real", with_zeros({0.9, 0.5, 0.3, 0.1}, {})));
-  loops.push_back(all_pole("order 5, complex", with_zeros({0.8}, {Pair(0.5, 0.2), Pair(0.2, 0.1)})));
-  loops.push_back(all_pole("order 6, slow", with_zeros({0.999, 0.9}, {Pair(0.6, 0.2), Pair(0.3, 0.2)})));
+  loops.push_back({"order 2, slow", 1001.0, tracking(polynomial_with_zeros({0.999, 0.4}), 1001.0)});
+  loops.push_back({"order 3, complex", 4.0, tracking(polynomial_with_zeros({0.3, std::polar(0.6, 0.5)}), 4.0)});
+  loops.push_back(
+      {"order 3, slow complex", 2000.0, tracking(polynomial_with_zeros({0.4, std::polar(0.999, 5e-4)}), 2000.0)});
+  loops.push_back(all_pole("order 4, real", polynomial_with_zeros({0.9, 0.5, 0.3, 0.1})));
+  loops.push_back(all_pole("order 5, complex", polynomial_with_zeros({0.8, Pair(0.5, 0.2), Pair(0.2, 0.1)})));
+  loops.push_back(all_pole("order 6, slow", polynomial_with_zeros({0.999, 0.9, Pair(0.6, 0.2), Pair(0.3, 0.2)})));
   loops.push_back(with_gain_from("flat, 1 - |T|^2 of order w^4", {Pair(0.0, 0.5), Pair(0.0, -0.5)}));
   return loops;
 }

@@ -31,10 +31,10 @@ PlatoonModel shipped(const std::string& name) {
 
 // A vehicle without plant and controller: A, B, C in a model file.
 TEST(HowToAdd, AVehicleByItsClosedLoop) {
-  const std::vector<Moments> given =
-      monte_carlo(shipped("closed_loop.yaml"), {kSeed, kFollowers, kSteps, 100}, 100).moments.totals();
-  const std::vector<Moments> designed =
-      monte_carlo(shipped("paper.yaml"), {kSeed, kFollowers, kSteps, 100}, 100).moments.totals();
+  const auto totals = [](const std::string& name) {
+    return monte_carlo(shipped(name), {kSeed, kFollowers, kSteps, 100}, 100).moments.totals();
+  };
+  const std::vector<Moments> given = totals("closed_loop.yaml"), designed = totals("paper.yaml");
   ASSERT_EQ(given.size(), designed.size());
   // The same loop: coefficients equal to rounding, positions of up to 120 m.
   for (std::size_t c = 0; c < given.size(); ++c) EXPECT_NEAR(given[c].mean, designed[c].mean, 1e-11);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/links/linked_moments.hpp"
+#include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "unit/paper_platoon.hpp"
 
@@ -17,7 +18,7 @@ PlatoonModel with_bursts(double probability, double mean_burst, const std::vecto
   return model;
 }
 
-TEST(BurstMoments, OfIndependentLossesAreThoseOfTheirTheory) {
+TEST(BurstMoments, OfIndependentLossesEqualThoseOfTheirTheory) {
   PlatoonModel model = with_bursts(0.2, 1.25, {1.5, -0.8, 0.3});
   VehicleModel truck = paper_platoon(4.0).default_vehicle();
   truck.link.loss = LossModel{0.3, {}, {1.0}};
@@ -56,7 +57,7 @@ TEST(BurstMoments, BeginWithTheStationaryChain) {
   EXPECT_NEAR(moments.variance_at(1, 1), 0.7 * error_moments(without, 1, 2).variance_at(1, 1), 1e-14);
 }
 
-TEST(BurstMoments, RejectWhatHasNoTheory) {
+TEST(BurstMoments, RejectModelsWithoutTheory) {
   const PlatoonModel model = with_bursts(0.1, 2.0, {1.0});
   EXPECT_THROW(burst_error_moments(model, 0, 5), std::invalid_argument);
   EXPECT_THROW(burst_error_moments(model, 1, 0), std::invalid_argument);

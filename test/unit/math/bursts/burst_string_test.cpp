@@ -9,22 +9,16 @@
 #include "stochastic_platoon/math/bursts/burst_spectra.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
-#include "unit/paper_platoon.hpp"
+#include "unit/math/lossy_platoon.hpp"
+#include "unit/messages.hpp"
 
 namespace platoon {
 namespace {
 
-PlatoonModel with_bursts(double probability, double mean_burst, const std::vector<double>& predictor,
-                         double headway = 3.2) {
-  PlatoonModel model = paper_platoon(headway);
-  model.default_vehicle().link.loss = LossModel{probability, mean_burst, predictor};
-  return model;
-}
-
 constexpr double kPi = 3.14159265358979323846;
 
 // The mean and the square of the prediction error per unit of its drive, by 4000 steps of the chain.
-TEST(BurstLink, PassesAndScattersWhatTheChainDoes) {
+TEST(BurstLink, PassesAndScattersAsTheChain) {
   const LossModel loss{0.3, 2.2, {1.5, -0.8, 0.3}};
   const BurstLink link(loss);
   const double nu = 0.7;
@@ -86,9 +80,9 @@ TEST(BurstLink, RejectsLossesWithoutTheory) {
 }
 
 // Transforms on equally spaced nodes and the kernel on other nodes give the same mean.
-TEST(BurstSpectra, ScatterTheSameOnAllNodes) {
+TEST(BurstSpectra, ScatterTheSameOnAnyNodes) {
   for (const double mean_burst : {1.05, 3.0}) {
-    const BurstPattern pattern(with_bursts(0.2, mean_burst, {1.0}));
+    const BurstPattern pattern(lossy_platoon({0.2, mean_burst, {1.0}}));
     const BurstSpectra equally_spaced(pattern, 2048), others(pattern, half_circle_quadrature({{0.0, 0.05}}, {}, 2));
     const auto mean = [](const BurstSpectra& spectra) {
       const BurstSpectra::Type& type = spectra.of(0);
@@ -99,19 +93,19 @@ TEST(BurstSpectra, ScatterTheSameOnAllNodes) {
 }
 
 // Reference: dense second moments of three vehicles with all their registers and modes.
-TEST(BurstString, HasTheVariancesOfTheWholeState) {
-  const std::vector<double> hold = stationary_variances(with_bursts(0.1, 2.0, {1.0}), 3);
-  const std::vector<double> extrapolate = stationary_variances(with_bursts(0.1, 1.5, {2.0, -1.0}), 3);
+TEST(BurstString, HasTheVariancesOfTheDenseState) {
+  const std::vector<double> hold = stationary_variances(lossy_platoon({0.1, 2.0, {1.0}}), 3);
+  const std::vector<double> extrapolate = stationary_variances(lossy_platoon({0.1, 1.5, {2.0, -1.0}}), 3);
   const double held[] = {6.949241, 9.448674, 10.647768}, extrapolated[] = {3.422210, 5.155340, 6.096187};
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(hold[i], held[i], 5e-7);
     EXPECT_NEAR(extrapolate[i], extrapolated[i], 5e-7);
   }
-  EXPECT_NEAR(*string_stability(with_bursts(0.2, 3.0, {1.0})).loss_gain, 0.426077, 5e-7);
+  EXPECT_NEAR(*string_stability(lossy_platoon({0.2, 3.0, {1.0}})).loss_gain, 0.426077, 5e-7);
 }
 
 // With the mean burst of independent losses the results are those of their theory, which shares only the vehicle.
-TEST(BurstString, OfIndependentLossesIsTheTheoryOfThem) {
+TEST(BurstString, OfIndependentLossesEqualsTheirTheory) {
   const auto compare = [](const PlatoonModel& model) {
     const BurstPattern pattern(model);
     const double speed = metres_per_step(model);
@@ -132,9 +126,9 @@ TEST(BurstString, OfIndependentLossesIsTheTheoryOfThem) {
     EXPECT_NEAR(*std::max_element(limits.begin(), limits.end()) / *linked.limit_variance, 1.0, 1e-10);
   };
   for (const double headway : {2.4, 3.2, 400.0}) {
-    compare(with_bursts(0.1, 1.0 / 0.9, {2.0, -1.0}, headway));
-    compare(with_bursts(0.6, 2.5, {1.0}, headway));
-    PlatoonModel model = with_bursts(0.2, 1.25, {1.5, -0.8, 0.3}, headway);
+    compare(lossy_platoon({0.1, 1.0 / 0.9, {2.0, -1.0}}, headway));
+    compare(lossy_platoon({0.6, 2.5, {1.0}}, headway));
+    PlatoonModel model = lossy_platoon({0.2, 1.25, {1.5, -0.8, 0.3}}, headway);
     model.default_vehicle().link.delay = 3;
     model.default_vehicle().link.quantisation_step = 0.5;
     VehicleModel truck = model.default_vehicle();
@@ -149,31 +143,31 @@ TEST(BurstString, OfIndependentLossesIsTheTheoryOfThem) {
 
 // The verdict and the growth of the variance along the string agree.
 TEST(BurstString, GrowsAlongTheStringExactlyIfTheLossGainIsAboveOne) {
-  const StringStability stable = string_stability(with_bursts(0.1, 2.0, {2.0, -1.0}));
-  const StringStability unstable = string_stability(with_bursts(0.1, 3.0, {2.0, -1.0}));
+  const StringStability stable = string_stability(lossy_platoon({0.1, 2.0, {2.0, -1.0}}));
+  const StringStability unstable = string_stability(lossy_platoon({0.1, 3.0, {2.0, -1.0}}));
   EXPECT_TRUE(stable.string_stable);
   EXPECT_LT(*stable.loss_gain, 1.0);
   EXPECT_FALSE(unstable.string_stable);
   EXPECT_GT(*unstable.loss_gain, 1.0);
-  EXPECT_EQ(unstable.reason.find("not string stable: the loss gain is "), 0u);
-  const std::vector<double> growing = stationary_variances(with_bursts(0.1, 3.0, {2.0, -1.0}), 200);
+  EXPECT_TRUE(begins_with(unstable.reason, "not string stable: the loss gain is "));
+  const std::vector<double> growing = stationary_variances(lossy_platoon({0.1, 3.0, {2.0, -1.0}}), 200);
   EXPECT_GT(growing[199] / growing[198], 1.1);
-  const std::vector<double> settling = stationary_variances(with_bursts(0.1, 2.0, {2.0, -1.0}), 500);
+  const std::vector<double> settling = stationary_variances(lossy_platoon({0.1, 2.0, {2.0, -1.0}}), 500);
   EXPECT_LT(settling.back(), *stable.limit_variance);
   EXPECT_NEAR(settling.back() / *stable.limit_variance, 1.0, 1e-3);
 }
 
-TEST(BurstString, HasNoStationaryVarianceWherePredictionsGrow) {
-  const PlatoonModel model = with_bursts(0.3, 6.0, {2.0, -1.0});
-  EXPECT_EQ(string_stability(model).reason.find("not mean square stable: the second moments of predictions"), 0u);
+TEST(BurstString, HasNoStationaryVarianceIfPredictionsGrow) {
+  const PlatoonModel model = lossy_platoon({0.3, 6.0, {2.0, -1.0}});
+  EXPECT_TRUE(begins_with(string_stability(model).reason, "not mean square stable: the second moments of predictions"));
   EXPECT_TRUE(std::isnan(stationary_variances(model, 2)[1]));
   EXPECT_TRUE(std::isnan(stationary_means(model, 2)[1]));
 }
 
-TEST(BurstString, RejectsWhatHasNoTheory) {
-  EXPECT_THROW(stationary_variances(with_bursts(0.1, 2.0, {1.0}), 0), std::invalid_argument);
-  EXPECT_THROW(string_stability(with_bursts(0.5, 1.0, {1.0})), std::invalid_argument);
-  PlatoonModel radio = with_bursts(0.1, 2.0, {1.0});
+TEST(BurstString, RejectsModelsWithoutTheory) {
+  EXPECT_THROW(stationary_variances(lossy_platoon({0.1, 2.0, {1.0}}), 0), std::invalid_argument);
+  EXPECT_THROW(string_stability(lossy_platoon({0.5, 1.0, {1.0}})), std::invalid_argument);
+  PlatoonModel radio = lossy_platoon({0.1, 2.0, {1.0}});
   radio.default_vehicle().feed_forward = FeedForward();
   EXPECT_THROW(stationary_means(radio, 1), std::invalid_argument);
 }

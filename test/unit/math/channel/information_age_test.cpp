@@ -69,7 +69,7 @@ TEST(InformationAge, HasTheSharesOfTheChain) {
 }
 
 // Steps of different realizations are independent: the standard error of a share follows from the realizations.
-TEST(InformationAge, IsCountedAsItIsDrawn) {
+TEST(InformationAge, HasTheSharesOfItsDraws) {
   for (const LossModel& loss : {losses(0.2), losses(0.2, 3.0)}) {
     constexpr std::uint64_t kRealizations = 40000;
     constexpr std::int64_t kSteps = 30;
@@ -85,7 +85,7 @@ TEST(InformationAge, IsCountedAsItIsDrawn) {
   }
 }
 
-TEST(InformationAge, FollowsATraceAndRefusesLossesByTheDistance) {
+TEST(InformationAge, FollowsATraceAndRejectsLossesByDistance) {
   LossModel loss;
   loss.trace = std::make_shared<LossTrace>(LossTrace::of_runs("2 1 1 3"));
   loss.probability = loss.trace->probability();

@@ -3,14 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <deque>
 #include <stdexcept>
 #include <vector>
 
-#include "stochastic_platoon/math/channel/coloured_noise.hpp"
-#include "stochastic_platoon/math/channel/delay_line.hpp"
-#include "stochastic_platoon/math/channel/packet_loss.hpp"
-#include "stochastic_platoon/math/channel/quantiser.hpp"
+#include "unit/math/noise/draw.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/transmitted.hpp"
 
@@ -51,12 +47,6 @@ PlatoonModel platoon_with(const LinkModel& link, double noise_variance) {
   return model;
 }
 
-double normal(std::int64_t step, std::uint64_t realization) {
-  double value;
-  WhiteNoise(kSeed).fill({kReceiver, step}, realization, 1, &value);
-  return value;
-}
-
 double uniform(Purpose purpose, std::int64_t step, std::uint64_t realization) {
   double value;
   WhiteNoise(kSeed).fill_uniform({kReceiver, step, purpose}, realization, 1, &value);
@@ -79,7 +69,7 @@ Values by_definition(const LinkModel& link, double noise_variance, std::uint64_t
       const double step = link.quantisation_step, nu = step * (uniform(Purpose::dither, k, realization) - 0.5);
       s = step * std::floor((s + nu) / step + 0.5) - nu;
     }
-    g.push_back(normal(k, realization));
+    g.push_back(draw(kSeed, {kReceiver, k}, realization, 1).front());
     double d = 0.0;
     const Eigen::Index lead = a.size() - b.size();
     for (Eigen::Index j = 0; j < a.size() && j <= k; ++j) {
@@ -112,7 +102,7 @@ LinkModel everything(bool bursts) {
   return link;
 }
 
-TEST(Link, DoesWhatItsStagesAreDefinedToDoInTheirOrder) {
+TEST(Link, FollowsTheDefinitionOfItsStages) {
   for (const bool bursts : {false, true}) {
     const LinkModel model = everything(bursts);
     Link link(platoon_with(model, 0.6), kSeed, kReceiver);
@@ -131,7 +121,7 @@ TEST(Link, HasTheSameBitsForEveryBatch) {
   for (const std::size_t batch : {1, 7, 512}) EXPECT_EQ(through(link, 600, batch), whole) << batch;
 }
 
-TEST(Link, OfThePaperIsTheAwgnChannelToTheBit) {
+TEST(Link, OfThePaperEqualsTheAwgnChannelToTheBit) {
   LinkModel never;
   never.loss = LossModel{};
   for (const LinkModel& model : {LinkModel(), never}) {
@@ -146,7 +136,7 @@ TEST(Link, OfThePaperIsTheAwgnChannelToTheBit) {
 }
 
 // Stages that draw by name alone accept a batch from any step on.
-TEST(Link, KeepsStateJustWhereAStageDoes) {
+TEST(Link, KeepsStateIfOneOfItsStagesDoes) {
   const auto keeps_state = [](LinkModel link, double noise_variance) {
     return Link(platoon_with(link, noise_variance), kSeed, kReceiver).keeps_state();
   };
@@ -166,7 +156,7 @@ TEST(Link, KeepsStateJustWhereAStageDoes) {
 
 // The lost fraction has the standard error of a mean over the chain, sqrt(q (1 - q) (1 + rho) / (1 - rho) / n) with rho
 // = 1 - 1/b - q/(b (1 - q)); 1 - 1/b is the probability of a loss after a loss.
-TEST(Link, LosesAsOftenAndAsLongAsItIsSaidTo) {
+TEST(Link, LosesWithTheGivenProbabilityAndMeanBurst) {
   LinkModel model;
   model.loss = LossModel{0.2, 4.0, {1.0}};
   Link link(platoon_with(model, 0.0), kSeed, kReceiver);
@@ -191,32 +181,8 @@ TEST(Link, LosesAsOftenAndAsLongAsItIsSaidTo) {
   EXPECT_NEAR(bursts, expected, 4.0 * std::sqrt(expected));
 }
 
-TEST(Quantiser, LeavesAWhiteErrorOfVarianceOfAStepSquaredOverTwelve) {
-  const double step = 0.5;
-  Quantiser quantiser(step, kSeed, kReceiver);
-  const std::size_t count = 100000;
-  Values before(count), error(count);
-  for (const std::int64_t k : {0, 1}) {
-    Values positions(count, 12.3);
-    quantiser.step(k, 0, count, positions.data());
-    double sum = 0.0, squares = 0.0, product = 0.0;
-    for (std::size_t r = 0; r < count; ++r) {
-      error[r] = positions[r] - 12.3;
-      EXPECT_LE(std::abs(error[r]), 0.5 * step + 1e-12);
-      sum += error[r];
-      squares += error[r] * error[r];
-      product += error[r] * before[r];
-    }
-    const double variance = step * step / 12.0, n = static_cast<double>(count);
-    EXPECT_NEAR(sum / n, 0.0, 4.0 * std::sqrt(variance / n));
-    EXPECT_NEAR(squares / n, variance, 4.0 * variance * std::sqrt(0.8 / n)) << "m4 - v^2 = 0.8 v^2";
-    EXPECT_NEAR(product / n, 0.0, 4.0 * variance / std::sqrt(n));
-    before = error;
-  }
-}
-
 // v(k) = u(k-1) is sent with the position of step k: with a delay of m the link itself delays by m - 1 steps.
-TEST(Radio, DelaysAndDrawsApartFromThePositions) {
+TEST(Radio, HasItsOwnDelayAndNoise) {
   constexpr double kVariance = 0.04;
   PlatoonModel model = paper_platoon();
   model.default_vehicle().feed_forward = FeedForward{1.0, kVariance, {}};
@@ -225,72 +191,12 @@ TEST(Radio, DelaysAndDrawsApartFromThePositions) {
   const std::vector<Values> received = through(radio, 2, 2);
   EXPECT_EQ(received[0][1], sent(-1, 1));
   for (std::int64_t k = 2; k < kSteps; ++k) {
-    double noise;  // of the step at which it was sent
-    WhiteNoise(kSeed).fill({kReceiver + (1u << 23), k - 2}, 1, 1, &noise);
+    const double noise =
+        draw(kSeed, {kReceiver + (1u << 23), k - 2}, 1, 1).front();  // of the step at which it was sent
     EXPECT_DOUBLE_EQ(received[static_cast<std::size_t>(k + 1)][1], sent(k - 2, 1) + 0.2 * noise) << k;
   }
   model.default_vehicle().feed_forward->link.delay = 0;
   EXPECT_THROW(Link::radio(model, kSeed, kReceiver), std::invalid_argument);
-}
-
-TEST(PacketLoss, WithoutAPredictorLeavesZero) {
-  PacketLoss loss({0.5, {}, {}}, kSeed, kReceiver);
-  Values start(2, 9.0);
-  loss.start(0, 2, start.data());
-  int lost = 0;
-  for (std::int64_t k = 0; k < 200; ++k) {
-    Values values(2, 7.0);
-    loss.step(k, 0, 2, values.data());
-    const bool is_lost = uniform(Purpose::loss, k, 1) < 0.5;
-    EXPECT_EQ(values[1], is_lost ? 0.0 : 7.0) << k;
-    lost += is_lost ? 1 : 0;
-  }
-  EXPECT_GT(lost, 60);
-}
-
-TEST(LinkStages, RejectWhatTheyCannotBe) {
-  const TransferFunction improper(Eigen::Vector2d(1.0, 1.0), Eigen::VectorXd::Ones(1));
-  EXPECT_THROW(Quantiser(0.0, 1, 1), std::invalid_argument);
-  EXPECT_THROW(ColouredNoise(-1.0, LinkModel().noise_filter, 1, 1), std::invalid_argument);
-  EXPECT_THROW(ColouredNoise(1.0, improper, 1, 1), std::invalid_argument);
-  EXPECT_THROW(DelayLine(0), std::invalid_argument);
-  EXPECT_THROW(PacketLoss({1.0, {}, {1.0}}, 1, 1), std::invalid_argument);
-}
-
-// Holding: L F = z^-1 / (1 - q z^-1), of norm 1 / (1 - q^2).
-TEST(LossModel, KnowsTheFeedbackOfItsLosses) {
-  for (const double q : {0.01, 0.3, 0.9}) {
-    const LossModel hold{q, {}, {1.0}};
-    EXPECT_NEAR(loss_feedback(hold), q / (1.0 + q), 1e-14);
-    EXPECT_NEAR(second_moment_radius(hold), q, 1e-14);
-  }
-  const LossModel extrapolate{0.3, {}, {2.0, -1.0}};
-  double sum = 0.0, r1 = 1.0, r2 = 0.0;  // F's impulse response, and L F's a step later
-  for (int k = 0; k < 200; ++k) {
-    const double predicted = 2.0 * r1 - r2;
-    sum += predicted * predicted;
-    r2 = r1;
-    r1 = 0.3 * predicted;
-  }
-  EXPECT_NEAR(loss_feedback(extrapolate), 0.7 * 0.3 * sum, 1e-13);
-}
-
-// At the border of the second moments: p q ||L F||^2 = 1 exactly if their radius is 1.
-TEST(LossModel, HasTheSameBorderInBothForms) {
-  for (const std::vector<double>& c : {std::vector<double>{3.0, -2.0}, {2.5, -1.0, -0.5}, {3.0, -3.0, 1.0}}) {
-    double low = 0.0, high = 0.99;
-    while (high - low > 1e-12) {
-      const double q = 0.5 * (low + high);
-      (loss_feedback({q, {}, c}) < 1.0 ? low : high) = q;
-    }
-    EXPECT_LT(second_moment_radius({low - 1e-9, {}, c}), 1.0);
-    EXPECT_GT(second_moment_radius({high + 1e-9, {}, c}), 1.0);
-  }
-}
-
-TEST(LossModel, OfABurstThatIndependentLossesHaveIsIndependent) {
-  EXPECT_TRUE((LossModel{0.2, 1.0 / 0.8, {1.0}}).is_independent());
-  EXPECT_FALSE((LossModel{0.2, 2.0, {1.0}}).is_independent());
 }
 
 }  // namespace

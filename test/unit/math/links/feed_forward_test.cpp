@@ -47,7 +47,7 @@ TEST(FeedForward, HasTheCriticalHeadwayOfAnIndependentProgram) {
 }
 
 // The verdict's factors and the values of the spectra come from different computations.
-TEST(FeedForward, GivesGammaByItsFactorsAndByItsFormula) {
+TEST(FeedForward, HasTheSameGammaByFactorsAndByFormula) {
   for (const std::int64_t delay : {1, 2, 25, 60}) {
     const PlatoonModel model = radio_platoon(0.5, 0.01, 0.01, delay);
     const LinkedPattern pattern(model);
@@ -121,7 +121,7 @@ TEST(FeedForward, MayLoseSomeInputs) {
 }
 
 // The variance of the mean of R squared normal errors is known.
-TEST(FeedForward, IsWhatAMonteCarloMeasures) {
+TEST(FeedForward, AgreesWithAMonteCarlo) {
   constexpr std::size_t kFollowers = 4;
   constexpr std::int64_t kSteps = 150;
   for (const double loss : {0.0, 0.2}) {

@@ -6,24 +6,19 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/links/linked_moments.hpp"
-#include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/math/string/critical_loss.hpp"
+#include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/math/example_loops.hpp"
-#include "unit/paper_platoon.hpp"
+#include "unit/math/lossy_platoon.hpp"
+#include "unit/messages.hpp"
 
 namespace platoon {
 namespace {
 
-PlatoonModel with_loss(double probability, const std::vector<double>& predictor, double headway = 3.2) {
-  PlatoonModel model = paper_platoon(headway);
-  model.default_vehicle().link.loss = LossModel{probability, {}, predictor};
-  return model;
-}
-
 // Reference: the sums for the paper's platoon, in double.
-TEST(LinkedString, WithoutLossesHasThePapersErrors) {
+TEST(LinkedString, WithoutLossesHasTheErrorsOfThePaper) {
   for (const double headway : {2.4, 3.2}) {
     const PlatoonModel model = paper_platoon(headway);
     const ErrorMoments expected = error_moments(model, 5, 40), found = linked_error_moments(model, 5, 40);
@@ -35,8 +30,8 @@ TEST(LinkedString, WithoutLossesHasThePapersErrors) {
 }
 
 // A string of two types with the same vehicle is homogeneous.
-TEST(LinkedString, OfAlikeTypesIsHomogeneous) {
-  const PlatoonModel model = with_loss(0.2, {2.0, -1.0});
+TEST(LinkedString, OfEqualTypesIsHomogeneous) {
+  const PlatoonModel model = lossy_platoon({0.2, {}, {2.0, -1.0}});
   PlatoonModel patterned = model;
   patterned.types.push_back({"twin", vehicle(model, 1)});
   patterned.string = {0, 1, 1};
@@ -48,146 +43,68 @@ TEST(LinkedString, OfAlikeTypesIsHomogeneous) {
     EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-12 * expected.variance.back());
 }
 
-TEST(LinkedString, SaysInOneSentenceWhy) {
-  EXPECT_EQ(string_stability(with_loss(0.3, {2.0, -1.0})).reason.find("not string stable: the loss gain is "), 0u);
-  EXPECT_EQ(string_stability(with_loss(0.1, {2.0, -1.0}, 2.4)).reason.find("not string stable: |T^| exceeds 1 by "),
-            0u);
-  EXPECT_EQ(string_stability(with_loss(0.4, {2.0, -1.0})).reason.find("not mean square stable: p q ||L F||^2 = "), 0u);
-  EXPECT_EQ(string_stability(with_loss(0.1, {1.0})).reason.find("string stable: rho(A) = "), 0u);
+TEST(LinkedString, HasAReasonInOneSentence) {
+  EXPECT_TRUE(begins_with(string_stability(lossy_platoon({0.3, {}, {2.0, -1.0}})).reason,
+                          "not string stable: the loss gain is "));
+  EXPECT_TRUE(begins_with(string_stability(lossy_platoon({0.1, {}, {2.0, -1.0}}, 2.4)).reason,
+                          "not string stable: |T^| exceeds 1 by "));
+  EXPECT_TRUE(begins_with(string_stability(lossy_platoon({0.4, {}, {2.0, -1.0}})).reason,
+                          "not mean square stable: p q ||L F||^2 = "));
+  EXPECT_TRUE(begins_with(string_stability(lossy_platoon({0.1, {}, {1.0}})).reason, "string stable: rho(A) = "));
 }
 
-TEST(LinkedString, HasALossGainOfZeroWhereALinkMayLoseButDoesNot) {
-  EXPECT_EQ(string_stability(with_loss(0.0, {1.0})).loss_gain, 0.0);
+TEST(LinkedString, HasALossGainOfZeroForALossProbabilityOfZero) {
+  EXPECT_EQ(string_stability(lossy_platoon({0.0, {}, {1.0}})).loss_gain, 0.0);
   EXPECT_FALSE(string_stability(paper_platoon()).loss_gain);
-  PlatoonModel delayed = with_loss(0.0, {1.0});
+  PlatoonModel delayed = lossy_platoon({0.0, {}, {1.0}});
   delayed.default_vehicle().link.delay = 1;
   EXPECT_EQ(string_stability(delayed).loss_gain, 0.0);
 }
 
 // Extrapolation settles while p q ||L F||^2 < 1, that is q < 1/3; the string only below the critical loss.
-TEST(LinkedString, HasNoStationaryVarianceWherePredictionsGrow) {
-  EXPECT_TRUE(std::isfinite(stationary_variances(with_loss(0.333, {2.0, -1.0}), 1).front()));
-  EXPECT_TRUE(std::isnan(stationary_variances(with_loss(0.334, {2.0, -1.0}), 1).front()));
+TEST(LinkedString, HasNoStationaryVarianceIfPredictionsGrow) {
+  EXPECT_TRUE(std::isfinite(stationary_variances(lossy_platoon({0.333, {}, {2.0, -1.0}}), 1).front()));
+  EXPECT_TRUE(std::isnan(stationary_variances(lossy_platoon({0.334, {}, {2.0, -1.0}}), 1).front()));
 }
 
-TEST(LinkedString, ShowsTheMeanThatDelayAndHoldingLeave) {
-  PlatoonModel model = with_loss(0.25, {1.0});
+TEST(LinkedString, HasTheMeanOfDelayAndHolding) {
+  PlatoonModel model = lossy_platoon({0.25, {}, {1.0}});
   model.default_vehicle().link.delay = 3;
   for (const double mean : stationary_means(model, 3)) EXPECT_DOUBLE_EQ(mean, 2.0 * (3.0 + 0.25 / 0.75));
-  for (const double mean : stationary_means(with_loss(0.25, {2.0, -1.0}), 3)) EXPECT_EQ(mean, 0.0);
-  EXPECT_TRUE(std::isnan(stationary_means(with_loss(0.4, {2.0, -1.0}), 1).front()));
+  for (const double mean : stationary_means(lossy_platoon({0.25, {}, {2.0, -1.0}}), 3)) EXPECT_EQ(mean, 0.0);
+  EXPECT_TRUE(std::isnan(stationary_means(lossy_platoon({0.4, {}, {2.0, -1.0}}), 1).front()));
 }
 
-TEST(StableLosses, AreFoundToTheLastDigitsThatDecide) {
-  const std::optional<StableLosses> losses = stable_losses(with_loss(0.1, {2.0, -1.0}));
+TEST(StableLosses, SeparateStableFromUnstable) {
+  const std::optional<StableLosses> losses = stable_losses(lossy_platoon({0.1, {}, {2.0, -1.0}}));
   ASSERT_TRUE(losses && losses->critical);
-  EXPECT_TRUE(string_stability(with_loss(*losses->critical - 1e-9, {2.0, -1.0})).string_stable);
-  EXPECT_FALSE(string_stability(with_loss(*losses->critical + 1e-9, {2.0, -1.0})).string_stable);
-  const std::optional<StableLosses> held = stable_losses(with_loss(0.1, {1.0}));
+  EXPECT_TRUE(string_stability(lossy_platoon({*losses->critical - 1e-9, {}, {2.0, -1.0}})).string_stable);
+  EXPECT_FALSE(string_stability(lossy_platoon({*losses->critical + 1e-9, {}, {2.0, -1.0}})).string_stable);
+  const std::optional<StableLosses> held = stable_losses(lossy_platoon({0.1, {}, {1.0}}));
   EXPECT_EQ(stable_losses(paper_platoon())->critical, held->critical) << "without a loss stage it holds";
   EXPECT_FALSE(held->critical) << "stable throughout";
   ASSERT_EQ(held->intervals.size(), 1u);
   EXPECT_EQ(held->intervals.front().from, 0.0);
   EXPECT_EQ(held->intervals.front().to, 0.99);
-  EXPECT_FALSE(stable_losses(with_loss(0.1, {2.0, -1.0}, 2.4))->critical) << "unstable without losses";
-}
-
-/// Cars, the default vehicle, and a truck every so many followers: a longer headway and a delay.
-PlatoonModel cars_and_a_truck(std::size_t vehicles) {
-  PlatoonModel model = paper_platoon(3.2);
-  model.default_vehicle().design =
-      LoopDesign{TransferFunction{Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0)},
-                 TransferFunction{Eigen::Vector2d(1.35, 0.0), Eigen::Vector2d(1.0, 0.89)}, true};
-  VehicleModel truck = vehicle(model, 1);
-  truck.headway = 4.0;
-  truck.loop = close_loop(*truck.design, 4.0);
-  truck.link.delay = 1;
-  model.types.push_back({"truck", truck, {false, true, true, true}});
-  model.string.assign(vehicles, 0);
-  model.string.back() = 1;
-  return model;
-}
-
-// Each of them is string stable by itself, hence their product.
-TEST(LinkedString, LongPatternsAreDecidedFromTheirVehicles) {
-  for (const std::size_t vehicles : {8u, 12u, 30u, 300u, 1000u}) {
-    const StringStability verdict = string_stability(cars_and_a_truck(vehicles));
-    EXPECT_EQ(verdict.decision(), true) << vehicles << ": " << verdict.reason;
-    EXPECT_GT(*verdict.limit_variance, 0.0) << vehicles;
-  }
-  const std::optional<StableHeadways> headways = stable_headways(cars_and_a_truck(8));
-  ASSERT_TRUE(headways && headways->critical) << "long headways are stable, too";
-  EXPECT_TRUE(string_stability(with_headway(cars_and_a_truck(8), *headways->critical + 1e-9)).string_stable);
-  EXPECT_FALSE(string_stability(with_headway(cars_and_a_truck(8), *headways->critical - 1e-9)).string_stable);
-}
-
-// A pattern and its repetitions have the same limit.
-TEST(LinkedString, LimitOfALossyPatternDoesNotDependOnHowItIsWritten) {
-  PlatoonModel once = cars_and_a_truck(3);
-  once.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
-  once.types[1].vehicle.link.loss = LossModel{0.2, {}, {2.0, -1.0}};
-  PlatoonModel twice = once;
-  twice.string = {0, 0, 1, 0, 0, 1};
-  PlatoonModel often = once;
-  for (int i = 0; i < 30; ++i) often.string.insert(often.string.end(), once.string.begin(), once.string.end());
-  const StringStability expected = string_stability(once);
-  ASSERT_TRUE(expected.string_stable) << expected.reason;
-  for (const PlatoonModel& model : {twice, often}) {  // 6 and 93 links, below and above the size of a Krylov space
-    const StringStability found = string_stability(model);
-    EXPECT_NEAR(*found.limit_variance / *expected.limit_variance, 1.0, 1e-10);
-    const double periods = static_cast<double>(model.string.size()) / 3.0;
-    EXPECT_GT(*found.loss_gain, 0.0) << periods;
-    EXPECT_LT(*found.loss_gain, 1.0) << periods;
-  }
-}
-
-TEST(LinkedString, TypesThatInheritTheHeadwayFollowIt) {
-  PlatoonModel model = cars_and_a_truck(3);
-  model.types[1].inherited.headway = true;
-  model.types[1].vehicle = model.default_vehicle();
-  model.types[1].vehicle.link.delay = 1;
-  const std::optional<StableHeadways> found = stable_headways(model);
-  ASSERT_TRUE(found && found->critical);
-  EXPECT_EQ(found->types, (std::vector<std::string>{"default", "truck"}));
-  EXPECT_NEAR(*found->critical, 2.8, 1e-9);  // that of one vehicle
-  EXPECT_TRUE(string_stability(with_headway(model, *found->critical + 1e-6)).string_stable);
-  EXPECT_FALSE(string_stability(with_headway(model, *found->critical - 1e-6)).string_stable);
-  model.string = {1};
-  EXPECT_EQ(stable_headways(model)->types, std::vector<std::string>{"truck"});
-  model.types[1].inherited.headway = false;
-  EXPECT_FALSE(stable_headways(model)) << "no vehicle of the string follows the default headway";
-}
-
-TEST(LinkedString, TypesThatInheritTheLossProbabilityFollowIt) {
-  PlatoonModel model = cars_and_a_truck(2);
-  model.default_vehicle().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
-  model.types[1].vehicle.link.loss = LossModel{0.1, {}, {2.0, -1.0}};
-  const std::optional<StableLosses> followed = stable_losses(model);
-  EXPECT_EQ(followed->types, (std::vector<std::string>{"default", "truck"}));
-  model.types[1].inherited.loss_probability = false;
-  const std::optional<StableLosses> alone = stable_losses(model);
-  EXPECT_EQ(alone->types, std::vector<std::string>{"default"});
-  EXPECT_LT(*followed->critical, *alone->critical);
-  model.string = {1};
-  EXPECT_FALSE(stable_losses(model));
+  EXPECT_FALSE(stable_losses(lossy_platoon({0.1, {}, {2.0, -1.0}}, 2.4))->critical) << "unstable without losses";
 }
 
 // 1 - |T^|^2 vanishes like w^4. So does abs(1 - H T^)^2 without a delay, and like w^2 with one.
-TEST(LinkedString, FlatGainsGrowWhereTheErrorsVanishMoreSlowly) {
+TEST(LinkedString, GrowsForAFlatGainBehindADelay) {
   const ExampleLoop flat = string_stable_loops().back();
   PlatoonModel model = model_with(flat.loop, flat.headway);
   EXPECT_EQ(string_stability(model).decision(), true);
   model.default_vehicle().link.delay = 1;
   const StringStability delayed = string_stability(model);
   EXPECT_EQ(delayed.decision(), false);
-  EXPECT_NE(delayed.reason.find("vanishes so fast"), std::string::npos) << delayed.reason;
+  EXPECT_TRUE(contains(delayed.reason, "vanishes so fast"));
   const std::vector<double> variances = stationary_variances(model, 4096);
   const double early = variances[1023] - variances[511], late = variances[4095] - variances[2047];
   EXPECT_GT(late, early) << "they grow like N^(1/4)";
 }
 
 // With extrapolation abs(1 - L)^2 vanishes like w^4, too: the losses add no more than the string attenuates.
-TEST(LinkedString, FlatGainsBehindExtrapolationHaveALimit) {
+TEST(LinkedString, HasALimitForAFlatGainBehindExtrapolation) {
   PlatoonModel model = paper_platoon(3.0);
   Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(5, 5);
   shift.diagonal(1).setOnes();
@@ -209,8 +126,8 @@ TEST(LinkedString, FlatGainsBehindExtrapolationHaveALimit) {
 }
 
 // Short delays agree with the table over time; a delay of a million steps takes no longer.
-TEST(LinkedString, DelaysAreExactHoweverLong) {
-  PlatoonModel model = with_loss(0.2, {1.0});
+TEST(LinkedString, MayHaveAnyDelay) {
+  PlatoonModel model = lossy_platoon({0.2, {}, {1.0}});
   for (const std::int64_t delay : {1, 7, 9, 20, 33}) {
     model.default_vehicle().link.delay = delay;
     const std::vector<double> stationary = stationary_variances(model, 3);
@@ -224,14 +141,14 @@ TEST(LinkedString, DelaysAreExactHoweverLong) {
   EXPECT_TRUE(std::isfinite(late[1]));
 }
 
-TEST(LinkedTheory, ThrowsForWhatItDoesNotKnow) {
-  PlatoonModel bursts = with_loss(0.1, {1.0});
+TEST(LinkedTheory, RejectsModelsWithoutTheory) {
+  PlatoonModel bursts = lossy_platoon({0.1, {}, {1.0}});
   bursts.default_vehicle().link.loss->mean_burst = 3.0;
   EXPECT_THROW(LinkedPattern{bursts}, std::invalid_argument);
   EXPECT_THROW(linked_error_moments(bursts, 2, 5), std::invalid_argument);
-  EXPECT_THROW(stationary_variances(with_loss(0.1, {1.0}), 0), std::invalid_argument);
-  EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 0, 5), std::invalid_argument);
-  EXPECT_THROW(linked_error_moments(with_loss(0.1, {1.0}), 2, 0), std::invalid_argument);
+  EXPECT_THROW(stationary_variances(lossy_platoon({0.1, {}, {1.0}}), 0), std::invalid_argument);
+  EXPECT_THROW(linked_error_moments(lossy_platoon({0.1, {}, {1.0}}), 0, 5), std::invalid_argument);
+  EXPECT_THROW(linked_error_moments(lossy_platoon({0.1, {}, {1.0}}), 2, 0), std::invalid_argument);
 }
 
 /// Errors of two followers that hold lost positions, without noise, behind a leader at one metre per step, for one
@@ -260,7 +177,7 @@ std::vector<std::vector<double>> errors_of(const PlatoonModel& model, unsigned p
 // Reference: all 2^14 patterns of losses of two links over seven steps.
 TEST(LinkedErrorMoments, HaveTheFourthCumulantsOfRareLosses) {
   constexpr std::size_t kSteps = 7;
-  PlatoonModel model = with_loss(1e-6, {1.0});
+  PlatoonModel model = lossy_platoon({1e-6, {}, {1.0}});
   model.default_vehicle().noise_variance = 0.0;
   for (std::size_t k = 0; k <= kSteps; ++k) model.recorded_leader.push_back(static_cast<double>(k));
   std::vector<double> cumulants;

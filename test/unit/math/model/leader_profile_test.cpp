@@ -6,19 +6,16 @@
 #include <stdexcept>
 #include <string>
 
+#include "unit/messages.hpp"
+
 namespace platoon {
 namespace {
 
-std::string message_of(const std::vector<SpeedChange>& changes, double sample_period) {
-  try {
-    LeaderProfile(changes, sample_period);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+std::string rejection(const std::vector<SpeedChange>& changes, double sample_period) {
+  return message_of<std::invalid_argument>([&] { LeaderProfile(changes, sample_period); });
 }
 
-TEST(LeaderProfile, StandsAtZeroUpToStepZero) {
+TEST(LeaderProfile, IsZeroUpToStepZero) {
   const LeaderProfile leader({{0, 20.0}}, 0.1);
   for (const std::int64_t step : {-100, -1, 0}) EXPECT_EQ(leader.position(step), 0.0);
 }
@@ -29,7 +26,7 @@ TEST(LeaderProfile, MovesByTheSpeedOfTheStepBefore) {
   EXPECT_DOUBLE_EQ(leader.position(100), 200.0);
 }
 
-TEST(LeaderProfile, IsTheRecursionForEveryStepAndChange) {
+TEST(LeaderProfile, FollowsTheRecursionForEveryStepAndChange) {
   const std::vector<SpeedChange> changes = {{3, 12.5}, {4, -2.0}, {10, 0.0}, {25, 31.0}};
   const LeaderProfile leader(changes, 0.02);
   double position = 0.0, speed = 0.0;
@@ -46,29 +43,29 @@ TEST(LeaderProfile, HasNoDriftOverAVeryLongRun) {
   EXPECT_DOUBLE_EQ(leader.position((std::int64_t{1} << 40) + 10), std::ldexp(2.0, 40) + 10.0);
 }
 
-TEST(LeaderProfile, WithoutAnyChangeStandsStill) {
+TEST(LeaderProfile, IsAtRestWithoutChanges) {
   EXPECT_EQ(LeaderProfile({}, 0.1).position(1000), 0.0);
   EXPECT_TRUE(LeaderProfile({}, 0.1).changes().empty());
 }
 
-TEST(LeaderProfile, NamesTheSamplePeriodThatIsNotPositive) {
+TEST(LeaderProfile, NamesAnInvalidSamplePeriod) {
   for (const double period : {0.0, -0.1, std::nan(""), HUGE_VAL}) {
-    EXPECT_EQ(message_of({{0, 20.0}}, period),
+    EXPECT_EQ(rejection({{0, 20.0}}, period),
               "sample_period: " + std::to_string(period) + ": must be finite and > 0 [s]");
   }
 }
 
-TEST(LeaderProfile, NamesTheStepThatIsOutOfOrder) {
+TEST(LeaderProfile, NamesAStepThatIsOutOfOrder) {
   const std::string rule = ": must be >= 0 and increase from one entry to the next";
-  EXPECT_EQ(message_of({{-1, 20.0}}, 0.1), "leader from_step: -1" + rule);
-  EXPECT_EQ(message_of({{5, 20.0}, {5, 10.0}}, 0.1), "leader from_step: 5" + rule);
-  EXPECT_EQ(message_of({{5, 20.0}, {4, 10.0}}, 0.1), "leader from_step: 4" + rule);
-  EXPECT_EQ(message_of({{0, 20.0}, {7, 10.0}}, 0.1), "");
+  EXPECT_EQ(rejection({{-1, 20.0}}, 0.1), "leader from_step: -1" + rule);
+  EXPECT_EQ(rejection({{5, 20.0}, {5, 10.0}}, 0.1), "leader from_step: 5" + rule);
+  EXPECT_EQ(rejection({{5, 20.0}, {4, 10.0}}, 0.1), "leader from_step: 4" + rule);
+  EXPECT_EQ(rejection({{0, 20.0}, {7, 10.0}}, 0.1), "");
 }
 
-TEST(LeaderProfile, RefusesASpeedThatIsNotFinite) {
-  EXPECT_EQ(message_of({{0, std::nan("")}}, 0.1), "leader speed: must be finite [m/s]");
-  EXPECT_EQ(message_of({{0, 1.0}, {2, HUGE_VAL}}, 0.1), "leader speed: must be finite [m/s]");
+TEST(LeaderProfile, RejectsASpeedThatIsNotFinite) {
+  EXPECT_EQ(rejection({{0, std::nan("")}}, 0.1), "leader speed: must be finite [m/s]");
+  EXPECT_EQ(rejection({{0, 1.0}, {2, HUGE_VAL}}, 0.1), "leader speed: must be finite [m/s]");
 }
 
 }  // namespace

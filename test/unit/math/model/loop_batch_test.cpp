@@ -4,22 +4,14 @@
 
 #include <cmath>
 #include <memory>
-#include <random>
 #include <stdexcept>
 #include <vector>
 
+#include "unit/math/noise/draw.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {
 namespace {
-
-// The paper's loop in other coordinates: no entry of A, B, C is zero or one.
-StateSpace dense_loop() {
-  Eigen::Matrix3d basis;
-  basis << 1.0, 0.3, -0.2, 0.5, -1.0, 0.4, 0.1, 0.2, 0.9;
-  const StateSpace paper = paper_platoon().default_vehicle().loop.realization;
-  return {basis * paper.a() * basis.inverse(), basis * paper.b(), paper.c() * basis.inverse()};
-}
 
 // Five states, and T(1) = 1.
 StateSpace large_loop() {
@@ -38,16 +30,8 @@ StateSpace large_loop() {
 std::vector<StateSpace> loops() {
   const StateSpace first_order(Eigen::MatrixXd::Constant(1, 1, 0.4), Eigen::VectorXd::Constant(1, 0.6),
                                Eigen::RowVectorXd::Ones(1));
-  return {paper_platoon(3.2).default_vehicle().loop.realization, observable_canonical(resolvent(large_loop()).transfer),
-          first_order, dense_loop(), large_loop()};
-}
-
-std::vector<double> random_values(std::size_t count, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> value(0.0, 3.0);
-  std::vector<double> values(count);
-  for (double& v : values) v = value(generator);
-  return values;
+  return {paper_loop(3.2).realization, observable_canonical(resolvent(large_loop()).transfer), first_order,
+          dense_paper_loop(), large_loop()};
 }
 
 std::unique_ptr<LoopBatch> batch_of(const StateSpace& system) {
@@ -60,14 +44,14 @@ std::vector<double> stepped(LoopBatch& loop, const std::vector<double>& input, d
   return positions;
 }
 
-TEST(LoopBatch, AnswersWithTheConvolutionOfItsImpulseResponse) {
+TEST(LoopBatch, IsTheConvolutionWithItsImpulseResponse) {
   constexpr std::size_t kSteps = 80;
   for (const StateSpace& system : loops()) {
     std::vector<double> impulse_response = {0.0};
     for (Eigen::VectorXd x = system.b(); impulse_response.size() <= kSteps; x = system.a() * x) {
       impulse_response.push_back(system.c() * x);
     }
-    const std::vector<double> input = random_values(kSteps, 1);
+    const std::vector<double> input = draw(1, {1, 0}, 0, kSteps);
     const std::unique_ptr<LoopBatch> loop = batch_of(system);
     loop->start_at_equilibrium({0.0});
     std::vector<double> output;
@@ -82,8 +66,8 @@ TEST(LoopBatch, AnswersWithTheConvolutionOfItsImpulseResponse) {
   }
 }
 
-TEST(LoopBatch, TakesTheOffsetFromItsInput) {
-  const std::unique_ptr<LoopBatch> with_offset = batch_of(dense_loop()), without = batch_of(dense_loop());
+TEST(LoopBatch, SubtractsTheOffsetFromItsInput) {
+  const std::unique_ptr<LoopBatch> with_offset = batch_of(dense_paper_loop()), without = batch_of(dense_paper_loop());
   for (const auto& loop : {with_offset.get(), without.get()}) loop->start_at_equilibrium({1.0, -2.0});
   for (int k = 0; k < 20; ++k)
     EXPECT_EQ(stepped(*with_offset, {4.0 + k, 7.0}, 2.5), stepped(*without, {1.5 + k, 4.5}, 0.0));
@@ -103,7 +87,7 @@ TEST(LoopBatch, StaysAtRest) {
   }
 }
 
-TEST(LoopBatch, RestsWhereItIsPutWhateverItDidBefore) {
+TEST(LoopBatch, ForgetsItsPastAtANewStart) {
   for (const StateSpace& system : loops()) {
     const std::unique_ptr<LoopBatch> used = batch_of(system), fresh = batch_of(system);
     used->start_at_equilibrium({1.0, 2.0, 3.0});
@@ -113,10 +97,10 @@ TEST(LoopBatch, RestsWhereItIsPutWhateverItDidBefore) {
   }
 }
 
-TEST(LoopBatch, GivesTheSameBitsInEveryBatch) {
+TEST(LoopBatch, HasTheSameBitsInEveryBatch) {
   constexpr std::size_t kRealizations = 2 * kTile + 37, kSteps = 30;
-  const std::vector<double> places = random_values(kRealizations, 2);
-  const std::vector<double> input = random_values(kRealizations * kSteps, 3);
+  const std::vector<double> places = draw(2, {1, 0}, 0, kRealizations);
+  const std::vector<double> input = draw(3, {1, 0}, 0, kRealizations * kSteps);
   for (const StateSpace& system : loops()) {
     const auto run = [&](std::size_t first, std::size_t count) {
       const auto part = [&](const std::vector<double>& all, std::size_t row) {
@@ -142,7 +126,7 @@ TEST(LoopBatch, GivesTheSameBitsInEveryBatch) {
   }
 }
 
-TEST(LoopBatch, WithoutAStateOfRestIsRefused) {
+TEST(LoopBatch, RejectsALoopWithoutAStateOfRest) {
   Eigen::Matrix2d a;
   a << 1.0, 0.1, 0.0, 0.5;
   const StateSpace integrator(a, Eigen::Vector2d(0.0, 1.0), Eigen::RowVector2d(1.0, 0.0));

@@ -44,7 +44,7 @@ LoopDesign car(double lag, double delay, double period, bool filter, double kp =
 }
 
 // A position after a step of the input is known in closed form.
-TEST(Plant, IsTheContinuousOneAtTheSamples) {
+TEST(Plant, EqualsTheContinuousOneAtTheSamples) {
   constexpr double kPeriod = 0.03;
   for (const double lag : {0.0, 0.1, 0.5}) {
     for (const double delay : {0.0, 0.03, 0.01, 0.2, 0.6, 0.3 * kPeriod}) {
@@ -64,7 +64,7 @@ TEST(Plant, IsTheContinuousOneAtTheSamples) {
 }
 
 // 0.3 / 0.1 is below 3 in double.
-TEST(Plant, TakesADelayOfWholeSamplesAsWhole) {
+TEST(Plant, HasAWholeDelayForWholeSamples) {
   for (const double delay : {0.3, 0.7, 1.1}) {
     const Plant plant(car_with_actuator_lag(0.2, delay), 0.1);
     EXPECT_EQ(plant.exact().delay, std::lround(10.0 * delay));
@@ -73,14 +73,14 @@ TEST(Plant, TakesADelayOfWholeSamplesAsWhole) {
   EXPECT_EQ(Plant(car_with_actuator_lag(0.2, 0.35), 0.1).exact().delay, 4);
 }
 
-TEST(Plant, RejectsWhatIsNone) {
+TEST(Plant, RejectsInvalidPlants) {
   EXPECT_THROW(Plant(car_with_actuator_lag(0.1, -0.1), 0.1), std::invalid_argument);
   EXPECT_THROW(Plant(car_with_actuator_lag(0.1, 10.1), 0.1), std::invalid_argument);
   EXPECT_THROW(Plant(car_with_actuator_lag(0.1, 0.0), 0.0), std::invalid_argument);
   EXPECT_THROW(Plant(ContinuousPlant{Polynomial::Ones(2), Polynomial::Ones(2)}, 0.1), std::invalid_argument);
 }
 
-TEST(Controller, HasTheValueOfItsGains) {
+TEST(Controller, FollowsTheFormulaOfItsGains) {
   constexpr double kPeriod = 0.05;
   for (const ControllerGains& gains : {ControllerGains{0.2, 0.7, 0.0}, ControllerGains{0.2, 0.7, 0.03},
                                        ControllerGains{0.2, 0.0, 0.03}, ControllerGains{0.2, 0.0, 0.0}}) {
@@ -126,7 +126,7 @@ TEST(LoopByParts, HasTheTransferFunctionOfItsDesign) {
   }
 }
 
-TEST(LoopByParts, ComputesTheStepsOfItsRealization) {
+TEST(LoopByParts, EqualsItsRealizationStepByStep) {
   for (const ClosedLoop& loop : loops_by_parts()) {
     ASSERT_TRUE(loop.parts);
     EXPECT_TRUE(violated_assumptions(loop, loop.parts->headway, false).empty());
@@ -149,7 +149,7 @@ TEST(LoopByParts, ComputesTheStepsOfItsRealization) {
 }
 
 // u(k) and y(k) satisfy the equations of LoopParts, realization by realization.
-TEST(LoopByParts, FeedsForwardAndGivesItsInput) {
+TEST(LoopByParts, FeedsForwardAndReturnsItsInput) {
   constexpr double kGain = 0.7;
   for (const ClosedLoop& loop : loops_by_parts()) {
     const std::unique_ptr<LoopBatch> batch = loop_batch(loop);
@@ -167,7 +167,7 @@ TEST(LoopByParts, FeedsForwardAndGivesItsInput) {
   }
 }
 
-TEST(LoopByParts, HasTheSameInputAsItsPlantAndController) {
+TEST(LoopByParts, AcceleratesByTheFeedForwardAlone) {
   // y = G u, without a headway filter u = K (r - H y) + F v: a step of v alone accelerates by F.
   const ClosedLoop loop = close_loop(car(0.0, 0.0, 0.1, false, 0.0), 30.0);
   const std::unique_ptr<LoopBatch> batch = loop_batch(loop);
@@ -205,7 +205,7 @@ TEST(LoopByParts, FollowsARampAtItsHeadway) {
   EXPECT_NEAR(u + 0.03 - (y + h * 0.03), 0.0, 1e-6);
 }
 
-TEST(LoopByParts, CountsPolesAwayFromTheDelay) {
+TEST(LoopByParts, CountsPolesWithoutTheDelay) {
   EXPECT_NO_THROW(close_loop(car(0.1, 0.99, 0.01, true), 300.0));
   Polynomial high = Polynomial::Zero(20);
   high(0) = 1.0;

@@ -23,7 +23,7 @@ TEST(LossByDistance, IsLinearBetweenThePointsAndConstantOutside) {
   EXPECT_EQ(loss.largest(), 0.2);
 }
 
-TEST(LossByDistance, RejectsWhatIsNoTable) {
+TEST(LossByDistance, RejectsAnInvalidTable) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   using Points = std::vector<LossByDistance::Point>;
   for (const Points& points :
@@ -33,7 +33,7 @@ TEST(LossByDistance, RejectsWhatIsNoTable) {
 }
 
 // With a car of 3 m, a position is lost at a gap of 7 m except with probability 1e-12, and never at a gap of 6 m.
-TEST(Link, LosesByTheGapOfTheStepBefore) {
+TEST(Link, LosesByTheGapOfThePreviousStep) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().noise_variance = 0.0;
   model.default_vehicle().length = 3.0;

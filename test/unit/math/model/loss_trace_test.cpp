@@ -25,14 +25,14 @@ LossModel recorded(const std::string& digits, std::vector<double> predictor) {
   return loss;
 }
 
-TEST(LossTrace, KnowsItsProbabilityAndMeanBurstAroundItsEnd) {
+TEST(LossTrace, HasItsProbabilityAndMeanBurstAcrossItsEnd) {
   const LossTrace trace(entries("0110010110"));  // losses: the last with the first, two, one
   EXPECT_DOUBLE_EQ(trace.probability(), 0.5);
   EXPECT_DOUBLE_EQ(trace.mean_burst(), 5.0 / 3.0);
   EXPECT_EQ(LossTrace(entries("11")).probability(), 0.0);
 }
 
-TEST(LossTrace, IsItsRuns) {
+TEST(LossTrace, EqualsTheTraceOfItsRuns) {
   for (const char* digits : {"1", "1101", "0110", "0000001"}) {
     const LossTrace trace(entries(digits));
     EXPECT_TRUE(LossTrace::of_runs(trace.runs()) == trace) << digits;
@@ -41,13 +41,13 @@ TEST(LossTrace, IsItsRuns) {
   EXPECT_FALSE(LossTrace(entries("0110")) == LossTrace(entries("0111")));
 }
 
-TEST(LossTrace, RejectsWhatIsNone) {
+TEST(LossTrace, RejectsInvalidRuns) {
   for (const char* runs : {"", "0", "0 3", "2 -1", "2 0 1", "2 x", "1.5", "99999999999"})
     EXPECT_THROW(LossTrace::of_runs(runs), std::invalid_argument) << runs;
 }
 
 // An arrival ends the growth of a held value; extrapolation remembers the value before a single arrival.
-TEST(LossTrace, KnowsTheGrowthOfPredictions) {
+TEST(LossTrace, HasTheGrowthOfPredictions) {
   EXPECT_EQ(growth(LossTrace(entries("1000")), {1.0}), 0.0);
   EXPECT_EQ(growth(LossTrace(entries("11000")), {2.0, -1.0}), 0.0) << "two arrivals end every prediction";
   // After one arrival among n losses the register before it has grown by -n, as r(k) = s + j (s - r(-1)).
@@ -56,7 +56,7 @@ TEST(LossTrace, KnowsTheGrowthOfPredictions) {
                 losses, 1e-9);
 }
 
-TEST(PacketLoss, FollowsATraceFromAnOffsetOfItsOwn) {
+TEST(PacketLoss, FollowsATraceFromARandomOffset) {
   const std::string digits = "1101001110";
   constexpr std::size_t kCount = 20000;
   PacketLoss loss(recorded(digits, {1.0}), 3, 2);

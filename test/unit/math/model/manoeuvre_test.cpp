@@ -22,18 +22,18 @@ Manoeuvre driving() {
   return manoeuvre;
 }
 
-TEST(Manoeuvre, WithoutOneItIsTheProfile) {
+TEST(Manoeuvre, FollowsTheProfileAtFirst) {
   Manoeuvre manoeuvre(kPeriod);
   for (const double speed : {0.0, 20.0, -3.0}) EXPECT_EQ(manoeuvre.next_speed(speed), speed);
 }
 
-TEST(Manoeuvre, ASpeedIsDrivenFromTheNextStepOn) {
+TEST(Manoeuvre, DrivesAtASpeedFromTheNextStepOn) {
   Manoeuvre manoeuvre = driving();
   manoeuvre.drive_at(31.5);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(manoeuvre.next_speed(kProfile), 31.5);
 }
 
-TEST(Manoeuvre, BrakesEvenlyAndStands) {
+TEST(Manoeuvre, BrakesEvenlyToAStandstill) {
   Manoeuvre manoeuvre = driving();
   manoeuvre.brake();
   for (int k = 1; k <= 60; ++k) EXPECT_NEAR(manoeuvre.next_speed(kProfile), std::max(0.0, 20.0 - 0.4 * k), 1e-12) << k;
@@ -41,7 +41,7 @@ TEST(Manoeuvre, BrakesEvenlyAndStands) {
   EXPECT_TRUE(manoeuvre.is_under_way());
 }
 
-TEST(Manoeuvre, AcceleratesFromWhateverSpeedItHas) {
+TEST(Manoeuvre, AcceleratesFromAnySpeed) {
   Manoeuvre manoeuvre = driving();
   manoeuvre.accelerate();
   for (int k = 1; k <= 60; ++k) EXPECT_NEAR(manoeuvre.next_speed(kProfile), std::min(30.0, 20.0 + 0.2 * k), 1e-12) << k;
@@ -49,7 +49,7 @@ TEST(Manoeuvre, AcceleratesFromWhateverSpeedItHas) {
   EXPECT_NEAR(manoeuvre.next_speed(kProfile), 30.2, 1e-12);
 }
 
-TEST(Manoeuvre, TheSinusoidReturnsToItsMeanAfterEveryPeriod) {
+TEST(Manoeuvre, SwingsAboutTheSpeedOfTheProfile) {
   Manoeuvre manoeuvre = driving();
   manoeuvre.swing();
   double sum = 0.0, most = 0.0;
@@ -64,7 +64,7 @@ TEST(Manoeuvre, TheSinusoidReturnsToItsMeanAfterEveryPeriod) {
   EXPECT_NEAR(most, Manoeuvre::kAmplitude * std::sin(0.4 * 3.14159265358979), 1e-9);
 }
 
-TEST(Manoeuvre, CruisingGoesBackToTheProfileAndEnds) {
+TEST(Manoeuvre, CruisesBackToTheProfileAndEnds) {
   Manoeuvre manoeuvre = driving();
   manoeuvre.drive_at(15.1);
   manoeuvre.next_speed(kProfile);
@@ -77,7 +77,7 @@ TEST(Manoeuvre, CruisingGoesBackToTheProfileAndEnds) {
   EXPECT_EQ(manoeuvre.next_speed(18.0), 18.0);
 }
 
-TEST(Manoeuvre, RefusesASpeedThatIsNoneAndKeepsWhatIsUnderWay) {
+TEST(Manoeuvre, RejectsAnInvalidSpeedAndContinues) {
   Manoeuvre manoeuvre = driving();
   manoeuvre.drive_at(25.0);
   for (const double speed : {std::nan(""), std::numeric_limits<double>::infinity(), -1001.0, 1e300})
@@ -89,7 +89,7 @@ TEST(Manoeuvre, RefusesASpeedThatIsNoneAndKeepsWhatIsUnderWay) {
 }
 
 // The leader reaches a constant manoeuvre speed without an error, as double integral action ensures.
-TEST(Manoeuvre, TheLeaderFollowsAndStartsAnewWithoutIt) {
+TEST(Manoeuvre, LeadsTheLeaderUntilItsNextStart) {
   const PlatoonModel model = paper_platoon();
   LeaderVehicle leader(model), undisturbed(model);
   leader.start();

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "unit/messages.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {
@@ -16,7 +17,7 @@ Signal error_with(double headway, double standstill_distance) {
   return tracking_error(model, 1);
 }
 
-TEST(TrackingError, IsTheDistanceLessStandstillDistanceLessHeadwayTimesDisplacement) {
+TEST(TrackingError, FollowsItsFormula) {
   const Signal zeta = error_with(3.0, 2.0);
   EXPECT_EQ(zeta(30.0, {20.0, 18.5}), 30.0 - 20.0 - 2.0 - 3.0 * 1.5);
 }
@@ -41,12 +42,12 @@ double value_of(const char* name, std::size_t follower, double predecessor, cons
   return signals_of(car_behind_truck(), {name}, follower).requested.front()(predecessor, own);
 }
 
-TEST(Signal, TheGapEndsAtTheRearOfThePredecessor) {
+TEST(Signal, OfAGapEndsAtTheRearOfThePredecessor) {
   EXPECT_EQ(value_of("gap", 1, 30.0, {10.0}), 20.0) << "the leader has the default length, which is 0";
   EXPECT_EQ(value_of("gap", 2, 30.0, {10.0}), 8.0);
 }
 
-TEST(Signal, SpeedAccelerationAndJerkAreThoseOfAThirdPower) {
+TEST(Signal, HasSpeedAccelerationAndJerkOfAThirdPower) {
   const auto y = [](double t) { return 2.0 + 3.0 * t + 5.0 * t * t + 7.0 * t * t * t; };  // [m], at T_s = 0.5 s
   const Signal::Own<double> own{y(2.0), y(1.5), y(1.0), y(0.5)};
   EXPECT_EQ(value_of("speed", 1, 0.0, own), (y(2.0) - y(1.5)) / 0.5);
@@ -54,7 +55,7 @@ TEST(Signal, SpeedAccelerationAndJerkAreThoseOfAThirdPower) {
   EXPECT_EQ(value_of("jerk", 1, 0.0, own), 42.0);
 }
 
-TEST(Signal, IsTheSameOneByOneAndByTheBatch) {
+TEST(Signal, HasTheSameValuesOneByOneAndInABatch) {
   const std::vector<double> predecessor = {1.1, 2.3, -3.7}, own = {0.3, 0.1, 9.2}, one = {0.2, -0.6, 8.8},
                             two = {0.1, 0.7, 8.1}, three = {-1.0, 0.4, 7.0};
   const FollowerSignals signals = signals_of(car_behind_truck(), {"gap", "speed", "acceleration", "jerk"}, 2);
@@ -68,7 +69,7 @@ TEST(Signal, IsTheSameOneByOneAndByTheBatch) {
   }
 }
 
-TEST(Signal, AnUnknownNameIsAnError) {
+TEST(Signal, RejectsAnUnknownName) {
   EXPECT_THROW(signals_of(car_behind_truck(), {"distance"}, 1), std::invalid_argument);
   EXPECT_THROW(unit_of("distance"), std::invalid_argument);
 }
@@ -78,20 +79,15 @@ TEST(Signal, HasAUnit) {
   EXPECT_STREQ(unit_of("jerk"), "m/s^3");
 }
 
-TEST(SignalNames, ComeInOneOrder) {
+TEST(SignalNames, AreSorted) {
   EXPECT_EQ(signal_names("jerk,gap,speed"), (std::vector<std::string>{"gap", "speed", "jerk"}));
   EXPECT_TRUE(signal_names("").empty());
 }
 
-TEST(SignalNames, OtherTextsAreReportedWithAllThatAreAllowed) {
+TEST(SignalNames, RejectOtherTexts) {
   for (const std::string text : {"gap,distance", "gap,gap", ",", "gap,", "gap,,speed", " ", "Gap"}) {
-    try {
-      signal_names(text);
-      FAIL() << text;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_EQ(error.what(), "signals: " + text +
-                                  ": must be some of gap, speed, acceleration, jerk, each once, separated by commas");
-    }
+    EXPECT_EQ(message_of<std::invalid_argument>([&text] { signal_names(text); }),
+              "signals: " + text + ": must be some of gap, speed, acceleration, jerk, each once, separated by commas");
   }
 }
 

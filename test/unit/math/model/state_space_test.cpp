@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 #include <stdexcept>
-#include <string>
 
+#include "unit/messages.hpp"
 #include "unit/zeros.hpp"
 
 namespace platoon {
@@ -25,36 +25,30 @@ StateSpace random_system(Eigen::Index order, std::mt19937& generator) {
   return {a, b, c};
 }
 
-std::string message_of(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::RowVectorXd& c) {
-  try {
-    StateSpace(a, b, c);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+std::string rejection(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::RowVectorXd& c) {
+  return message_of<std::invalid_argument>([&] { StateSpace(a, b, c); });
 }
 
-TEST(StateSpace, NamesTheMatrixThatDoesNotFit) {
+TEST(StateSpace, NamesAMatrixThatDoesNotFit) {
   const Eigen::MatrixXd a = Eigen::MatrixXd::Identity(2, 2);
   const Eigen::VectorXd b = Eigen::VectorXd::Ones(2);
   const Eigen::RowVectorXd c = Eigen::RowVectorXd::Ones(2);
-  EXPECT_EQ(message_of(a, b, c), "");
-  EXPECT_EQ(message_of(Eigen::MatrixXd::Zero(2, 3), b, c), "A: 2 x 3: must be square, n x n with n >= 1");
-  EXPECT_EQ(message_of(Eigen::MatrixXd(0, 0), b, c), "A: 0 x 0: must be square, n x n with n >= 1");
-  EXPECT_EQ(message_of(a, Eigen::VectorXd::Ones(3), c), "B: 3 x 1, C: 1 x 2: must be n x 1 and 1 x n with A's n = 2");
-  EXPECT_EQ(message_of(a, b, Eigen::RowVectorXd::Ones(1)),
-            "B: 2 x 1, C: 1 x 1: must be n x 1 and 1 x n with A's n = 2");
-  EXPECT_EQ(message_of(std::nan("") * a, b, c), "A, B, C: every entry must be finite");
-  EXPECT_EQ(message_of(a, b, HUGE_VAL * c), "A, B, C: every entry must be finite");
+  EXPECT_EQ(rejection(a, b, c), "");
+  EXPECT_EQ(rejection(Eigen::MatrixXd::Zero(2, 3), b, c), "A: 2 x 3: must be square, n x n with n >= 1");
+  EXPECT_EQ(rejection(Eigen::MatrixXd(0, 0), b, c), "A: 0 x 0: must be square, n x n with n >= 1");
+  EXPECT_EQ(rejection(a, Eigen::VectorXd::Ones(3), c), "B: 3 x 1, C: 1 x 2: must be n x 1 and 1 x n with A's n = 2");
+  EXPECT_EQ(rejection(a, b, Eigen::RowVectorXd::Ones(1)), "B: 2 x 1, C: 1 x 1: must be n x 1 and 1 x n with A's n = 2");
+  EXPECT_EQ(rejection(std::nan("") * a, b, c), "A, B, C: every entry must be finite");
+  EXPECT_EQ(rejection(a, b, HUGE_VAL * c), "A, B, C: every entry must be finite");
 }
 
-TEST(StateSpace, SpectralRadiusIsTheLargestModulusOfAnEigenvalue) {
+TEST(StateSpace, HasTheSpectralRadiusOfItsEigenvalues) {
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   a << 0.6, -0.7, 5.0, 0.7, 0.6, -3.0, 0.0, 0.0, -0.5;
   EXPECT_NEAR(spectral_radius({a, Eigen::Vector3d::Ones(), Eigen::RowVector3d::Ones()}), std::hypot(0.6, 0.7), 1e-14);
 }
 
-TEST(StateSpace, TransferFunctionIsCTimesTheResolventTimesB) {
+TEST(StateSpace, HasTheTransferFunctionOfItsResolvent) {
   std::mt19937 generator(1);
   for (Eigen::Index order = 1; order <= 6; ++order) {
     const StateSpace system = random_system(order, generator);
@@ -68,7 +62,7 @@ TEST(StateSpace, TransferFunctionIsCTimesTheResolventTimesB) {
   }
 }
 
-TEST(StateSpace, TransferFunctionOfTheObservableCanonicalFormIsTheFractionItself) {
+TEST(StateSpace, InObservableFormHasTheTransferFunctionOfItsFraction) {
   std::mt19937 generator(2);
   for (int trial = 0; trial < 60; ++trial) {
     const int degree = 1 + trial % 6;
@@ -85,7 +79,7 @@ TEST(StateSpace, TransferFunctionOfTheObservableCanonicalFormIsTheFractionItself
   }
 }
 
-TEST(StateSpace, ObservableCanonicalFormHasTheFractionsCoefficients) {
+TEST(StateSpace, InObservableFormHasTheCoefficientsOfItsFraction) {
   const StateSpace system = observable_canonical({Eigen::Vector2d(5.0, 6.0), Eigen::Vector4d(1.0, -0.2, 0.3, 0.4)});
   Eigen::Matrix3d a;
   a << 0.2, 1.0, 0.0, -0.3, 0.0, 1.0, -0.4, 0.0, 0.0;
@@ -94,14 +88,14 @@ TEST(StateSpace, ObservableCanonicalFormHasTheFractionsCoefficients) {
   EXPECT_EQ(system.c(), Eigen::RowVector3d(1.0, 0.0, 0.0));
 }
 
-TEST(StateSpace, OnlyAStrictlyProperFractionIsRealized) {
+TEST(StateSpace, RealizesStrictlyProperFractionsOnly) {
   const Polynomial quadratic = Eigen::Vector3d(1.0, 0.2, 0.3);
   EXPECT_THROW(observable_canonical({quadratic, quadratic}), std::invalid_argument);
   EXPECT_THROW(observable_canonical({quadratic, Eigen::Vector2d(1.0, 0.5)}), std::invalid_argument);
   EXPECT_THROW(observable_canonical({Polynomial::Zero(1), Polynomial::Ones(1)}), std::invalid_argument);
 }
 
-TEST(StateSpace, RestStateStaysAndHasTheOutputOne) {
+TEST(StateSpace, HasAStateOfRestWithTheOutputOne) {
   std::mt19937 generator(3);
   for (Eigen::Index order = 1; order <= 6; ++order) {
     const StateSpace system = random_system(order, generator);
@@ -112,7 +106,7 @@ TEST(StateSpace, RestStateStaysAndHasTheOutputOne) {
   }
 }
 
-TEST(StateSpace, WithoutAStateOfRestThereIsNone) {
+TEST(StateSpace, RejectsASystemWithoutAStateOfRest) {
   const Eigen::Vector2d b(1.0, 1.0);
   Eigen::Matrix2d integrator;
   integrator << 1.0, 0.0, 0.0, 0.5;

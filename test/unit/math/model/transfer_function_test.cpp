@@ -2,25 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 #include <stdexcept>
 
-#include "unit/zeros.hpp"
+#include "unit/math/model/fractions.hpp"
 
 namespace platoon {
 namespace {
-
-// Largest |f - g| / |g| over the unit circle.
-double distance(const TransferFunction& f, const TransferFunction& g) {
-  double largest = 0.0;
-  for (int k = 0; k <= 200; ++k) {
-    const std::complex<double> z = std::polar(1.0, 3.14159265358979 * k / 200.0);
-    largest = std::max(largest, std::abs(f(z) - g(z)) / std::abs(g(z)));
-  }
-  return largest;
-}
 
 Eigen::Index order(const TransferFunction& f) {
   return f.denominator().size() - 1;
@@ -32,7 +21,7 @@ TEST(TransferFunction, IsTrimmedAndItsDenominatorMonic) {
   EXPECT_EQ(f.denominator(), Eigen::Vector3d(1.0, 0.0, 0.5));
 }
 
-TEST(TransferFunction, RefusesADenominatorOfZeroAndCoefficientsThatAreNotFinite) {
+TEST(TransferFunction, RejectsADenominatorOfZeroAndInfiniteCoefficients) {
   const Eigen::Vector2d one(0.0, 1.0);
   EXPECT_THROW(TransferFunction(one, Eigen::Vector2d(0.0, 0.0)), std::invalid_argument);
   EXPECT_THROW(TransferFunction(one, Polynomial()), std::invalid_argument);
@@ -40,7 +29,7 @@ TEST(TransferFunction, RefusesADenominatorOfZeroAndCoefficientsThatAreNotFinite)
   EXPECT_THROW(TransferFunction(one, Eigen::Vector2d(1.0, HUGE_VAL)), std::invalid_argument);
 }
 
-TEST(TransferFunction, KnowsItsRelativeDegree) {
+TEST(TransferFunction, HasItsRelativeDegree) {
   const Polynomial cubic = Eigen::Vector4d(1.0, 0.0, 0.0, 0.5);
   EXPECT_EQ(TransferFunction(Eigen::Vector2d(2.0, 1.0), cubic).relative_degree(), 2);
   EXPECT_TRUE(TransferFunction(Eigen::Vector2d(2.0, 1.0), cubic).is_strictly_proper());
@@ -57,14 +46,14 @@ TEST(TransferFunction, IsTheQuotientOfItsPolynomials) {
   EXPECT_FALSE(std::isfinite(std::abs(f(0.5))));
 }
 
-TEST(TransferFunction, HeadwayPolicyIsOnePlusHMinusHOverZ) {
+TEST(TransferFunction, OfTheHeadwayPolicyIsOnePlusHMinusHOverZ) {
   const TransferFunction h = headway_policy(3.2);
   const std::complex<double> z(0.3, 0.8);
   EXPECT_LT(std::abs(h(z) - (4.2 - 3.2 / z)), 1e-14);
   EXPECT_NEAR(h(1.0).real(), 1.0, 1e-15);
 }
 
-TEST(TransferFunction, SeriesAndFeedbackAreTheirFormulas) {
+TEST(TransferFunction, FollowsTheFormulasOfSeriesAndFeedback) {
   std::mt19937 generator(1);
   const TransferFunction f(random_polynomial(2, generator), random_polynomial(3, generator));
   const TransferFunction r(random_polynomial(1, generator), random_polynomial(2, generator));
@@ -76,13 +65,13 @@ TEST(TransferFunction, SeriesAndFeedbackAreTheirFormulas) {
   }
 }
 
-TEST(TransferFunction, FeedbackThatMakesZeroOfTheDenominatorIsRefused) {
+TEST(TransferFunction, RejectsFeedbackWithADenominatorOfZero) {
   const TransferFunction one(Polynomial::Ones(1), Polynomial::Ones(1));
   const TransferFunction minus_one(-Polynomial::Ones(1), Polynomial::Ones(1));
   EXPECT_THROW(feedback(one, minus_one), std::invalid_argument);
 }
 
-TEST(Reduce, LeavesAFractionInLowestTermsAsItIs) {
+TEST(Reduce, KeepsAFractionInLowestTerms) {
   std::mt19937 generator(2);
   for (int trial = 0; trial < 200; ++trial) {
     const int degree = 1 + trial % 6;
@@ -131,7 +120,7 @@ TEST(Reduce, CancelsMultipleZeros) {
   EXPECT_LT((reduction.common_factor - polynomial_with_zeros({0.5, 0.5, 0.5})).norm(), 1e-9);
 }
 
-TEST(Reduce, MakesZeroOverOneOfANumeratorOfZero) {
+TEST(Reduce, TurnsANumeratorOfZeroIntoZeroOverOne) {
   const Polynomial d = polynomial_with_zeros({0.4, 0.0});
   const Reduction reduction = reduce({Polynomial::Zero(1), d});
   EXPECT_EQ(reduction.minimal.numerator(), Polynomial::Zero(1));
@@ -140,7 +129,7 @@ TEST(Reduce, MakesZeroOverOneOfANumeratorOfZero) {
 }
 
 // Nothing cancels here: a matrix that is nearly singular without a common factor must not change the function.
-TEST(Reduce, KeepsTheValueOfAFractionWhosePolesAndZerosLieClose) {
+TEST(Reduce, KeepsTheValueOfAFractionWithPolesCloseToZeros) {
   for (const double distance_between : {0.1, 0.05, 0.02, 0.01}) {
     for (std::size_t poles = 2; poles <= 6; ++poles) {
       const std::vector<std::complex<double>> all(poles, 0.9), zeros(poles - 1, 0.9 - distance_between);
@@ -185,7 +174,7 @@ TEST(Reduce, IsDefinedForEveryGain) {
   }
 }
 
-TEST(TransferFunction, RefusesALeadingCoefficientThatMakesTheOthersOverflow) {
+TEST(TransferFunction, RejectsALeadingCoefficientThatMakesTheOthersOverflow) {
   EXPECT_THROW(TransferFunction(Polynomial::Ones(1), Eigen::Vector2d(1e-310, 1.0)), std::invalid_argument);
   EXPECT_THROW(TransferFunction(Polynomial::Constant(1, 1e300), Eigen::Vector2d(1e-100, 1e-100)),
                std::invalid_argument);

@@ -3,24 +3,23 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
-#include <stdexcept>
 
+#include "unit/math/noise/draw.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {
 namespace {
 
-std::vector<double> normals(std::uint64_t seed, DrawName name, std::uint64_t first, std::size_t count) {
-  std::vector<double> g(count);
-  WhiteNoise(seed).fill(name, first, count, g.data());
-  return g;
-}
-
-TEST(FollowerVehicle, StartsInItsPlaceWhenNothingIsRandom) {
+// The paper's example with a standstill distance of 6.5 m and these initial positions.
+PlatoonModel platoon_at(const InitialPosition& initial) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().standstill_distance = 6.5;
-  model.default_vehicle().initial_position = {0.25, 0.0};
+  model.default_vehicle().initial_position = initial;
+  return model;
+}
+
+TEST(FollowerVehicle, StartsInItsPlaceWithoutRandomness) {
+  const PlatoonModel model = platoon_at({0.25, 0.0});
   std::vector<double> positions;
   FollowerVehicle(model, 1, 4).start(10, 3, positions);
   ASSERT_EQ(positions.size(), 3u);
@@ -28,12 +27,10 @@ TEST(FollowerVehicle, StartsInItsPlaceWhenNothingIsRandom) {
 }
 
 TEST(FollowerVehicle, StartsWithTheNoiseOfStepMinusOne) {
-  PlatoonModel model = paper_platoon();
-  model.default_vehicle().standstill_distance = 6.5;
-  model.default_vehicle().initial_position = {0.25, 2.0};
+  const PlatoonModel model = platoon_at({0.25, 2.0});
   std::vector<double> positions;
   FollowerVehicle(model, 5, 3).start(101, 50, positions);
-  const std::vector<double> g = normals(5, {3, -1}, 101, 50);
+  const std::vector<double> g = draw(5, {3, -1}, 101, 50);
   for (std::size_t r = 0; r < 50; ++r) {
     EXPECT_NEAR(positions[r], -3.0 * 6.5 + 0.25 + std::sqrt(2.0) * g[r], 1e-13);
   }
@@ -41,9 +38,7 @@ TEST(FollowerVehicle, StartsWithTheNoiseOfStepMinusOne) {
 
 // The tolerance is four standard errors of mean and variance of n normals, sqrt(v / n) and v sqrt(2 / n).
 TEST(FollowerVehicle, StartsWithTheMeanAndTheVarianceOfTheModel) {
-  PlatoonModel model = paper_platoon();
-  model.default_vehicle().standstill_distance = 6.5;
-  model.default_vehicle().initial_position = {-0.8, 0.3};
+  const PlatoonModel model = platoon_at({-0.8, 0.3});
   constexpr std::size_t kCount = 40000;
   std::vector<double> positions;
   FollowerVehicle(model, 1, 2).start(0, kCount, positions);
@@ -54,7 +49,7 @@ TEST(FollowerVehicle, StartsWithTheMeanAndTheVarianceOfTheModel) {
   EXPECT_NEAR(variance, 0.3, 4.0 * 0.3 * std::sqrt(2.0 / kCount));
 }
 
-TEST(FollowerVehicle, StandsStillBehindAPredecessorThatStandsInItsPlace) {
+TEST(FollowerVehicle, StaysAtRestBehindAPredecessorAtRest) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().standstill_distance = 6.5;
   FollowerVehicle follower(model, 1, 3);
@@ -66,7 +61,7 @@ TEST(FollowerVehicle, StandsStillBehindAPredecessorThatStandsInItsPlace) {
   }
 }
 
-TEST(FollowerVehicle, BeginsAnewWithEveryStart) {
+TEST(FollowerVehicle, ForgetsItsPastAtANewStart) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().initial_position = {0.0, 1.0};
   FollowerVehicle used(model, 1, 1), fresh(model, 1, 1);
@@ -81,7 +76,7 @@ TEST(FollowerVehicle, BeginsAnewWithEveryStart) {
   EXPECT_EQ(one, other);
 }
 
-TEST(LeaderVehicle, HearsTheVirtualLeaderOneStepLater) {
+TEST(LeaderVehicle, ReceivesTheVirtualLeaderOneStepLater) {
   PlatoonModel model = paper_platoon();
   LeaderVehicle leader(model);
   EXPECT_EQ(leader.start(), 0.0);
@@ -102,7 +97,7 @@ TEST(LeaderVehicle, TracksARampAtItsHeadway) {
   }
 }
 
-TEST(LeaderVehicle, BeginsAnewWithEveryStart) {
+TEST(LeaderVehicle, ForgetsItsPastAtANewStart) {
   LeaderVehicle leader(paper_platoon());
   std::vector<double> first, second;
   for (std::vector<double>* run : {&first, &second}) {

@@ -60,7 +60,7 @@ TEST(CausalConvolution, OfFallingSequencesHasTwelveDigitsAtEveryStep) {
   expect_twelve_digits(300, [](double share) { return -80.0 * share; });
 }
 
-TEST(CausalConvolution, OfNothingAddsNothing) {
+TEST(CausalConvolution, OfZeroSequencesAddsNothing) {
   CausalConvolution convolution(3);
   CausalConvolution::Prepared zero(Values(3, 0.0)), one(Values(3, 1.0)), empty;
   EXPECT_TRUE(zero.is_zero());

@@ -28,14 +28,14 @@ CirclePolynomial with_zeros(const std::vector<long double>& zeros) {
   return p;
 }
 
-TEST(CirclePolynomial, CoordinatesAndFrequenciesAreInverse) {
+TEST(CirclePolynomial, HasACoordinateForEveryFrequency) {
   for (const double w : {0.0, 1e-9, 1e-3, 1.0, 1.5, 2.0, 3.0, 3.14159265, 3.141592653589793}) {
     const Centre centre = w < 1.57 ? Centre::kOne : Centre::kMinusOne;
     EXPECT_NEAR(frequency_at(circle_coordinate(w, centre), centre), w, 1e-15 * w) << w;
   }
 }
 
-TEST(CirclePolynomial, TaylorCoefficientsRebuildThePolynomial) {
+TEST(CirclePolynomial, EqualsItsTaylorExpansion) {
   const Polynomial p = sample_polynomial();
   for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
     const CirclePolynomial b = taylor(p, centre);
@@ -46,7 +46,7 @@ TEST(CirclePolynomial, TaylorCoefficientsRebuildThePolynomial) {
   }
 }
 
-TEST(CirclePolynomial, SquaredModulusIsThatOfThePolynomialOnTheUnitCircle) {
+TEST(CirclePolynomial, HasTheSquaredModulusOnTheUnitCircle) {
   const Polynomial p = sample_polynomial();
   for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
     const CirclePolynomial b = taylor(p, centre);
@@ -61,7 +61,7 @@ TEST(CirclePolynomial, SquaredModulusIsThatOfThePolynomialOnTheUnitCircle) {
   }
 }
 
-TEST(CirclePolynomial, SquaredModulusAtKeepsItsDigitsNextToAZero) {
+TEST(CirclePolynomial, KeepsTheDigitsOfTheSquaredModulusNextToAZero) {
   const std::complex<double> close = std::polar(1.0 - 1e-5, 2.0);
   Polynomial p = Eigen::Vector3d(1.0, -2.0 * close.real(), std::norm(close));
   const std::vector<double> others{0.9, 0.8, 0.1, -0.4};
@@ -74,7 +74,7 @@ TEST(CirclePolynomial, SquaredModulusAtKeepsItsDigitsNextToAZero) {
   EXPECT_NEAR(static_cast<double>(squared_modulus_at(b, Centre::kMinusOne, t)), exact, 1e-9 * exact);
 }
 
-TEST(CirclePolynomial, SignChangesFindEverySimpleZeroToTheLastDigit) {
+TEST(CirclePolynomial, ChangesItsSignAtEverySimpleZero) {
   const std::vector<long double> zeros{0.1L, 0.25L, 0.2500001L, 0.7L, 0.99L};
   const std::vector<long double> found = sign_changes(with_zeros(zeros), 0.0L, 1.0L);
   ASSERT_EQ(found.size(), zeros.size());
@@ -83,20 +83,20 @@ TEST(CirclePolynomial, SignChangesFindEverySimpleZeroToTheLastDigit) {
   }
 }
 
-TEST(CirclePolynomial, SignChangesPassOverDoubleZerosAndCountTripleOnesOnce) {
+TEST(CirclePolynomial, ChangesItsSignAtTripleZerosButNotAtDoubleOnes) {
   EXPECT_TRUE(sign_changes(with_zeros({0.5L, 0.5L}), 0.0L, 1.0L).empty());
   const std::vector<long double> triple = sign_changes(with_zeros({0.5L, 0.5L, 0.5L}), 0.0L, 1.0L);
   ASSERT_EQ(triple.size(), 1u);
   EXPECT_NEAR(static_cast<double>(triple[0]), 0.5, 1e-6);
 }
 
-TEST(CirclePolynomial, SignChangesLeaveOutWhatLiesBeyondTheInterval) {
+TEST(CirclePolynomial, HasNoSignChangeBeyondTheInterval) {
   EXPECT_TRUE(sign_changes(with_zeros({-0.5L, 1.5L}), 0.0L, 1.0L).empty());
   EXPECT_TRUE(sign_changes({3.0L}, 0.0L, 1.0L).empty());
   EXPECT_TRUE(sign_changes({0.0L, 0.0L}, 0.0L, 1.0L).empty());
 }
 
-TEST(CirclePolynomial, ZeroAtTheOriginIsDividedOut) {
+TEST(CirclePolynomial, IsDividedByItsZeroAtTheOrigin) {
   EXPECT_EQ(without_zero_at_origin({0.0L, 2.0L, 3.0L}), (CirclePolynomial{2.0L, 3.0L}));
   EXPECT_EQ(without_zero_at_origin({0.0L}), CirclePolynomial{0.0L});
 }

@@ -16,7 +16,7 @@ std::vector<double> moduli(const DeltaPolynomial& p) {
 }
 
 // s^3 + a s^2 + b s + c with zeros 1, 2 and 3 times x.
-TEST(DeltaForm, FindsZerosOfAnySize) {
+TEST(DeltaForm, HasZerosOfAnySize) {
   for (const int power : {-150, -60, -12, 0, 12, 60, 150, 300}) {
     const long double x = std::pow(10.0L, power);
     const std::vector<double> found = moduli({-6.0L * x * x * x, 11.0L * x * x, -6.0L * x, 1.0L});
@@ -27,7 +27,7 @@ TEST(DeltaForm, FindsZerosOfAnySize) {
   }
 }
 
-TEST(DeltaForm, FindsZerosThatLieCloseTogether) {
+TEST(DeltaForm, HasZerosCloseToEachOther) {
   const long double apart = 1e-8L;
   const std::vector<double> found = moduli({0.5L * (0.5L + apart), -1.0L - apart, 1.0L});
   ASSERT_EQ(found.size(), 2u);
@@ -36,7 +36,7 @@ TEST(DeltaForm, FindsZerosThatLieCloseTogether) {
 }
 
 // z^2 + g: |z| = sqrt(g).
-TEST(DeltaForm, SpectralRadiusOfLargeCoefficients) {
+TEST(DeltaForm, HasTheSpectralRadiusOfLargeCoefficients) {
   for (const double power : {4.0, 24.0, 60.0, 154.0, 300.0}) {
     const double g = std::pow(10.0, power);
     EXPECT_NEAR(spectral_radius(delta_form(Eigen::Vector3d(1.0, 0.0, g))) / std::sqrt(g), 1.0, 1e-12) << power;

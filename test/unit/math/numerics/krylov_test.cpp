@@ -25,7 +25,7 @@ NonnegativeMap map_of(const Eigen::MatrixXd& matrix) {
   return [matrix](const Eigen::VectorXd& x) -> Eigen::VectorXd { return matrix * x; };
 }
 
-TEST(Krylov, PerronRootIsTheSpectralRadius) {
+TEST(Krylov, FindsThePerronRoot) {
   for (const Eigen::Index size : {1, 2, 7, 60, 200}) {
     EXPECT_NEAR(perron_root(map_of(nonnegative(size, 0.75)), size), 0.75, 1e-12) << size;
   }
@@ -33,7 +33,7 @@ TEST(Krylov, PerronRootIsTheSpectralRadius) {
   EXPECT_EQ(perron_root(map_of(Eigen::MatrixXd()), 0), 0.0);
 }
 
-TEST(Krylov, PerronRootMaySettleToAShareOfItsDistanceFromOne) {
+TEST(Krylov, FindsThePerronRootToAShareOfItsDistanceFromOne) {
   const Eigen::Index size = 200;
   const auto products_for = [&](double root, double share) {
     int products = 0;
@@ -50,7 +50,7 @@ TEST(Krylov, PerronRootMaySettleToAShareOfItsDistanceFromOne) {
 }
 
 // Nearly nilpotent: the computed eigenvalues of the unbalanced matrix are rounding errors of its largest entry.
-TEST(Krylov, PerronRootSurvivesComponentsOfManyOrdersOfMagnitude) {
+TEST(Krylov, FindsThePerronRootOfComponentsOfManyOrdersOfMagnitude) {
   const Eigen::Index size = 12;
   const Eigen::MatrixXd even = nonnegative(size, 1e-5);
   Eigen::VectorXd units(size);
@@ -65,11 +65,11 @@ TEST(Krylov, PerronRootSurvivesComponentsOfManyOrdersOfMagnitude) {
 }
 
 // Its Krylov space from ones is invariant after one dimension.
-TEST(Krylov, PerronRootOfEqualRowSumsIsThatSum) {
+TEST(Krylov, FindsThePerronRootOfEqualRowSums) {
   EXPECT_NEAR(perron_root(map_of(Eigen::MatrixXd::Constant(5, 5, 0.1)), 5), 0.5, 1e-14);
 }
 
-TEST(Krylov, BoundsEncloseTheRoot) {
+TEST(Krylov, EnclosesThePerronRoot) {
   for (const Eigen::Index size : {1, 7, 200}) {
     const RootBounds bounds = perron_bounds(map_of(nonnegative(size, 0.75)), size);
     EXPECT_LE(bounds.least, 0.75 * (1.0 + 1e-12)) << size;
@@ -79,7 +79,7 @@ TEST(Krylov, BoundsEncloseTheRoot) {
   EXPECT_EQ(perron_bounds(map_of(Eigen::MatrixXd::Zero(3, 3)), 3).most, 0.0);
 }
 
-TEST(Krylov, SolutionLeavesNoResidual) {
+TEST(Krylov, SolvesWithoutAResidual) {
   for (const Eigen::Index size : {1, 5, 60, 200}) {
     const Eigen::MatrixXd matrix = nonnegative(size, 0.95);
     const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(size, 1.0, 2.0);

@@ -15,7 +15,7 @@ Complex remembered(double memory, double a, double w) {
   return x / (1.0 - x) / (1.0 - a * a);
 }
 
-TEST(MemoryWeights, IntegrateAKernelThatNoNodesResolve) {
+TEST(MemoryWeights, IntegrateAKernelThatTheNodesDoNotResolve) {
   for (const double memory : {0.3, -0.3, 0.9, -0.97, 0.999, -0.999, 0.99999}) {
     for (const double a : {0.5, 0.97}) {
       const Quadrature rule = half_circle_quadrature({{0.0, -std::log(a)}}, {}, 1);

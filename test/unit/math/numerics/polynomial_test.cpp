@@ -22,7 +22,7 @@ TEST(Polynomial, IsTrimmedOfItsLeadingZeros) {
   EXPECT_EQ(trimmed(poly({0.0, 0.0})), poly({0.0}));
 }
 
-TEST(Polynomial, RefusesNoCoefficientAndOneThatIsNotFinite) {
+TEST(Polynomial, RejectsMissingAndInfiniteCoefficients) {
   EXPECT_THROW(trimmed(Polynomial()), std::invalid_argument);
   EXPECT_THROW(trimmed(poly({1.0, std::nan("")})), std::invalid_argument);
   EXPECT_THROW(trimmed(poly({std::numeric_limits<double>::infinity(), 1.0})), std::invalid_argument);
@@ -53,7 +53,7 @@ TEST(Polynomial, HasAsManyRootsAsItsDegree) {
   EXPECT_EQ(roots(poly({1.0, 0.0, 0.0, 0.0, 0.0})).size(), 4u);
 }
 
-TEST(Polynomial, RootsAreItsZeros) {
+TEST(Polynomial, HasItsZerosAsRoots) {
   const std::vector<std::complex<double>> zeros = {0.9, -0.3, {0.2, 0.7}};
   const std::vector<std::complex<double>> found = roots(3.5 * polynomial_with_zeros(zeros));
   ASSERT_EQ(found.size(), 4u);

@@ -15,14 +15,14 @@ double integrate(const Quadrature& rule, const Function& f) {
   return sum;
 }
 
-TEST(Quadrature, GaussLegendreIsExactForPolynomialsBelowTwiceItsNodes) {
+TEST(Quadrature, OfGaussAndLegendreIsExactBelowTwiceItsCount) {
   for (int power = 0; power < 2 * kGaussNodes; ++power) {
     const double exact = power % 2 == 0 ? 2.0 / (power + 1) : 0.0;
     EXPECT_NEAR(integrate(gauss_legendre(), [&](double x) { return std::pow(x, power); }), exact, 1e-14) << power;
   }
 }
 
-TEST(Quadrature, MeanOverTheCircleIsRightHoweverCloseThePolesAre) {
+TEST(Quadrature, HasTheMeanOverTheCircleForPolesCloseToIt) {
   // The mean of 1 / |z - a|^2 is 1 / (1 - |a|^2) for |a| < 1, and of its real pairs accordingly.
   for (const double radius : {0.0, 0.5, 0.9, 0.999, 0.999999}) {
     for (const double angle : {0.0, 0.4, 2.0, 3.141592653589793}) {
@@ -40,7 +40,7 @@ TEST(Quadrature, MeanOverTheCircleIsRightHoweverCloseThePolesAre) {
   }
 }
 
-TEST(Quadrature, PeaksResolveFunctionsThatNarrowThere) {
+TEST(Quadrature, ResolvesFunctionsThatAreNarrowAtAPeak) {
   const double peak = 1.3;
   for (const double width : {1e-2, 1e-4, 1e-6}) {
     const auto bump = [&](double w) { return std::exp(-std::pow((w - peak) / width, 2)); };
@@ -49,7 +49,7 @@ TEST(Quadrature, PeaksResolveFunctionsThatNarrowThere) {
   }
 }
 
-TEST(Quadrature, RefinementKeepsTheRuleConsistent) {
+TEST(Quadrature, StaysConsistentUnderRefinement) {
   const auto one = [](double) { return 1.0; };
   const Quadrature coarse = half_circle_quadrature({{1.0, 0.1}}, {0.0, 2.0});
   const Quadrature fine = half_circle_quadrature({{1.0, 0.1}}, {0.0, 2.0}, 2);
@@ -59,7 +59,7 @@ TEST(Quadrature, RefinementKeepsTheRuleConsistent) {
 }
 
 // The mean of (1 - a^2) / (1 - 2 a cos w + a^2) e^{-j m w} over the circle is a^m.
-TEST(OscillatingWeights, IntegrateWhatTurnsOftenOnEveryPanel) {
+TEST(OscillatingWeights, IntegrateOscillationsWithinAPanel) {
   for (const double a : {0.5, 0.9, 0.999}) {
     const Quadrature rule = half_circle_quadrature({{0.0, -std::log(a)}}, {0.0}, 1);
     for (const double m : {0.0, 3.0, 40.0, 1000.0, 10000.0}) {
@@ -75,7 +75,7 @@ TEST(OscillatingWeights, IntegrateWhatTurnsOftenOnEveryPanel) {
   }
 }
 
-TEST(Quadrature, RefusesSingularitiesOnTheAxis) {
+TEST(Quadrature, RejectsSingularitiesOnTheAxis) {
   EXPECT_THROW(half_circle_quadrature({{1.0, 0.0}}, {}), std::invalid_argument);
 }
 

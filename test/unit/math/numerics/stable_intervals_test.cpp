@@ -11,7 +11,7 @@ namespace {
 const std::vector<double> kPlaces{0.5, 1.5, 2.5, 3.5};
 
 // Stable up to 2.2, where the necessary margin passes zero and the full one jumps.
-TEST(StableIntervals, AJumpIsFoundFromTheNecessaryMargin) {
+TEST(StableIntervals, EndAtAJumpThatTheNecessaryMarginShows) {
   int evaluations = 0;
   const auto margin = [&evaluations](double x) {
     ++evaluations;
@@ -25,7 +25,7 @@ TEST(StableIntervals, AJumpIsFoundFromTheNecessaryMargin) {
   EXPECT_EQ(evaluations, 3) << "at two places and beside the border";
 }
 
-TEST(StableIntervals, TheFullMarginDecidesBeforeTheNecessaryOne) {
+TEST(StableIntervals, EndWhereTheFullMarginDoesBeforeTheNecessaryOne) {
   const auto necessary = [](double x) { return x - 0.7; };
   const std::vector<StableInterval> found = stable_intervals([](double x) { return x - 1.25; }, kPlaces, necessary);
   ASSERT_EQ(found.size(), 1u);
@@ -33,7 +33,7 @@ TEST(StableIntervals, TheFullMarginDecidesBeforeTheNecessaryOne) {
   EXPECT_EQ(found.front().to, 3.5);
 }
 
-TEST(StableIntervals, WithoutANecessaryMarginAJumpIsBisected) {
+TEST(StableIntervals, EndAtAJumpWithoutANecessaryMargin) {
   const std::vector<StableInterval> found =
       stable_intervals([](double x) { return x > 1.1 && x < 2.9 ? 1.0 : -1.0; }, kPlaces);
   ASSERT_EQ(found.size(), 1u);
@@ -42,7 +42,7 @@ TEST(StableIntervals, WithoutANecessaryMarginAJumpIsBisected) {
 }
 
 // A pole on the unit circle at the border.
-TEST(StableIntervals, AnInfiniteMarginIsNoEndOfTheSearch) {
+TEST(StableIntervals, EndCorrectlyAtAnInfiniteMargin) {
   const auto margin = [](double x) {
     if (x < 2.2) return 130.0;
     return x < 2.2 + 1e-10 ? -std::numeric_limits<double>::infinity() : 0.004 * (2.2 - x);

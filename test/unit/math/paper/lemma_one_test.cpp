@@ -28,7 +28,7 @@ TEST(LemmaOne, AgreesWithTheMomentsFromStructure) {
   }
 }
 
-TEST(LemmaOne, InitialStateIsThatOfVehiclesThatStoodStillAndMadeOneStep) {
+TEST(LemmaOne, HasTheInitialStateOfVehiclesAfterOneStepFromRest) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const StateSpace& loop = model.default_vehicle().loop.realization;
   const Eigen::Vector3d p(0.7, -1.1, 0.4);
@@ -46,35 +46,35 @@ TEST(LemmaOne, InitialStateIsThatOfVehiclesThatStoodStillAndMadeOneStep) {
   }
 }
 
-TEST(LemmaOne, AMeanShiftOfAllFollowersConcernsTheFirstTwoOnly) {
+TEST(LemmaOne, HasAnInitialMeanOfTheFirstTwoFollowersOnly) {
   const InitialString initial = initial_string(model_with(paper_loop(3.2), 3.2), 5);
   EXPECT_GT(initial.mean.head(6).norm(), 0.1);
   EXPECT_LT(initial.mean.tail(9).norm(), 1e-14);
   EXPECT_NEAR((initial.covariance - 0.3 * initial.response * initial.response.transpose()).norm(), 0.0, 1e-14);
 }
 
-TEST(LemmaOne, LyapunovSolutionLeavesNoResidual) {
+TEST(LemmaOne, SolvesTheLyapunovEquationWithoutAResidual) {
   const StringMatrices string = string_matrices(paper_loop(3.2).realization, 3.2, 6);
   const Eigen::MatrixXd q = noise_covariance(string, 0.6);
   const Eigen::MatrixXd p = solve_discrete_lyapunov(string.a, q);
   EXPECT_LT((p - string.a * p * string.a.transpose() - q).cwiseAbs().maxCoeff(), 1e-13 * p.cwiseAbs().maxCoeff());
 }
 
-TEST(LemmaOne, LyapunovSolutionOfAScalarIsTheGeometricSum) {
+TEST(LemmaOne, SolvesAScalarLyapunovEquationByTheGeometricSum) {
   const Eigen::MatrixXd a = Eigen::MatrixXd::Constant(1, 1, 0.999);
   const Eigen::MatrixXd q = Eigen::MatrixXd::Constant(1, 1, 2.0);
   EXPECT_NEAR(solve_discrete_lyapunov(a, q)(0, 0), 2.0 / (1.0 - 0.999 * 0.999), 1e-10);
 }
 
-TEST(LemmaOne, BothStationaryCovariancesAgreeInEveryEntry) {
+TEST(LemmaOne, HasTheSameStationaryCovarianceByBothFormulas) {
   const StringMatrices string = string_matrices(paper_loop(2.4).realization, 2.4, 4);
   const Eigen::MatrixXd vec = stationary_covariance_by_vec(string, 0.6);
   const Eigen::MatrixXd lyapunov = stationary_covariance_by_lyapunov(string, 0.6);
   EXPECT_LT((vec - lyapunov).cwiseAbs().maxCoeff(), 1e-12 * vec.cwiseAbs().maxCoeff());
 }
 
-TEST(LemmaOne, RefusesWhatHasNoStationaryCovariance) {
-  const TransferFunction t = ramp_tracking(with_zeros({1.01, 0.2}, {}), 2.0, Polynomial::Zero(1));
+TEST(LemmaOne, RejectsSystemsWithoutAStationaryCovariance) {
+  const TransferFunction t = ramp_tracking(polynomial_with_zeros({1.01, 0.2}), 2.0);
   const StringMatrices string = string_matrices(observable_canonical(t), 2.0, 2);
   EXPECT_THROW(stationary_covariance_by_vec(string, 0.6), std::invalid_argument);
   EXPECT_THROW(stationary_covariance_by_lyapunov(string, 0.6), std::invalid_argument);
@@ -84,7 +84,7 @@ TEST(LemmaOne, RefusesWhatHasNoStationaryCovariance) {
                std::invalid_argument);
 }
 
-TEST(LemmaOne, LyapunovSolutionKeepsItsDigitsForLongStrings) {
+TEST(LemmaOne, KeepsItsDigitsForLongStrings) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const StringMatrices string = string_matrices(model.default_vehicle().loop.realization, 3.2, 40);
   // The computed eigenvalues of this A, of multiplicity 40, are unreliable: rho(A) = 0.527.
@@ -93,7 +93,7 @@ TEST(LemmaOne, LyapunovSolutionKeepsItsDigitsForLongStrings) {
   EXPECT_NEAR(stationary_covariance_by_lyapunov(string, 0.6)(39, 39), expected, 1e-11 * expected);
 }
 
-TEST(LemmaOne, RefusesAnEmptyStringAndAnEmptyRun) {
+TEST(LemmaOne, RejectsAnEmptyStringAndAnEmptyRun) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   EXPECT_THROW(initial_string(model, 0), std::invalid_argument);
   EXPECT_THROW(error_moments_by_lemma_one(model, 0, 5), std::invalid_argument);

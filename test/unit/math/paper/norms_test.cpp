@@ -9,7 +9,7 @@
 namespace platoon {
 namespace {
 
-TEST(Norms, OfASequenceAreKnownInClosedForm) {
+TEST(Norms, OfASequenceHaveAClosedForm) {
   const std::vector<double> values{3.0, -4.0, 0.0};
   EXPECT_EQ(sequence_norm(values.data(), 3, NormOrder::kOne), 7.0);
   EXPECT_EQ(sequence_norm(values.data(), 3, NormOrder::kTwo), 5.0);

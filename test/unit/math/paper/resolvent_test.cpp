@@ -39,7 +39,7 @@ TEST(Resolvent, IsTheInverseOfTheShiftedMatrix) {
   }
 }
 
-TEST(Resolvent, PeakIsTheLargestNormOnTheCircle) {
+TEST(Resolvent, HasTheLargestNormOnTheCircleAsItsPeak) {
   for (const ExampleLoop& example : example_loops()) {
     double largest = 0.0;
     for (int i = 0; i <= 20000; ++i) {
@@ -52,7 +52,7 @@ TEST(Resolvent, PeakIsTheLargestNormOnTheCircle) {
   }
 }
 
-TEST(Resolvent, EnergyIsTheTraceOfTheGramianOfTheLastError) {
+TEST(Resolvent, HasTheEnergyOfTheGramian) {
   for (const double h : {3.2, 2.4}) {
     const StateSpace loop = paper_loop(h).realization;
     for (const std::size_t followers : {1u, 2u, 8u}) {
@@ -64,7 +64,7 @@ TEST(Resolvent, EnergyIsTheTraceOfTheGramianOfTheLastError) {
   }
 }
 
-TEST(Resolvent, RefusesUnstableVehiclesAndEmptyStrings) {
+TEST(Resolvent, RejectsUnstableVehiclesAndEmptyStrings) {
   EXPECT_THROW(resolvent_peak(unstable_loop()), std::invalid_argument);
   EXPECT_THROW(resolvent_energy(unstable_loop(), 1), std::invalid_argument);
   EXPECT_THROW(resolvent_energy(paper_loop(3.2).realization, 0), std::invalid_argument);

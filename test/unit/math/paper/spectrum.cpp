@@ -11,24 +11,9 @@
 #include "stochastic_platoon/math/response/pattern_gain.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
+#include "unit/zeros.hpp"
 
 namespace platoon {
-
-namespace {
-
-/// The real polynomial with these zeros, which come in conjugate pairs.
-Polynomial from_zeros(const std::vector<std::complex<double>>& zeros) {
-  Eigen::VectorXcd p = Eigen::VectorXcd::Ones(1);
-  for (const std::complex<double>& zero : zeros) {
-    Eigen::VectorXcd next = Eigen::VectorXcd::Zero(p.size() + 1);
-    next.head(p.size()) = p;
-    next.tail(p.size()) -= zero * p;
-    p = next;
-  }
-  return p.real();
-}
-
-}  // namespace
 
 std::vector<double> error_spectra(const PlatoonModel& model, std::size_t followers, double frequency) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
@@ -72,7 +57,7 @@ TransferFunction spectral_factor(const PlatoonModel& model) {
         std::abs(1.0 - t + offset) > std::abs(1.0 - t - offset) ? 1.0 - t + offset : 1.0 - t - offset;
     zeros.push_back(1.0 / outer);
   }
-  const Polynomial inner = from_zeros(zeros);
+  const Polynomial inner = polynomial_with_all_zeros(zeros);
   const double scale = std::sqrt(static_cast<double>(margin.front()) / std::pow(2.0, margin_zeros)) / inner.sum();
   Polynomial factor = scale * inner;
   for (int i = 0; i < margin_zeros; ++i) factor = multiply(factor, Eigen::Vector2d(1.0, -1.0));

@@ -19,7 +19,7 @@ TransferFunction product(const TransferFunction& f, int power, TransferFunction 
   return result;
 }
 
-TEST(Spectrum, RecursionIsTheSumOverTheNoisesInFront) {
+TEST(Spectrum, SumsTheNoisesInFront) {
   for (const ExampleLoop& example : example_loops()) {
     const PlatoonModel model = model_with(example.loop, example.headway);
     for (const double w : {0.0, 0.01, 0.4, 1.9, 3.1}) {
@@ -36,7 +36,7 @@ TEST(Spectrum, RecursionIsTheSumOverTheNoisesInFront) {
   }
 }
 
-TEST(Spectrum, MeanOverTheCircleIsTheStationaryVariance) {
+TEST(Spectrum, HasTheStationaryVarianceAsItsMean) {
   for (const ExampleLoop& example : example_loops()) {
     const PlatoonModel model = model_with(example.loop, example.headway);
     const LinkedVehicle vehicle(model.default_vehicle());
@@ -51,7 +51,7 @@ TEST(Spectrum, MeanOverTheCircleIsTheStationaryVariance) {
   }
 }
 
-TEST(Spectrum, NoiseToErrorNormIsThatOfItsEntries) {
+TEST(Spectrum, HasTheNoiseToErrorNormOfItsEntries) {
   for (const double h : {3.2, 2.4}) {
     const ClosedLoop loop = paper_loop(h);
     const TransferFunction s = sensitivity(loop.transfer, h);
@@ -64,7 +64,7 @@ TEST(Spectrum, NoiseToErrorNormIsThatOfItsEntries) {
   }
 }
 
-TEST(Spectrum, FactorIsTheRootOfOneMinusTheSquaredGain) {
+TEST(Spectrum, HasTheFactorOfOneMinusTheSquaredGain) {
   for (const ExampleLoop& example : string_stable_loops()) {
     const PlatoonModel model = model_with(example.loop, example.headway);
     const TransferFunction m = spectral_factor(model);
@@ -79,14 +79,14 @@ TEST(Spectrum, FactorIsTheRootOfOneMinusTheSquaredGain) {
   }
 }
 
-TEST(Spectrum, FactorExistsForStringStablePlatoonsOnly) {
+TEST(Spectrum, HasAFactorForStringStablePlatoonsOnly) {
   EXPECT_THROW(spectral_factor(model_with(paper_loop(2.4), 2.4)), std::invalid_argument);
   // |T|^2 = 1 / (1 + x ((x - 1)^2 - 0.01)) exceeds 1 about x = 1 only.
   const ExampleLoop bulge = with_gain_from("bulge", roots(Eigen::Vector4d(1.0, -2.0, 0.99, 1.0)));
   EXPECT_THROW(spectral_factor(model_with(bulge.loop, bulge.headway)), std::invalid_argument);
 }
 
-TEST(Spectrum, HTwoNormIsKnownInClosedForm) {
+TEST(Spectrum, HasH2NormsInClosedForm) {
   const TransferFunction lag(Polynomial::Constant(1, 2.0), Eigen::Vector2d(1.0, -0.5));
   EXPECT_NEAR(h2_norm(lag), 2.0 / std::sqrt(1.0 - 0.25), 1e-14);
   const TransferFunction lead(Eigen::Vector2d(3.0, 0.5), Eigen::Vector2d(1.0, -0.5));  // 3 + 2 / (z - 0.5)
@@ -94,19 +94,19 @@ TEST(Spectrum, HTwoNormIsKnownInClosedForm) {
   EXPECT_EQ(h2_norm({Polynomial::Constant(1, -2.0), Polynomial::Ones(1)}), 2.0);
 }
 
-TEST(Spectrum, HTwoNormRefusesImproperAndUnstableFunctions) {
+TEST(Spectrum, RejectsH2NormsOfImproperAndUnstableFunctions) {
   EXPECT_THROW(h2_norm({Eigen::Vector2d(1.0, 0.0), Polynomial::Ones(1)}), std::invalid_argument);
   EXPECT_THROW(h2_norm({Polynomial::Ones(1), Eigen::Vector2d(1.0, -1.0)}), std::invalid_argument);
 }
 
 TEST(Spectrum, DoesNotExistForAnUnstableVehicle) {
-  const TransferFunction t = ramp_tracking(with_zeros({1.01, 0.2}, {}), 2.0, Polynomial::Zero(1));
+  const TransferFunction t = ramp_tracking(polynomial_with_zeros({1.01, 0.2}), 2.0);
   const PlatoonModel model = model_with(closed_loop_from(observable_canonical(t)), 2.0);
   EXPECT_TRUE(std::isnan(error_spectra(model, 2, 1.0).back()));
   EXPECT_TRUE(std::isnan(noise_to_error_norm(model, 2)));
 }
 
-TEST(Spectrum, RefusesAnEmptyStringAndFrequenciesOffTheHalfCircle) {
+TEST(Spectrum, RejectsAnEmptyStringAndFrequenciesOffTheHalfCircle) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   EXPECT_THROW(error_spectra(model, 0, 1.0), std::invalid_argument);
   EXPECT_THROW(error_spectra(model, 2, -0.1), std::invalid_argument);

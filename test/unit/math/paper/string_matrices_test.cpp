@@ -31,7 +31,7 @@ Eigen::VectorXd errors_of_state(const Vehicles& now, const Vehicles& before, dou
   return xi;
 }
 
-TEST(StringMatrices, DriveTheErrorStatesAsTheVehiclesDo) {
+TEST(StringMatrices, DriveTheErrorStatesAsTheVehicles) {
   for (const ExampleLoop& example : example_loops()) {
     const StateSpace& loop = example.loop.realization;
     const double h = example.headway;
@@ -72,7 +72,7 @@ TEST(StringMatrices, HaveTheShapesOfThePaper) {
   EXPECT_EQ(string.c.rows(), 5);
 }
 
-TEST(StringMatrices, RefuseAnEmptyStringAndAHeadwayThatIsNotPositive) {
+TEST(StringMatrices, RejectAnEmptyStringAndAHeadwayThatIsNotPositive) {
   const StateSpace loop = paper_loop(3.2).realization;
   EXPECT_THROW(string_matrices(loop, 3.2, 0), std::invalid_argument);
   EXPECT_THROW(string_matrices(loop, 0.0, 2), std::invalid_argument);

@@ -35,7 +35,7 @@ double dense_covariance_gain(const StateSpace& loop, double headway, std::size_t
   return largest;
 }
 
-TEST(TheoremTwo, BoundsHoldForEveryFollowerAtEveryStep) {
+TEST(TheoremTwo, BoundsEveryFollowerAtEveryStep) {
   for (const ExampleLoop& example : string_stable_loops()) {
     if (example.name.find("slow") != std::string::npos) continue;  // any effect takes thousands of steps
     const PlatoonModel model = model_with(example.loop, example.headway);
@@ -51,7 +51,7 @@ TEST(TheoremTwo, BoundsHoldForEveryFollowerAtEveryStep) {
   }
 }
 
-TEST(TheoremTwo, StatedBoundOfTheInitialVarianceIsExceededInCompanionForm) {
+TEST(TheoremTwo, ExceedsTheStatedBoundOfTheInitialVariance) {
   // P_xi(0) = I. The paper's bound is rho(P) ||C||^2, the value at k = 0.
   const StateSpace companion = controllable(paper_loop(3.2).realization);
   const double stated = companion.c().squaredNorm();
@@ -62,7 +62,7 @@ TEST(TheoremTwo, StatedBoundOfTheInitialVarianceIsExceededInCompanionForm) {
   EXPECT_NEAR(initial_covariance_gain(observable, 1), 2.6705, 1e-4);
 }
 
-TEST(TheoremTwo, CovarianceGainIsThatOfTheDenseString) {
+TEST(TheoremTwo, HasTheCovarianceGainOfTheDenseString) {
   for (const double h : {3.2, 2.4}) {
     const StateSpace loop = paper_loop(h).realization;
     for (const std::size_t followers : {1u, 3u, 40u}) {
@@ -74,7 +74,7 @@ TEST(TheoremTwo, CovarianceGainIsThatOfTheDenseString) {
   }
 }
 
-TEST(TheoremTwo, MeanGainIsTheLargestThatAnyInitialStateReaches) {
+TEST(TheoremTwo, HasTheMeanGainOfTheWorstInitialState) {
   const StateSpace loop = paper_loop(3.2).realization;
   const StringMatrices string = string_matrices(loop, 3.2, 4);
   Eigen::MatrixXd observed(400, string.a.rows());
@@ -87,7 +87,7 @@ TEST(TheoremTwo, MeanGainIsTheLargestThatAnyInitialStateReaches) {
   EXPECT_NEAR(initial_mean_gain(loop, 3.2, 4), expected, 1e-10 * expected);
 }
 
-TEST(TheoremTwo, MeanGainGrowsWithTheStringAndStaysBelowThatOfAnyLength) {
+TEST(TheoremTwo, HasAMeanGainThatGrowsBelowThatOfAnyLength) {
   for (const ExampleLoop& example : string_stable_loops()) {
     const StateSpace& loop = example.loop.realization;
     double before = 0.0;
@@ -100,7 +100,7 @@ TEST(TheoremTwo, MeanGainGrowsWithTheStringAndStaysBelowThatOfAnyLength) {
   }
 }
 
-TEST(TheoremTwo, InitialCovarianceIsTheSupremumOverAllLengths) {
+TEST(TheoremTwo, HasTheSupremumOfTheInitialCovarianceOverAllLengths) {
   std::vector<ExampleLoop> loops = example_loops();
   for (const ExampleLoop& loop : string_stable_loops()) loops.push_back(loop);
   Eigen::Matrix3d basis;  // coordinates in which the worst pattern of positions differs between vehicles
@@ -123,7 +123,7 @@ TEST(TheoremTwo, InitialCovarianceIsTheSupremumOverAllLengths) {
   }
 }
 
-TEST(TheoremTwo, BoundsOfVeryLongStringsHoldForAnyLength) {
+TEST(TheoremTwo, BoundsVeryLongStringsForAnyLength) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const TheoremTwoBounds some = theorem_two_bounds(model, 60, 200);
   const TheoremTwoBounds many = theorem_two_bounds(model, 100000, 200);
@@ -153,7 +153,7 @@ TEST(TheoremTwo, HasNoBoundsForAStringUnstablePlatoon) {
   EXPECT_FALSE(bounds.alpha_2 || bounds.beta_2 || bounds.stated_beta_2 || bounds.variance_bound);
 }
 
-TEST(TheoremTwo, RefusesUnstableVehiclesAndEmptyStrings) {
+TEST(TheoremTwo, RejectsUnstableVehiclesAndEmptyStrings) {
   const StateSpace loop = paper_loop(3.2).realization;
   const StateSpace unstable(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Ones(1), Eigen::RowVectorXd::Ones(1));
   EXPECT_THROW(initial_mean_gain(unstable, 1.0, 2), std::invalid_argument);
@@ -164,7 +164,7 @@ TEST(TheoremTwo, RefusesUnstableVehiclesAndEmptyStrings) {
   EXPECT_THROW(theorem_two_bounds(model_with(paper_loop(3.2), 3.2), 2, 0), std::invalid_argument);
 }
 
-TEST(TheoremTwo, EnclosesTheCovarianceGainThatItHasNoTimeFor) {
+TEST(TheoremTwo, EnclosesACovarianceGainWithinALimitOfTime) {
   for (const double h : {20.0, 200.0}) {
     const StateSpace loop = paper_loop(h).realization;
     const double gain = initial_covariance_gain(loop, 5);
@@ -176,7 +176,7 @@ TEST(TheoremTwo, EnclosesTheCovarianceGainThatItHasNoTimeFor) {
 }
 
 // A million steps and more: computing each of them would take hours.
-TEST(TheoremTwo, OfAVerySlowLoopIsThereAtOnce) {
+TEST(TheoremTwo, BoundsAVerySlowLoopWithoutDelay) {
   const double h = 1048576.0;
   const StateSpace slow(Eigen::MatrixXd::Constant(1, 1, h / (1.0 + h)), Eigen::VectorXd::Constant(1, 1.0 / (1.0 + h)),
                         Eigen::RowVectorXd::Ones(1));

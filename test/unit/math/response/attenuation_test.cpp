@@ -54,7 +54,7 @@ long double quotient(const std::vector<GainFactor>& factors, long double w, int 
   return sum / std::pow(std::min(1.0L - std::cos(w), 1.0L), static_cast<long double>(order));
 }
 
-TEST(Attenuation, IsThatOfTheFactorsWithItsDerivatives) {
+TEST(Attenuation, FollowsItsDefinitionWithItsDerivatives) {
   std::mt19937 random(3);
   for (int model = 0; model < 20; ++model) {
     const std::vector<GainFactor> factors = random_factors(random);
@@ -71,7 +71,7 @@ TEST(Attenuation, IsThatOfTheFactorsWithItsDerivatives) {
   }
 }
 
-TEST(Attenuation, LeastIsBelowEveryPointOfAGridAndTakenWhereItSays) {
+TEST(Attenuation, HasItsLeastValueBelowAGrid) {
   std::mt19937 random(4);
   for (int model = 0; model < 100; ++model) {
     const std::vector<GainFactor> factors = random_factors(random);
@@ -113,21 +113,21 @@ TEST(Attenuation, ReportsASearchThatEndsEarly) {
   EXPECT_FALSE(attenuation.least(1, 1e-12L, 2).is_global);
 }
 
-TEST(Attenuation, CountsAFactorAsOftenAsItIsThere) {
+TEST(Attenuation, CountsAFactorByItsMultiplicity) {
   GainFactor pole{offsets({0.5L}), {}, 1.0L};
   const long double once = Attenuation({pole}).at(1.3L).value;
   pole.count = 1000.0L;
   EXPECT_NEAR(static_cast<double>(Attenuation({pole}).at(1.3L).value / once), 1000.0, 1e-9);
 }
 
-TEST(Attenuation, SeriesBeginsWithTheCoefficientsOfTheLogarithm) {
+TEST(Attenuation, HasTheCoefficientsOfTheLogarithm) {
   // One pole p: a(t) = ln (1 + 2 p t / (1-p)^2) = 4 t - 8 t^2 + ... for p = 1/2
   const Attenuation attenuation({{offsets({0.5L}), {}, 1.0L}});
   EXPECT_DOUBLE_EQ(static_cast<double>(attenuation.coefficient(1)), 4.0);
   EXPECT_DOUBLE_EQ(static_cast<double>(attenuation.coefficient(2)), -8.0);
 }
 
-TEST(Attenuation, IsInfiniteAtAZeroOnTheCircleAndItsLeastElsewhere) {
+TEST(Attenuation, IsInfiniteAtAZeroOnTheCircle) {
   const Attenuation attenuation({{offsets({0.5L}), offsets({-1.0L}), 1.0L}});
   EXPECT_TRUE(std::isinf(attenuation.at(2.0L).value));
   // ln(1 + 4 t) - ln(1 - t / 2), over min(t, 1)
@@ -139,7 +139,7 @@ TEST(Attenuation, OfPureDelaysIsZero) {
   EXPECT_TRUE(Attenuation({{offsets({0.0L, 0.0L}), {}, 3.0L}}).is_zero());
 }
 
-TEST(Attenuation, RefusesAPoleAtOne) {
+TEST(Attenuation, RejectsAPoleAtOne) {
   EXPECT_THROW(Attenuation({{offsets({1.0L}), {}, 1.0L}}), std::invalid_argument);
 }
 

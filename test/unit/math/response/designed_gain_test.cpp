@@ -58,7 +58,7 @@ TEST(DesignedGain, KeepsItsDigitsBehindAnyDelay) {
   }
 }
 
-TEST(DesignedGain, OfAFollowerWithoutLossesIsTheGainOfItsLink) {
+TEST(DesignedGain, EqualsTheGainOfAFollowerWithoutLosses) {
   VehicleModel vehicle{close_loop(car(0.2, true, 0.0), 350.0), 350.0};
   vehicle.design = car(0.2, true, 0.0);
   const DesignedGain gain(*vehicle.design, vehicle.headway, 0.0);
@@ -73,7 +73,7 @@ TEST(DesignedGain, OfAFollowerWithoutLossesIsTheGainOfItsLink) {
 }
 
 // (z + 1) in the numerator of G: T vanishes at w = pi.
-TEST(DesignedGain, IsZeroWhereThePlantPassesNothing) {
+TEST(DesignedGain, IsZeroAtAZeroOfThePlant) {
   LoopDesign design{{ContinuousPlant{Polynomial::Constant(1, 1.0), Eigen::Vector3d(1.0, 0.0, 0.0), 0.0}, 0.1},
                     {ControllerGains{0.2, 0.7, 0.0}, 0.1}};
   const DesignedGain gain(design, 30.0, 0.0);

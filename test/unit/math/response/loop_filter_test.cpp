@@ -9,7 +9,7 @@
 namespace platoon {
 namespace {
 
-TEST(LoopFilter, ImpulseResponseIsThatOfTheRealization) {
+TEST(LoopFilter, HasTheImpulseResponseOfTheRealization) {
   for (const ExampleLoop& example : example_loops()) {
     const StateSpace& loop = example.loop.realization;
     std::vector<double> impulse(40, 0.0);
@@ -32,7 +32,7 @@ TEST(LoopFilter, IsLinearAndTimeInvariant) {
   for (std::size_t k = 0; k + 2 < later.size(); ++k) EXPECT_NEAR(later[k + 2], 2.0 * response[k], 1e-15);
 }
 
-TEST(LoopFilter, UnitRestDecaysFromOneUnderNoInput) {
+TEST(LoopFilter, DecaysFromOneWithoutInput) {
   const StateSpace loop = paper_loop(3.2).realization;
   const std::vector<double> w = LoopFilter(loop).free_response(unit_equilibrium(loop), 5000);
   EXPECT_NEAR(w[0], 1.0, 1e-15);

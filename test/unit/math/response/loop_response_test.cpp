@@ -52,7 +52,7 @@ void expect_equal(const Sequence& found, const Sequence& expected, long double t
     EXPECT_LE(std::abs(found[k] - expected[k]), tolerance * largest) << name << " " << k;
 }
 
-TEST(LoopResponse, ImpulseResponseHasTheDigitsOfTheModel) {
+TEST(LoopResponse, KeepsTheDigitsOfTheModel) {
   constexpr std::size_t kSteps = 200;
   Sequence impulse(kSteps, 0.0L);
   impulse[0] = 1.0L;
@@ -64,7 +64,7 @@ TEST(LoopResponse, ImpulseResponseHasTheDigitsOfTheModel) {
   expect_equal(LoopResponse(car)(impulse), exact_impulse_response(car, kSteps), 1e-16L, "car behind a delay");
 }
 
-TEST(LoopResponse, FreeMotionIsTheEndOfAConstantInput) {
+TEST(LoopResponse, HasTheFreeMotionBehindAConstantInput) {
   constexpr std::size_t kSteps = 300;
   for (const ClosedLoop& loop : {paper_loop(3.2), delayed_car()}) {
     const LoopResponse response(loop);

@@ -19,7 +19,7 @@ double gain_at(const ExampleLoop& example, double w) {
   return std::norm(example.loop.transfer(std::polar(1.0, w)));
 }
 
-TEST(PatternGain, MaximaAreWhereTheGainTurns) {
+TEST(PatternGain, HasItsMaximaWhereTheGainTurns) {
   for (const ExampleLoop& example : example_loops()) {
     const std::vector<double> maxima = PatternGain({factor_of(example)}).maxima();
     constexpr int kPoints = 20000;
@@ -34,7 +34,7 @@ TEST(PatternGain, MaximaAreWhereTheGainTurns) {
   }
 }
 
-TEST(PatternGain, OfAPatternIsThatOfItsVehiclesAsOftenAsTheyAreThere) {
+TEST(PatternGain, IsTheProductOverItsVehicles) {
   const ExampleLoop stable{"", 3.2, paper_loop(3.2)}, unstable{"", 2.4, paper_loop(2.4)};
   const auto of = [&](int with, int without, double w) {
     return std::pow(gain_at(stable, w), with) * std::pow(gain_at(unstable, w), without);
@@ -56,7 +56,7 @@ TEST(PatternGain, CountsTheZerosAtZeroFrequency) {
 }
 
 // A loop whose -ln|T|^2 has one minimum, v, with the complex zeros beside it.
-TEST(PatternGain, MarginFrequenciesAreTheComplexZerosNearTheAxis) {
+TEST(PatternGain, HasMarginFrequenciesAtComplexZerosNearTheAxis) {
   const double x0 = 0.5;
   for (const double gap : {1e-4, 1e-8}) {
     Polynomial p(4);

@@ -10,7 +10,7 @@
 #include "unit/agreement_of.hpp"
 #include "unit/monte_carlo.hpp"
 #include "unit/paper_platoon.hpp"
-#include "unit/same_gaps.hpp"
+#include "unit/same_bits.hpp"
 
 namespace platoon {
 namespace {
@@ -26,16 +26,13 @@ TEST(MonteCarlo, GivesTheSameBitsForEveryNumberOfThreadsAndBatchSize) {
   ASSERT_EQ(expected.size(), 60u);
   for (const unsigned threads : {1u, 2u, 3u}) {
     for (const std::uint64_t batch : {1, 7, 8192}) {
-      const std::vector<Moments> found = totals(threads, batch);
-      for (std::size_t c = 0; c < found.size(); ++c) {
-        ASSERT_EQ(found[c].mean, expected[c].mean) << threads << " threads, batches of " << batch << ", cell " << c;
-        ASSERT_EQ(found[c].squared_deviations, expected[c].squared_deviations);
-      }
+      SCOPED_TRACE(std::to_string(threads) + " threads, batches of " + std::to_string(batch));
+      expect_same_bits(totals(threads, batch), expected);
     }
   }
 }
 
-TEST(MonteCarlo, OfOtherSeedsIsAnotherSample) {
+TEST(MonteCarlo, DependsOnTheSeed) {
   const PlatoonModel model = paper_platoon();
   EXPECT_NE(monte_carlo(model, {1, 1, 4, 10}, 10).moments.totals().back().mean,
             monte_carlo(model, {2, 1, 4, 10}, 10).moments.totals().back().mean);
@@ -56,7 +53,7 @@ TEST(MonteCarlo, AgreesWithTheory) {
   }
 }
 
-TEST(MonteCarlo, NoticesATheoryThatIsAFewPercentOff) {
+TEST(MonteCarlo, DisagreesWithATheoryThatIsAFewPercentOff) {
   PlatoonModel model = eventful_platoon(3.2);
   const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 1000}, 8000, 2);
   model.default_vehicle().noise_variance *= 1.08;
@@ -74,7 +71,7 @@ TEST(EnsembleRun, IsWatchedWhileItsThreadsComplete) {
   EXPECT_EQ(seen.back(), 100u);
 }
 
-TEST(MonteCarlo, TakesNoThreadsForOne) {
+TEST(MonteCarlo, RunsInOneThreadIfNoneIsGiven) {
   EXPECT_EQ(monte_carlo(paper_platoon(), {1, 1, 2, 3}, 10, 0).count(), 10u);
 }
 
@@ -83,16 +80,11 @@ const Ensemble kEnsemble{3, 2, 10, 32, {"gap", "jerk"}};
 const SignalCells kCells = signal_cells(eventful_platoon(3.2), 2, 10, kEnsemble.signals);
 
 void expect_same_totals(const EnsembleTotals& found, const EnsembleTotals& expected) {
-  ASSERT_EQ(found.count(), expected.count());
-  const std::vector<Moments> totals = found.moments.totals(), others = expected.moments.totals();
-  for (std::size_t c = 0; c < totals.size(); ++c) {
-    ASSERT_EQ(totals[c].mean, others[c].mean) << c;
-    ASSERT_EQ(totals[c].squared_deviations, others[c].squared_deviations) << c;
-  }
+  expect_same_bits(found.moments, expected.moments);
   expect_same_gaps(found.gaps, expected.gaps);
 }
 
-TEST(EnsembleRun, OfTheShardsOfAnyNumberGivesTheBitsOfOneRunInAnyOrder) {
+TEST(EnsembleRun, InAnyNumberOfShardsHasTheBitsOfOneRun) {
   const PlatoonModel model = eventful_platoon(3.2);
   const EnsembleTotals expected = monte_carlo(model, kEnsemble, kRealizations);
   for (const std::uint64_t of : {1, 2, 3, 5, 7, 16, 31, 64}) {
@@ -106,7 +98,7 @@ TEST(EnsembleRun, OfTheShardsOfAnyNumberGivesTheBitsOfOneRunInAnyOrder) {
   }
 }
 
-TEST(EnsembleRun, BeginsNothingMoreWhenItIsStopped) {
+TEST(EnsembleRun, StartsNoBatchOnceItIsStopped) {
   EnsembleRun run(paper_platoon(), kEnsemble, {0, kRealizations});
   run.stop();
   EXPECT_FALSE(run.work());
@@ -114,7 +106,7 @@ TEST(EnsembleRun, BeginsNothingMoreWhenItIsStopped) {
   EXPECT_FALSE(run.is_complete());
 }
 
-TEST(EnsembleRun, ComputesWhatIsMissingAndNothingElse) {
+TEST(EnsembleRun, ComputesMissingRealizationsOnly) {
   const PlatoonModel model = eventful_platoon(3.2);
   const RealizationRange range{100, 900};
   EnsembleRun whole(model, kEnsemble, range);
@@ -135,7 +127,7 @@ TEST(EnsembleRun, ComputesWhatIsMissingAndNothingElse) {
   expect_same_totals(rest.release(), expected);
 }
 
-TEST(EnsembleRun, HasNothingToDoWhereAllIsThere) {
+TEST(EnsembleRun, IsCompleteIfEverythingIsGiven) {
   const PlatoonModel model = paper_platoon();
   EnsembleRun run(model, kEnsemble, {0, 64});
   run.work();
@@ -145,7 +137,7 @@ TEST(EnsembleRun, HasNothingToDoWhereAllIsThere) {
   EXPECT_FALSE(again.work());
 }
 
-TEST(EnsembleRun, ShowsWhatWasHandedOverWhichIsNeverWrong) {
+TEST(EnsembleRun, ShowsTotalsFromWhichARunCanContinue) {
   const PlatoonModel model = eventful_platoon(3.2);
   const EnsembleTotals expected = monte_carlo(model, kEnsemble, kRealizations);
   EnsembleRun run(model, kEnsemble, {0, kRealizations}, EnsembleTotals(kCells), 0.0);
@@ -162,7 +154,7 @@ TEST(EnsembleRun, ShowsWhatWasHandedOverWhichIsNeverWrong) {
   }
 }
 
-TEST(EnsembleRun, IsMadeCompleteByOneOfItsThreads) {
+TEST(EnsembleRun, IsCompletedByOneOfItsThreads) {
   const PlatoonModel model = paper_platoon();
   for (const double hand_over_seconds : {0.0, 1e9}) {
     EnsembleRun run(model, kEnsemble, {0, 1000}, EnsembleTotals(kCells), hand_over_seconds);

@@ -19,12 +19,12 @@ Errors errors_of(PlatoonString& string, const PlatoonModel& model, std::uint64_t
   Errors all;
   string.run(first, count, steps, [&](std::size_t i, std::int64_t k, const SignalPositions& positions) {
     EXPECT_TRUE(all.emplace(std::make_pair(i, k), positions.of(tracking_error(model, i))).second)
-        << "told twice: " << i << ", " << k;
+        << "reported twice: " << i << ", " << k;
   });
   return all;
 }
 
-TEST(PlatoonString, ErrorsAreThoseOfTheEquationsWrittenOut) {
+TEST(PlatoonString, FollowsTheEquations) {
   constexpr std::uint64_t kRealization = 12345;
   constexpr std::uint32_t kFollowers = 4;
   constexpr std::int64_t kSteps = 30;
@@ -57,7 +57,7 @@ TEST(PlatoonString, ErrorsAreThoseOfTheEquationsWrittenOut) {
   }
 }
 
-TEST(PlatoonString, StaysInFormationWhenNothingDisturbsIt) {
+TEST(PlatoonString, StaysInFormationWithoutDisturbance) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().noise_variance = 0.0;
   model.default_vehicle().standstill_distance = 7.0;
@@ -68,7 +68,7 @@ TEST(PlatoonString, StaysInFormationWhenNothingDisturbsIt) {
   }
 }
 
-TEST(PlatoonString, GivesTheSameBitsInEveryBatch) {
+TEST(PlatoonString, HasTheSameBitsInEveryBatch) {
   const PlatoonModel model = eventful_platoon(3.2);
   PlatoonString string(model, 1, 3);
   const Errors whole = errors_of(string, model, 0, 40, 20);

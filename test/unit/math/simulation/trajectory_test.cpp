@@ -37,7 +37,7 @@ TEST(Trajectories, HaveTheBitsOfTheRun) {
   expect_bits_of_the_string(eventful_platoon(3.2));
 }
 
-TEST(Trajectories, OfVehiclesWithRadiosToo) {
+TEST(Trajectories, HaveTheBitsOfARunWithRadios) {
   PlatoonModel model = radio_platoon(0.5, 0.01, 0.01);
   lose_inputs(model, 0.3, {1.0});
   expect_bits_of_the_string(model);
@@ -47,7 +47,7 @@ TEST(Trajectories, OfVehiclesWithRadiosToo) {
   EXPECT_TRUE(found[kFollowers].input.empty()) << "the last vehicle sends to no follower";
 }
 
-TEST(Trajectories, StandStillBeforeTheFirstStep) {
+TEST(Trajectories, AreAtRestBeforeTheFirstStep) {
   const std::vector<Trajectory> found = trajectories(paper_platoon(), 1, 1, 3, 0, kSignals);
   const std::vector<double>& y = found[1].position;
   ASSERT_EQ(y.size(), 4u);

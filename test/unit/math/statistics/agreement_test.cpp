@@ -8,6 +8,8 @@
 
 #include "unit/agreement_of.hpp"
 
+#include "unit/math/statistics/two_pass_moments.hpp"
+
 namespace platoon {
 namespace {
 
@@ -52,7 +54,7 @@ TEST(Scores, OfTheVarianceGrowWithIt) {
 }
 
 // The tail probability of a score beyond 37 underflows; there the asymptotic formula takes over without a step.
-TEST(Scores, OfTheVarianceGoOnBeyondTheRangeOfDouble) {
+TEST(Scores, OfTheVarianceContinueBeyondTheRangeOfDouble) {
   for (const std::uint64_t count : {2u, 3u, 10u, 1000u, 1000000u}) {
     double ratio = 1.0, before = 0.0, step = 0.0;
     for (; before < 60.0; ratio *= 1.0001) {
@@ -75,7 +77,7 @@ TEST(Scores, OfManyValuesAreDistancesInStandardErrors) {
 }
 
 // Normal samples: the share of scores beyond the bound is the nominal one.
-TEST(Scores, OfFewRealizationsExceedABoundAsOftenAsSaid) {
+TEST(Scores, OfFewRealizationsExceedABoundAsOftenAsStated) {
   std::mt19937_64 generator(7);
   std::normal_distribution<double> normal;
   const double bound = 2.5758293035489004;  // |z| beyond it once in 100
@@ -122,7 +124,7 @@ private:
 
 // With or without outliers among the values, the share beyond the bound for once in 1000 is at most that, to three
 // standard errors. With a measured fourth moment and the bound for normal scores it exceeds a tenth.
-TEST(Scores, OfAnyDistributionExceedTheirBoundNoMoreOftenThanSaid) {
+TEST(Scores, OfAnyDistributionExceedTheirBoundNoMoreOftenThanStated) {
   std::mt19937_64 generator(11);
   for (const RareOutliers& of : {RareOutliers{0.0003}, RareOutliers{0.003}, RareOutliers{0.03}}) {
     for (const int count : {20, 200, 1000}) {
@@ -130,17 +132,8 @@ TEST(Scores, OfAnyDistributionExceedTheirBoundNoMoreOftenThanSaid) {
       int mean_beyond = 0, variance_beyond = 0, by_measured = 0;
       for (int sample = 0; sample < kSamples; ++sample) {
         std::vector<double> values;
-        Moments moments;
-        for (int r = 0; r < count; ++r) {
-          values.push_back(of.draw(generator));
-          moments.add(values.back());
-        }
-        moments.cubed_deviations = moments.fourth_deviations = 0.0;
-        for (const double value : values) {
-          const double d = value - moments.mean;
-          moments.cubed_deviations += d * d * d;
-          moments.fourth_deviations += d * d * d * d;
-        }
+        for (int r = 0; r < count; ++r) values.push_back(of.draw(generator));
+        const Moments moments = two_pass_moments(values);
         const Scores z = scores(moments, of.mean(), of.variance(), 0.0, of.fourth_moment());
         mean_beyond += std::abs(z.mean) > plausible_score_of_any(1) ? 1 : 0;
         variance_beyond += std::abs(z.variance) > plausible_score_of_any(1) ? 1 : 0;
@@ -171,7 +164,7 @@ TEST(Scores, OfAnyDistributionAreDistancesInStandardErrors) {
 }
 
 // The variance is due to rare events alone, and none of them is among these values.
-TEST(ValuesNeeded, TellNothingFromTheTheoreticalVariance) {
+TEST(ValuesNeeded, DistinguishNoEventsFromTheTheoreticalVariance) {
   const double v = 0.6, fourth = 700.0 * v * v;
   const double needed = values_needed(v, fourth, 4000);
   EXPECT_NEAR(needed, 24400.0, 100.0);
@@ -185,7 +178,7 @@ TEST(ValuesNeeded, TellNothingFromTheTheoreticalVariance) {
   EXPECT_TRUE(std::isinf(values_needed(kInfinity, kNaN, 4000)));
 }
 
-TEST(Scores, CountWhatLiesWithinTheRoundingAsEqual) {
+TEST(Scores, AreZeroWithinTheRounding) {
   const Scores z = scores(measured(100, 5.0 + 1e-12, 1e-25), 5.0, 0.0, 2e-12);
   EXPECT_EQ(z.mean, 0.0);
   EXPECT_EQ(z.variance, 0.0);
@@ -194,21 +187,18 @@ TEST(Scores, CountWhatLiesWithinTheRoundingAsEqual) {
   EXPECT_NEAR(scores(measured(100, 5.3, 1.0), 5.0, 1.0, 0.1).mean, 2.0, 1e-12);
 }
 
-TEST(Scores, WhereNothingIsRandomAreInfiniteForAnyDifference) {
+TEST(Scores, WithoutRandomnessAreInfiniteForAnyDifference) {
   EXPECT_TRUE(std::isinf(scores(measured(100, 5.0001, 0.0), 5.0, 0.0).mean));
   EXPECT_TRUE(std::isinf(scores(measured(100, 5.0, 1e-4), 5.0, 0.0).variance));
 }
 
-TEST(Scores, OfSomethingUndefinedAreNeverPlausible) {
+TEST(Scores, OfUndefinedMomentsAreNeverPlausible) {
   EXPECT_FALSE(std::abs(scores(measured(100, kNaN, 1.0), 5.0, 1.0).mean) < 40.0);
   EXPECT_FALSE(std::abs(scores(measured(100, kNaN, 0.0), 5.0, 0.0).mean) < 40.0);
   EXPECT_FALSE(std::abs(scores(measured(100, 5.0, kNaN), 5.0, 1.0).variance) < 40.0);
   EXPECT_FALSE(std::abs(scores(measured(100, 5.0, 1.0), kNaN, 1.0).mean) < 40.0);
   EXPECT_FALSE(std::abs(scores(measured(100, 5.0, 1.0), 5.0, kNaN).variance) < 40.0);
   EXPECT_FALSE(std::abs(scores(measured(1, 5.0, 0.0), 5.0, 1.0).variance) < 40.0);
-}
-
-TEST(Scores, OfAnEmptySampleAreNeverPlausible) {
   EXPECT_FALSE(std::abs(scores(Moments{}, 5.0, 1.0).mean) < 40.0);
   EXPECT_FALSE(std::abs(scores(Moments{}, 5.0, 1.0).variance) < 40.0);
 }
@@ -225,7 +215,7 @@ TEST(Agreement, OfNoCellsIsZero) {
   EXPECT_EQ(agreement_of({}, {}, {}).max_abs_z_variance, 0.0);
 }
 
-TEST(Agreement, DoesNotPassOverANaNWhereverItStands) {
+TEST(Agreement, IsNeverPlausibleWithANaNInAnyCell) {
   const Moments good = measured(101, 0.1, 1.1), bad = measured(101, kNaN, kNaN);
   const std::vector<double> zero(3, 0.0), one(3, 1.0);
   for (std::size_t place = 0; place < 3; ++place) {
@@ -238,7 +228,7 @@ TEST(Agreement, DoesNotPassOverANaNWhereverItStands) {
 }
 
 // The two-sided quantiles of the standard normal at 0.001, 0.0001 and 0.000001.
-TEST(LargestPlausibleScore, IsTheNormalQuantileOfAThousandthSharedByAll) {
+TEST(LargestPlausibleScore, IsTheNormalQuantileOfAThousandthOverAllScores) {
   EXPECT_NEAR(largest_plausible_score(1), 3.290526731491896, 1e-12);
   EXPECT_NEAR(largest_plausible_score(10), 3.890591886413120, 1e-12);
   EXPECT_NEAR(largest_plausible_score(1000), 4.891638475699428, 1e-11);

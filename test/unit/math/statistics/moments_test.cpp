@@ -6,6 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "unit/math/statistics/two_pass_moments.hpp"
+
 namespace platoon {
 namespace {
 
@@ -23,21 +25,13 @@ Moments welford(const std::vector<double>& values, std::size_t first, std::size_
   return moments;
 }
 
-Moments two_pass(const std::vector<double>& values) {
-  long double sum = 0.0L, squares = 0.0L;
-  for (const double value : values) sum += value;
-  const long double mean = sum / static_cast<long double>(values.size());
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  return {values.size(), static_cast<double>(mean), static_cast<double>(squares)};
-}
-
 void expect_near(const Moments& found, const Moments& expected) {
   EXPECT_EQ(found.count, expected.count);
   EXPECT_NEAR(found.mean, expected.mean, 1e-13 * (1.0 + std::abs(expected.mean)));
   EXPECT_NEAR(found.squared_deviations, expected.squared_deviations, 1e-11 * expected.squared_deviations);
 }
 
-TEST(Moments, OfASmallSampleAreKnown) {
+TEST(Moments, OfASmallSampleHaveTheirExactValues) {
   Moments moments;
   for (const double value : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) moments.add(value);
   EXPECT_EQ(moments.count, 8u);
@@ -46,20 +40,20 @@ TEST(Moments, OfASmallSampleAreKnown) {
   EXPECT_DOUBLE_EQ(moments.variance(), 32.0 / 7.0);
 }
 
-TEST(Moments, OneByOneAreThoseOfTwoPasses) {
+TEST(Moments, AddedOneByOneEqualThoseOfTwoPasses) {
   for (const double mean : {0.0, 1e4}) {
     const std::vector<double> values = sample(5000, mean, 2.0);
-    expect_near(welford(values, 0, values.size()), two_pass(values));
+    expect_near(welford(values, 0, values.size()), two_pass_moments(values));
   }
 }
 
-TEST(Moments, MergedAreThoseOfTheUnion) {
+TEST(Moments, MergedEqualThoseOfTheUnion) {
   const std::vector<double> values = sample(1000, 1e4, 2.0);
   for (const std::size_t cut : {0, 1, 2, 333, 999, 1000}) {
     const Moments left = welford(values, 0, cut);
     const Moments right = welford(values, cut, values.size() - cut);
-    expect_near(merge(left, right), two_pass(values));
-    expect_near(merge(right, left), two_pass(values));
+    expect_near(merge(left, right), two_pass_moments(values));
+    expect_near(merge(right, left), two_pass_moments(values));
   }
 }
 
@@ -89,7 +83,7 @@ TEST(Moments, KeepANaN) {
   EXPECT_TRUE(std::isnan(merge(moments, Moments{5, 1.0, 1.0}).variance()));
 }
 
-TEST(StandardErrors, AreTheFormulas) {
+TEST(StandardErrors, FollowTheirFormulas) {
   EXPECT_DOUBLE_EQ(standard_error_of_mean(0.6, 2400), std::sqrt(0.6 / 2400.0));
   EXPECT_DOUBLE_EQ(standard_error_of_variance(0.6, 201), 0.06);
   EXPECT_TRUE(std::isnan(standard_error_of_variance(0.6, 1)));
@@ -99,7 +93,7 @@ TEST(StandardErrors, AreTheFormulas) {
 // The estimates of 2000 samples of 50 normals have the standard deviations of the formulas. A standard deviation of
 // 2000 values has a relative standard error of 1 / sqrt(4000) (a little more for the skewed variance); the tolerance is
 // five of them.
-TEST(StandardErrors, AreTheScatterOfTheEstimates) {
+TEST(StandardErrors, EqualTheScatterOfTheEstimates) {
   constexpr std::size_t kSamples = 2000, kCount = 50;
   const std::vector<double> values = sample(kSamples * kCount, 3.0, std::sqrt(0.6));
   Moments means, variances;
@@ -113,47 +107,32 @@ TEST(StandardErrors, AreTheScatterOfTheEstimates) {
   EXPECT_NEAR(std::sqrt(variances.variance()) / standard_error_of_variance(0.6, kCount), 1.0, tolerance);
 }
 
-Moments four_by_two_passes(const std::vector<double>& values) {
-  long double sum = 0.0L, squared = 0.0L, cubed = 0.0L, fourth = 0.0L;
-  for (const double value : values) sum += value;
-  const long double mean = sum / static_cast<long double>(values.size());
-  for (const double value : values) {
-    const long double d = value - mean;
-    squared += d * d;
-    cubed += d * d * d;
-    fourth += d * d * d * d;
-  }
-  return {values.size(), static_cast<double>(mean), static_cast<double>(squared), static_cast<double>(cubed),
-          static_cast<double>(fourth)};
-}
-
 std::vector<double> skewed_sample(std::size_t count) {
   std::vector<double> values = sample(count, 0.5, 1.0);
   for (double& v : values) v = 100.0 + v * v * v;
   return values;
 }
 
-TEST(Moments, OfFourPowersMergedAreThoseOfTheUnion) {
+TEST(Moments, OfFourPowersMergedEqualThoseOfTheUnion) {
   const std::vector<double> values = skewed_sample(1000);
-  const Moments expected = four_by_two_passes(values);
+  const Moments expected = two_pass_moments(values);
   for (const std::size_t cut : {1, 2, 333, 999}) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(cut);
-    const Moments merged =
-        merge(four_by_two_passes({values.begin(), middle}), four_by_two_passes({middle, values.end()}));
+    const Moments merged = merge(two_pass_moments({values.begin(), middle}), two_pass_moments({middle, values.end()}));
     EXPECT_NEAR(merged.squared_deviations, expected.squared_deviations, 1e-12 * expected.squared_deviations);
     EXPECT_NEAR(merged.cubed_deviations, expected.cubed_deviations, 1e-12 * std::abs(expected.cubed_deviations));
     EXPECT_NEAR(merged.fourth_deviations, expected.fourth_deviations, 1e-12 * expected.fourth_deviations);
   }
 }
 
-TEST(Moments, WithoutTheFourthHaveNoErrorOfTheVarianceOfAnyDistribution) {
+TEST(Moments, NeedTheFourthPowersForTheErrorOfAnyVariance) {
   Moments moments;
   for (const double value : {1.0, 2.0, 4.0}) moments.add(value);
   EXPECT_TRUE(std::isnan(standard_error_of_variance(moments)));
   // For the value 1 with probability q, else 0: m4 - v^2 = q (1 - q) (1 - 2 q)^2.
   std::vector<double> values(1000, 0.0);
   for (std::size_t j = 0; j < 100; ++j) values[10 * j] = 1.0;
-  EXPECT_NEAR(standard_error_of_variance(four_by_two_passes(values)), std::sqrt(0.1 * 0.9 * 0.64 / 1000.0), 1e-5);
+  EXPECT_NEAR(standard_error_of_variance(two_pass_moments(values)), std::sqrt(0.1 * 0.9 * 0.64 / 1000.0), 1e-5);
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ TEST(ProbabilityOfCrossing, BalancesBothDirections) {
 }
 
 // References by mpmath in 30 digits.
-TEST(ProbabilityOfCrossing, KeepsItsDigitsWhereItIsRare) {
+TEST(ProbabilityOfCrossing, KeepsItsDigitsIfItIsRare) {
   const auto correlated = [](double from_one) { return 2.0 * from_one; };
   EXPECT_NEAR(probability_of_crossing({5.0, 1.0}, {5.0, 1.0}, correlated(1e-4)) / 8.386239305940961e-9, 1.0, 1e-11);
   EXPECT_NEAR(probability_of_crossing({5.0, 1.0}, {5.1, 1.0}, correlated(1e-4)) / 1.712030540173613e-21, 1.0, 1e-11);

@@ -45,7 +45,7 @@ TEST(RangeOf, OfOneShardIsAll) {
   EXPECT_EQ(range_of({0, 1}, 12345).end, 12345u);
 }
 
-TEST(RangeOf, ThrowsUnlessThereIsSuchAShard) {
+TEST(RangeOf, RejectsAnInvalidShard) {
   EXPECT_THROW(range_of({3, 3}, 100), std::invalid_argument);
   EXPECT_THROW(range_of({0, 0}, 100), std::invalid_argument);
   EXPECT_THROW(range_of({0, 101}, 100), std::invalid_argument);

@@ -3,24 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/noise/white_noise.hpp"
+#include "unit/math/noise/draw.hpp"
 #include "unit/paper_platoon.hpp"
+#include "unit/same_bits.hpp"
 
 namespace platoon {
 namespace {
 
-bool same_bits(double left, double right) {
-  return std::memcmp(&left, &right, sizeof left) == 0;
-}
-
 std::vector<double> positions(std::uint32_t vehicle, std::size_t count) {
-  std::vector<double> x(count);
-  WhiteNoise(1).fill({vehicle, 0}, 0, count, x.data());
+  std::vector<double> x = draw(1, {vehicle, 0}, 0, count);
   for (double& value : x) value = 100.0 * vehicle + 0.7 * value;
   return x;
 }
@@ -84,7 +79,7 @@ TEST(SignalReduction, HasTheBitsOfEachSignalAlone) {
   expect_bits_of_the_values(signals({"gap", "speed", "acceleration", "jerk"}), KeptMoments::two);
 }
 
-TEST(SignalReduction, TakesSignalsOfAnyForm) {
+TEST(SignalReduction, AcceptsSignalsOfAnyForm) {
   FollowerSignals odd = signals({"jerk", "gap", "speed"});
   odd.requested.front().factor = 1e-3;  // so that the least value is not that of the gap, either
   odd.error = {true, 1.5, 2, -0.3};

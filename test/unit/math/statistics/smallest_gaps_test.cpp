@@ -20,7 +20,7 @@ BatchGaps batch(std::uint64_t first, const std::vector<double>& gaps, std::int64
   return result;
 }
 
-TEST(BatchGaps, KeepTheSmallestAndOfEqualOnesTheEarliestWhateverTheOrderOfTheSteps) {
+TEST(BatchGaps, KeepTheSmallestAndTheEarliestOfEqualOnesInAnyOrder) {
   BatchGaps gaps(0, 3, 1);
   const std::vector<double> at_7{2.0, -1.0, 4.0}, at_5{2.0, 0.0, 5.0}, at_9{1.0, -1.0, 4.0};
   gaps.add(1, 7, at_7.data());
@@ -32,7 +32,7 @@ TEST(BatchGaps, KeepTheSmallestAndOfEqualOnesTheEarliestWhateverTheOrderOfTheSte
   EXPECT_EQ(gaps.first(1).step, 7);
 }
 
-TEST(BatchGaps, OfACallerThatLowersThemKeepTheEarliestOfEqualOnes) {
+TEST(BatchGaps, LoweredByTheCallerEqualAddedOnes) {
   const std::vector<std::vector<double>> steps{{3.0, 2.0, 4.0}, {5.0, 2.0, 2.0}, {2.0, 9.0, 9.0}, {1.0, 0.5, 0.5}};
   BatchGaps added(7, 3, 1), lowered(7, 3, 1);
   for (std::size_t k = 0; k < steps.size(); ++k) {
@@ -47,7 +47,7 @@ TEST(BatchGaps, OfACallerThatLowersThemKeepTheEarliestOfEqualOnes) {
   }
 }
 
-TEST(BatchGaps, OfACallerThatLowersThemAreFoundAnywhere) {
+TEST(BatchGaps, LoweredByTheCallerAreFoundAnywhere) {
   for (const std::size_t count : {1, 63, 64, 65, 200}) {
     for (const std::size_t place : {std::size_t{0}, count / 2, count - 1}) {
       std::vector<double> gaps(count, 3.0);
@@ -92,7 +92,7 @@ TEST(GapTable, IsTheSameForAnyOrderOfTheBatches) {
   }
 }
 
-TEST(GapTable, GapsFarOutsideCountInTheOuterBins) {
+TEST(GapTable, CountsGapsFarOutsideInTheOuterBins) {
   GapTable table(kCounting);
   const double infinite = std::numeric_limits<double>::infinity();
   table.add(batch(0, {-infinite, infinite, -1e300, 4999.9, 5000.0, 1e9}));
@@ -101,11 +101,11 @@ TEST(GapTable, GapsFarOutsideCountInTheOuterBins) {
             (std::map<std::int64_t, std::uint64_t>{{-most, 2}, {most - 1, 1}, {most, 3}}));
 }
 
-TEST(GapTable, OfAnotherStringIsRejected) {
+TEST(GapTable, RejectsTheGapsOfAnotherString) {
   EXPECT_THROW(GapTable(kCounting).merge(GapTable({2, 0.5})), std::invalid_argument);
 }
 
-TEST(GapCounting, TheBinsHaveARoundWidthBelowAFifthOfTheNoise) {
+TEST(GapCounting, HasARoundBinWidthBelowAFifthOfTheNoise) {
   PlatoonModel model = paper_platoon();
   for (const auto& [variance, width] : std::vector<std::pair<double, double>>{
            {0.6, 0.1}, {0.01, 0.02}, {1e-8, 2e-5}, {100.0, 2.0}, {30000.0, 20.0}, {0.0, 0.01}}) {

@@ -48,7 +48,7 @@ TEST(TimeStatistics, KeepFollowersApart) {
   EXPECT_THROW(add(statistics, 0, 0, 1.0), std::out_of_range);
 }
 
-TEST(TimeStatistics, HaveTheSameBitsInWhateverOrderTheStepsCome) {
+TEST(TimeStatistics, HaveTheSameBitsForAnyOrderOfTheSteps) {
   TimeStatistics in_order(1, 2), shuffled(1, 2);
   const auto error = [](std::int64_t k) { return 1.0 / static_cast<double>(3 + k * k % 17); };
   for (std::int64_t k = 0; k < 40; ++k) add(in_order, 1, k, error(k));
@@ -60,7 +60,7 @@ TEST(TimeStatistics, HaveTheSameBitsInWhateverOrderTheStepsCome) {
   EXPECT_EQ(shuffled.moments()[0].squared_deviations, in_order.moments()[0].squared_deviations);
 }
 
-TEST(TimeStatistics, WaitForTheStepThatIsMissing) {
+TEST(TimeStatistics, WaitForAMissingStep) {
   TimeStatistics statistics(1, 0);
   EXPECT_TRUE(statistics.empty());
   add(statistics, 1, 1, 5.0);
@@ -70,7 +70,7 @@ TEST(TimeStatistics, WaitForTheStepThatIsMissing) {
   EXPECT_EQ(statistics.moments()[0].mean, 4.0);
 }
 
-TEST(TimeStatistics, GoOnAfterARestartWithTheSameBurnIn) {
+TEST(TimeStatistics, ContinueAfterARestartWithTheSameBurnIn) {
   TimeStatistics statistics(2, 5);
   for (std::int64_t k = 0; k < 8; ++k) add(statistics, 2, k, 4.0);
   statistics.restart();
@@ -87,7 +87,7 @@ TEST(TimeStatistics, GoOnAfterARestartWithTheSameBurnIn) {
   EXPECT_EQ(statistics.last_step(1), 2);
 }
 
-TEST(TimeStatistics, AreOfTheWholeSampleWhereverItBrokeOff) {
+TEST(TimeStatistics, EqualThoseOfTheWholeSampleAfterInterruptions) {
   TimeStatistics broken(1, 0);
   Moments expected;
   for (std::int64_t k = 0; k < 20; ++k) {
@@ -101,7 +101,7 @@ TEST(TimeStatistics, AreOfTheWholeSampleWhereverItBrokeOff) {
   EXPECT_NEAR(broken.moments()[0].variance(), expected.variance(), 1e-15);
 }
 
-TEST(TimeStatistics, GoOnFromEarlierOnes) {
+TEST(TimeStatistics, ContinueEarlierAverages) {
   TimeStatistics statistics(1, 1, {Moments{2, 5.0, 8.0}});
   EXPECT_FALSE(statistics.empty());
   add(statistics, 1, 0, 100.0);
@@ -111,7 +111,7 @@ TEST(TimeStatistics, GoOnFromEarlierOnes) {
 }
 
 // The leader's step a reaches follower i at its step a + i - 1.
-TEST(TimeStatistics, LeaveOutWhatAManoeuvreCausesAndABurnInBehindIt) {
+TEST(TimeStatistics, LeaveOutAManoeuvreAndABurnInBehindIt) {
   constexpr std::int64_t kBurnIn = 5, kFrom = 20, kTo = 29;
   for (const std::size_t follower : {1, 2, 4}) {
     TimeStatistics statistics(4, kBurnIn);
@@ -132,7 +132,7 @@ TEST(TimeStatistics, LeaveOutWhatAManoeuvreCausesAndABurnInBehindIt) {
   }
 }
 
-TEST(TimeStatistics, WaitForTheLeadersStepThatAnErrorDependsOn) {
+TEST(TimeStatistics, WaitForTheStepOfTheLeaderThatAnErrorDependsOn) {
   TimeStatistics statistics(3, 0);
   statistics.saw_leader(-2, true);
   for (std::int64_t k = 0; k < 8; ++k) add(statistics, 3, k, 1.0);
@@ -181,7 +181,7 @@ TEST(TimeStatistics, MeasureTheirStandardErrors) {
   EXPECT_NEAR(errors_of_variance.mean / variances.variance(), 1.0, 0.25);
 }
 
-TEST(TimeStatistics, HaveNoStandardErrorsOfFewOrOfStronglyCorrelatedSteps) {
+TEST(TimeStatistics, HaveNoStandardErrorsForFewOrStronglyCorrelatedSteps) {
   TimeStatistics few(1, 0), drifting(1, 0);
   for (std::int64_t k = 0; k < 31; ++k) add(few, 1, k, static_cast<double>(k % 5));
   for (std::int64_t k = 0; k < 5000; ++k) add(drifting, 1, k, static_cast<double>(k));
@@ -190,7 +190,7 @@ TEST(TimeStatistics, HaveNoStandardErrorsOfFewOrOfStronglyCorrelatedSteps) {
   EXPECT_TRUE(std::isnan(drifting.shares()[0].variance));
 }
 
-TEST(TimeStatistics, KeepMeasuringOverARestart) {
+TEST(TimeStatistics, MeasureTheSameSharesOverARestart) {
   TimeStatistics whole(1, 0), restarted(1, 0);
   Correlated first(7), second(7);
   for (std::int64_t k = 0; k < 4000; ++k) add(whole, 1, k, first.next());

@@ -58,7 +58,7 @@ TEST(Amplification, OfASinusoidIsTheFrequencyResponse) {
   expect_gain(3.2, 0.799494, 0.0113841);
 }
 
-TEST(Amplification, OfTheLeadersOwnLoopIsThatOfItsPositions) {
+TEST(Amplification, OfTheLoopOfTheLeaderEqualsThatOfItsPositions) {
   PlatoonModel model = eventful_platoon(3.2);
   LeaderVehicle leader(model);
   std::vector<double> positions{leader.start()};
@@ -106,7 +106,7 @@ TEST(Amplification, CountsNoiseInTheMotionButNotInTheMeanMotion) {
   EXPECT_DOUBLE_EQ(amplification({{"speed", small_rows(7.0, 1e-4)}}, 4, 1)[1].linf_ratio, 2.0);
 }
 
-TEST(Amplification, IsNoneWhereNoiseHidesTheMotion) {
+TEST(Amplification, IsUndefinedIfNoiseHidesTheMotion) {
   // The leader's sum of squares is 2: less than eleven times 3 x 0.061.
   const std::vector<Amplification> found = amplification({{"speed", small_rows(7.0, 0.061)}}, 4, 1);
   EXPECT_TRUE(std::isnan(found[1].l2_ratio));
@@ -115,7 +115,7 @@ TEST(Amplification, IsNoneWhereNoiseHidesTheMotion) {
       << "unknown standard errors, of one realization";
 }
 
-TEST(Amplification, OfAConstantSpeedIsNone) {
+TEST(Amplification, IsUndefinedAtConstantSpeed) {
   PlatoonModel model = paper_platoon();
   const SignalsByName signals = theory(model, {"speed", "acceleration"}, 2, 400);
   const std::vector<Amplification> settled = amplification(signals, 400, 300), all = amplification(signals, 400, 0);

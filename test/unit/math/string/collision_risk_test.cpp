@@ -26,7 +26,7 @@ CollisionRisk risk_of(const PlatoonModel& model, std::size_t followers, double p
   return collision_risk(model, gap, table, static_cast<std::size_t>(steps), probability);
 }
 
-TEST(CollisionRisk, OfThePapersExampleAtRest) {
+TEST(CollisionRisk, HasTheFiguresOfThePapersExampleAtRest) {
   struct Row {
     std::size_t follower;
     double variance, probability, rate, distance;
@@ -49,20 +49,20 @@ TEST(CollisionRisk, OfThePapersExampleAtRest) {
   EXPECT_NEAR(*risk.limit_required_distance, 4.89043, 5e-6);
 }
 
-TEST(CollisionRisk, AtTheRequiredDistanceIsTheGivenOne) {
+TEST(CollisionRisk, HasTheGivenProbabilityAtTheRequiredDistance) {
   const double distance = *risk_of(at_rest(2.0), 1).limit_required_distance;
   EXPECT_NEAR(*risk_of(at_rest(distance), 1).limit_probability / 1e-6, 1.0, 1e-9);
   EXPECT_NEAR(*risk_of(at_rest(distance), 1).limit_required_distance, distance, 1e-12);
 }
 
-TEST(CollisionRisk, ADrivingPlatoonNeedsNoDistance) {
+TEST(CollisionRisk, RequiresNoDistanceOfADrivingPlatoon) {
   PlatoonModel model = paper_platoon(3.2);  // h v T_s = 6.4 m
   EXPECT_EQ(*risk_of(model, 1).limit_required_distance, 0.0);
   model.default_vehicle().length = 6.0;
   EXPECT_NEAR(*risk_of(model, 1).limit_required_distance, 4.89043 - 0.4, 5e-6);
 }
 
-TEST(CollisionRisk, OfAMixedStringIsItsLargest) {
+TEST(CollisionRisk, OfAMixedStringIsTheLargestOfItsTypes) {
   PlatoonModel model = at_rest(3.0);
   VehicleType close{"close", model.default_vehicle(), {}};
   close.vehicle.standstill_distance = 1.0;
@@ -75,7 +75,7 @@ TEST(CollisionRisk, OfAMixedStringIsItsLargest) {
 }
 
 // Without changes of the mean the bound grows by the stationary rate per step.
-TEST(CollisionRisk, TheBoundIsTheSumOfNewCollisions) {
+TEST(CollisionRisk, HasABoundThatSumsNewCollisions) {
   const CollisionRisk one = risk_of(at_rest(2.0), 1, 1e-6, 200), more = risk_of(at_rest(2.0), 1, 1e-6, 300);
   EXPECT_NEAR((more.bound[0] - one.bound[0]) / (100.0 * one.rate[0]), 1.0, 1e-9);
   EXPECT_EQ(risk_of(at_rest(0.1), 1, 1e-6, 300).bound[0], 1.0);
@@ -86,7 +86,7 @@ TEST(CollisionRisk, TheBoundIsTheSumOfNewCollisions) {
   EXPECT_EQ(risk_of(scattered, 2, 1e-6, 1).bound[1], probability_below_zero({table.mean[1], table.variance[1]}));
 }
 
-TEST(CollisionRisk, OfAStringWithoutLimitIsThatOfItsFollowers) {
+TEST(CollisionRisk, HasNoLimitForAStringUnstablePlatoon) {
   const CollisionRisk risk = risk_of(paper_platoon(2.4), 5);
   EXPECT_FALSE(risk.limit_probability);
   EXPECT_FALSE(risk.limit_rate);

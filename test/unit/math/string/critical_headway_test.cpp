@@ -32,13 +32,13 @@ HeadwayLaw fixed_gain(double gain) {
 /// A plant with a lag that the controller cancels: T loses a mode at every headway.
 ClosedLoop cancelling(double headway) {
   const TransferFunction plant(Polynomial::Constant(1, 0.02),
-                               multiply(Eigen::Vector3d(1.0, -2.0, 1.0), with_zeros({0.8, 0.5}, {})));
-  const TransferFunction controller(multiply(with_zeros({0.8}, {}), Eigen::Vector2d(1.0, -0.9)),
-                                    with_zeros({0.1, -0.2}, {}));
+                               multiply(Eigen::Vector3d(1.0, -2.0, 1.0), polynomial_with_zeros({0.8, 0.5})));
+  const TransferFunction controller(multiply(polynomial_with_zeros({0.8}), Eigen::Vector2d(1.0, -0.9)),
+                                    polynomial_with_zeros({0.1, -0.2}));
   return close_loop({plant, controller}, headway);
 }
 
-TEST(CriticalHeadway, OfThePapersExampleIsKnownInClosedForm) {
+TEST(CriticalHeadway, OfThePapersExampleHasAClosedForm) {
   // 1 - |T|^2 ~ (h (1+h) - 2 / K(1)) w^2 with K(1) = 1.35 / (1.89 (1+h)): h = 2 * 1.89 / 1.35 = 2.8.
   const StableHeadways found = stable_headways_of(paper_loop);
   ASSERT_TRUE(found.critical.has_value());
@@ -47,7 +47,7 @@ TEST(CriticalHeadway, OfThePapersExampleIsKnownInClosedForm) {
   EXPECT_EQ(found.intervals[0].to, 1000.0);
 }
 
-TEST(CriticalHeadway, DoesNotExistWhereLongHeadwaysAreUnstableAgain) {
+TEST(CriticalHeadway, DoesNotExistIfLongHeadwaysAreUnstable) {
   const StableHeadways found = stable_headways_of(fixed_gain(0.3));
   EXPECT_FALSE(found.critical.has_value());
   ASSERT_EQ(found.intervals.size(), 1u);
@@ -56,7 +56,7 @@ TEST(CriticalHeadway, DoesNotExistWhereLongHeadwaysAreUnstableAgain) {
   EXPECT_NEAR(found.intervals[0].to, 4.88999962800, 1e-10);
 }
 
-TEST(CriticalHeadway, IsWhereTheVerdictTurns) {
+TEST(CriticalHeadway, SeparatesStableFromUnstable) {
   const HeadwayLaw laws[] = {paper_loop, fixed_gain(0.3), fixed_gain(0.05), cancelling};
   for (const HeadwayLaw& law : laws) {
     const auto stable = [&](double h) { return string_stability(model_with(law(h), h)).string_stable; };
@@ -71,7 +71,7 @@ TEST(CriticalHeadway, IsWhereTheVerdictTurns) {
   }
 }
 
-TEST(CriticalHeadway, MarginHasTheSignOfTheVerdict) {
+TEST(CriticalHeadway, HasAMarginWithTheSignOfTheVerdict) {
   for (const ExampleLoop& example : example_loops()) {
     const bool stable = string_stability(model_with(example.loop, example.headway)).string_stable;
     EXPECT_EQ(LinkedPattern(model_with(example.loop, example.headway)).gain_margin() > 0.0, stable) << example.name;
@@ -82,7 +82,7 @@ TEST(CriticalHeadway, MarginHasTheSignOfTheVerdict) {
   }
 }
 
-TEST(CriticalHeadway, FindsStretchesNarrowerThanTheSamples) {
+TEST(CriticalHeadway, FindsIntervalsNarrowerThanTheSamples) {
   // A gain for which h (1+h) - 2 / K(1) is sign (10^-4 - (h-3)^2), of that sign for 2.99 < h < 3.01 only.
   const auto law = [](double sign) {
     return [sign](double h) {
@@ -104,7 +104,7 @@ TEST(CriticalHeadway, FindsStretchesNarrowerThanTheSamples) {
   EXPECT_EQ(gap.critical, gap.intervals[1].from);
 }
 
-TEST(CriticalHeadway, RefusesAnEmptyRangeAndTooFewSamples) {
+TEST(CriticalHeadway, RejectsAnEmptyRangeAndTooFewSamples) {
   EXPECT_THROW(stable_headways_of(paper_loop, {0.0, 1.0, 10}), std::invalid_argument);
   EXPECT_THROW(stable_headways_of(paper_loop, {2.0, 1.0, 10}), std::invalid_argument);
   EXPECT_THROW(stable_headways_of(paper_loop, {1.0, INFINITY, 10}), std::invalid_argument);
@@ -112,7 +112,7 @@ TEST(CriticalHeadway, RefusesAnEmptyRangeAndTooFewSamples) {
 }
 
 // A vehicle sampled at a kilohertz keeps headways of thousands of samples.
-TEST(CriticalHeadway, IsSoughtAboutTheModelsOwnHeadway) {
+TEST(CriticalHeadway, IsSearchedAboutTheHeadwayOfTheModel) {
   const double gain = 8.899078748072497e-10, h = 1890.0;
   const TransferFunction plant(Eigen::Vector2d(gain, gain),
                                Eigen::Vector4d(1.0, -2.9982201842503855, 2.996440368500771, -0.9982201842503855));
@@ -128,7 +128,7 @@ TEST(CriticalHeadway, IsSoughtAboutTheModelsOwnHeadway) {
 
 // An actuator lag of 0.1 s, an input delay of 0.2 s, kp = 0.2, kd = 0.7 at 100 Hz. At low frequencies 1 / (G K) ~
 // (z - 1)^2 / (kp T_s^2), hence 1 - |T|^2 ~ (h (1+h) - 2 / (kp T_s^2)) w^2; in continuous time h = sqrt(2 / kp) s.
-TEST(CriticalHeadway, OfAdaptiveCruiseControlIsKnownInClosedForm) {
+TEST(CriticalHeadway, OfAdaptiveCruiseControlHasAClosedForm) {
   LoopDesign design{{car_with_actuator_lag(0.1, 0.2), 0.01}, {ControllerGains{0.2, 0.7, 0.0}, 0.01}};
   design.headway_filter = true;
   PlatoonModel model = model_with(close_loop(design, 300.0), 300.0);
@@ -141,7 +141,7 @@ TEST(CriticalHeadway, OfAdaptiveCruiseControlIsKnownInClosedForm) {
   EXPECT_NEAR(0.01 * expected, 3.15728, 1e-5);
 }
 
-TEST(CriticalHeadway, NeverContradictsTheVerdictAtTheHeadwayAskedFor) {
+TEST(CriticalHeadway, NeverContradictsTheVerdictAtAGivenHeadway) {
   const HeadwayLaw laws[] = {paper_loop, fixed_gain(0.3), cancelling};
   for (const HeadwayLaw& law : laws) {
     std::vector<double> headways{0.02, 1.0, 2.8, 4.0, 900.0, 2500.0};

@@ -49,7 +49,7 @@ IndependentShare dense_sample(const std::vector<double>& covariance, Eigen::Inde
 }
 
 // From two steps to many times the correlation length.
-TEST(EffectiveSample, IsThatOfTheAutocovariancesOfLemmaOne) {
+TEST(EffectiveSample, FollowsFromTheAutocovariancesOfLemmaOne) {
   for (const double headway : {3.2, 2.4}) {
     const PlatoonModel model = paper_platoon(headway);
     const auto covariances = dense_autocovariances(model, 6, 400);
@@ -83,7 +83,7 @@ TEST(EffectiveSample, IsLinearFromTwiceTheCorrelationLengthOn) {
 }
 
 // The covariance matrix has one block per stretch. Checks the closed form and the sums.
-TEST(EffectiveSample, OfStretchesThatAreIndependent) {
+TEST(EffectiveSample, OfIndependentStretchesFollowsFromTheirCovariance) {
   const ErrorCorrelation found({1.0, -0.4, 0.1}, 0.4, true);
   for (const int length : {4, 10}) {
     const auto n = static_cast<Eigen::Index>(3 * length);
@@ -105,7 +105,7 @@ TEST(EffectiveSample, OfStretchesThatAreIndependent) {
 }
 
 // For the last follower of a long string the mean is worth n P / Phi(0) errors only if n exceeds any number of steps.
-TEST(EffectiveSample, IsFarFromItsLimitBehindAStringThatIsNotStable) {
+TEST(EffectiveSample, IsFarFromItsLimitInAStringUnstablePlatoon) {
   const std::vector<ErrorCorrelation> found = error_correlations(paper_platoon(2.4), 60);
   EXPECT_NEAR(found[19].of(std::uint64_t{1} << 62).mean, 292.8, 0.1);
   EXPECT_NEAR(found[19].of(2928).mean, 191.6, 0.1);
@@ -164,7 +164,7 @@ TEST(EffectiveSample, GivesTheStandardErrorsOfAveragesOverTime) {
   }
 }
 
-TEST(EffectiveSample, IsUnknownFromTheFirstLinkThatLosesOn) {
+TEST(EffectiveSample, IsUnknownIfPacketsAreLost) {
   PlatoonModel model = paper_platoon(3.2);
   model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
   for (const ErrorCorrelation& correlation : error_correlations(model, 3)) {
@@ -174,7 +174,7 @@ TEST(EffectiveSample, IsUnknownFromTheFirstLinkThatLosesOn) {
   }
 }
 
-TEST(EffectiveSample, OfNothingRandomIsEveryStep) {
+TEST(EffectiveSample, CountsEveryStepWithoutNoise) {
   PlatoonModel model = paper_platoon(3.2);
   model.default_vehicle().noise_variance = 0.0;
   for (const std::uint64_t steps : {2u, 1000u}) {
@@ -185,7 +185,7 @@ TEST(EffectiveSample, OfNothingRandomIsEveryStep) {
   }
 }
 
-TEST(EffectiveSample, StaysAFigureWhereVariancesGrowBeyondEverySquare) {
+TEST(EffectiveSample, StaysFiniteForHugeVariances) {
   const IndependentShare last = error_correlations(paper_platoon(1.2), 200).back().of(100000);
   EXPECT_GT(last.variance, 0.0);
   EXPECT_LT(last.variance, 1.0);

@@ -50,7 +50,7 @@ double largest(const std::vector<double>& values) {
 constexpr std::size_t kFollowers = 5;
 constexpr std::size_t kSteps = 60;
 
-TEST(ErrorMoments, MeanIsWhatTheVehiclesDoWithoutNoise) {
+TEST(ErrorMoments, HaveTheMeanOfVehiclesWithoutNoise) {
   for (const ExampleLoop& example : example_loops()) {
     const PlatoonModel model = model_with(example.loop, example.headway);
     std::vector<double> places;
@@ -68,7 +68,7 @@ TEST(ErrorMoments, MeanIsWhatTheVehiclesDoWithoutNoise) {
   }
 }
 
-TEST(ErrorMoments, VarianceIsTheSumOfSquaredUnitResponsesOfTheVehicles) {
+TEST(ErrorMoments, HaveTheVarianceOfTheSquaredUnitResponses) {
   for (const ExampleLoop& example : example_loops()) {
     PlatoonModel model = model_with(example.loop, example.headway);
     model.default_vehicle().standstill_distance = 0.0;
@@ -96,7 +96,7 @@ TEST(ErrorMoments, VarianceIsTheSumOfSquaredUnitResponsesOfTheVehicles) {
   }
 }
 
-TEST(ErrorMoments, FirstErrorsAreKnownInClosedForm) {
+TEST(ErrorMoments, HaveAClosedFormAtTheFirstStep) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const ErrorMoments moments = error_moments(model, 2, 1);
   const double b = model.default_vehicle().loop.realization.c() * model.default_vehicle().loop.realization.a() *
@@ -105,20 +105,20 @@ TEST(ErrorMoments, FirstErrorsAreKnownInClosedForm) {
   EXPECT_NEAR(moments.variance_at(1, 0), 0.3 * (4.2 * b - 3.2) * (4.2 * b - 3.2), 1e-14);
 }
 
-TEST(ErrorMoments, LeaderErrorVanishesToRoundingAfterTheLastChangeOfSpeed) {
+TEST(ErrorMoments, OfTheLeaderVanishAfterTheLastChangeOfSpeed) {
   const std::vector<double> error = leader_error(model_with(paper_loop(3.2), 3.2), 400);
   EXPECT_GT(std::abs(error[3]), 1e-3);
   EXPECT_LT(std::abs(error[399]), 1e-14);
 }
 
-TEST(ErrorMoments, StandstillDistanceCancels) {
+TEST(ErrorMoments, DoNotDependOnTheStandstillDistance) {
   PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const ErrorMoments far = error_moments(model, 3, 20);
   model.default_vehicle().standstill_distance = 0.0;
   EXPECT_EQ(far.mean, error_moments(model, 3, 20).mean);
 }
 
-TEST(ErrorMoments, RefusesAnEmptyStringAndAnEmptyRun) {
+TEST(ErrorMoments, RejectsAnEmptyStringAndAnEmptyRun) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   EXPECT_THROW(error_moments(model, 0, 10), std::invalid_argument);
   EXPECT_THROW(error_moments(model, 1, 0), std::invalid_argument);
@@ -153,9 +153,9 @@ std::vector<double> exact_first_error(const ExactPolynomial& n, const ExactPolyn
 
 // Sampled at a kilohertz, with a headway of 1426 samples: T's coefficients by powers of z have lost half
 // their digits.
-TEST(ErrorMoments, HaveTheirDigitsAtFastSampling) {
+TEST(ErrorMoments, KeepTheirDigitsAtFastSampling) {
   const double a = 1.0 - std::ldexp(1.0, -7), gain = std::ldexp(1.0, -28), h = 1426.0;
-  const TransferFunction plant(Eigen::Vector2d(gain, gain), with_zeros({1.0, 1.0, a}, {}));
+  const TransferFunction plant(Eigen::Vector2d(gain, gain), polynomial_with_zeros({1.0, 1.0, a}));
   const TransferFunction controller(Eigen::Vector2d(1024.0, -1023.75), Eigen::Vector2d(1.0, 0.0));
   PlatoonModel model = model_with(close_loop({plant, controller}, h), h);
   model.sample_period = 0.001;

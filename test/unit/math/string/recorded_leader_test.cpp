@@ -18,7 +18,7 @@ std::vector<double> own_leader(const PlatoonModel& model, std::int64_t steps) {
   return positions;
 }
 
-TEST(RecordedLeader, OfTheModelsOwnLeaderGivesTheMeansOfTheStructure) {
+TEST(RecordedLeader, OfTheModelHasTheMeansOfItsTheory) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().standstill_distance = 5.0;
   model.default_vehicle().initial_position = {0.7, 0.4};
@@ -32,7 +32,7 @@ TEST(RecordedLeader, OfTheModelsOwnLeaderGivesTheMeansOfTheStructure) {
   }
 }
 
-TEST(RecordedLeader, DrivesTheVehicleInPlaceOfItsLoop) {
+TEST(RecordedLeader, ReplacesTheLoopOfTheLeader) {
   PlatoonModel model = paper_platoon();
   model.recorded_leader = {0.5, 1.5, -2.0};
   EXPECT_EQ(own_leader(model, 2), model.recorded_leader);

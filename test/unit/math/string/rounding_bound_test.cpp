@@ -72,7 +72,7 @@ TEST(RoundingBounds, HoldFarFromTheOrigin) {
 
 TEST(RoundingBounds, HoldAtFastSampling) {
   const double a = 1.0 - std::ldexp(1.0, -7), gain = std::ldexp(1.0, -28), h = 1426.0;
-  const TransferFunction plant(Eigen::Vector2d(gain, gain), with_zeros({1.0, 1.0, a}, {}));
+  const TransferFunction plant(Eigen::Vector2d(gain, gain), polynomial_with_zeros({1.0, 1.0, a}));
   const TransferFunction controller(Eigen::Vector2d(1024.0, -1023.75), Eigen::Vector2d(1.0, 0.0));
   PlatoonModel model = without_noise(model_with(close_loop({plant, controller}, h), h));
   model.sample_period = 0.001;

@@ -25,7 +25,7 @@ void expect_settled(const PlatoonModel& model, std::size_t followers, const std:
   EXPECT_LE(std::abs(moments.mean.back()), 1e-5 * largest) << name << ", " << *steps << " steps";
 }
 
-TEST(SettlingTime, LeavesNothingOfTheStart) {
+TEST(SettlingTime, EndsTheEffectOfTheStart) {
   for (const double headway : {2.4, 3.2, 10.0}) {
     for (const std::size_t followers : {1u, 5u, 20u, 60u})
       expect_settled(paper_platoon(headway), followers, "paper " + std::to_string(headway));
@@ -43,7 +43,7 @@ TEST(SettlingTime, GrowsWithDelaysAndSlowPoles) {
   EXPECT_GT(*settling_steps(model, 20), before + 300) << "a lost position is kept for ten steps on average";
 }
 
-TEST(SettlingTime, AnUnstableVehicleHasNone) {
+TEST(SettlingTime, DoesNotExistForAnUnstableVehicle) {
   PlatoonModel model = paper_platoon(3.2);
   Eigen::MatrixXd a = model.default_vehicle().loop.realization.a();
   model.default_vehicle().loop =

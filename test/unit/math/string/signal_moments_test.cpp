@@ -29,7 +29,7 @@ void expect_row(const std::vector<double>& cells, std::size_t row, const std::ve
 }
 
 // y_1(k) = n_1(k-1) and y_2(k) = n_1(k-2) + n_2(k-1), with noises from step 0 on.
-TEST(SignalMoments, OfRelaysAreSumsOfTheirNoises) {
+TEST(SignalMoments, OfRelaysSumTheirNoises) {
   constexpr double kNoise = 3.0;
   const std::vector<SignalMoments> found = signal_moments(relay(kNoise), kAll, 2, 5);
   expect_row(found[0].mean, 0, {2.0, 2.0, 2.0, 2.0, 2.0});
@@ -48,7 +48,7 @@ TEST(SignalMoments, OfRelaysAreSumsOfTheirNoises) {
 
 // With p_i at step -1, y_1 is 0 and y_2 is p_1 at step 0, and both are 0 from step 1 on. Before step -1 no vehicle
 // moves.
-TEST(SignalMoments, OfInitialPositionsEndWithThem) {
+TEST(SignalMoments, OfInitialPositionsDecay) {
   const std::vector<SignalMoments> found = signal_moments(relay(0.0, {7.0, 5.0}), kAll, 2, 3);
   expect_row(found[0].mean, 1, {2.0 - 7.0, 2.0, 2.0});
   expect_row(found[0].variance, 0, {0.0, 0.0, 0.0});
@@ -80,7 +80,7 @@ TEST(SignalMoments, AgreeWithTheErrorsInTheirMeans) {
   }
 }
 
-TEST(SignalMoments, OfAlikeTypesAreThoseOfAHomogeneousString) {
+TEST(SignalMoments, OfEqualTypesEqualThoseOfAHomogeneousString) {
   const PlatoonModel model = eventful_platoon(2.9);
   PlatoonModel patterned = model;
   patterned.types.push_back({"twin", vehicle(model, 1), {}});
@@ -93,7 +93,7 @@ TEST(SignalMoments, OfAlikeTypesAreThoseOfAHomogeneousString) {
   }
 }
 
-TEST(SignalMoments, RejectsWhatItDoesNotCover) {
+TEST(SignalMoments, RejectModelsWithoutTheory) {
   PlatoonModel model = paper_platoon();
   EXPECT_THROW(signal_moments(model, {"distance"}, 1, 1), std::invalid_argument);
   EXPECT_THROW(signal_moments(model, kAll, 0, 1), std::invalid_argument);

@@ -37,7 +37,7 @@ std::vector<PlatoonModel> settling_platoons() {
   return models;
 }
 
-TEST(StationarySignals, AreWhereTheTablesSettle) {
+TEST(StationarySignals, EqualTheMomentsAfterManySteps) {
   constexpr std::size_t kFollowers = 7, kSteps = 9000;
   for (const PlatoonModel& model : settling_platoons()) {
     const bool stable = string_stability(model).string_stable;
@@ -57,7 +57,7 @@ TEST(StationarySignals, AreWhereTheTablesSettle) {
 }
 
 // The distance to the limit after N vehicles decays like N^(-1/2), as 1 - |T|^2 and |1 - T|^2 begin with w^2.
-TEST(StationarySignals, TheGapSettlesLate) {
+TEST(StationarySignals, HaveAGapThatSettlesLate) {
   constexpr std::size_t kNear = 999, kFar = 3999;
   for (const PlatoonModel& model : settling_platoons()) {
     if (!string_stability(model).string_stable) continue;
@@ -79,7 +79,7 @@ TEST(StationarySignals, TheGapSettlesLate) {
 }
 
 // z^m completes many periods on a panel. Reference: 80,000 nodes in extended precision.
-TEST(StationarySignals, TheLimitBehindALongDelay) {
+TEST(StationarySignals, HaveALimitBehindALongDelay) {
   PlatoonModel model = paper_platoon(3.2);
   model.default_vehicle().link.delay = 400;
   const StationarySignal gap = stationary_signals(model, {"gap"}, 1, true)[0];
@@ -87,12 +87,12 @@ TEST(StationarySignals, TheLimitBehindALongDelay) {
   EXPECT_NEAR(gap.limit->change[0] / 0.370994008700070659, 1.0, 1e-11);
 }
 
-TEST(StationarySignals, TheLimitOfThePapersExample) {
+TEST(StationarySignals, HaveTheLimitOfThePapersExample) {
   const StationarySignal gap = stationary_signals(paper_platoon(3.2), {"gap"}, 1, true)[0];
   EXPECT_NEAR(*gap.limit_variance(), 1.058477, 5e-7);
 }
 
-TEST(StationarySignals, HaveLimitsAsFarAsTheyVanishAtLowFrequencies) {
+TEST(StationarySignals, HaveLimitsIfTheyVanishAtLowFrequencies) {
   const ExampleLoop flat = string_stable_loops().back();
   const PlatoonModel model = model_with(flat.loop, flat.headway);  // 1 - |T|^2 begins with w^4
   ASSERT_TRUE(string_stability(model).string_stable);
@@ -108,14 +108,14 @@ TEST(StationarySignals, HaveLimitsAsFarAsTheyVanishAtLowFrequencies) {
   EXPECT_TRUE(stationary_signals(differenced, {"gap"}, 2, true)[0].limit_variance());
 }
 
-TEST(StationarySignals, OfAStringThatIsNotStableHaveNoLimit) {
+TEST(StationarySignals, HaveNoLimitForAStringUnstablePlatoon) {
   for (const StationarySignal& signal : stationary_signals(paper_platoon(2.4), kAll, 3, false)) {
     EXPECT_FALSE(signal.limit);
     EXPECT_GT(signal.followers.variance[2], 0.0);
   }
 }
 
-TEST(StationarySignals, OfAnUnstableVehicleAreNone) {
+TEST(StationarySignals, DoNotExistForAnUnstableVehicle) {
   const PlatoonModel model = paper_platoon(0.2);
   for (const StationarySignal& signal : stationary_signals(model, kAll, 3, false)) {
     for (const auto* values : {&signal.followers.mean, &signal.followers.variance, &signal.followers.change}) {
@@ -138,7 +138,7 @@ TEST(StationarySignals, HaveTheMeansOfTheSpacingPolicy) {
   EXPECT_EQ(found[3].followers.mean[1], 0.0);
 }
 
-TEST(StationarySignals, RejectsWhatItDoesNotCover) {
+TEST(StationarySignals, RejectModelsWithoutTheory) {
   PlatoonModel model = paper_platoon();
   EXPECT_THROW(stationary_signals(model, kAll, 0, true), std::invalid_argument);
   EXPECT_THROW(stationary_signals(model, {"distance"}, 1, true), std::invalid_argument);

@@ -57,7 +57,7 @@ TEST(StationaryVariance, AgreesWithTheVecFormulaOfLemmaOne) {
   }
 }
 
-TEST(StationaryVariance, IsWhereTheVariancesOverTimeSettle) {
+TEST(StationaryVariance, EqualsTheVarianceAfterManySteps) {
   for (const ExampleLoop& example : all_loops()) {
     PlatoonModel model = model_with(example.loop, example.headway);
     model.default_vehicle().initial_position = {0.0, 0.0};
@@ -86,7 +86,7 @@ TEST(StationaryVariance, OfAMillionFollowersRisesToTheLimit) {
   }
 }
 
-TEST(StationaryVariance, DoesNotDependOnHowManyFollowersAreAskedFor) {
+TEST(StationaryVariance, DoesNotDependOnTheNumberOfFollowers) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const std::vector<double> many = stationary_variances(model, 3000);
   for (const std::size_t followers : {1u, 2u, 256u, 257u, 2999u}) {
@@ -94,7 +94,7 @@ TEST(StationaryVariance, DoesNotDependOnHowManyFollowersAreAskedFor) {
   }
 }
 
-TEST(StationaryVariance, OfAStringUnstablePlatoonGrowsByTheSquaredPeakGainAndThenLeavesTheNumbers) {
+TEST(StationaryVariance, OfAStringUnstablePlatoonGrowsByTheSquaredPeakGain) {
   const PlatoonModel model = model_with(paper_loop(2.4), 2.4);
   const double gain = string_stability(model).peak_gain;
   const std::vector<double> variances = stationary_variances(model, 5000);
@@ -106,7 +106,7 @@ TEST(StationaryVariance, OfAStringUnstablePlatoonGrowsByTheSquaredPeakGainAndThe
 }
 
 TEST(StationaryVariance, IsNotANumberForAnUnstableVehicle) {
-  const TransferFunction t = ramp_tracking(with_zeros({1.01, 0.2}, {}), 2.0, Polynomial::Zero(1));
+  const TransferFunction t = ramp_tracking(polynomial_with_zeros({1.01, 0.2}), 2.0);
   for (const double variance : stationary_variances(model_with(closed_loop_from(observable_canonical(t)), 2.0), 3)) {
     EXPECT_TRUE(std::isnan(variance));
   }
@@ -118,7 +118,7 @@ TEST(StationaryVariance, IsZeroWithoutNoise) {
   EXPECT_EQ(stationary_variances(model, 5000), std::vector<double>(5000, 0.0));
 }
 
-TEST(StationaryVariance, RefusesAnEmptyString) {
+TEST(StationaryVariance, RejectsAnEmptyString) {
   EXPECT_THROW(stationary_variances(model_with(paper_loop(3.2), 3.2), 0), std::invalid_argument);
 }
 

@@ -8,6 +8,7 @@
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "unit/math/example_loops.hpp"
 #include "unit/math/paper/spectrum.hpp"
+#include "unit/messages.hpp"
 #include "unit/sensitivity.hpp"
 
 namespace platoon {
@@ -27,7 +28,7 @@ ExampleLoop touching_at(double x0, double c, double gap) {
   return with_gain_from("touching", roots(p));
 }
 
-TEST(StringStability, DecidesThePapersTwoExamples) {
+TEST(StringStability, JudgesBothExamplesOfThePaper) {
   const StringStability stable = verdict_of({"", 3.2, paper_loop(3.2)});
   EXPECT_NEAR(stable.spectral_radius, 0.5274, 5e-5);  // the paper prints 0.5315
   EXPECT_TRUE(stable.mean_square_stable && stable.mean_bounded && stable.string_stable) << stable.reason;
@@ -38,10 +39,10 @@ TEST(StringStability, DecidesThePapersTwoExamples) {
   EXPECT_TRUE(unstable.mean_square_stable);
   EXPECT_FALSE(unstable.mean_bounded || unstable.string_stable);
   EXPECT_FALSE(unstable.limit_variance.has_value());
-  EXPECT_NE(unstable.reason.find("exceeds 1"), std::string::npos) << unstable.reason;
+  EXPECT_TRUE(contains(unstable.reason, "exceeds 1"));
 }
 
-TEST(StringStability, PeakIsAboveEveryPointOfAGridAndTakenAtItsFrequency) {
+TEST(StringStability, HasItsPeakAboveAGrid) {
   for (const ExampleLoop& example : example_loops()) {
     const StringStability verdict = verdict_of(example);
     for (int i = 0; i <= 5000; ++i) {
@@ -74,20 +75,20 @@ TEST(StringStability, IsRightOneBillionthEitherSideOfTheBorderAtAnIsolatedFreque
 }
 
 // The coefficients are rounded: whether |T| touches 1 is below their digits.
-TEST(StringStability, GainOfOneAtAnIsolatedFrequencyIsUndecided) {
+TEST(StringStability, IsUndecidedForAGainOfOneAtAnIsolatedFrequency) {
   for (const double x0 : {0.3, 1.0, 1.7, 2.0}) {
     const StringStability verdict = verdict_of(touching_at(x0, 1.0, 0.0));
     EXPECT_TRUE(verdict.mean_bounded) << x0 << ": " << verdict.reason;
     EXPECT_TRUE(verdict.undecided) << x0 << ": " << verdict.reason;
     EXPECT_FALSE(verdict.decision()) << x0;
-    EXPECT_EQ(verdict.reason.find("undecided: |T| is 1 at "), 0u) << verdict.reason;
+    EXPECT_TRUE(begins_with(verdict.reason, "undecided: |T| is 1 at "));
     EXPECT_FALSE(verdict.limit_variance.has_value()) << x0;
     EXPECT_EQ(verdict.peak_gain, 1.0);
     EXPECT_NEAR(verdict.peak_frequency, std::acos(1.0 - x0), 1e-6) << x0;
   }
 }
 
-TEST(StringStability, PureDelayIsBoundedForTheMeanOnly) {
+TEST(StringStability, OfAPureDelayBoundsTheMeanOnly) {
   const TransferFunction delay(Polynomial::Ones(1), Eigen::Vector2d(1.0, 0.0));
   const StringStability verdict = verdict_of({"", 1.0, closed_loop_from(observable_canonical(delay))});
   EXPECT_TRUE(verdict.mean_bounded) << verdict.reason;
@@ -96,9 +97,9 @@ TEST(StringStability, PureDelayIsBoundedForTheMeanOnly) {
 
 // Twenty poles of modulus 0.9 about +-j, where |T| is tiny compared with the terms of its polynomials.
 TEST(StringStability, IsDecidedForTwentyPolesNearTheImaginaryAxis) {
-  std::vector<std::complex<double>> pairs;
-  for (int i = 0; i < 8; ++i) pairs.push_back(std::polar(0.35 + 0.01 * i, 1.45 + 0.03 * i));
-  const ExampleLoop stable = all_pole("twenty poles", with_zeros({0.9, 0.85, 0.8, 0.75}, pairs));
+  Zeros zeros{0.9, 0.85, 0.8, 0.75};
+  for (int i = 0; i < 8; ++i) zeros.push_back(std::polar(0.35 + 0.01 * i, 1.45 + 0.03 * i));
+  const ExampleLoop stable = all_pole("twenty poles", polynomial_with_zeros(zeros));
   const StringStability verdict = verdict_of(stable);
   double largest = 0.0;
   for (int i = 1; i <= 20000; ++i)
@@ -108,14 +109,14 @@ TEST(StringStability, IsDecidedForTwentyPolesNearTheImaginaryAxis) {
 }
 
 // The excess is below the digits of |T|, and close to w = 0.
-TEST(StringStability, ReasonNamesAnExcessThatIsNotZero) {
+TEST(StringStability, HasAReasonWithTheExcess) {
   const StringStability verdict = verdict_of({"", 2.8 - 1e-7, paper_loop(2.8 - 1e-7)});
   EXPECT_EQ(verdict.decision(), false);
-  EXPECT_EQ(verdict.reason.find("exceeds 1 by 0 "), std::string::npos) << verdict.reason;
-  EXPECT_EQ(verdict.reason.find("at 0 rad"), std::string::npos) << verdict.reason;
+  EXPECT_FALSE(contains(verdict.reason, "exceeds 1 by 0 "));
+  EXPECT_FALSE(contains(verdict.reason, "at 0 rad"));
 }
 
-TEST(StringStability, LimitAgreesWithTheSpectralFactor) {
+TEST(StringStability, HasTheLimitOfTheSpectralFactor) {
   for (const ExampleLoop& example : string_stable_loops()) {
     const PlatoonModel model = model_with(example.loop, example.headway);
     const StringStability verdict = string_stability(model);
@@ -140,7 +141,7 @@ TEST(StringStability, LimitAgreesWithTheSpectralFactor) {
   }
 }
 
-TEST(StringStability, LimitIsWhatTheVariancesTendTo) {
+TEST(StringStability, HasTheLimitOfTheVariances) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const std::vector<double> variances = stationary_variances(model, 100000);
   const double limit = *string_stability(model).limit_variance;
@@ -151,7 +152,7 @@ TEST(StringStability, LimitIsWhatTheVariancesTendTo) {
   EXPECT_NEAR(far / near, 1.0, 1e-3);
 }
 
-TEST(StringStability, FlatterThanTheSensitivityHasNoLimitThoughTheGainStaysBelowOne) {
+TEST(StringStability, HasNoLimitForAGainFlatterThanTheSensitivity) {
   // |T|^2 = 1 / (1 + x^3 / 8): 1 - |T|^2 ~ w^6 while |S|^2 ~ w^4, so P_N grows as N^{1/6}.
   std::vector<Complex> zeros;
   for (int i = 0; i < 3; ++i) zeros.push_back(std::polar(2.0, 3.141592653589793 * (2 * i + 1) / 3.0));
@@ -165,7 +166,7 @@ TEST(StringStability, FlatterThanTheSensitivityHasNoLimitThoughTheGainStaysBelow
   EXPECT_NEAR(increment(1 << 12) / increment((1 << 16) - 1), 10.08, 0.9);  // 16^{5/6}; 16^{3/2} with a limit
 }
 
-TEST(StringStability, LimitScalesWithTheNoise) {
+TEST(StringStability, HasALimitProportionalToTheNoise) {
   PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const double limit = *string_stability(model).limit_variance;
   model.default_vehicle().noise_variance = 0.0;
@@ -174,13 +175,13 @@ TEST(StringStability, LimitScalesWithTheNoise) {
   EXPECT_NEAR(*string_stability(model).limit_variance, 2.0 * limit, 1e-15 * limit);
 }
 
-TEST(StringStability, UnstableVehicleHasNoGainAndNoLimit) {
-  const TransferFunction t = ramp_tracking(with_zeros({1.05, 0.2}, {}), 2.0, Polynomial::Zero(1));
+TEST(StringStability, HasNoGainAndNoLimitForAnUnstableVehicle) {
+  const TransferFunction t = ramp_tracking(polynomial_with_zeros({1.05, 0.2}), 2.0);
   const StringStability verdict = verdict_of({"", 2.0, closed_loop_from(observable_canonical(t))});
   EXPECT_FALSE(verdict.mean_square_stable || verdict.mean_bounded || verdict.string_stable);
   EXPECT_TRUE(std::isnan(verdict.peak_gain) && std::isnan(verdict.peak_frequency));
   EXPECT_FALSE(verdict.limit_variance.has_value());
-  EXPECT_NE(verdict.reason.find("rho(A) = 1.05"), std::string::npos) << verdict.reason;
+  EXPECT_TRUE(contains(verdict.reason, "rho(A) = 1.05"));
 }
 
 }  // namespace

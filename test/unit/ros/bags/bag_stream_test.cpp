@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "stochastic_platoon/ros/bags/bag_writer.hpp"
+#include "unit/damage.hpp"
+#include "unit/messages.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
@@ -74,13 +76,9 @@ protected:
 
   static Found read(const BagSource& source) { return read_all(BagStream(source, any_topic)); }
 
-  static std::string reason_to_refuse(const BagSource& source) {
-    try {
-      read(source);
-    } catch (const BagError& error) {
-      return error.what();
-    }
-    return "";
+  /// Why the source is rejected, or an empty string.
+  static std::string rejection(const BagSource& source) {
+    return message_of<BagError>([&source] { read(source); });
   }
 
   static std::vector<std::int64_t> steps(std::int64_t end) {
@@ -105,7 +103,7 @@ protected:
   TemporaryFolder folder_;
 };
 
-TEST_F(BagStreamTest, ReadsWhatWasWritten) {
+TEST_F(BagStreamTest, ReadsAWholeRecording) {
   for (const char* compression : {"none", "lz4"}) {
     const Found found = read({{record("run.bag", compression)}});
     EXPECT_EQ(found.positions, steps(kSteps)) << compression;
@@ -115,15 +113,13 @@ TEST_F(BagStreamTest, ReadsWhatWasWritten) {
 }
 
 // 509 is coprime to the period of repeated contents in bits. A copy in lz4 may begin elsewhere in the same bytes.
-TEST_F(BagStreamTest, RefusesAFileWithAFlippedBitThatChangesAMessage) {
+TEST_F(BagStreamTest, RejectsAFileWithAFlippedBitThatChangesAMessage) {
   for (const char* compression : {"none", "lz4"}) {
     const std::string file = record("run.bag", compression), content = content_of(file);
     for (std::size_t bit = 0; bit < 8 * content.size(); bit += 509) {
-      std::string bent = content;
-      bent[bit / 8] = static_cast<char>(bent[bit / 8] ^ (1 << bit % 8));
       for (const Accept accept : {Accept::whole, Accept::cut}) {
-        const BagSource source{{folder_.file("bent.bag", bent)}, accept};
-        if (!reason_to_refuse(source).empty()) continue;
+        const BagSource source{{folder_.file("damaged.bag", with_flipped_bit(content, bit))}, accept};
+        if (!rejection(source).empty()) continue;
         if (accept == Accept::cut) {
           EXPECT_EQ(read(source).positions, steps(kSteps)) << compression << ", bit " << bit;
         } else {
@@ -136,14 +132,12 @@ TEST_F(BagStreamTest, RefusesAFileWithAFlippedBitThatChangesAMessage) {
 }
 
 // rosbag uses these values as offsets within the chunk.
-TEST_F(BagStreamTest, RefusesAFileWithAnyFlippedBitInItsIndex) {
+TEST_F(BagStreamTest, RejectsAFileWithAnyFlippedBitInItsIndex) {
   const std::string file = record("run.bag", "none"), content = content_of(file);
   const std::size_t index = content.find("count=", 4200);  // after the header of the file and the chunk
   ASSERT_NE(index, std::string::npos);
   for (std::size_t bit = 8 * index; bit < 8 * content.size(); bit += 31) {
-    std::string bent = content;
-    bent[bit / 8] = static_cast<char>(bent[bit / 8] ^ (1 << bit % 8));
-    EXPECT_NE(reason_to_refuse({{folder_.file("bent.bag", bent)}}), "") << bit;
+    EXPECT_NE(rejection({{folder_.file("damaged.bag", with_flipped_bit(content, bit))}}), "") << bit;
   }
 }
 
@@ -153,7 +147,7 @@ TEST_F(BagStreamTest, ReadsWholeStepsOfAFileThatIsCutAnywhere) {
     std::size_t before = 0;
     for (std::size_t size = 5000; size < content.size(); size += 97) {
       const std::string cut = folder_.file("cut.bag", content.substr(0, size));
-      EXPECT_NE(reason_to_refuse({{cut}}), "") << compression << ", byte " << size;
+      EXPECT_NE(rejection({{cut}}), "") << compression << ", byte " << size;
       const Found found = read({{cut}, Accept::cut});
       EXPECT_NE(found.ending, "") << compression << ", byte " << size;
       EXPECT_EQ(found.positions, steps(static_cast<std::int64_t>(found.positions.size())));
@@ -166,17 +160,15 @@ TEST_F(BagStreamTest, ReadsWholeStepsOfAFileThatIsCutAnywhere) {
   }
 }
 
-TEST_F(BagStreamTest, OfDamageReadsWhatIsBeforeItIfAsked) {
-  const std::string file = record("run.bag", "none", 0, 5000);
-  std::string content = content_of(file);
+TEST_F(BagStreamTest, ReadsADamagedFileUpToTheDamageIfRequested) {
+  const std::string content = content_of(record("run.bag", "none", 0, 5000));
   const double middle = 0.5;  // the position of step 5
   const std::size_t place = content.find(std::string(reinterpret_cast<const char*>(&middle), sizeof(middle)));
   ASSERT_NE(place, std::string::npos);
-  content[place] = static_cast<char>(content[place] ^ 1);
-  const std::string bent = folder_.file("bent.bag", content);
-  EXPECT_NE(reason_to_refuse({{bent}, Accept::cut}), "");
-  const Found found = read({{bent}, Accept::damaged});
-  EXPECT_NE(found.ending.find("is damaged"), std::string::npos);
+  const std::string damaged = folder_.file("damaged.bag", with_flipped_bit(content, 8 * place));
+  EXPECT_NE(rejection({{damaged}, Accept::cut}), "");
+  const Found found = read({{damaged}, Accept::damaged});
+  EXPECT_TRUE(contains(found.remainder.ending, "is damaged"));
   EXPECT_EQ(found.positions, steps(static_cast<std::int64_t>(found.positions.size())));
   EXPECT_GE(found.positions.size(), 3u);
   EXPECT_LE(found.positions.size(), 5u);
@@ -188,19 +180,19 @@ TEST_F(BagStreamTest, ReadsSeveralFilesInTheOrderOfTheirTimes) {
   EXPECT_EQ(found.positions, steps(2 * kSteps));
 }
 
-TEST_F(BagStreamTest, RefusesAFileWithoutChecksumsUnlessItMayBeUnverified) {
+TEST_F(BagStreamTest, RejectsAFileWithoutChecksumsUnlessItMayBeUnverified) {
   const std::string file = folder_ / "plain.bag";
   rosbag::Bag bag(file, rosbag::bagmode::Write);
   std_msgs::String configuration;
   bag.write(kConfiguration, ros::TIME_MIN, configuration);
   bag.write(kPosition, ros::Time(1.0), Position());
   bag.close();
-  EXPECT_NE(reason_to_refuse({{file}}).find("holds no checksums"), std::string::npos);
-  EXPECT_NE(reason_to_refuse({{file}, Accept::cut}).find("holds no checksums"), std::string::npos);
+  EXPECT_TRUE(contains(rejection({{file}}), "holds no checksums"));
+  EXPECT_TRUE(contains(rejection({{file}, Accept::cut}), "holds no checksums"));
   EXPECT_EQ(read({{file}, Accept::whole, true}).positions.size(), 1u);
 }
 
-TEST_F(BagStreamTest, RefusesMessagesBehindTheLastChecksum) {
+TEST_F(BagStreamTest, RejectsMessagesBehindTheLastChecksum) {
   const std::string file = record("run.bag", "none");
   rosbag::Bag bag(file, rosbag::bagmode::Append);
   bag.write("/chatter", ros::Time(200.0), std_msgs::String());
@@ -209,10 +201,10 @@ TEST_F(BagStreamTest, RefusesMessagesBehindTheLastChecksum) {
   bag.open(file, rosbag::bagmode::Append);
   bag.write(kPosition, ros::Time(200.0), Position());
   bag.close();
-  EXPECT_NE(reason_to_refuse({{file}}).find("its last messages have no checksum"), std::string::npos);
+  EXPECT_TRUE(contains(rejection({{file}}), "its last messages have no checksum"));
 }
 
-TEST_F(BagStreamTest, OfTheEndOfAFileReadsTheConfigurationAndTheLastSteps) {
+TEST_F(BagStreamTest, ReadsTheConfigurationAndTheLastStepsFromTheEndOfAFile) {
   const std::string file = record("run.bag", "none", 0, 100000);  // a chunk for each step
   RecordedMessages messages(file, {{file}, Accept::damaged}, any_topic);
   EXPECT_FALSE(messages.skip_to_last_chunks(3));

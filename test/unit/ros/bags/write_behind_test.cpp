@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "unit/messages.hpp"
+
 namespace platoon {
 namespace {
 
@@ -54,7 +56,7 @@ protected:
   std::string file_;
 };
 
-TEST_F(WriteBehindTest, LetsGoOfThePageCache) {
+TEST_F(WriteBehindTest, ReleasesThePageCache) {
   struct statfs system;
   ASSERT_EQ(::fstatfs(descriptor_, &system), 0);
   if (system.f_type == TMPFS_MAGIC) GTEST_SKIP() << "/tmp is in memory";
@@ -63,7 +65,7 @@ TEST_F(WriteBehindTest, LetsGoOfThePageCache) {
   EXPECT_LT(resident_megabytes(128), 40u);
 }
 
-TEST_F(WriteBehindTest, GivesBackTheBlocksItFoundAhead) {
+TEST_F(WriteBehindTest, ReleasesTheBlocksReservedAhead) {
   WriteBehind behind(file_);
   write(32, &behind);
   behind.finish();
@@ -73,7 +75,7 @@ TEST_F(WriteBehindTest, GivesBackTheBlocksItFoundAhead) {
   EXPECT_LT(static_cast<std::size_t>(status.st_blocks) * 512, 34 * kMegabyte);
 }
 
-TEST_F(WriteBehindTest, ChangesNothingInTheFile) {
+TEST_F(WriteBehindTest, KeepsTheContentOfTheFile) {
   WriteBehind behind(file_);
   write(70, &behind);
   const std::vector<char> late(4, 'x');
@@ -88,13 +90,8 @@ TEST_F(WriteBehindTest, ChangesNothingInTheFile) {
   }
 }
 
-TEST(WriteBehind, OfAFileThatIsNotThereNamesIt) {
-  try {
-    WriteBehind behind("/nowhere/run.bag");
-    FAIL();
-  } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("/nowhere/run.bag"), std::string::npos);
-  }
+TEST(WriteBehind, NamesAMissingFile) {
+  EXPECT_TRUE(contains(message_of<std::runtime_error>([] { WriteBehind("/nowhere/run.bag"); }), "/nowhere/run.bag"));
 }
 
 }  // namespace

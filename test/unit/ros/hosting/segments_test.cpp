@@ -14,7 +14,7 @@ std::vector<std::size_t> threads_of(const Segments& segments, std::size_t follow
   return threads;
 }
 
-TEST(Segments, AreDealtOutThereAndBack) {
+TEST(Segments, AlternateTheirDirection) {
   EXPECT_EQ(threads_of(Segments(20, 2), 20),
             (std::vector<std::size_t>{0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0}));
   EXPECT_EQ(threads_of(Segments(6, 3), 6), (std::vector<std::size_t>{0, 1, 2, 2, 1, 0}));

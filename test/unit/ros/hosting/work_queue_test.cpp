@@ -52,7 +52,7 @@ TEST(WorkQueue, DrainsTheUrgentQueueAfterEachCallback) {
   EXPECT_EQ(order, "a!b!c!");
 }
 
-TEST(WorkQueue, CallsAgainWhatIsToBeTriedAgain) {
+TEST(WorkQueue, RetriesACallbackThatRequestsIt) {
   WorkQueue queue, at_once;
   int calls = 0;
   queue.addCallback(boost::make_shared<Callback>([&calls] {
@@ -63,7 +63,7 @@ TEST(WorkQueue, CallsAgainWhatIsToBeTriedAgain) {
   EXPECT_EQ(calls, 3);
 }
 
-TEST(WorkQueue, ForgetsTheCallbacksOfAnOwnerThatIsGone) {
+TEST(WorkQueue, DropsTheCallbacksOfARemovedOwner) {
   WorkQueue queue, at_once;
   std::vector<std::uint64_t> called;
   for (const std::uint64_t owner : {1, 2, 1, 2}) {
@@ -74,7 +74,7 @@ TEST(WorkQueue, ForgetsTheCallbacksOfAnOwnerThatIsGone) {
   EXPECT_EQ(called, (std::vector<std::uint64_t>{2, 2}));
 }
 
-TEST(WorkQueue, LosesNothingThatOtherThreadsAddWhileItSleepsAndWakes) {
+TEST(WorkQueue, LosesNoCallbackThatOtherThreadsAdd) {
   constexpr int kEach = 20000;
   WorkQueue queue, at_once;
   std::atomic<int> called{0};
@@ -92,7 +92,7 @@ TEST(WorkQueue, LosesNothingThatOtherThreadsAddWhileItSleepsAndWakes) {
   EXPECT_EQ(called, 2 * kEach);
 }
 
-TEST(SpinLock, LetsOneThreadInAtATime) {
+TEST(SpinLock, AdmitsOneThreadAtATime) {
   SpinLock lock;
   std::uint64_t count = 0;
   const auto work = [&] {

@@ -10,7 +10,7 @@ namespace {
 
 using stochastic_platoon::Position;
 
-TEST(MessagePool, GivesNoMessageThatIsStillHeld) {
+TEST(MessagePool, ReturnsNoMessageThatIsStillHeld) {
   MessagePool pool;
   const Position::Ptr one = pool.take();
   const Position::ConstPtr other = pool.take();
@@ -18,7 +18,7 @@ TEST(MessagePool, GivesNoMessageThatIsStillHeld) {
   EXPECT_NE(pool.take().get(), one.get());
 }
 
-TEST(MessagePool, UsesAReleasedMessageAgainWithItsArray) {
+TEST(MessagePool, ReusesAReleasedMessageWithItsArray) {
   MessagePool pool;
   Position::Ptr message = pool.take();
   message->position.assign(1000, 1.0);

@@ -12,7 +12,7 @@ namespace {
 
 using stochastic_platoon::Position;
 
-TEST(PositionMessage, HasTheIdItWasGiven) {
+TEST(PositionMessage, HasTheIdThatWasSet) {
   Position message;
   set_id(77, {3, 512, 12}, message);
   EXPECT_EQ(message.run, 77u);
@@ -21,7 +21,7 @@ TEST(PositionMessage, HasTheIdItWasGiven) {
   EXPECT_EQ(id_of(message).step, 12);
 }
 
-TEST(PositionMessage, IsHeadedByItsIdItsSizeAndWhetherItIsFinite) {
+TEST(PositionMessage, IsDescribedByIdSizeAndFiniteness) {
   Position message;
   set_id(77, {3, 512, 12}, message);
   message.position = {1.0, 2.0, 3.0};
@@ -55,27 +55,23 @@ TEST(Later, IsOnePeriodOn) {
   EXPECT_EQ(later(ros::Time(3, 950000000), platoon_period(0.1)), ros::Time(4, 50000000));
 }
 
-TEST(Later, StandsStillAtTheEndOfAllStamps) {
+TEST(Later, SaturatesAtTheLargestStamp) {
   EXPECT_EQ(later(ros::TIME_MAX, platoon_period(1e6)), ros::TIME_MAX);
   EXPECT_EQ(later(ros::Time(0xffffffff, 0), platoon_period(1e6)), ros::TIME_MAX);
 }
 
 // A message on the wire may have any seconds and nanoseconds.
-TEST(Later, TakesWhatIsNoTime) {
+TEST(Later, AcceptsAnInvalidTime) {
   ros::Time none;
   none.sec = none.nsec = 0xffffffff;
   EXPECT_EQ(later(none, platoon_period(0.1)), ros::TIME_MAX);
   EXPECT_EQ(platoon_time(none.toNSec()), ros::TIME_MAX);
 }
 
-TEST(AllFinite, IsTrueForEveryFiniteNumber) {
+TEST(AllFinite, IsTrueIfNoNumberIsInfiniteOrNaN) {
   using Limits = std::numeric_limits<double>;
   EXPECT_TRUE(all_finite({}));
   EXPECT_TRUE(all_finite({0.0, -0.0, Limits::max(), -Limits::max(), Limits::min(), Limits::denorm_min(), -1.5}));
-}
-
-TEST(AllFinite, IsFalseForOneThatIsNot) {
-  using Limits = std::numeric_limits<double>;
   for (const double bad :
        {Limits::infinity(), -Limits::infinity(), Limits::quiet_NaN(), -Limits::quiet_NaN(), Limits::signaling_NaN()}) {
     EXPECT_FALSE(all_finite({bad}));

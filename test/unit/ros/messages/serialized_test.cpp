@@ -7,6 +7,8 @@
 
 #include <string>
 
+#include "unit/damage.hpp"
+
 namespace platoon {
 namespace {
 
@@ -42,7 +44,7 @@ Position position() {
   return message;
 }
 
-TEST(HoldsItsArrays, IsSoOfWholeMessagesOnly) {
+TEST(HoldsItsArrays, IsTrueForWholeMessagesOnly) {
   expect_arrays_held(position());
   expect_arrays_held(Position());
   ErrorStatistics statistics;
@@ -51,19 +53,14 @@ TEST(HoldsItsArrays, IsSoOfWholeMessagesOnly) {
   expect_arrays_held(statistics);
 }
 
-TEST(HoldsItsArrays, IsNotSoWhereALengthHasAWrongBit) {
-  std::string bytes = serialized(position());
-  const std::size_t length = bytes.size() - 3 * sizeof(double) - 4;
-  for (const std::size_t place : {length, length + 3}) {
-    bytes[place] = static_cast<char>(bytes[place] ^ 0x40);
-    EXPECT_FALSE(holds<Position>(bytes));
-    bytes[place] = static_cast<char>(bytes[place] ^ 0x40);
-  }
-  bytes[12 + 3] = 0x40;  // of frame_id
-  EXPECT_FALSE(holds<Position>(bytes));
+TEST(HoldsItsArrays, IsFalseForALengthWithAWrongBit) {
+  const std::string bytes = serialized(position());
+  const std::size_t length = bytes.size() - 3 * sizeof(double) - 4, frame_id = 12;
+  for (const std::size_t place : {length, length + 3, frame_id + 3})
+    EXPECT_FALSE(holds<Position>(with_flipped_bit(bytes, 8 * place + 6)));
 }
 
-TEST(HoldsItsArrays, IsSoOfAMessageWithoutArrays) {
+TEST(HoldsItsArrays, IsTrueForAMessageWithoutArrays) {
   EXPECT_TRUE(holds<std_msgs::String>(""));
 }
 

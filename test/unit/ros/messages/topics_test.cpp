@@ -7,7 +7,7 @@ namespace {
 
 using Kind = PlatoonTopic::Kind;
 
-TEST(Topics, AreReadAsTheyAreNamed) {
+TEST(Topics, AreParsedFromTheirNames) {
   const auto position = parse_topic("/platoon/" + position_topic(12));
   ASSERT_TRUE(position);
   EXPECT_EQ(position->kind, Kind::position);
@@ -22,7 +22,7 @@ TEST(Topics, AreReadAsTheyAreNamed) {
   EXPECT_EQ(parse_topic("/platoon/error_statistics")->kind, Kind::error_statistics);
 }
 
-TEST(Topics, OfOthersAreNone) {
+TEST(Topics, OfOtherProgramsAreIgnored) {
   for (const char* other :
        {"/platoon/vehicle_x/position", "/platoon/vehicle_01/position", "/platoon/vehicle_-1/position",
         "/platoon/vehicle_1234567890/position", "/platoon/vehicle_1/positions", "/chatter", "", "/platoon/progress"}) {

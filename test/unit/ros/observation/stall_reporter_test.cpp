@@ -7,6 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "unit/messages.hpp"
+#include "unit/paper_run.hpp"
+
 namespace platoon {
 namespace {
 
@@ -15,11 +18,10 @@ using stochastic_platoon::Progress;
 class StallReporterTest : public testing::Test {
 protected:
   static RunOptions run_of(std::vector<std::size_t> external) {
-    RunOptions run{};
+    RunOptions run = paper_run("").run;
     run.followers = 3;
     run.steps = 10;
-    run.realizations = 4;
-    run.batch = 4;
+    run.realizations = run.batch = 4;
     run.stall_timeout = 1.0;
     run.external = std::move(external);
     return run;
@@ -62,42 +64,42 @@ protected:
   std::optional<DropReason> breach = {};
 };
 
-TEST_F(StallReporterTest, NamesTheVehicleThatBlocksAndWhenItResumes) {
+TEST_F(StallReporterTest, NamesTheBlockingVehicleAndReportsItsEnd) {
   stop_at_vehicle_2(1, 0.1);
   EXPECT_EQ(look(0.2).stalled, "");
   const std::string reason = look(5.0).stalled;
-  EXPECT_EQ(reason.rfind("vehicle_2 has sent nothing since step -1", 0), 0u) << reason;
+  EXPECT_TRUE(begins_with(reason, "vehicle_2 has sent nothing since step -1"));
   EXPECT_EQ(reporter.culprit(), reason);
   EXPECT_EQ(look(5.1).stalled, "") << "logged once";
   send(2, 1, 0, 2);
   send(3, 1, 1, 3);
   reporter.note_arrival(arrivals, 6.0);
-  EXPECT_EQ(look(6.0).moving.rfind(", after ", 0), 0u);
+  EXPECT_TRUE(begins_with(look(6.0).moving, ", after "));
   EXPECT_EQ(reporter.culprit(), "");
 }
 
 // Regression: the note of a missed attempt was added to every later stall of the vehicle.
-TEST_F(StallReporterTest, ANoticeExplainsItsOwnAttemptOnly) {
+TEST_F(StallReporterTest, UsesANoticeForItsOwnAttemptOnly) {
   stop_at_vehicle_2(1, 0.1);
   reporter.receive("vehicle_2", {Progress::MISSED, 1, "has missed messages of attempt 1"});
   const std::string first = look(5.0).stalled;
-  EXPECT_NE(first.find("; it reports: has missed messages of attempt 1"), std::string::npos) << first;
+  EXPECT_TRUE(contains(first, "; it reports: has missed messages of attempt 1"));
   stop_at_vehicle_2(2, 6.1);
   look(6.2);
   const std::string later = reporter.culprit().empty() ? look(20.0).stalled : reporter.culprit();
-  EXPECT_NE(later.find("vehicle_2"), std::string::npos) << later;
-  EXPECT_EQ(later.find("missed messages"), std::string::npos) << later;
+  EXPECT_TRUE(contains(later, "vehicle_2"));
+  EXPECT_FALSE(contains(later, "missed messages"));
 }
 
-TEST_F(StallReporterTest, ABlockedReceiverIsTheReasonWhateverItsTextSays) {
+TEST_F(StallReporterTest, NamesABlockedReceiverByItsKindOfNotice) {
   stop_at_vehicle_2(1, 0.1);
   reporter.receive("recorder", {Progress::NONE, 1, "blocks the run: no"});
-  EXPECT_EQ(look(5.0).stalled.find("recorder"), std::string::npos) << "text is for people";
+  EXPECT_FALSE(contains(look(5.0).stalled, "recorder")) << "text is for people";
   reporter.receive("recorder", {Progress::BLOCKED, 1, "disk full"});
   EXPECT_EQ(look(6.0).stalled, "recorder blocks the run: disk full");
 }
 
-TEST_F(StallReporterTest, ReadingTheTextOfAComponentWithoutNoticesAddsNone) {
+TEST_F(StallReporterTest, NamesMissingVehiclesWithoutAnyNotice) {
   EXPECT_EQ(reporter.text_of("recorder"), "");
   missing = {2};
   EXPECT_EQ(look(0.0).stalled, "");
@@ -125,11 +127,10 @@ TEST_F(ExternalStallTest, NamesTheClauseThatAnExternalVehicleViolates) {
   EXPECT_EQ(reporter.start({2}, arrivals), "waiting for external vehicle_2: start its node");
   stop_at_vehicle_2(1, 0.1);
   const std::string silent = look(5.0).stalled;
-  EXPECT_NE(silent.find("; the vehicle is external: clause 2 of the vehicle contract"), std::string::npos) << silent;
+  EXPECT_TRUE(contains(silent, "; the vehicle is external: clause 2 of the vehicle contract"));
   breach = DropReason::not_finite;
   look(6.0);
-  EXPECT_NE(reporter.culprit().find("its last message was dropped, as not finite; clause 4"), std::string::npos)
-      << reporter.culprit();
+  EXPECT_TRUE(contains(reporter.culprit(), "its last message was dropped, as not finite; clause 4"));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace {
 
 constexpr MessageId kId{};
 
-TEST(MessageCounter, CountsEachVerdictAndWhatIsNotToBeExpected) {
+TEST(MessageCounter, CountsEachReasonAndTheFaults) {
   MessageCounter counter("/platoon/vehicle_2/position");
   for (const DropReason drop : {DropReason::stale, DropReason::stale, DropReason::missed_start, DropReason::not_finite})
     counter.drop(drop, kId, 1);
@@ -17,7 +17,7 @@ TEST(MessageCounter, CountsEachVerdictAndWhatIsNotToBeExpected) {
   EXPECT_EQ(counter.taken(), 0u);
 }
 
-TEST(MessageCounter, KnowsHowAnExternalVehicleViolatedTheContractUntilAMessageOfItCounts) {
+TEST(MessageCounter, KeepsTheLatestBreachOfAnExternalVehicle) {
   MessageCounter counter("/platoon/vehicle_2/position", "vehicle_2");
   EXPECT_FALSE(counter.latest_breach());
   counter.drop(DropReason::missed_start, kId, 1);
@@ -30,7 +30,7 @@ TEST(MessageCounter, KnowsHowAnExternalVehicleViolatedTheContractUntilAMessageOf
   EXPECT_EQ(counter.attempt(), 1u);
 }
 
-TEST(MessageCounter, TheContractBindsNoBuiltInVehicle) {
+TEST(MessageCounter, IgnoresBreachesOfABuiltInVehicle) {
   MessageCounter counter("/platoon/vehicle_2/position");
   counter.drop(DropReason::wrong_size, kId, 1);
   EXPECT_FALSE(counter.latest_breach());

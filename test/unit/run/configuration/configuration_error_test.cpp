@@ -5,17 +5,17 @@
 namespace platoon {
 namespace {
 
-TEST(ConfigurationError, OfOneProblemSaysIt) {
+TEST(ConfigurationError, HasTheTextOfItsProblem) {
   EXPECT_STREQ(ConfigurationError({"steps: -1: must be at least 0"}).what(), "steps: -1: must be at least 0");
 }
 
-TEST(ConfigurationError, OfSeveralProblemsListsThemAll) {
+TEST(ConfigurationError, ListsSeveralProblems) {
   const ConfigurationError error({"a: 1: must be 2", "b: 3: must be 4"});
   EXPECT_STREQ(error.what(), "2 errors:\n  a: 1: must be 2\n  b: 3: must be 4");
   EXPECT_EQ(error.problems(), (std::vector<std::string>{"a: 1: must be 2", "b: 3: must be 4"}));
 }
 
-TEST(ConfigurationError, OfManyTwentyAreNamedAndTheOthersCounted) {
+TEST(ConfigurationError, NamesTwentyProblemsAndCountsTheOthers) {
   std::vector<std::string> problems(20, "a: 1: must be 2");
   EXPECT_EQ(abbreviated(problems), problems);
   problems.insert(problems.begin(), 3, "b: 3: must be 4");

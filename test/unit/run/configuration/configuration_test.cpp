@@ -1,45 +1,24 @@
 #include "stochastic_platoon/run/configuration/configuration.hpp"
-#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 
 #include <gtest/gtest.h>
-
-#include <algorithm>
 
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "unit/paper_platoon.hpp"
-#include "unit/run/configuration/model_text.hpp"
-#include "unit/temporary_folder.hpp"
+#include "unit/run/configuration/configuration_fixture.hpp"
 
 namespace platoon {
 namespace {
 
-using Problems = std::vector<std::string>;
-using Settings = std::map<std::string, std::string>;
-
-class ConfigurationTest : public testing::Test {
-protected:
-  Configuration configured(Settings settings) const {
-    settings.emplace("model", model_);
-    return parse_configuration(configuration_document(settings));
+TEST_F(ConfigurationTest, IsTheModelFileWithDefaultSettings) {
+  for (const Settings& settings : {Settings{}, Settings{{"headway", ""}, {"noise_variance", ""}}}) {
+    EXPECT_EQ(vehicle_with(settings).headway, 3.2);
+    EXPECT_EQ(vehicle_with(settings).noise_variance, 0.6);
+    EXPECT_EQ(configured(settings).run.followers, 20u);
   }
-
-  Problems problems_with(const Settings& settings) const {
-    return problems_of([&] { configured(settings); });
-  }
-
-  TemporaryFolder folder_;
-  std::string model_ = folder_.file("model.yaml", kModelText);
-};
-
-TEST_F(ConfigurationTest, IsTheModelFileAndTheDefaults) {
-  const Configuration configuration = configured({});
-  EXPECT_EQ(configuration.model.default_vehicle().headway, 3.2);
-  EXPECT_EQ(configuration.model.default_vehicle().noise_variance, 0.6);
-  EXPECT_EQ(configuration.run.followers, 20u);
 }
 
-TEST_F(ConfigurationTest, IsOverriddenByTheSettingsThatAreGiven) {
+TEST_F(ConfigurationTest, IsOverriddenByTheGivenSettings) {
   const Configuration configuration =
       configured({{"headway", "2.4"}, {"noise_variance", "0.1"}, {"followers", "3"}, {"steps", "7"}});
   EXPECT_EQ(configuration.model.default_vehicle().headway, 2.4);
@@ -50,13 +29,7 @@ TEST_F(ConfigurationTest, IsOverriddenByTheSettingsThatAreGiven) {
   EXPECT_EQ(configuration.run.steps, 7);
 }
 
-TEST_F(ConfigurationTest, IsNotOverriddenByEmptySettings) {
-  const Configuration configuration = configured({{"headway", ""}, {"noise_variance", ""}});
-  EXPECT_EQ(configuration.model.default_vehicle().headway, 3.2);
-  EXPECT_EQ(configuration.model.default_vehicle().noise_variance, 0.6);
-}
-
-TEST_F(ConfigurationTest, NamesWhatIsWrongWithAnOverride) {
+TEST_F(ConfigurationTest, NamesAnInvalidSetting) {
   EXPECT_EQ(problems_with({{"headway", "-1"}}), Problems{"model/time_headway: -1: must be a finite number > 0"});
   EXPECT_EQ(problems_with({{"noise_variance", "x"}}),
             Problems{"model/noise_variance: x: must be a finite number >= 0"});
@@ -65,10 +38,8 @@ TEST_F(ConfigurationTest, NamesWhatIsWrongWithAnOverride) {
 TEST_F(ConfigurationTest, ReportsTheErrorsOfModelAndRunAtOnce) {
   const Problems problems = problems_with({{"headway", "0"}, {"followers", "0"}, {"steps", "-1"}});
   EXPECT_EQ(problems.size(), 3u);
-  EXPECT_NE(std::find(problems.begin(), problems.end(), "model/time_headway: 0: must be a finite number > 0"),
-            problems.end());
-  EXPECT_NE(std::find(problems.begin(), problems.end(), "run/followers: 0: must be a whole number from 1 to 1000000"),
-            problems.end());
+  EXPECT_TRUE(is_among(problems, "model/time_headway: 0: must be a finite number > 0"));
+  EXPECT_TRUE(is_among(problems, "run/followers: 0: must be a whole number from 1 to 1000000"));
 }
 
 TEST_F(ConfigurationTest, TheDefaultStepsAreTenSecondsOfDriving) {
@@ -114,7 +85,7 @@ TEST_F(ConfigurationTest, TheBurnInOfAmplificationsLeavesTwoSteps) {
 TEST_F(ConfigurationTest, AnUnstableVehicleNeedsABurnIn) {
   const std::string unstable = folder_.file("unstable.yaml", std::string(kModelText) + "\nallow_unstable: true\n");
   const Settings settings{{"model", unstable}, {"headway", "0.1"}, {"steps", "0"}};
-  ASSERT_GE(spectral_radius(configured({{"model", unstable}, {"headway", "0.1"}}).model.default_vehicle().loop), 1.0);
+  ASSERT_GE(spectral_radius(vehicle_with({{"model", unstable}, {"headway", "0.1"}}).loop), 1.0);
   EXPECT_EQ(problems_with(settings),
             Problems{"run/burn_in: (empty): must be given, as the closed loop of a vehicle is unstable"});
   Settings given = settings;
@@ -122,21 +93,21 @@ TEST_F(ConfigurationTest, AnUnstableVehicleNeedsABurnIn) {
   EXPECT_EQ(configured(given).run.burn_in, 50);
 }
 
-TEST_F(ConfigurationTest, NamesEverySettingThatIsUnknown) {
+TEST_F(ConfigurationTest, NamesEveryUnknownSetting) {
   const Problems problems = problems_with({{"folowers", "3"}, {"color", "red"}});
   ASSERT_EQ(problems.size(), 2u);
-  EXPECT_EQ(problems[0].find("color: unknown setting: allowed are batch, "), 0u);
-  EXPECT_EQ(problems[1].find("folowers: unknown setting: allowed are batch, "), 0u);
+  EXPECT_TRUE(begins_with(problems[0], "color: unknown setting: allowed are batch, "));
+  EXPECT_TRUE(begins_with(problems[1], "folowers: unknown setting: allowed are batch, "));
 }
 
-TEST_F(ConfigurationTest, NamesTheModelFileThatIsMissing) {
+TEST_F(ConfigurationTest, NamesAMissingModelFile) {
   EXPECT_EQ(problems_with({{"model", folder_ / "none.yaml"}}),
             Problems{"model: " + folder_ / "none.yaml" +
                      ": must be a file of at most 256 MB that can be read (No such file or directory)"});
   EXPECT_EQ(problems_of([] { configuration_document({{"model", ""}}); }).size(), 1u);
 }
 
-TEST_F(ConfigurationTest, OfAModelFileThatIsNoMappingIsAnErrorWithAndWithoutOverride) {
+TEST_F(ConfigurationTest, RejectsAModelFileThatIsNotAMapping) {
   for (const char* text : {"hello", "[1, 2]", "3"}) {
     const std::string file = folder_.file("other.yaml", text);
     for (const char* headway : {"", "3.2"}) {
@@ -146,22 +117,22 @@ TEST_F(ConfigurationTest, OfAModelFileThatIsNoMappingIsAnErrorWithAndWithoutOver
   }
 }
 
-TEST_F(ConfigurationTest, NeedsBothPartsAndNoOther) {
+TEST_F(ConfigurationTest, ConsistsOfModelAndRun) {
   const auto problems_in = [](const std::string& text) {
     return problems_of([&text] { parse_configuration(YAML::Load(text)); });
   };
   EXPECT_EQ(problems_in("hello"), Problems{"the document: hello: must be a mapping of keys"});
   const std::string version = std::string("version: ") + kVersion;
   const Problems none = problems_in("{" + version + "}");
-  EXPECT_NE(std::find(none.begin(), none.end(), "model: missing: must be a mapping of keys"), none.end());
-  EXPECT_NE(std::find(none.begin(), none.end(), "run: missing: must be a mapping of keys"), none.end());
+  EXPECT_TRUE(is_among(none, "model: missing: must be a mapping of keys"));
+  EXPECT_TRUE(is_among(none, "run: missing: must be a mapping of keys"));
   YAML::Node document = configuration_document({{"model", model_}});
   document["extra"] = 1;
   EXPECT_EQ(problems_of([&document] { parse_configuration(document); }),
             Problems{"extra: unknown key: allowed are model, run, version"});
 }
 
-TEST_F(ConfigurationTest, OfAnotherVersionIsRefusedByName) {
+TEST_F(ConfigurationTest, NamesAnotherVersion) {
   YAML::Node document = configuration_document({{"model", model_}});
   document["version"] = "9.9.9";
   const std::string own = std::string(kVersion) + ", this program's";
@@ -172,7 +143,7 @@ TEST_F(ConfigurationTest, OfAnotherVersionIsRefusedByName) {
   EXPECT_THROW(parse_configuration(std::string("{a: ")), ConfigurationError);
 }
 
-TEST_F(ConfigurationTest, OfARecordedLeaderNeedsItsPositionsForEveryStep) {
+TEST_F(ConfigurationTest, NeedsAPositionOfTheRecordedLeaderForEveryStep) {
   const auto with_positions = [this](const std::string& positions, const std::string& steps) {
     const std::string file = folder_.file(
         "recorded.yaml", model_text_with("{speed: [{from_step: 0, value: 20.0}]}", "{positions: " + positions + "}"));
@@ -185,38 +156,7 @@ TEST_F(ConfigurationTest, OfARecordedLeaderNeedsItsPositionsForEveryStep) {
   EXPECT_EQ(problems_of([&] { with_positions("[0.0, x]", "1"); }).size(), 1u);
 }
 
-TEST_F(ConfigurationTest, IdentifiesARunByAllThatIsInItAndByItsLaunch) {
-  const Configuration configuration = configured({{"launch_id", "monday"}});
-  const std::uint64_t run = run_identity(configuration);
-  EXPECT_NE(run, 0u);
-  EXPECT_EQ(run_identity(parse_configuration(to_json(configuration).dump())), run);
-  for (const Settings& settings :
-       {Settings{{"headway", "3.3"}}, Settings{{"seed", "2"}}, Settings{{"steps", "99"}}, Settings{{"batch", "7"}},
-        Settings{{"launch_id", "tuesday"}}, Settings{{"realizations", "9999"}}, Settings{{"output", "x"}}}) {
-    Settings changed = settings;
-    changed.emplace("launch_id", "monday");
-    EXPECT_NE(run_identity(configured(changed)), run) << settings.begin()->first;
-  }
-}
-
-TEST_F(ConfigurationTest, StatisticsDependOnARecordedLeader) {
-  Configuration configuration = configured({{"steps", "2"}});
-  const nlohmann::json identity = statistics_identity(configuration);
-  configuration.model.recorded_leader = {0.0, 0.0, 1.5};
-  EXPECT_NE(statistics_identity(configuration), identity);
-}
-
-TEST_F(ConfigurationTest, IsTheSameWhenWrittenAndReadAgain) {
-  const Configuration configuration = configured({{"seed", "9223372036854775807"}, {"noise_variance", "0.1"}});
-  const Configuration again = parse_configuration(YAML::Load(to_json(configuration).dump()));
-  EXPECT_EQ(to_json(again), to_json(configuration));
-  EXPECT_EQ(again.model.default_vehicle().loop.realization.a(),
-            configuration.model.default_vehicle().loop.realization.a());
-  EXPECT_EQ(again.model.default_vehicle().loop.realization.b(),
-            configuration.model.default_vehicle().loop.realization.b());
-}
-
-TEST_F(ConfigurationTest, ChangesOnlyWhatIsGivenBesideAnotherOne) {
+TEST_F(ConfigurationTest, KeepsTheSettingsThatAChangeDoesNotGive) {
   const Configuration base = configured({{"seed", "5"}, {"followers", "3"}, {"noise_variance", "0.1"}});
   const Configuration changed =
       parse_configuration(configuration_document(base, {{"headway", "2.4"}, {"followers", "4"}, {"model", ""}}));
@@ -229,31 +169,8 @@ TEST_F(ConfigurationTest, ChangesOnlyWhatIsGivenBesideAnotherOne) {
   EXPECT_EQ(problems_of([&base] { configuration_document(base, {{"color", "red"}}); }).size(), 1u);
 }
 
-TEST_F(ConfigurationTest, StatisticsDependOnModelSeedFollowersAndSteps) {
-  const nlohmann::json identity = statistics_identity(configured({}));
-  for (const Settings& settings :
-       {Settings{{"headway", "2.4"}}, Settings{{"noise_variance", "0.61"}}, Settings{{"seed", "2"}},
-        Settings{{"followers", "21"}}, Settings{{"steps", "101"}}}) {
-    EXPECT_NE(statistics_identity(configured(settings)), identity) << settings.begin()->first;
-  }
-  const std::string longer = folder_.file("longer.yaml", model_text_with("value: 20.0", "value: 21.0"));
-  EXPECT_NE(statistics_identity(configured({{"model", longer}})), identity);
-}
-
-TEST_F(ConfigurationTest, StatisticsDependOnNothingElse) {
-  const nlohmann::json identity = statistics_identity(configured({}));
-  for (const Settings& settings :
-       {Settings{{"realizations", "7"}}, Settings{{"batch", "7"}}, Settings{{"rate", "7"}},
-        Settings{{"hosting", "one_process"}}, Settings{{"output", "x"}}, Settings{{"resume", "true"}},
-        Settings{{"launch_id", "x"}}, Settings{{"window", "7"}}, Settings{{"stall_timeout", "7"}}}) {
-    EXPECT_EQ(statistics_identity(configured(settings)), identity) << settings.begin()->first;
-  }
-}
-
-TEST(Configuration, TakesLossAndDelayAsItTakesTheHeadway) {
-  const std::string model = PLATOON_SOURCE_DIR "/config/paper.yaml";
-  const Configuration changed =
-      parse_configuration(configuration_document({{"model", model}, {"loss", "0.25"}, {"delay", "2"}}));
+TEST_F(ConfigurationTest, IsOverriddenByLossAndDelay) {
+  const Configuration changed = configured({{"loss", "0.25"}, {"delay", "2"}});
   EXPECT_EQ(changed.model.default_vehicle().link.delay, 2);
   ASSERT_TRUE(changed.model.default_vehicle().link.loss);
   EXPECT_EQ(changed.model.default_vehicle().link.loss->probability, 0.25);
@@ -262,21 +179,20 @@ TEST(Configuration, TakesLossAndDelayAsItTakesTheHeadway) {
   EXPECT_EQ(again.model.default_vehicle().link.loss->probability, 0.5);
   EXPECT_EQ(again.model.default_vehicle().link.delay, 2);
   EXPECT_NE(run_identity(changed), run_identity(again));
-  EXPECT_FALSE(parse_configuration(configuration_document({{"model", model}})).model.default_vehicle().link.loss);
+  EXPECT_FALSE(vehicle_with({}).link.loss);
 }
 
 // The contributions of all links to all vehicles behind them cost followers^2 x steps.
-TEST(ParseConfiguration, RefusesALossyStringWhoseTheoryWouldTakeHours) {
-  const std::string model = PLATOON_SOURCE_DIR "/config/paper.yaml";
-  const auto document = [&](const char* followers, const char* loss) {
-    return configuration_document({{"model", model}, {"loss", loss}, {"followers", followers}, {"steps", "100"}});
+TEST_F(ConfigurationTest, RejectsALossyStringWhoseTheoryWouldTakeHours) {
+  const auto followers_with = [&](const char* followers, const char* loss) {
+    return configured({{"loss", loss}, {"followers", followers}, {"steps", "100"}}).run.followers;
   };
-  EXPECT_EQ(problems_of([&] { parse_configuration(document("10001", "0.1")); }),
+  EXPECT_EQ(problems_of([&] { followers_with("10001", "0.1"); }),
             Problems{"run/followers: 10001: must be at most 10000 with losses and 100 steps, as every link's losses "
                      "act on every vehicle behind it (steps: 0 averages over time instead)"});
-  EXPECT_EQ(parse_configuration(document("10000", "0.1")).run.followers, 10000u);
-  EXPECT_EQ(parse_configuration(document("10001", "0")).run.followers, 10001u);
-  EXPECT_EQ(parse_configuration(document("10001", "")).run.followers, 10001u);
+  EXPECT_EQ(followers_with("10000", "0.1"), 10000u);
+  EXPECT_EQ(followers_with("10001", "0"), 10001u);
+  EXPECT_EQ(followers_with("10001", ""), 10001u);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ Words problems(Words words) {
   return undeclared_arguments(line, kFolder);
 }
 
-TEST(LaunchArguments, NamesAMisspeltOneAndTheNearest) {
+TEST(LaunchArguments, NameAMisspeltArgumentAndTheNearestOne) {
   EXPECT_EQ(problems({"stochastic_platoon", "platoon.launch", "headways:=2.4"}),
             Words{"headways: unknown argument of platoon.launch: did you mean headway?" + kHint});
   EXPECT_EQ(problems({kFolder + "/platoon.launch", "folowers:=3", "seed:=2", "colour:=red"}),
@@ -26,7 +26,7 @@ TEST(LaunchArguments, NamesAMisspeltOneAndTheNearest) {
                    "colour: unknown argument of platoon.launch" + kHint}));
 }
 
-TEST(LaunchArguments, AcceptsEveryDeclaredOneAndEmptyValues) {
+TEST(LaunchArguments, MayBeAllDeclaredOnesAndHaveEmptyValues) {
   EXPECT_EQ(
       problems({"stochastic_platoon", "platoon.launch", "headway:=", "record:=/tmp/a b.bag", "hosting:=one_process"}),
       Words{});
@@ -35,14 +35,14 @@ TEST(LaunchArguments, AcceptsEveryDeclaredOneAndEmptyValues) {
             Words{});
 }
 
-TEST(LaunchArguments, AnIncludeThatPassesAllTakesTheArgumentsOfTheIncludedFile) {
+TEST(LaunchArguments, OfAnIncludedFileAreAcceptedIfTheIncludePassesAll) {
   EXPECT_EQ(problems({"stochastic_platoon", "live.launch", "rate:=20", "burn_in:=100", "hosting:=one_process"}),
             Words{});
   EXPECT_EQ(problems({"stochastic_platoon", "live.launch", "rates:=20"}),
             Words{"rates: unknown argument of live.launch: did you mean rate?" + kHint});
 }
 
-TEST(LaunchArguments, AFileOfOnesOwnIsReadWithoutItsComments) {
+TEST(LaunchArguments, InCommentsAreIgnored) {
   const TemporaryFolder folder;
   const std::string mine =
       folder.file("mine.launch",
@@ -53,7 +53,7 @@ TEST(LaunchArguments, AFileOfOnesOwnIsReadWithoutItsComments) {
   EXPECT_EQ(problems({mine, "headway:=2.4"}).size(), 1u) << "it does not pass it on";
 }
 
-TEST(LaunchArguments, TheMasterIsThatOfThePortElseOfTheEnvironmentElseTheDefaultOne) {
+TEST(LaunchArguments, SelectTheMasterBeforeTheEnvironmentAndTheDefault) {
   const Words file{"roslaunch", "stochastic_platoon", "platoon.launch"};
   for (const Words& port : {Words{"-p", "11312"}, Words{"-p11312"}, Words{"--port", "11312"}, Words{"--port=11312"}}) {
     Words line = file;
@@ -64,7 +64,7 @@ TEST(LaunchArguments, TheMasterIsThatOfThePortElseOfTheEnvironmentElseTheDefault
   EXPECT_EQ(master_address(file, nullptr), "http://localhost:11311");
 }
 
-TEST(LaunchArguments, NothingIsKnownOfOtherPackagesAndPrograms) {
+TEST(LaunchArguments, OfOtherPackagesAndProgramsAreNotChecked) {
   EXPECT_EQ(problems({"other_package", "theirs.launch", "headways:=2.4"}), Words{});
   EXPECT_EQ(undeclared_arguments({"configure", "--model", "x.launch", "headways:=2"}, kFolder), Words{});
   EXPECT_EQ(undeclared_arguments({}, kFolder), Words{});

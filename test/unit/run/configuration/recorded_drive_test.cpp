@@ -5,12 +5,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "unit/messages.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
 namespace {
 
-class Drive : public testing::Test {
+class RecordedDriveTest : public testing::Test {
 protected:
   RecordedDrive with(const std::string& text) {
     RecordedDrive drive;
@@ -19,25 +20,20 @@ protected:
     return drive;
   }
 
-  std::string refusal(const RecordedDrive& drive) {
-    try {
-      positions_of(drive, 0.5);
-    } catch (const std::invalid_argument& error) {
-      const std::string text = error.what();
-      return text.substr(text.find("drive.csv: ") + 11);
-    }
-    return "";
+  std::string problem_with(const std::string& text) {
+    const std::string problem = message_of<std::invalid_argument>([&] { positions_of(with(text), 0.5); });
+    return problem.substr(problem.find("drive.csv: ") + 11);
   }
 
   TemporaryFolder folder_;
 };
 
-TEST_F(Drive, SpeedsAreInterpolatedAndIntegrated) {
+TEST_F(RecordedDriveTest, SpeedsAreInterpolatedAndIntegrated) {
   // Speeds at 0, 0.5, 1, 1.5 s: 0, 1, 2, 3 m/s.
   EXPECT_EQ(positions_of(with("time,speed\n0,0\n1,2\n1.5,3\n"), 0.5), (std::vector<double>{0.0, 0.0, 0.25, 1.0, 2.25}));
 }
 
-TEST_F(Drive, ColumnsUnitsRowsAndStartAreChosen) {
+TEST_F(RecordedDriveTest, ColumnsUnitsRowsAndStartCanBeChosen) {
   RecordedDrive drive =
       with("logged by car 1\nnothing\nTime [s]; Lap; v1\n\n100.0; 7; 36\n100.5; 7; 72\n101.0; 7; 36\r\n");
   drive.time = "Time [s]";
@@ -48,23 +44,23 @@ TEST_F(Drive, ColumnsUnitsRowsAndStartAreChosen) {
   EXPECT_EQ(positions_of(drive, 0.5), (std::vector<double>{0.0, 0.0, 0.25 * (20.0 + 10.0)}));
 }
 
-TEST_F(Drive, PositionsBeginAtTheFirst) {
+TEST_F(RecordedDriveTest, PositionsBeginAtTheFirst) {
   RecordedDrive drive = with("time\tx\n0\t10\n1\t12\n");
   drive.value = "x";
   drive.is_speed = false;
   EXPECT_EQ(positions_of(drive, 0.5), (std::vector<double>{0.0, 0.0, 1.0, 2.0}));
 }
 
-TEST_F(Drive, EveryFaultNamesItsRow) {
-  EXPECT_EQ(refusal(with("")), "holds no row of column names");
-  EXPECT_EQ(refusal(with("time,speed\n")), "holds no rows below the column names");
-  EXPECT_EQ(refusal(with("time,velocity\n0,1\n1,1\n")), "no column speed: must be one of time, velocity");
-  EXPECT_EQ(refusal(with("time,speed\n0,1\n0.5,nan\n")), "row 3: speed: nan: must be a finite number");
-  EXPECT_EQ(refusal(with("time,speed\n0,1\n0.5\n")), "row 3: speed: (empty): must be a finite number");
-  EXPECT_EQ(refusal(with("time,speed\n0,1\n0.5,1x\n")), "row 3: speed: 1x: must be a finite number");
-  EXPECT_EQ(refusal(with("time,speed\n0,1\n0.5,1\n0.5,1\n")), "row 4: time does not ascend");
-  EXPECT_EQ(refusal(with("time,speed\n0,1\n1.5,1\n")), "row 3: 1.5 s after the row before: must be at most 1 s");
-  EXPECT_EQ(refusal(with("time,speed\n0,1\n0.4,1\n")),
+TEST_F(RecordedDriveTest, EveryFaultNamesItsRow) {
+  EXPECT_EQ(problem_with(""), "holds no row of column names");
+  EXPECT_EQ(problem_with("time,speed\n"), "holds no rows below the column names");
+  EXPECT_EQ(problem_with("time,velocity\n0,1\n1,1\n"), "no column speed: must be one of time, velocity");
+  EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,nan\n"), "row 3: speed: nan: must be a finite number");
+  EXPECT_EQ(problem_with("time,speed\n0,1\n0.5\n"), "row 3: speed: (empty): must be a finite number");
+  EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,1x\n"), "row 3: speed: 1x: must be a finite number");
+  EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,1\n0.5,1\n"), "row 4: time does not ascend");
+  EXPECT_EQ(problem_with("time,speed\n0,1\n1.5,1\n"), "row 3: 1.5 s after the row before: must be at most 1 s");
+  EXPECT_EQ(problem_with("time,speed\n0,1\n0.4,1\n"),
             "ends 0.4 s after its first row: must go on beyond from_second = 0 s by a sample period of 0.5 s");
   RecordedDrive missing;
   missing.file = folder_ / "no drive.csv";

@@ -2,41 +2,31 @@
 
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
-#include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
+#include "unit/run/configuration/model_text.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
 namespace {
 
-const std::string kPaper =
-    "plant: {numerator: [1.0], denominator: [1.0, -2.0, 1.0]}\n"
-    "controller: {numerator: [1.35, 0.0], denominator: [1.0, 0.89], divide_by_one_plus_headway: true}\n"
-    "time_headway: 3.2\nstandstill_distance: 0.0\nsample_period: 0.1\nnoise_variance: 0.6\n"
-    "leader: {speed: [{from_step: 0, value: 20.0}]}\ninitial_position: {mean: 0.0, variance: 0.0}\n";
-
 class RecordedLosses : public testing::Test {
 protected:
   Configuration with(const std::string& keys, std::map<std::string, std::string> given = {}) {
-    given["model"] = folder_.file("model.yaml", kPaper + keys);
+    given["model"] = folder_.file("model.yaml", kModelText + keys);
     return parse_configuration(configuration_document(given));
   }
 
-  std::string refusal(const std::string& loss, const std::map<std::string, std::string>& given = {}) {
-    try {
-      with("channel: {loss: " + loss + "}\n", given);
-    } catch (const ConfigurationError& error) {
-      const std::string text = error.what(), folder = folder_.path();
-      const std::size_t at = text.find(folder);
-      return at == std::string::npos ? text : text.substr(0, at) + text.substr(at + folder.size() + 1);
-    }
-    return "";
+  /// The problem of a loss, without the folder.
+  std::string problem_of(const std::string& loss, const std::map<std::string, std::string>& given = {}) {
+    const std::string text = message_of<ConfigurationError>([&] { with("channel: {loss: " + loss + "}\n", given); });
+    const std::size_t at = text.find(folder_.path());
+    return at == std::string::npos ? text : replaced(text, folder_.path() + "/", "");
   }
 
   TemporaryFolder folder_;
 };
 
-TEST_F(RecordedLosses, AreReadBesideTheModelAndSurviveEveryCopyOfIt) {
+TEST_F(RecordedLosses, AreReadBesideTheModelFileAndKeptInEveryCopy) {
   folder_.file("log.csv", "time;got\n0;1\n0.1;0\n\n0.2;0\n0.3;1\n");
   const Configuration configuration = with(
       "channel: {loss: {trace: log.csv, column: got, on_loss: extrapolate}}\n"
@@ -62,14 +52,14 @@ TEST_F(RecordedLosses, AreReadBesideTheModelAndSurviveEveryCopyOfIt) {
   }
 }
 
-TEST_F(RecordedLosses, GiveWayToAGivenProbability) {
+TEST_F(RecordedLosses, AreReplacedByAGivenProbability) {
   const PlatoonModel model = with("channel: {loss: {runs: 3 1, on_loss: hold}}\n", {{"loss", "0.2"}}).model;
   EXPECT_FALSE(model.default_vehicle().link.loss->trace);
   EXPECT_EQ(model.default_vehicle().link.loss->probability, 0.2);
   EXPECT_FALSE(reason_without_theory(model));
 }
 
-TEST_F(RecordedLosses, HaveNoTheoryUnlessNothingIsLost) {
+TEST_F(RecordedLosses, HaveATheoryOnlyIfNothingIsLost) {
   EXPECT_EQ(reason_without_theory(with("channel: {loss: {runs: 7 3}}\n").model),
             "losses follow a recorded trace, of loss probability 0.3 and mean burst 3 (random losses with these two "
             "have a theory)");
@@ -84,15 +74,16 @@ TEST_F(RecordedLosses, AreRejectedWithKeyRowAndReason) {
   folder_.file("lost.csv", "received\n0\n0\n");
   folder_.file("nan.csv", "received\nnan\n");
   const std::string key = "model/channel/loss/";
-  EXPECT_EQ(refusal("{trace: two.csv}"), key + "trace: two.csv: row 3: received: 2: must be 0 or 1");
-  EXPECT_EQ(refusal("{trace: two.csv, column: got}"), key + "trace: two.csv: no column got: must be one of received");
-  EXPECT_EQ(refusal("{trace: none.csv}"), key + "trace: none.csv: no entries: must be at least 1");
-  EXPECT_EQ(refusal("{trace: lost.csv}"), key + "trace: lost.csv: nothing arrives: at least one entry must be 1");
-  EXPECT_EQ(refusal("{trace: nan.csv}"), key + "trace: nan.csv: row 2: received: nan: must be a finite number");
-  EXPECT_EQ(refusal("{trace: away.csv}"), key + "trace: away.csv: must be a file that can be read");
-  EXPECT_EQ(refusal("{runs: 3 1, probability: 0.1}"), key + "probability: given: must be absent beside runs");
-  EXPECT_EQ(refusal("{runs: 3 1}", {{"mean_burst", "2"}}), key + "mean_burst: given: must be absent beside runs");
-  EXPECT_EQ(refusal("{runs: 1 2, on_loss: extrapolate}"),
+  EXPECT_EQ(problem_of("{trace: two.csv}"), key + "trace: two.csv: row 3: received: 2: must be 0 or 1");
+  EXPECT_EQ(problem_of("{trace: two.csv, column: got}"),
+            key + "trace: two.csv: no column got: must be one of received");
+  EXPECT_EQ(problem_of("{trace: none.csv}"), key + "trace: none.csv: no entries: must be at least 1");
+  EXPECT_EQ(problem_of("{trace: lost.csv}"), key + "trace: lost.csv: nothing arrives: at least one entry must be 1");
+  EXPECT_EQ(problem_of("{trace: nan.csv}"), key + "trace: nan.csv: row 2: received: nan: must be a finite number");
+  EXPECT_EQ(problem_of("{trace: away.csv}"), key + "trace: away.csv: must be a file that can be read");
+  EXPECT_EQ(problem_of("{runs: 3 1, probability: 0.1}"), key + "probability: given: must be absent beside runs");
+  EXPECT_EQ(problem_of("{runs: 3 1}", {{"mean_burst", "2"}}), key + "mean_burst: given: must be absent beside runs");
+  EXPECT_EQ(problem_of("{runs: 1 2, on_loss: extrapolate}"),
             key +
                 "on_loss: predictions that grow by a factor of 2 over the trace: must be ones that do not grow "
                 "(allow_unstable: true runs them anyway)");

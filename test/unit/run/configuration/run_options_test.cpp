@@ -4,11 +4,10 @@
 
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
+#include "unit/run/configuration/model_text.hpp"
 
 namespace platoon {
 namespace {
-
-using Problems = std::vector<std::string>;
 
 // The run's part of the default settings, with some of them changed.
 YAML::Node settings(const std::map<std::string, std::string>& changed = {}) {
@@ -31,21 +30,24 @@ RunOptions read(const std::map<std::string, std::string>& changed) {
   return options;
 }
 
-Problems problems_with(const std::string& key, const std::string& value) {
+Problems problems_with(const std::map<std::string, std::string>& changed) {
   Problems problems;
-  read(settings({{key, value}}), &problems);
+  read(settings(changed), &problems);
   return problems;
 }
 
-TEST(RunOptions, ThatNeedMoreMemoryThanThereIsAreRefusedInTheirOwnWords) {
+Problems problems_with(const std::string& key, const std::string& value) {
+  return problems_with({{key, value}});
+}
+
+TEST(RunOptions, ThatNeedTooMuchMemoryAreRejected) {
   EXPECT_EQ(problems_with("steps", "99999999999"),
             Problems{"run/steps x followers: 99999999999 x 20: must be at most 20000000, as statistics are kept "
                      "for each (steps: 0 averages over time instead)"});
   EXPECT_EQ(problems_with("steps", "1000000"), Problems{});
-  Problems problems;
-  read(settings({{"steps", "1000000"}, {"realizations", "70368744177664"}}), &problems);
-  EXPECT_EQ(problems, Problems{"run/realizations x steps x followers: 70368744177664 x 1000000 x 20: must be below "
-                               "2^63, the limit of the counter"});
+  EXPECT_EQ(problems_with({{"steps", "1000000"}, {"realizations", "70368744177664"}}),
+            Problems{"run/realizations x steps x followers: 70368744177664 x 1000000 x 20: must be below "
+                     "2^63, the limit of the counter"});
 }
 
 TEST(RunOptions, HaveTheDefaultsOfTheLaunchFile) {
@@ -61,64 +63,56 @@ TEST(RunOptions, HaveTheDefaultsOfTheLaunchFile) {
 }
 
 TEST(RunOptions, ReadEverySetting) {
-  const RunOptions options = read({{"followers", "7"},
-                                   {"steps", "30"},
-                                   {"realizations", "500"},
-                                   {"batch", "64"},
-                                   {"rate", "12.5"},
-                                   {"seed", "9223372036854775807"},
-                                   {"hosting", "one_process"},
-                                   {"output", "/some/where"},
-                                   {"resume", "true"},
-                                   {"launch_id", "today"},
-                                   {"window", "9"},
-                                   {"stall_timeout", "0.5"},
-                                   {"burn_in", "11"}});
-  EXPECT_EQ(options.followers, 7u);
-  EXPECT_EQ(options.steps, 30);
-  EXPECT_EQ(options.realizations, 500u);
-  EXPECT_EQ(options.batch, 64u);
-  EXPECT_EQ(options.rate, 12.5);
-  EXPECT_EQ(options.seed, 9223372036854775807u);
-  EXPECT_EQ(options.hosting, Hosting::one_process);
-  EXPECT_EQ(options.output, "/some/where");
-  EXPECT_TRUE(options.resume);
-  EXPECT_EQ(options.launch_id, "today");
-  EXPECT_EQ(options.window, 9);
-  EXPECT_EQ(options.stall_timeout, 0.5);
-  EXPECT_EQ(options.burn_in, 11);
+  const std::map<std::string, std::string> given{{"followers", "7"},
+                                                 {"steps", "30"},
+                                                 {"realizations", "500"},
+                                                 {"batch", "64"},
+                                                 {"rate", "12.5"},
+                                                 {"seed", "9223372036854775807"},
+                                                 {"hosting", "one_process"},
+                                                 {"output", "/some/where"},
+                                                 {"resume", "true"},
+                                                 {"launch_id", "today"},
+                                                 {"window", "9"},
+                                                 {"stall_timeout", "0.5"},
+                                                 {"burn_in", "11"}};
+  const nlohmann::json document = to_json(read(given));
+  for (const auto& [key, value] : given) {
+    const nlohmann::json& found = document.at(key);
+    EXPECT_EQ(found.is_string() ? found.get<std::string>() : found.dump(), value) << key;
+  }
+  EXPECT_EQ(read({{"stall_timeout", "0"}}).stall_timeout, 0.0);
 }
 
-TEST(RunOptions, NameTheSettingThatIsNotAllowed) {
-  const std::string count = "70368744177664";
-  EXPECT_EQ(problems_with("followers", "0"), Problems{"run/followers: 0: must be a whole number from 1 to 1000000"});
-  EXPECT_EQ(problems_with("followers", "many"),
-            Problems{"run/followers: many: must be a whole number from 1 to 1000000"});
-  EXPECT_EQ(problems_with("followers", ""),
-            Problems{"run/followers: (empty): must be a whole number from 1 to 1000000"});
-  EXPECT_EQ(problems_with("steps", "-1"), Problems{"run/steps: -1: must be a whole number from 0 to " + count});
-  EXPECT_EQ(problems_with("realizations", "0"),
-            Problems{"run/realizations: 0: must be a whole number from 1 to " + count});
-  EXPECT_EQ(problems_with("realizations", "1e-4"),
-            Problems{"run/realizations: 1e-4: must be a whole number from 1 to " + count});
-  EXPECT_EQ(problems_with("batch", "-1"), Problems{"run/batch: -1: must be a whole number from 0 to 16777216"});
-  EXPECT_EQ(problems_with("rate", "-1"), Problems{"run/rate: -1: must be a finite number >= 0"});
-  EXPECT_EQ(problems_with("rate", "nan"), Problems{"run/rate: nan: must be a finite number >= 0"});
-  EXPECT_EQ(problems_with("seed", "-1"),
-            Problems{"run/seed: -1: must be a whole number from 0 to 9223372036854775807"});
-  EXPECT_EQ(problems_with("hosting", "cloud"), Problems{"run/hosting: cloud: must be processes or one_process"});
-  EXPECT_EQ(problems_with("resume", "maybe"), Problems{"run/resume: maybe: must be true or false"});
-  EXPECT_EQ(problems_with("window", "-1"), Problems{"run/window: -1: must be a whole number from 0 to 1048576"});
-  EXPECT_EQ(problems_with("stall_timeout", "-1"), Problems{"run/stall_timeout: -1: must be a finite number >= 0"});
-  EXPECT_EQ(problems_with("stall_timeout", "0.0001"),
-            Problems{"run/stall_timeout: 0.0001: must be 0 or at least 0.001"});
-  EXPECT_EQ(problems_with("burn_in", "-1"), Problems{"run/burn_in: -1: must be a whole number from 0 to " + count});
-  const Problems unknown = problems_with("folowers", "20");
-  ASSERT_EQ(unknown.size(), 1u);
-  EXPECT_EQ(unknown[0].find("run/folowers: unknown key: allowed are batch, "), 0u);
+TEST(RunOptions, NameAnInvalidSetting) {
+  struct Case {
+    std::string key, value, allowed;
+  };
+  for (const auto& [key, value, allowed] : {
+           Case{"followers", "0", "a whole number from 1 to 1000000"},
+           Case{"followers", "many", "a whole number from 1 to 1000000"},
+           Case{"followers", "", "a whole number from 1 to 1000000"},
+           Case{"steps", "-1", "a whole number from 0 to 70368744177664"},
+           Case{"realizations", "0", "a whole number from 1 to 70368744177664"},
+           Case{"realizations", "1e-4", "a whole number from 1 to 70368744177664"},
+           Case{"batch", "-1", "a whole number from 0 to 16777216"},
+           Case{"rate", "-1", "a finite number >= 0"},
+           Case{"rate", "nan", "a finite number >= 0"},
+           Case{"seed", "-1", "a whole number from 0 to 9223372036854775807"},
+           Case{"hosting", "cloud", "processes or one_process"},
+           Case{"resume", "maybe", "true or false"},
+           Case{"window", "-1", "a whole number from 0 to 1048576"},
+           Case{"stall_timeout", "-1", "a finite number >= 0"},
+           Case{"stall_timeout", "0.0001", "0 or at least 0.001"},
+           Case{"burn_in", "-1", "a whole number from 0 to 70368744177664"},
+       }) {
+    EXPECT_EQ(problems_with(key, value),
+              Problems{"run/" + key + ": " + (value.empty() ? "(empty)" : value) + ": must be " + allowed});
+  }
+  EXPECT_TRUE(is_problem(problems_with("folowers", "20"), "run/folowers: unknown key: allowed are batch, "));
 }
 
-TEST(RunOptions, KnowWhoseTheVehiclesAre) {
+TEST(RunOptions, ListTheExternalVehicles) {
   const RunOptions options = read({{"external", "7,3"}, {"followers", "8"}});
   EXPECT_EQ(options.external, (std::vector<std::size_t>{3, 7}));
   EXPECT_TRUE(options.is_external(3) && options.is_external(7));
@@ -129,29 +123,40 @@ TEST(RunOptions, KnowWhoseTheVehiclesAre) {
   EXPECT_FALSE(to_json(read({})).contains("external")) << "the identity of other runs stays what it was";
 }
 
-TEST(RunOptions, NameWhatIsNoListOfExternalVehicles) {
-  for (const char* own :
+TEST(RunOptions, NameAnInvalidListOfExternalVehicles) {
+  for (const char* given :
        {"0", "21", "3,3", "three", "3,", ",3", "3, 4", "03", "-1", "3.0", "3;4", "99999999999999999999999"}) {
-    EXPECT_EQ(problems_with("external", own),
-              Problems{std::string("run/external: ") + own +
+    EXPECT_EQ(problems_with("external", given),
+              Problems{std::string("run/external: ") + given +
                        ": must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"});
   }
 }
 
-TEST(RunOptions, BoundTheLeadWhereAVehicleIsSomebodysOwn) {
+TEST(RunOptions, HaveTheirSignalsInOneOrder) {
+  const RunOptions options = read({{"signals", "jerk,gap"}});
+  EXPECT_EQ(options.signals, (std::vector<std::string>{"gap", "jerk"}));
+  EXPECT_EQ(to_json(options).at("signals"), "gap,jerk");
+  EXPECT_FALSE(to_json(read({})).contains("signals")) << "the identity of other runs stays what it was";
+}
+
+TEST(RunOptions, NameAnInvalidSignal) {
+  for (const char* given : {"distance", "gap,", "gap,gap", ",gap", "gap speed", "Gap"}) {
+    EXPECT_EQ(problems_with("signals", given),
+              Problems{std::string("run/signals: ") + given +
+                       ": must be some of gap, speed, acceleration, jerk, each once, separated by commas"});
+  }
+}
+
+TEST(RunOptions, BoundThePipelineDepthWithAnExternalVehicle) {
   EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}}).pipeline_depth(), 500u);
   EXPECT_EQ(read({{"hosting", "one_process"}, {"followers", "500"}, {"external", "3"}}).pipeline_depth(), 128u);
 }
 
-TEST(RunOptions, WaitForEverWithoutAStallTimeout) {
-  EXPECT_EQ(read({{"stall_timeout", "0"}}).stall_timeout, 0.0);
-}
-
-TEST(RunOptions, NameEverySettingThatIsMissing) {
+TEST(RunOptions, NameEveryMissingSetting) {
   Problems problems;
   read(YAML::Load("{}"), &problems);
   EXPECT_EQ(problems.size(), settings().size() - 2);  // without external and signals, which are optional
-  for (const std::string& problem : problems) EXPECT_NE(problem.find(": missing: must be "), std::string::npos);
+  for (const std::string& problem : problems) EXPECT_TRUE(contains(problem, ": missing: must be "));
 }
 
 TEST(RunOptions, OfAnEndlessRunHaveOneRealization) {
@@ -167,7 +172,7 @@ TEST(RunOptions, HaveNoBatchBeyondTheRealizations) {
   EXPECT_EQ(read({{"realizations", "50"}}).batch, 50u);
 }
 
-TEST(RunOptions, AreTheSameWhenWrittenAndReadAgain) {
+TEST(RunOptions, AreReadBackUnchanged) {
   for (const auto& changed : std::vector<std::map<std::string, std::string>>{
            {},
            {{"seed", "9223372036854775807"}, {"realizations", "70368744177664"}, {"rate", "0.1"}},
@@ -229,21 +234,6 @@ TEST(ChosenWindow, KeepsEveryProcessBusyWithinTheMemory) {
     }
   }
   EXPECT_GT(read({}).window, 0);
-}
-
-TEST(RunOptions, SignalsComeInOneOrder) {
-  const RunOptions options = read({{"signals", "jerk,gap"}});
-  EXPECT_EQ(options.signals, (std::vector<std::string>{"gap", "jerk"}));
-  EXPECT_EQ(to_json(options).at("signals"), "gap,jerk");
-  EXPECT_FALSE(to_json(read({})).contains("signals")) << "the identity of other runs stays what it was";
-}
-
-TEST(RunOptions, NameWhatIsNoSignal) {
-  for (const char* given : {"distance", "gap,", "gap,gap", ",gap", "gap speed", "Gap"}) {
-    EXPECT_EQ(problems_with("signals", given),
-              Problems{std::string("run/signals: ") + given +
-                       ": must be some of gap, speed, acceleration, jerk, each once, separated by commas"});
-  }
 }
 
 }  // namespace

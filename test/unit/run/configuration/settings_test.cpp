@@ -2,27 +2,22 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
 #include <regex>
 #include <set>
 #include <string>
 
+#include "unit/temporary_folder.hpp"
+
 namespace platoon {
 namespace {
 
-std::string content_of(const std::string& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
-TEST(Settings, HaveNamesOfTheirOwn) {
+TEST(Settings, HaveDifferentNames) {
   std::set<std::string> names;
   for (const Setting& setting : settings()) EXPECT_TRUE(names.insert(setting.name).second) << setting.name;
 }
 
 // The launch file repeats default and help of each argument, because roslaunch cannot read them from here.
-TEST(Settings, AreTheArgumentsOfTheLaunchFileWithTheirDefaultsAndMeaning) {
+TEST(Settings, HaveTheDefaultsAndHelpOfTheLaunchFile) {
   const std::string file = content_of(PLATOON_SOURCE_DIR "/launch/platoon.launch");
   const std::regex argument("<arg name=\"(\\w+)\" default=\"([^\"]*)\" doc=\"([^\"]*)\"/>");
   std::set<std::string> found;

@@ -7,7 +7,7 @@
 namespace platoon {
 namespace {
 
-TEST(BatchSchedule, CutsTheRealizationsIntoBatchesOfWhichTheLastIsTheRest) {
+TEST(BatchSchedule, DividesTheRealizationsIntoBatches) {
   const BatchSchedule schedule{20, 8, 3};
   EXPECT_EQ(schedule.size(0), 8u);
   EXPECT_EQ(schedule.next(0), 8u);
@@ -18,7 +18,7 @@ TEST(BatchSchedule, CutsTheRealizationsIntoBatchesOfWhichTheLastIsTheRest) {
   EXPECT_EQ(schedule.size(20), 0u);
 }
 
-TEST(BatchSchedule, NoiseOfARepeatedBatchIsTheSameAndOfAnEndlessOneAnother) {
+TEST(BatchSchedule, RepeatsTheNoiseOfABatchButNotOfAnEndlessOne) {
   const BatchSchedule schedule{20, 8, 3}, endless{1, 1, 0};
   EXPECT_EQ(first_noise_realization(schedule, {1, 8, 2}), 8u);
   EXPECT_EQ(first_noise_realization(schedule, {7, 8, 2}), 8u);
@@ -26,7 +26,7 @@ TEST(BatchSchedule, NoiseOfARepeatedBatchIsTheSameAndOfAnEndlessOneAnother) {
   EXPECT_EQ(first_noise_realization(endless, {7, 0, 2}), 6u);
 }
 
-TEST(BatchSchedule, GoesOnFromAnyRealization) {
+TEST(BatchSchedule, ContinuesFromAnyRealization) {
   const BatchSchedule schedule{20, 8, 3};
   EXPECT_EQ(schedule.next(5), 13u);
   EXPECT_EQ(schedule.size(13), 7u);
@@ -58,7 +58,7 @@ TEST(BatchSchedule, CountsTheStepsAReportCovers) {
 }
 
 // After the largest number the leader would have no next attempt.
-TEST(BatchSchedule, HasNoReportOfAnAttemptThatCannotBe) {
+TEST(BatchSchedule, RejectsAReportOfAnInvalidAttempt) {
   const BatchSchedule schedule{20, 8, 3};
   EXPECT_TRUE(may_be_reported(schedule, {kLastAttempt, 0, 0}));
   EXPECT_FALSE(may_be_reported(schedule, {kLastAttempt + 1, 0, 0}));

@@ -45,7 +45,7 @@ void add_both(GapPairs<Pointer>& pairs, const Pointer& message) {
   pairs.add_predecessor(message);
 }
 
-TEST(GapPairs, SendAMessageOnceBothEndsOfTheStepBeforeAreKnown) {
+TEST(GapPairs, HaveAMessageOnceBothEndsOfTheStepBeforeHaveArrived) {
   GapPairs<Pointer> pairs;
   add_both(pairs, message(1, 0, -1));
   add_both(pairs, message(1, 0, 0));
@@ -57,7 +57,7 @@ TEST(GapPairs, SendAMessageOnceBothEndsOfTheStepBeforeAreKnown) {
   EXPECT_EQ(sent_by(pairs), (Sent{{1, 0, 1, 0}}));
 }
 
-TEST(GapPairs, GoOnWithTheNextBatch) {
+TEST(GapPairs, ContinueWithTheNextBatch) {
   GapPairs<Pointer> pairs;
   Sent all;
   for (const std::uint64_t first : {0, 10, 20}) {
@@ -76,7 +76,7 @@ TEST(GapPairs, GoOnWithTheNextBatch) {
 }
 
 // The follower answers step -1 of the new attempt, even if it has not answered messages of the older one.
-TEST(GapPairs, LeaveOutAnOlderAttempt) {
+TEST(GapPairs, OmitAnOlderAttempt) {
   GapPairs<Pointer> pairs;
   for (const std::int64_t step : {-1, 0, 1}) add_both(pairs, message(1, 0, step));
   pairs.add_own(message(1, 0, -1));
@@ -90,7 +90,7 @@ TEST(GapPairs, LeaveOutAnOlderAttempt) {
   EXPECT_EQ(sent_by(pairs), (Sent{{2, 0, 0, -1}}));
 }
 
-TEST(GapPairs, LeaveOutAnotherRun) {
+TEST(GapPairs, OmitAnotherRun) {
   GapPairs<Pointer> pairs;
   for (const std::int64_t step : {-1, 0}) pairs.add_own(message(5, 0, step, 7));
   for (const std::int64_t step : {-1, 0}) pairs.add_own(message(1, 0, step));

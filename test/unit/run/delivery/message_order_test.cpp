@@ -5,6 +5,8 @@
 #include <set>
 #include <string>
 
+#include "unit/run/delivery/message_ids.hpp"
+
 namespace platoon {
 namespace {
 
@@ -25,12 +27,10 @@ MessageOrder after(std::uint32_t attempt, std::uint64_t first, std::int64_t step
 
 void expect_latest(const MessageOrder& order, const MessageId& id) {
   ASSERT_TRUE(order.latest());
-  EXPECT_EQ(order.latest()->attempt, id.attempt);
-  EXPECT_EQ(order.latest()->first_realization, id.first_realization);
-  EXPECT_EQ(order.latest()->step, id.step);
+  EXPECT_EQ(*order.latest(), id);
 }
 
-TEST(MessageOrder, TakesEveryStepOfEveryBatchInOrder) {
+TEST(MessageOrder, AcceptsEveryStepOfEveryBatchInOrder) {
   MessageOrder order(kSchedule);
   EXPECT_FALSE(order.latest());
   for (const std::uint64_t first : {0, 8, 16}) {
@@ -43,7 +43,7 @@ TEST(MessageOrder, TakesEveryStepOfEveryBatchInOrder) {
   EXPECT_NE(order.receive({{1, 20, -1}, 0, true}), DropReason::none);
 }
 
-TEST(MessageOrder, MissedTheStartOfWhatBeginsInTheMiddle) {
+TEST(MessageOrder, ReportsAMissedStartOfAnAttempt) {
   MessageOrder fresh(kSchedule);
   EXPECT_EQ(receive(fresh, {1, 0, 0}), DropReason::missed_start);
   EXPECT_FALSE(fresh.latest());
@@ -52,7 +52,7 @@ TEST(MessageOrder, MissedTheStartOfWhatBeginsInTheMiddle) {
   expect_latest(order, {1, 0, 1});
 }
 
-TEST(MessageOrder, FindsGapsAndDuplicatesOutOfTurn) {
+TEST(MessageOrder, ReportsGapsAndDuplicatesAsOutOfTurn) {
   MessageOrder order = after(1, 0, 1);
   for (const MessageId& id : {MessageId{1, 0, 1}, MessageId{1, 0, 0}, MessageId{1, 0, -1}, MessageId{1, 0, 3},
                               MessageId{1, 8, 2}, MessageId{1, 8, -1}}) {
@@ -61,7 +61,7 @@ TEST(MessageOrder, FindsGapsAndDuplicatesOutOfTurn) {
   EXPECT_EQ(receive(order, {1, 0, 2}), DropReason::none);
 }
 
-TEST(MessageOrder, FindsABatchThatIsNotDueOutOfTurn) {
+TEST(MessageOrder, ReportsABatchThatIsNotDueAsOutOfTurn) {
   MessageOrder order = after(1, 0, 2);
   for (const MessageId& id : {MessageId{1, 0, 3}, MessageId{1, 0, -1}, MessageId{1, 16, -1}, MessageId{1, 8, 0}}) {
     EXPECT_EQ(receive(order, id), DropReason::out_of_turn);
@@ -69,7 +69,7 @@ TEST(MessageOrder, FindsABatchThatIsNotDueOutOfTurn) {
   EXPECT_EQ(receive(order, {1, 8, -1}), DropReason::none);
 }
 
-TEST(MessageOrder, TakesUpANewerAttemptAtItsInitialStepAtAnyBatch) {
+TEST(MessageOrder, AcceptsANewerAttemptFromItsInitialStepAtAnyBatch) {
   for (const std::uint64_t first : {0, 8, 16}) {
     MessageOrder order = after(3, 0, 1);
     EXPECT_EQ(receive(order, {7, first, -1}), DropReason::none);
@@ -77,13 +77,13 @@ TEST(MessageOrder, TakesUpANewerAttemptAtItsInitialStepAtAnyBatch) {
   }
 }
 
-TEST(MessageOrder, FindsAnOlderAttemptStale) {
+TEST(MessageOrder, ReportsAnOlderAttemptAsStale) {
   MessageOrder order = after(3, 0, 1);
   for (const std::int64_t step : {-1, 0, 2}) EXPECT_EQ(receive(order, {2, 0, step}), DropReason::stale);
   EXPECT_EQ(receive(order, {3, 0, 2}), DropReason::none);
 }
 
-TEST(MessageOrder, RefusesAWrongBatchSizeAndTakesTheRightOneAfterIt) {
+TEST(MessageOrder, RejectsAWrongBatchSizeAndAcceptsTheRightOneAfterIt) {
   MessageOrder order = after(1, 0, 1);
   for (const std::size_t size : {0, 1, 7, 9}) {
     EXPECT_EQ(order.receive({{1, 0, 2}, size, true}), DropReason::wrong_size);
@@ -94,14 +94,14 @@ TEST(MessageOrder, RefusesAWrongBatchSizeAndTakesTheRightOneAfterIt) {
   EXPECT_EQ(last.receive({{1, 16, -1}, 4, true}), DropReason::none);
 }
 
-TEST(MessageOrder, RefusesRealizationsThereAreNot) {
+TEST(MessageOrder, RejectsRealizationsBeyondTheLast) {
   MessageOrder order(kSchedule);
   EXPECT_EQ(order.receive({{1, 20, -1}, 0, true}), DropReason::wrong_size);
   EXPECT_EQ(order.receive({{1, 24, -1}, 8, true}), DropReason::wrong_size);
   EXPECT_FALSE(order.latest());
 }
 
-TEST(MessageOrder, RefusesPositionsThatAreNotFiniteAndTakesTheRightOnesAfterThem) {
+TEST(MessageOrder, RejectsPositionsThatAreNotFinite) {
   MessageOrder order = after(1, 0, 1);
   EXPECT_EQ(order.receive({{1, 0, 2}, 8, false}), DropReason::not_finite);
   EXPECT_EQ(receive(order, {1, 0, 2}), DropReason::none);
@@ -120,7 +120,7 @@ TEST(MessageOrder, RecognizesLostMessages) {
   EXPECT_FALSE(order.has_missed(DropReason::missed_start, {3, 28, 1}, 0)) << "no such message";
 }
 
-TEST(MessageOrder, OfAnEndlessRunNeverEndsItsBatch) {
+TEST(MessageOrder, OfAnEndlessRunHasOneBatch) {
   MessageOrder order(BatchSchedule{1, 1, 0});
   for (std::int64_t step = -1; step < 1000; ++step) {
     EXPECT_EQ(order.receive({{1, 0, step}, 1, true}), DropReason::none);
@@ -128,7 +128,7 @@ TEST(MessageOrder, OfAnEndlessRunNeverEndsItsBatch) {
   EXPECT_EQ(order.receive({{1, 0, -1}, 1, true}), DropReason::out_of_turn);
 }
 
-TEST(MessageOrder, GoesOnFromARealizationWithinABatch) {
+TEST(MessageOrder, ContinuesFromARealizationWithinABatch) {
   MessageOrder order(kSchedule);
   for (std::int64_t step = -1; step < 3; ++step) {
     EXPECT_EQ(order.receive({{1, 5, step}, 8, true}), DropReason::none);
@@ -136,7 +136,7 @@ TEST(MessageOrder, GoesOnFromARealizationWithinABatch) {
   EXPECT_EQ(order.receive({{1, 13, -1}, 7, true}), DropReason::none);
 }
 
-TEST(DropReason, HasAWordOfItsOwn) {
+TEST(DropReason, HasDifferentNames) {
   std::set<std::string> words;
   for (std::size_t v = 0; v < kDropReasons; ++v) words.insert(to_string(static_cast<DropReason>(v)));
   EXPECT_EQ(words.size(), kDropReasons);

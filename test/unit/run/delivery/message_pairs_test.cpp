@@ -44,7 +44,7 @@ TEST(MessagePairs, WaitForBothMessages) {
   EXPECT_EQ(pairs_of(pairs, 1), (Steps{{0, 0}}));
 }
 
-TEST(MessagePairs, LeaveOutWhatHasNoCounterpartInAnOlderAttempt) {
+TEST(MessagePairs, OmitSingleMessagesOfAnOlderAttempt) {
   for (const bool positions_are_ahead : {true, false}) {
     MessagePairs<Pointer> pairs;
     const auto add = [&pairs](bool position, const Pointer& of) {
@@ -59,7 +59,7 @@ TEST(MessagePairs, LeaveOutWhatHasNoCounterpartInAnOlderAttempt) {
   }
 }
 
-TEST(MessagePairs, LeaveOutWhatIsOfAnotherRun) {
+TEST(MessagePairs, OmitMessagesOfAnotherRun) {
   MessagePairs<Pointer> pairs;
   pairs.add_input(message(7, 9, 3));
   pairs.add_position(message(8, 1, -1));

@@ -39,7 +39,7 @@ TEST(ReplayCredit, RepeatsTheFirstMessageWhoseAnswerWasLost) {
   EXPECT_EQ(send_all(credit, 0.3), 4);
 }
 
-TEST(ReplayCredit, BeginsAgainWithTheBatchThatIsUnanswered) {
+TEST(ReplayCredit, RestartsWithTheUnansweredBatch) {
   ReplayCredit credit(kLimits);
   double now = 0.0;
   for (std::int64_t n = 0; n < 7; ++n, now += 0.01) {
@@ -59,7 +59,7 @@ TEST(ReplayCredit, BeginsAgainWithTheBatchThatIsUnanswered) {
   EXPECT_LT(credit.last_progress(), now);
 }
 
-TEST(ReplayCredit, GivesUpAtOnceAnAttemptThatHasFlowed) {
+TEST(ReplayCredit, AbandonsAnAttemptAtOnceOnlyIfItHasFlowed) {
   ReplayCredit credit(kLimits);
   send_all(credit, 0.0);
   EXPECT_FALSE(credit.give_up(0.01)) << "links may be coming up";
@@ -74,7 +74,7 @@ TEST(ReplayCredit, GivesUpAtOnceAnAttemptThatHasFlowed) {
   EXPECT_TRUE(credit.retry_if_stalled(2.06));
 }
 
-TEST(ReplayCredit, RepeatsNothingThatHasFlowedWithoutAStallTimeout) {
+TEST(ReplayCredit, RepeatsNoFlowingAttemptWithoutAStallTimeout) {
   ReplayCredit credit({4, 0.0, 0.1});
   send_all(credit, 0.0);
   EXPECT_TRUE(credit.retry_if_stalled(0.2));
@@ -86,7 +86,7 @@ TEST(ReplayCredit, RepeatsNothingThatHasFlowedWithoutAStallTimeout) {
 }
 
 // If an attempt was given up during the recording, one topic may hold more of its messages than the other.
-TEST(ReplayCredit, FindsTheAnswersOfABatchByItsFirst) {
+TEST(ReplayCredit, MatchesTheAnswersOfABatchByTheFirstOne) {
   ReplayCredit credit(kLimits);
   credit.send(true, 0.0);
   credit.answer(true, 0.0);

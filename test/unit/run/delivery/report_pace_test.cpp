@@ -39,7 +39,7 @@ TEST(ReportPace, ReportsTheEndOfTheRunAtOnce) {
   EXPECT_FALSE(reported({1, 20, kNothingYet}).is_due({1, 20, kNothingYet}));
 }
 
-TEST(ReportPace, OfAWindowBelowEightStepsReportsEveryStep) {
+TEST(ReportPace, ReportsEveryStepOfAWindowBelowEightSteps) {
   for (const std::int64_t window : {1, 4, 7}) EXPECT_TRUE(reported({1, 0, 3}, window).is_due({1, 0, 4}));
   EXPECT_FALSE(reported({1, 0, 3}, 8).is_due({1, 0, 4}));
 }

@@ -28,7 +28,7 @@ void expect_of_step(const std::optional<Snapshot>& snapshot, std::int64_t step, 
   }
 }
 
-TEST(SnapshotAssembly, PutsStreamsTogetherThatAreStepsApart) {
+TEST(SnapshotAssembly, CombinesStreamsThatAreStepsApart) {
   SnapshotAssembly assembly(3, kPeriod);
   // Stream 2 is two steps ahead of stream 0, a step every 0.1 s.
   for (std::int64_t k = -1; k < 20; ++k) {
@@ -45,7 +45,7 @@ TEST(SnapshotAssembly, PutsStreamsTogetherThatAreStepsApart) {
   }
 }
 
-TEST(SnapshotAssembly, ComesOncePerPeriodAtMost) {
+TEST(SnapshotAssembly, HasAtMostOneSnapshotPerPeriod) {
   SnapshotAssembly assembly(1, kPeriod);
   int snapshots = 0;
   constexpr int kSteps = 100000;
@@ -54,7 +54,7 @@ TEST(SnapshotAssembly, ComesOncePerPeriodAtMost) {
   EXPECT_GE(snapshots, 1e-4 * kSteps / kPeriod - 2);
 }
 
-TEST(SnapshotAssembly, OfAStrideIsAtItsMultiples) {
+TEST(SnapshotAssembly, HasSnapshotsAtMultiplesOfTheStride) {
   SnapshotAssembly assembly(1, kPeriod);
   assembly.set_stride(3);
   std::vector<std::int64_t> steps;
@@ -66,7 +66,7 @@ TEST(SnapshotAssembly, OfAStrideIsAtItsMultiples) {
   EXPECT_EQ(steps, (std::vector<std::int64_t>{0, 3, 6, 9, 12, 15, 18, 21, 24, 27}));
 }
 
-TEST(SnapshotAssembly, IsOfOneBatchAndHasAStepBefore) {
+TEST(SnapshotAssembly, HasSnapshotsOfOneBatchBehindItsInitialStep) {
   SnapshotAssembly assembly(2, kPeriod);
   double now = 0.0;
   for (const std::uint64_t first : {0, 50}) {
@@ -83,7 +83,7 @@ TEST(SnapshotAssembly, IsOfOneBatchAndHasAStepBefore) {
   }
 }
 
-TEST(SnapshotAssembly, HasNothingOfAnOlderAttempt) {
+TEST(SnapshotAssembly, IgnoresAnOlderAttempt) {
   SnapshotAssembly assembly(2, kPeriod);
   for (std::int64_t k = -1; k < 5; ++k) take(assembly, 0, k, static_cast<double>(k));
   for (std::int64_t k = -1; k < 5; ++k) EXPECT_FALSE(take(assembly, 1, k, 10.0, 2));
@@ -94,7 +94,7 @@ TEST(SnapshotAssembly, HasNothingOfAnOlderAttempt) {
   expect_of_step(take(assembly, 0, 5, 32.0, 2), 5, 2);
 }
 
-TEST(SnapshotAssembly, GoesOnBehindAGap) {
+TEST(SnapshotAssembly, ContinuesBehindAGap) {
   SnapshotAssembly assembly(2, kPeriod);
   for (std::int64_t k = -1; k < 4; ++k) take(assembly, 0, k, static_cast<double>(k));
   take(assembly, 1, -1, 5.0);

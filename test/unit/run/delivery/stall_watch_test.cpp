@@ -7,7 +7,7 @@ namespace {
 
 using Change = StallWatch::Change;
 
-TEST(StallWatch, TellsAStallOnceAndItsEndOnce) {
+TEST(StallWatch, ReportsAStallOnceAndItsEndOnce) {
   StallWatch watch;
   watch.arrived(10.0);
   EXPECT_EQ(watch.look(11.9, 2.0), Change::none);
@@ -18,7 +18,7 @@ TEST(StallWatch, TellsAStallOnceAndItsEndOnce) {
   EXPECT_EQ(watch.look(13.7, 2.0), Change::none);
 }
 
-TEST(StallWatch, StaysOneStallWhileAttemptsGetNoFurther) {
+TEST(StallWatch, ReportsOneStallWhileAttemptsMakeNoProgress) {
   StallWatch watch;
   watch.completed_step(10.0);
   EXPECT_EQ(watch.look(12.1, 2.0), Change::stalled);
@@ -32,7 +32,7 @@ TEST(StallWatch, StaysOneStallWhileAttemptsGetNoFurther) {
   EXPECT_EQ(watch.look(41.1, 2.0), Change::moving);
 }
 
-TEST(StallWatch, IsNoStallWhileMessagesOfALongStepArrive) {
+TEST(StallWatch, ReportsNoStallWhileMessagesOfALongStepArrive) {
   StallWatch watch;
   for (double now = 0.0; now < 20.0; now += 1.0) {
     watch.arrived(now);
@@ -40,7 +40,7 @@ TEST(StallWatch, IsNoStallWhileMessagesOfALongStepArrive) {
   }
 }
 
-TEST(StallWatch, WaitsFromTheFirstLookWhereNothingHasEverArrived) {
+TEST(StallWatch, WaitsFromTheFirstLookIfNothingHasArrived) {
   StallWatch watch;
   EXPECT_FALSE(watch.last_arrival());
   EXPECT_EQ(watch.look(100.0, 2.0), Change::none);

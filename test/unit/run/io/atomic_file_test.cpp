@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
+#include "unit/messages.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
@@ -13,25 +13,20 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-// The message of the exception that `action` throws; empty if it throws none.
+// The error of `action`.
 template <typename Action>
-std::string message_of(const Action& action) {
-  try {
-    action();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+std::string error_of(const Action& action) {
+  return message_of<std::runtime_error>(action);
 }
 
-TEST(WriteAtomically, PutsTheContentIntoTheFileAndLeavesNothingBeside) {
+TEST(WriteAtomically, WritesTheContentAndNoOtherFile) {
   const TemporaryFolder folder;
   write_atomically(folder / "results.csv", "a,b\n1,2\n");
   EXPECT_EQ(content_of(folder / "results.csv"), "a,b\n1,2\n");
   EXPECT_EQ(folder.entries(), Names{"results.csv"});
 }
 
-TEST(WriteAtomically, ReplacesWhatWasThere) {
+TEST(WriteAtomically, ReplacesTheFile) {
   const TemporaryFolder folder;
   write_atomically(folder / "results.csv", std::string(100000, 'x'));
   write_atomically(folder / "results.csv", "short");
@@ -49,7 +44,7 @@ TEST(WriteAtomically, KeepsEveryByte) {
   EXPECT_EQ(content_of(folder / "empty"), "");
 }
 
-TEST(WriteAtomically, TakesThePlaceOfALeftOverPart) {
+TEST(WriteAtomically, ReplacesALeftoverPart) {
   const TemporaryFolder folder;
   folder.file("results.csv.part", "half of somethi");
   write_atomically(folder / "results.csv", "whole");
@@ -57,19 +52,18 @@ TEST(WriteAtomically, TakesThePlaceOfALeftOverPart) {
   EXPECT_EQ(folder.entries(), Names{"results.csv"});
 }
 
-TEST(WriteAtomically, NamesTheFileAndTheReasonWhenItCannot) {
+TEST(WriteAtomically, NamesTheFileAndTheReasonOfAnError) {
   const TemporaryFolder folder;
   const std::string missing = folder / "none/results.csv";
-  const std::string said = message_of([&] { write_atomically(missing, "x"); });
-  EXPECT_NE(said.find(missing), std::string::npos);
-  EXPECT_NE(said.find("cannot be written: No such file or directory"), std::string::npos);
+  const std::string error = error_of([&] { write_atomically(missing, "x"); });
+  EXPECT_TRUE(contains(error, missing));
+  EXPECT_TRUE(contains(error, "cannot be written: No such file or directory"));
 }
 
-TEST(WriteAtomically, LeavesNothingBesideWhenItCannot) {
+TEST(WriteAtomically, LeavesNoOtherFileBehindAfterAnError) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "results.csv");
-  const std::string said = message_of([&] { write_atomically(folder / "results.csv", "x"); });
-  EXPECT_NE(said.find(folder / "results.csv"), std::string::npos);
+  EXPECT_TRUE(contains(error_of([&] { write_atomically(folder / "results.csv", "x"); }), folder / "results.csv"));
   EXPECT_EQ(folder.entries(), Names{"results.csv"});
 }
 
@@ -77,9 +71,8 @@ TEST(WriteAtomically, WritesIntoTheWorkingFolder) {
   const TemporaryFolder folder;
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::current_path(folder.path());
-  const std::string said = message_of([] { write_atomically("results.csv", "x"); });
+  EXPECT_EQ(error_of([] { write_atomically("results.csv", "x"); }), "");
   std::filesystem::current_path(before);
-  EXPECT_EQ(said, "");
   EXPECT_EQ(content_of(folder / "results.csv"), "x");
 }
 
@@ -92,20 +85,19 @@ TEST(SyncAndRename, GivesTheFileItsName) {
   EXPECT_EQ(folder.entries(), Names{"a"});
 }
 
-TEST(SyncAndRename, NamesTheFileThatIsNotThere) {
+TEST(SyncAndRename, NamesAMissingFile) {
   const TemporaryFolder folder;
-  const std::string said = message_of([&] { sync_and_rename(folder / "none", folder / "a"); });
-  EXPECT_NE(said.find(folder / "none"), std::string::npos);
+  EXPECT_TRUE(contains(error_of([&] { sync_and_rename(folder / "none", folder / "a"); }), folder / "none"));
 }
 
-TEST(RequireWritableFolder, MakesItWithItsParentsAndLeavesItEmpty) {
+TEST(RequireWritableFolder, CreatesAnEmptyFolderWithItsParents) {
   const TemporaryFolder folder;
   for (const char* name : {"a/b/c", "d/", "."}) EXPECT_NO_THROW(require_writable_folder(folder / name)) << name;
   EXPECT_TRUE(std::filesystem::is_empty(folder / "a/b/c"));
   EXPECT_NO_THROW(require_writable_folder(folder / "a/b/c"));
 }
 
-TEST(RequireWritableFolder, LeavesWhatIsThere) {
+TEST(RequireWritableFolder, KeepsExistingFiles) {
   const TemporaryFolder folder;
   folder.file("kept", "content");
   require_writable_folder(folder.path());
@@ -113,12 +105,11 @@ TEST(RequireWritableFolder, LeavesWhatIsThere) {
   EXPECT_EQ(content_of(folder / "kept"), "content");
 }
 
-TEST(RequireWritableFolder, NamesThePathThatIsOrLiesBelowAFile) {
+TEST(RequireWritableFolder, NamesAPathAtOrBelowAFile) {
   const TemporaryFolder folder;
   const std::string file = folder.file("file", "content");
   for (const std::string& path : {file, file + "/below"}) {
-    const std::string said = message_of([&] { require_writable_folder(path); });
-    EXPECT_EQ(said.find(path + ": cannot be made: "), 0u) << said;
+    EXPECT_TRUE(begins_with(error_of([&] { require_writable_folder(path); }), path + ": cannot be made: "));
   }
   EXPECT_EQ(content_of(file), "content");
 }

@@ -8,20 +8,16 @@
 #include <string>
 
 #include "stochastic_platoon/run/io/csv_text.hpp"
+#include "unit/messages.hpp"
 
 namespace platoon {
 namespace {
 
 std::string error_of(const std::string& text) {
-  try {
-    parse_csv(text, "table.csv");
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  return message_of<std::invalid_argument>([&text] { parse_csv(text, "table.csv"); });
 }
 
-TEST(CsvTable, ColumnsOfNumbersHaveNanForEmptyCells) {
+TEST(CsvTable, HasNaNForEmptyCellsInColumnsOfNumbers) {
   const CsvTable table = parse_csv("a,b\n1,0.1\n,1e-300\n-inf,\n", "table.csv");
   ASSERT_EQ(table.names, (std::vector<std::string>{"a", "b"}));
   const auto& a = std::get<std::vector<double>>(table.columns[0]);
@@ -34,19 +30,19 @@ TEST(CsvTable, ColumnsOfNumbersHaveNanForEmptyCells) {
   EXPECT_TRUE(std::isnan(b[2]));
 }
 
-TEST(CsvTable, ColumnsWithATextKeepTheirCellsAsWritten) {
+TEST(CsvTable, KeepsTheCellsOfColumnsWithATextAsWritten) {
   const CsvTable table = parse_csv("a,\"b,\"\"c\"\"\"\r\n1.50,\"x,y\nz\"\r\n2 m,\"\"\r\n", "table.csv");
   EXPECT_EQ(table.names[1], "b,\"c\"");
   EXPECT_EQ(std::get<std::vector<std::string>>(table.columns[0]), (std::vector<std::string>{"1.50", "2 m"}));
   EXPECT_EQ(std::get<std::vector<std::string>>(table.columns[1]), (std::vector<std::string>{"x,y\nz", ""}));
 }
 
-TEST(CsvTable, TheLastLineNeedsNoEnd) {
+TEST(CsvTable, MayEndWithoutANewline) {
   const CsvTable table = parse_csv("a,b\n1,2\n3,", "table.csv");
   EXPECT_EQ(std::get<std::vector<double>>(table.columns[0]), (std::vector<double>{1.0, 3.0}));
 }
 
-TEST(CsvTable, FaultsNameTheFileAndTheLine) {
+TEST(CsvTable, NamesFileAndLineOfAnError) {
   EXPECT_EQ(error_of(""), "table.csv: is empty");
   EXPECT_EQ(error_of("a,b\n"), "table.csv: holds no rows, only its heading");
   EXPECT_EQ(error_of("a,b\n1,2\n1,2,3\n"), "table.csv: line 3 has 3 values instead of 2");

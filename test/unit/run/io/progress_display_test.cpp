@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "unit/messages.hpp"
+
 namespace platoon {
 namespace {
 
@@ -21,13 +23,13 @@ std::ptrdiff_t lines(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n');
 }
 
-TEST(ProgressDisplay, PrintsALinePerTenthWhereThereIsNoTerminal) {
+TEST(ProgressDisplay, PrintsALinePerTenthWithoutATerminal) {
   const std::string text = printed([](ProgressDisplay& display) {
     for (std::uint64_t done = 0; done <= 100; ++done) display.update(done, 0.01 * static_cast<double>(done));
   });
   EXPECT_EQ(lines(text), 10);
-  EXPECT_EQ(text.find('\r'), std::string::npos);
-  EXPECT_NE(text.find("100 %  100/100 realizations"), std::string::npos);
+  EXPECT_FALSE(contains(text, "\r"));
+  EXPECT_TRUE(contains(text, "100 %  100/100 realizations"));
 }
 
 TEST(ProgressDisplay, PrintsALineAfterTenSecondsWithoutATenth) {
@@ -37,7 +39,7 @@ TEST(ProgressDisplay, PrintsALineAfterTenSecondsWithoutATenth) {
             2);
 }
 
-TEST(ProgressDisplay, TellsRateAndTimeLeft) {
+TEST(ProgressDisplay, ShowsRateAndTimeLeft) {
   const std::string text = printed([](ProgressDisplay& display) {
     display.update(0, 100.0);
     display.update(20, 104.0);
@@ -45,15 +47,15 @@ TEST(ProgressDisplay, TellsRateAndTimeLeft) {
   EXPECT_EQ(text, "[######........................]  20 %  20/100 realizations  250 vehicle-steps/s  16 s left\n");
 }
 
-TEST(ProgressDisplay, OfAResumedJobCountsTheRateFromWhereItBegan) {
+TEST(ProgressDisplay, MeasuresTheRateOfAResumedJobFromItsStart) {
   const std::string text = printed([](ProgressDisplay& display) {
     display.update(60, 100.0);
     display.update(80, 110.0);
   });
-  EXPECT_NE(text.find("80/100 realizations  100 vehicle-steps/s  10 s left"), std::string::npos) << text;
+  EXPECT_TRUE(contains(text, "80/100 realizations  100 vehicle-steps/s  10 s left"));
 }
 
-TEST(ProgressDisplay, TellsOfAPreparationThatTakesLong) {
+TEST(ProgressDisplay, ShowsALongPreparation) {
   const std::string text = printed([](ProgressDisplay& display) {
     for (int second = 0; second <= 15; ++second)
       display.prepare("waiting for " + std::to_string(20 - second) + " vehicles", second);
@@ -67,7 +69,7 @@ TEST(ProgressDisplay, EndsItsLineWithTheNote) {
     display.update(0, 0.0);
     display.update(50, 1.0);
   });
-  EXPECT_NE(text.find("s left  bag 12 MB\n"), std::string::npos) << text;
+  EXPECT_TRUE(contains(text, "s left  bag 12 MB\n"));
 }
 
 }  // namespace

@@ -5,16 +5,12 @@
 
 #include <sstream>
 
+#include "unit/messages.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/paper_run.hpp"
 
 namespace platoon {
 namespace {
-
-LoopDesign paper_design() {
-  return {TransferFunction(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0)),
-          TransferFunction(Eigen::Vector2d(1.35, 0.0), Eigen::Vector2d(1.0, 0.89)), true};
-}
 
 PlatoonModel model_at(double headway) {
   PlatoonModel model = paper_platoon();
@@ -64,21 +60,21 @@ TEST(Analysis, HasEveryKeyWithItsShape) {
   EXPECT_NEAR(document.at("critical_headway").get<double>(), 2.8, 1e-9);
 }
 
-TEST(Analysis, WarnsWhereTheCoefficientsDoNotDetermineAFineVerdict) {
+TEST(Analysis, WarnsIfTheCoefficientsAreTooCoarse) {
   PlatoonModel model = model_at(3.2);
   const StateSpace exact = model.default_vehicle().loop.realization;
   model.default_vehicle().design.reset();
   model.default_vehicle().loop = closed_loop_from(exact);
   const std::string warning = "Warning: A, B and C have T(1) = 1";
-  EXPECT_EQ(Analyzed(model, 2, 10).text().find(warning), std::string::npos);
-  EXPECT_NE(Analyzed(model, 2, 10).text().find("of one follower sqrt(sum of mean(k)^2)"), std::string::npos);
+  EXPECT_FALSE(contains(Analyzed(model, 2, 10).text(), warning));
+  EXPECT_TRUE(contains(Analyzed(model, 2, 10).text(), "of one follower sqrt(sum of mean(k)^2)"));
   model.default_vehicle().loop = closed_loop_from(StateSpace(exact.a(), exact.b() * (1.0 + 1e-6), exact.c()));
   const Analyzed analyzed(model, 2, 10);
   EXPECT_NEAR(analyzed.analysis.integral_defect, 1e-6 * (1.0 + 3.2 / 4.2), 1e-12);
-  EXPECT_NE(analyzed.text().find(warning), std::string::npos);
+  EXPECT_TRUE(contains(analyzed.text(), warning));
 }
 
-TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
+TEST(Analysis, HasNullForAQuantityThatDoesNotExist) {
   const PlatoonModel unstable_string = model_at(2.4);
   const nlohmann::json document = Analyzed(unstable_string, 3, 10).json();
   EXPECT_TRUE(document.at("limit_variance").is_null());
@@ -90,10 +86,10 @@ TEST(Analysis, SaysNullWhereAQuantityDoesNotExist) {
   const nlohmann::json other = analyzed.json();
   EXPECT_TRUE(other.at("stationary_variance").at(0).is_null());
   EXPECT_TRUE(other.at("peak_gain").is_null());
-  EXPECT_NE(analyzed.text().find("not mean square stable"), std::string::npos);
+  EXPECT_TRUE(contains(analyzed.text(), "not mean square stable"));
 }
 
-TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
+TEST(Analysis, HasNoCriticalHeadwayOfAGivenClosedLoop) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().design.reset();
   const nlohmann::json document = Analyzed(model, 2, 5).json();
@@ -102,7 +98,7 @@ TEST(Analysis, HasNoOtherHeadwayOfALoopThatWasGivenItself) {
   EXPECT_THROW(sweep(model, {{3.0}, {}, {}}), std::invalid_argument);
 }
 
-TEST(Analysis, HasTheSignalsThatAreRequested) {
+TEST(Analysis, HasTheRequestedSignals) {
   const PlatoonModel model = model_at(3.2);
   const Analyzed analyzed(model, 3, 10, {{"jerk"}, 1e-6});
   const nlohmann::json document = analyzed.json();
@@ -123,8 +119,8 @@ TEST(Analysis, HasTheSignalsThatAreRequested) {
   for (const char* key : {"limit_probability", "limit_rate", "required_standstill_distance"})
     EXPECT_TRUE(collision.at(key).is_number()) << key;
   const std::string text = analyzed.text();
-  EXPECT_NE(text.find("Jerk: stationary variance "), std::string::npos);
-  EXPECT_NE(text.find("Required standstill distance for 1e-06 per step: "), std::string::npos);
+  EXPECT_TRUE(contains(text, "Jerk: stationary variance "));
+  EXPECT_TRUE(contains(text, "Required standstill distance for 1e-06 per step: "));
 }
 
 TEST(Analysis, HasTheAmplificationOfTheSpeed) {
@@ -144,10 +140,10 @@ TEST(Analysis, HasTheAmplificationOfTheSpeed) {
   const double first = found.at("l2_ratio").at(1);
   EXPECT_TRUE(first > 0.9 && first < 1.0) << first;
   EXPECT_NEAR(found.at("l2_head_to_tail").at(2), first * found.at("l2_ratio").at(2).get<double>(), 1e-12);
-  EXPECT_NE(analyzed(150).text().find("Amplification of the speed (L2): largest "), std::string::npos);
+  EXPECT_TRUE(contains(analyzed(150).text(), "Amplification of the speed (L2): largest "));
   model.leader = LeaderProfile({{0, 20.0}}, 0.1);
-  EXPECT_NE(analyzed(210).text().find("Amplification: none, as the leader drives at constant speed from step 210"),
-            std::string::npos);
+  EXPECT_TRUE(
+      contains(analyzed(210).text(), "Amplification: none, as the leader drives at constant speed from step 210"));
 }
 
 TEST(Analysis, HasNoSignalsUnlessRequested) {
@@ -158,7 +154,7 @@ TEST(Analysis, HasNoSignalsUnlessRequested) {
   EXPECT_FALSE(document.contains("amplification"));
 }
 
-TEST(Analysis, HasNoSignalsWhereErrorsAreNotNormal) {
+TEST(Analysis, HasNoSignalsIfErrorsAreNotNormal) {
   for (const bool in_bursts : {false, true}) {
     PlatoonModel model = model_at(3.2);
     model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
@@ -168,11 +164,11 @@ TEST(Analysis, HasNoSignalsWhereErrorsAreNotNormal) {
     EXPECT_TRUE(document.at("signals").is_null());
     EXPECT_TRUE(document.at("amplification").is_null());
     EXPECT_TRUE(document.at("collision").is_null());
-    EXPECT_NE(analyzed.text().find("measured only, as errors are not normal"), std::string::npos);
+    EXPECT_TRUE(contains(analyzed.text(), "measured only, as errors are not normal"));
   }
 }
 
-TEST(Sweep, CoversHeadwaysAndGainsAndMeetsTheSinglePoints) {
+TEST(StabilitySweep, CoversHeadwaysAndGains) {
   const std::vector<SweepPoint> points = sweep(model_at(3.2), {{2.4, 3.2}, {1.35, 9.0}, {}});
   ASSERT_EQ(points.size(), 4u);
   EXPECT_FALSE(points[0].stability.string_stable);

@@ -5,45 +5,48 @@
 #include <cmath>
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "unit/messages.hpp"
 #include "unit/paper_run.hpp"
 
 namespace platoon {
 namespace {
 
-TEST(Prediction, IsTheTheoryOfEveryCell) {
-  const Configuration configuration = paper_run("");
-  const Prediction prediction = predict(configuration);
-  const ErrorMoments moments = error_moments(configuration.model, 2, 3);
+class PredictionTest : public testing::Test {
+protected:
+  Configuration configuration_ = paper_run("");
+};
+
+TEST_F(PredictionTest, HasTheTheoryOfEveryCell) {
+  const Prediction prediction = predict(configuration_);
+  const ErrorMoments moments = error_moments(configuration_.model, 2, 3);
   EXPECT_EQ(prediction.mean, moments.mean);
   EXPECT_EQ(prediction.variance, moments.variance);
   ASSERT_EQ(prediction.stationary_variance.size(), 2u);
   EXPECT_NEAR(prediction.stability.spectral_radius, 0.5274, 0.00005);
 }
 
-TEST(Prediction, OfAnEndlessRunIsStationary) {
-  Configuration configuration = paper_run("");
-  configuration.run.steps = 0;
-  const Prediction prediction = predict(configuration);
+TEST_F(PredictionTest, OfAnEndlessRunIsStationary) {
+  configuration_.run.steps = 0;
+  const Prediction prediction = predict(configuration_);
   EXPECT_EQ(prediction.mean, (std::vector<double>{0.0, 0.0}));
   EXPECT_EQ(prediction.variance, prediction.stationary_variance);
 }
 
-TEST(Prediction, TakesTheRecordedLeaderOfTheModel) {
-  Configuration configuration = paper_run("");
-  const Prediction behind_profile = predict(configuration);
-  configuration.model.recorded_leader = {0.0, 1.0, 2.0, 3.0};
-  const Prediction behind_recording = predict(configuration);
+TEST_F(PredictionTest, FollowsTheRecordedLeaderOfTheModel) {
+  const Prediction behind_profile = predict(configuration_);
+  configuration_.model.recorded_leader = {0.0, 1.0, 2.0, 3.0};
+  const Prediction behind_recording = predict(configuration_);
   EXPECT_NE(behind_recording.mean, behind_profile.mean);
   EXPECT_EQ(behind_recording.variance, behind_profile.variance);
 }
 
-TEST(Prediction, IsVoidFromTheFirstExternalVehicleOn) {
-  Configuration configuration = paper_run("");
-  const Prediction whole = predict(configuration);
-  configuration.run.external = {2};
+TEST_F(PredictionTest, EndsBeforeTheFirstExternalVehicle) {
+  const Prediction whole = predict(configuration_);
+  configuration_.run.external = {2};
   for (const std::int64_t steps : {std::int64_t{3}, std::int64_t{0}}) {
-    configuration.run.steps = steps;
-    const Prediction prediction = predict(configuration);
+    configuration_.run.steps = steps;
+    const Prediction prediction = predict(configuration_);
+    EXPECT_TRUE(prediction.has_theory());
     EXPECT_EQ(prediction.followers_with_theory, 1u);
     const std::size_t per_follower = steps == 0 ? 1 : 3;
     for (std::size_t c = 0; c < per_follower; ++c) {
@@ -56,45 +59,43 @@ TEST(Prediction, IsVoidFromTheFirstExternalVehicleOn) {
     }
     EXPECT_EQ(prediction.stationary_variance[0], whole.stationary_variance[0]);
     EXPECT_TRUE(std::isnan(prediction.stationary_variance[1]));
-    EXPECT_FALSE(prediction.stability.limit_variance) << "the string does not go on so";
-    EXPECT_NE(prediction.stability.reason.find("; this speaks of follower 1, before vehicle_2, which is external"),
-              std::string::npos);
+    EXPECT_FALSE(prediction.stability.limit_variance) << "the string continues with another vehicle";
+    EXPECT_TRUE(
+        contains(prediction.stability.reason, "; this speaks of follower 1, before vehicle_2, which is external"));
   }
 }
 
-TEST(Prediction, OfLossesInBurstsIsExactWithoutAVerdict) {
-  Configuration configuration = paper_run("");
-  configuration.model.default_vehicle().link.loss = LossModel{0.1, 2.0, {1.0}};
-  const Prediction prediction = predict(configuration);
+TEST_F(PredictionTest, OfLossesInBurstsIsExactWithoutAVerdict) {
+  configuration_.model.default_vehicle().link.loss = LossModel{0.1, 2.0, {1.0}};
+  const Prediction prediction = predict(configuration_);
   EXPECT_TRUE(prediction.has_theory());
-  EXPECT_EQ(prediction.variance, error_moments(configuration.model, 2, 3).variance);
+  EXPECT_EQ(prediction.variance, error_moments(configuration_.model, 2, 3).variance);
   EXPECT_TRUE(prediction.fourth_cumulant.empty());
-  EXPECT_NE(prediction.warning.find("the run is not judged"), std::string::npos);
-  configuration.run.steps = 0;
-  configuration.run.burn_in = 1000000;
-  const Prediction over_time = predict(configuration);
+  EXPECT_TRUE(contains(prediction.warning, "the run is not judged"));
+  configuration_.run.steps = 0;
+  configuration_.run.burn_in = 1000000;
+  const Prediction over_time = predict(configuration_);
   EXPECT_EQ(over_time.variance, over_time.stationary_variance);
   EXPECT_NEAR(over_time.mean[0], 0.4, 1e-12);
   EXPECT_TRUE(over_time.error_correlation.empty());
   EXPECT_EQ(over_time.warning, "");
 }
 
-TEST(Prediction, OfARadioThatLosesInBurstsIsNone) {
-  Configuration configuration = paper_run("");
+TEST_F(PredictionTest, DoesNotExistForARadioWithLossesInBursts) {
   FeedForward radio;
   radio.link.delay = 1;
   radio.link.loss = LossModel{0.1, 2.0, {1.0}};
-  configuration.model.default_vehicle().feed_forward = radio;
-  const Prediction prediction = predict(configuration);
+  configuration_.model.default_vehicle().feed_forward = radio;
+  const Prediction prediction = predict(configuration_);
   EXPECT_FALSE(prediction.has_theory());
   EXPECT_EQ(prediction.stability.reason, "none, as losses come in bursts in a string with radios");
 }
 
-TEST(Prediction, OfAStringBehindAnExternalVehicleIsNone) {
-  Configuration configuration = paper_run("");
-  configuration.run.external = {1};
-  const Prediction prediction = predict(configuration);
+TEST_F(PredictionTest, DoesNotExistBehindAnExternalVehicle) {
+  configuration_.run.external = {1};
+  const Prediction prediction = predict(configuration_);
   EXPECT_FALSE(prediction.has_theory());
+  EXPECT_EQ(prediction.followers_with_theory, 0u);
   EXPECT_TRUE(std::isnan(prediction.variance[0]));
   EXPECT_EQ(prediction.stability.reason, "none, as vehicle_1, which the others follow, is external");
 }

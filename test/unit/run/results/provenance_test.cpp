@@ -10,36 +10,30 @@
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/checksum.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
+#include "unit/messages.hpp"
 #include "unit/run/results/result_with.hpp"
-#include "unit/temporary_folder.hpp"
 
 namespace platoon {
 namespace {
 
-class ProvenanceTest : public testing::Test {
+class ProvenanceTest : public ResultTest {
 protected:
-  ProvenanceTest() : configuration_(paper_run(folder_.path(), 2.4)) {
+  ProvenanceTest() {
+    configuration_ = paper_run(folder_.path(), 2.4);
     configuration_.run.record_compression = "none";
-    const Prediction prediction = predict(configuration_);
-    write_results(configuration_, prediction, result_with(configuration_, prediction));
+    predict_again();
+    write_results(configuration_, prediction_, result());
     text_ = content_of(summary_file());
   }
   std::string summary_file() const { return folder_ / "summary.json"; }
   std::string problem_with(const std::string& text) const {
-    try {
-      read_summary(folder_.file("other.json", text));
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return "";
+    return message_of<std::invalid_argument>([&] { read_summary(folder_.file("other.json", text)); });
   }
 
-  TemporaryFolder folder_;
-  Configuration configuration_;
   std::string text_;
 };
 
-TEST_F(ProvenanceTest, ASummaryStatesWhatWasRun) {
+TEST_F(ProvenanceTest, ASummaryStatesItsConfigurationAndOrigin) {
   const nlohmann::json summary = nlohmann::json::parse(text_);
   EXPECT_EQ(summary["configuration"], to_json(configuration_));
   EXPECT_EQ(summary["configuration"]["model"]["time_headway"], 2.4);
@@ -48,21 +42,20 @@ TEST_F(ProvenanceTest, ASummaryStatesWhatWasRun) {
       << summary["date"];
   EXPECT_NE(summary["host"], "");
   ASSERT_FALSE(summary["command_line"].empty());
-  EXPECT_NE(summary["command_line"][0].get<std::string>().find("platoon_unit"), std::string::npos);
+  EXPECT_TRUE(contains(summary["command_line"][0].get<std::string>(), "platoon_unit"));
 }
 
-TEST_F(ProvenanceTest, TheConfigurationIsReadBackWhole) {
+TEST_F(ProvenanceTest, TheWholeConfigurationIsReadBack) {
   const RecordedResults found = read_summary(summary_file());
   EXPECT_EQ(to_json(found.configuration), to_json(configuration_));
   EXPECT_TRUE(found.complete);
   EXPECT_EQ(found.checksums.at("statistics"), checksum(content_of(folder_ / "statistics.csv")));
 }
 
-TEST_F(ProvenanceTest, TheConfigurationOfARunWithoutNodesIsReadToo) {
+TEST_F(ProvenanceTest, TheConfigurationOfARunWithoutNodesIsReadBack) {
   for (const Hosting hosting : {Hosting::monte_carlo, Hosting::bag}) {
     configuration_.run.hosting = hosting;
-    const Prediction prediction = predict(configuration_);
-    write_results(configuration_, prediction, result_with(configuration_, prediction));
+    write_results(configuration_, prediction_, result());
     EXPECT_EQ(read_summary(summary_file()).configuration.run.hosting, Hosting::one_process);
   }
 }
@@ -72,10 +65,10 @@ TEST_F(ProvenanceTest, AChangedSummaryIsRejected) {
     std::string changed = text_;
     const std::size_t place = changed.find(key) + std::string(key).size();
     changed[place] = changed[place] == '3' ? '4' : '3';
-    EXPECT_NE(problem_with(changed).find("damaged"), std::string::npos) << key;
+    EXPECT_TRUE(contains(problem_with(changed), "damaged")) << key;
   }
-  EXPECT_NE(problem_with("{}").find("crc32 is missing"), std::string::npos);
-  EXPECT_NE(problem_with("").find("not JSON"), std::string::npos);
+  EXPECT_TRUE(contains(problem_with("{}"), "crc32 is missing"));
+  EXPECT_TRUE(contains(problem_with(""), "not JSON"));
   EXPECT_THROW(read_summary(folder_ / "none.json"), std::system_error);
   EXPECT_EQ(problem_with(text_), "");
 }

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 
 #include "stochastic_platoon/run/results/run_result.hpp"
 #include "unit/paper_run.hpp"
+#include "unit/temporary_folder.hpp"
 
 namespace platoon {
 
@@ -23,15 +26,49 @@ inline RunResult result_with(const Configuration& configuration, const Predictio
   return result;
 }
 
-/// The same with the third and fourth moments of normal errors, which the statistics of a lossy string include.
-inline RunResult result_with_fourth_moments(const Configuration& configuration, const Prediction& prediction,
-                                            double score = 0.5) {
-  RunResult result = result_with(configuration, prediction, score);
-  for (Moments& of : result.moments) {
-    of.cubed_deviations = 0.0;
-    of.fourth_deviations = 3.0 * of.variance() * of.variance() * static_cast<double>(of.count);
-  }
+/// Averages over 800 steps of two followers.
+inline RunResult result_over_time() {
+  RunResult result;
+  result.realizations = 1;
+  result.last_step = 999;
+  result.moments = {Moments{800, 0.1, 79.9}, Moments{800, 0.2, 159.8}};
+  result.last_steps = {999, 998};
   return result;
 }
+
+/// A run of the paper's example with its theory.
+class ResultTest : public testing::Test {
+protected:
+  void predict_again() { prediction_ = predict(configuration_); }
+
+  /// Averages over time behind a burn-in of 200 steps, instead of over realizations.
+  void make_endless() {
+    configuration_.run.steps = 0;
+    configuration_.run.realizations = 1;
+    configuration_.run.burn_in = 200;
+    predict_again();
+  }
+
+  void lose_packets(const LossModel& loss) {
+    configuration_.model.default_vehicle().link.loss = loss;
+    predict_again();
+  }
+
+  RunResult result(double score = 0.5) const { return result_with(configuration_, prediction_, score); }
+
+  /// The same with the third and fourth moments of normal errors, which the statistics of a lossy string include.
+  RunResult result_with_fourth_moments() const {
+    RunResult found = result();
+    for (Moments& of : found.moments) {
+      of.cubed_deviations = 0.0;
+      of.fourth_deviations = 3.0 * of.variance() * of.variance() * static_cast<double>(of.count);
+    }
+    return found;
+  }
+
+  TemporaryFolder folder_;
+  Configuration configuration_ = paper_run(folder_.path());
+  Prediction prediction_ = predict(configuration_);
+};
 
 }  // namespace platoon

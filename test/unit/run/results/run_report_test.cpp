@@ -11,6 +11,7 @@
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
 #include "stochastic_platoon/math/statistics/time_statistics.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
+#include "unit/messages.hpp"
 #include "unit/monte_carlo.hpp"
 #include "unit/run/results/result_with.hpp"
 
@@ -19,123 +20,100 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-TEST(Report, SaysThatMeasurementAndTheoryAgree) {
-  const Configuration configuration = paper_run("");
-  const Prediction prediction = predict(configuration);
-  const std::string text = report(configuration, prediction, result_with(configuration, prediction, 0.5));
-  EXPECT_NE(text.find("Measurement agrees with Lemma 1"), std::string::npos);
-  EXPECT_NE(text.find("tracking errors at step 2 (0.2 s), 20 realizations"), std::string::npos);
-  EXPECT_NE(text.find("Theory: "), std::string::npos);
-  EXPECT_NE(text.find("Stationary variance along an endless string: "), std::string::npos);
-}
+class ReportTest : public ResultTest {
+protected:
+  std::string report_of(const RunResult& result) const { return report(configuration_, prediction_, result); }
 
-TEST(Report, SaysThatMeasurementAndTheoryDisagree) {
-  const Configuration configuration = paper_run("");
-  const Prediction prediction = predict(configuration);
-  for (const double score : {5.0, -5.0}) {
-    const std::string text = report(configuration, prediction, result_with(configuration, prediction, score));
-    EXPECT_NE(text.find("MEASUREMENT AND LEMMA 1 DISAGREE"), std::string::npos) << score;
+  /// The report of a Monte Carlo of two followers and twenty steps.
+  std::string report_of_run(std::uint64_t realizations, std::uint64_t seed, double noise_factor = 1.0) const {
+    RunResult result;
+    result.realizations = realizations;
+    PlatoonModel model = configuration_.model;
+    model.default_vehicle().noise_variance *= noise_factor;
+    result.moments = monte_carlo(model, {seed, 2, 20, 1024}, realizations).moments.totals();
+    return report_of(result);
   }
-  RunResult only_mean = result_with(configuration, prediction);
+
+  void make_lossy(double probability, double noise_variance, std::vector<double> predictor) {
+    configuration_.run.steps = 20;
+    configuration_.model.default_vehicle().noise_variance = noise_variance;
+    lose_packets({probability, {}, std::move(predictor)});
+  }
+};
+
+TEST_F(ReportTest, ReportsThatMeasurementAndTheoryAgree) {
+  const std::string text = report_of(result());
+  EXPECT_TRUE(contains(text, "Measurement agrees with Lemma 1"));
+  EXPECT_TRUE(contains(text, "tracking errors at step 2 (0.2 s), 20 realizations"));
+  EXPECT_TRUE(contains(text, "Theory: "));
+  EXPECT_TRUE(contains(text, "Stationary variance along an endless string: "));
+}
+
+TEST_F(ReportTest, ReportsThatMeasurementAndTheoryDisagree) {
+  RunResult only_mean = result(), only_variance = result();
   only_mean.moments.back().mean += 3.0;
-  EXPECT_NE(report(configuration, prediction, only_mean).find("MEASUREMENT AND LEMMA 1 DISAGREE"), std::string::npos);
-  RunResult only_variance = result_with(configuration, prediction);
   only_variance.moments.back().squared_deviations *= 5.0;
-  EXPECT_NE(report(configuration, prediction, only_variance).find("MEASUREMENT AND LEMMA 1 DISAGREE"),
-            std::string::npos);
+  for (const RunResult& other : {result(5.0), result(-5.0), only_mean, only_variance})
+    EXPECT_TRUE(contains(report_of(other), "MEASUREMENT AND LEMMA 1 DISAGREE"));
 }
 
-TEST(Report, GivesTheMeasuredStandardErrorOfAnExternalVehicle) {
-  Configuration configuration = paper_run("");
-  const Prediction whole = predict(configuration);
-  const RunResult result = result_with(configuration, whole);
-  configuration.run.external = {2};
-  const Prediction prediction = predict(configuration);
-  ASSERT_EQ(prediction.followers_with_theory, 1u);
+TEST_F(ReportTest, ReportsThatAnUndefinedMeanDisagrees) {
+  for (std::size_t c = 0; c < prediction_.mean.size(); ++c) {
+    RunResult undefined = result();
+    undefined.moments[c].mean = kNaN;
+    EXPECT_TRUE(contains(report_of(undefined), "MEASUREMENT AND LEMMA 1 DISAGREE")) << "NaN in cell " << c;
+  }
+}
+
+TEST_F(ReportTest, HasTheMeasuredStandardErrorOfAnExternalVehicle) {
+  const RunResult result = this->result();
+  configuration_.run.external = {2};
+  predict_again();
+  ASSERT_EQ(prediction_.followers_with_theory, 1u);
   const double variance = result.moments.back().variance(), error = variance * std::sqrt(2.0 / 19.0);
-  const std::string row = formatted("%8d %16.6g %16.2g %14s %9s\n", 2, variance, error, "-", "-");
-  EXPECT_NE(report(configuration, prediction, result).find(row), std::string::npos)
-      << report(configuration, prediction, result);
+  EXPECT_TRUE(contains(report_of(result), formatted("%8d %16.6g %16.2g %14s %9s\n", 2, variance, error, "-", "-")));
 }
 
-TEST(Report, GivesTheMeasuredStandardErrorOfAnExternalVehicleOverTime) {
-  Configuration configuration = paper_run("");
-  configuration.run.steps = 0;
-  configuration.run.burn_in = 200;
-  configuration.run.external = {2};
-  const Prediction prediction = predict(configuration);
+TEST_F(ReportTest, HasTheMeasuredStandardErrorOfAnExternalVehicleOverTime) {
+  configuration_.run.external = {2};
+  make_endless();
   RunResult result;
   result.realizations = 1;
   result.last_step = 20199;
   result.moments = {Moments{20000, 0.1, 79.9}, Moments{20000, 0.2, 2.0 * 19999.0}};
   result.last_steps = {20199, 20199};
   result.shares = {{0.1, 0.1, kNaN}, {0.1, 0.01, kNaN}};
-  const std::string text = report(configuration, prediction, result);
   const std::string row = formatted("%8d %16s %16s %14s %9s\n", 2, "2", "0.2", "-", "-");  // 2 sqrt(2 / 199.99)
-  EXPECT_NE(text.find(row), std::string::npos) << text;
-}
-
-TEST(Report, SaysThatSomethingUndefinedDoesNotAgree) {
-  const Configuration configuration = paper_run("");
-  const Prediction prediction = predict(configuration);
-  for (std::size_t c = 0; c < prediction.mean.size(); ++c) {
-    RunResult result = result_with(configuration, prediction, 0.5);
-    result.moments[c].mean = kNaN;
-    EXPECT_NE(report(configuration, prediction, result).find("MEASUREMENT AND LEMMA 1 DISAGREE"), std::string::npos)
-        << "NaN in cell " << c;
-  }
-}
-
-/// The report of a Monte Carlo of two followers and twenty steps.
-std::string report_of(const Configuration& configuration, const Prediction& prediction, std::uint64_t realizations,
-                      std::uint64_t seed, double noise_factor = 1.0) {
-  RunResult result;
-  result.realizations = realizations;
-  PlatoonModel model = configuration.model;
-  model.default_vehicle().noise_variance *= noise_factor;
-  result.moments = monte_carlo(model, {seed, 2, 20, 1024}, realizations).moments.totals();
-  return report(configuration, prediction, result);
-}
-
-Configuration lossy_run(double probability, double noise_variance, std::vector<double> predictor) {
-  Configuration configuration = paper_run("");
-  configuration.run.steps = 20;
-  configuration.model.default_vehicle().noise_variance = noise_variance;
-  configuration.model.default_vehicle().link.loss = LossModel{probability, {}, std::move(predictor)};
-  return configuration;
+  EXPECT_TRUE(contains(report_of(result), row));
 }
 
 // A run of 1000 realizations has about 40 losses, two per step: most cells have seen a few losses or none.
-TEST(Report, GivesNoVerdictBehindLossesThatAreTooRare) {
-  const Configuration configuration = lossy_run(0.001, 1e-4, {1.0});
-  const Prediction prediction = predict(configuration);
+TEST_F(ReportTest, HasNoVerdictIfLossesAreTooRare) {
+  make_lossy(0.001, 1e-4, {1.0});
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const std::string text = report_of(configuration, prediction, 1000, seed);
-    EXPECT_NE(text.find("No verdict: the tracking errors are not normal, and 1000 realizations are too few"),
-              std::string::npos)
-        << text;
+    const std::string text = report_of_run(1000, seed);
+    EXPECT_TRUE(contains(text, "No verdict: the tracking errors are not normal, and 1000 realizations are too few"));
     const std::size_t about = text.find("from chance: about ");
     ASSERT_NE(about, std::string::npos) << text;
     const double needed = std::stod(text.substr(about + 19));
-    EXPECT_GE(needed, 23000.0) << "that of single losses is known";
+    EXPECT_GE(needed, 23000.0) << "the number that single losses need is known";
     EXPECT_LE(needed, 100000.0);
-    EXPECT_EQ(text.find("DISAGREE"), std::string::npos) << text;
+    EXPECT_FALSE(contains(text, "DISAGREE"));
   }
-  EXPECT_NE(report_of(configuration, prediction, 30000, 1).find("Measurement agrees with the theory"),
-            std::string::npos);
-  EXPECT_NE(report_of(configuration, prediction, 30000, 1).find("at most once in 1000 runs"), std::string::npos);
+  const std::string text = report_of_run(30000, 1);
+  EXPECT_TRUE(contains(text, "Measurement agrees with the theory"));
+  EXPECT_TRUE(contains(text, "at most once in 1000 runs"));
 }
 
 // 400 runs, of which 0.4 are beyond the bound on average: three are beyond it with a probability of about 1 %.
-TEST(Report, DisagreesByChanceNoMoreOftenThanItSaysBehindLosses) {
+TEST_F(ReportTest, DisagreesByChanceNoMoreOftenThanStatedIfPacketsAreLost) {
+  make_lossy(0.1, 0.6, {2.0, -1.0});
   for (const std::uint64_t realizations : {100u, 400u, 1000u}) {
-    const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
-    const Prediction prediction = predict(configuration);
     int agreed = 0, disagreed = 0;
     for (std::uint64_t seed = 1; seed <= 400; ++seed) {
-      const std::string text = report_of(configuration, prediction, realizations, seed);
-      agreed += text.find("Measurement agrees") != std::string::npos ? 1 : 0;
-      disagreed += text.find("DISAGREE") != std::string::npos ? 1 : 0;
+      const std::string text = report_of_run(realizations, seed);
+      agreed += contains(text, "Measurement agrees") ? 1 : 0;
+      disagreed += contains(text, "DISAGREE") ? 1 : 0;
     }
     EXPECT_LE(disagreed, 2) << realizations;
     if (realizations == 1000) {
@@ -144,58 +122,35 @@ TEST(Report, DisagreesByChanceNoMoreOftenThanItSaysBehindLosses) {
   }
 }
 
-TEST(Report, FindsNoiseThatIsFivePercentOffBehindLosses) {
-  const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
-  const Prediction prediction = predict(configuration);
-  for (const double factor : {1.05, 0.95}) {
-    EXPECT_NE(report_of(configuration, prediction, 300000, 1, factor).find("MEASUREMENT AND THE THEORY DISAGREE"),
-              std::string::npos)
-        << factor;
-  }
-}
-
 // A large measured variance does not widen its own bound so far that the verdict is lost.
-TEST(Report, FindsAVarianceManyTimesTheTheorysBehindLosses) {
-  const Configuration configuration = lossy_run(0.1, 0.6, {2.0, -1.0});
-  const Prediction prediction = predict(configuration);
-  for (const double factor : {0.2, 5.0, 100.0}) {
-    EXPECT_NE(report_of(configuration, prediction, 3000, 1, factor).find("MEASUREMENT AND THE THEORY DISAGREE"),
-              std::string::npos)
-        << factor;
+TEST_F(ReportTest, NoticesANoiseOfAnotherVarianceIfPacketsAreLost) {
+  make_lossy(0.1, 0.6, {2.0, -1.0});
+  for (const auto& [realizations, factor] : {std::pair(300000, 1.05), std::pair(300000, 0.95), std::pair(3000, 0.2),
+                                             std::pair(3000, 5.0), std::pair(3000, 100.0)}) {
+    EXPECT_TRUE(contains(report_of_run(realizations, 1, factor), "MEASUREMENT AND THE THEORY DISAGREE")) << factor;
   }
 }
 
-TEST(Report, ShowsBothEndsOfALongString) {
-  Configuration configuration = paper_run("");
-  configuration.run.followers = 100;
-  const Prediction prediction = predict(configuration);
-  const std::string text = report(configuration, prediction, result_with(configuration, prediction, 0.5));
-  EXPECT_NE(text.find("\n      10 "), std::string::npos);
-  EXPECT_EQ(text.find("\n      11 "), std::string::npos);
-  EXPECT_NE(text.find("     ...\n"), std::string::npos);
-  EXPECT_NE(text.find("\n      91 "), std::string::npos);
-  EXPECT_NE(text.find("\n     100 "), std::string::npos);
+TEST_F(ReportTest, ShowsBothEndsOfALongString) {
+  configuration_.run.followers = 100;
+  predict_again();
+  const std::string text = report_of(result());
+  EXPECT_TRUE(contains(text, "\n      10 "));
+  EXPECT_FALSE(contains(text, "\n      11 "));
+  EXPECT_TRUE(contains(text, "     ...\n"));
+  EXPECT_TRUE(contains(text, "\n      91 "));
+  EXPECT_TRUE(contains(text, "\n     100 "));
 }
 
-TEST(Report, LabelsTimeAveragesAsSuch) {
-  Configuration configuration = paper_run("");
-  configuration.run.steps = 0;
-  configuration.run.realizations = 1;
-  configuration.run.burn_in = 200;
-  RunResult result;
-  result.realizations = 1;
-  result.last_step = 999;
-  result.moments = {Moments{800, 0.1, 79.9}, Moments{800, 0.2, 159.8}};
-  result.last_steps = {999, 998};
-  const std::string text = report(configuration, predict(configuration), result);
-  EXPECT_NE(text.find("time averages up to step 999 (99.9 s), behind a burn-in of 200 steps (20 s)"),
-            std::string::npos);
-  EXPECT_EQ(text.find("was begun"), std::string::npos);
+TEST_F(ReportTest, LabelsAveragesOverTime) {
+  make_endless();
+  RunResult result = result_over_time();
+  const std::string text = report_of(result);
+  EXPECT_TRUE(contains(text, "time averages up to step 999 (99.9 s), behind a burn-in of 200 steps (20 s)"));
+  EXPECT_FALSE(contains(text, "was begun"));
+  EXPECT_FALSE(contains(text, "agrees"));
   result.tally.attempts = 3;
-  EXPECT_NE(report(configuration, predict(configuration), result)
-                .find("was begun 3 times, each time with a burn-in and new noise"),
-            std::string::npos);
-  EXPECT_EQ(text.find("agrees"), std::string::npos);
+  EXPECT_TRUE(contains(report_of(result), "was begun 3 times, each time with a burn-in and new noise"));
 }
 
 constexpr char kSlowModel[] = R"(
@@ -229,26 +184,23 @@ RunResult averages_over_time(const Configuration& configuration, std::int64_t st
   return result;
 }
 
-TEST(Report, JudgesAveragesOverTimeOnlyBehindASufficientBurnIn) {
-  Configuration configuration = paper_run("");
-  configuration.model = parse_model(YAML::Load(kSlowModel));
-  configuration.run.steps = 0;
-  configuration.run.realizations = 1;
-  configuration.run.burn_in = *settling_steps(configuration.model, 2);
-  const RunResult settled = averages_over_time(configuration, 100000);
-  const std::string text = report(configuration, predict(configuration), settled);
+TEST_F(ReportTest, JudgesAveragesOverTimeOnlyBehindASufficientBurnIn) {
+  configuration_.model = parse_model(YAML::Load(kSlowModel));
+  make_endless();
+  configuration_.run.burn_in = *settling_steps(configuration_.model, 2);
+  predict_again();
+  const RunResult settled = averages_over_time(configuration_, 100000);
   EXPECT_NEAR(settled.moments[0].variance(), 0.0128559, 0.001);
-  EXPECT_NE(text.find("Measurement agrees with Lemma 1: over all 2 followers"), std::string::npos) << text;
-  EXPECT_EQ(text.find("Warning"), std::string::npos) << text;
+  EXPECT_TRUE(contains(report_of(settled), "Measurement agrees with Lemma 1: over all 2 followers"));
+  EXPECT_FALSE(contains(report_of(settled), "Warning"));
 
-  configuration.run.burn_in = 100;
-  const Prediction prediction = predict(configuration);
-  const RunResult unsettled = averages_over_time(configuration, 100000);
-  const std::string warned = report(configuration, prediction, unsettled);
+  configuration_.run.burn_in = 100;
+  predict_again();
+  const RunResult unsettled = averages_over_time(configuration_, 100000);
   EXPECT_GT(unsettled.moments[0].variance(), 2.0 * 0.0128559) << "the transient counts";
-  EXPECT_NE(warned.find("Warning: burn_in: 100: 2 s are below the "), std::string::npos) << warned;
-  EXPECT_FALSE(measured_agreement(configuration.run, prediction, unsettled)) << warned;
-  EXPECT_EQ(warned.find("agree"), std::string::npos) << warned;
+  EXPECT_TRUE(contains(report_of(unsettled), "Warning: burn_in: 100: 2 s are below the "));
+  EXPECT_FALSE(measured_agreement(configuration_.run, prediction_, unsettled));
+  EXPECT_FALSE(contains(report_of(unsettled), "agree"));
 }
 
 }  // namespace

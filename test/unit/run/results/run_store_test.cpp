@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "unit/messages.hpp"
 #include "unit/run/results/result_with.hpp"
-#include "unit/temporary_folder.hpp"
 
 namespace platoon {
 namespace {
 
-class RunStoreTest : public testing::Test {
+class RunStoreTest : public ResultTest {
 protected:
-  RunStoreTest() : configuration_(paper_run(folder_ / "run")), prediction_(predict(configuration_)) {}
+  RunStoreTest() { configuration_.run.output = folder_ / "run"; }
 
   RunStore store() {
     return RunStore(
@@ -31,9 +31,6 @@ protected:
   /// Creates a folder in the place of a file, so that no user, not even root, can write the file.
   void block(const std::string& file) { std::filesystem::create_directories(file + "/in the way"); }
 
-  TemporaryFolder folder_;
-  Configuration configuration_;
-  Prediction prediction_;
   std::vector<std::string> failures_, recoveries_;
 };
 
@@ -53,7 +50,7 @@ TEST_F(RunStoreTest, RepeatsResultsThatCannotBeWrittenAndReportsItOnce) {
   RunStore store = this->store();
   const std::string file = configuration_.run.output + "/statistics.csv";
   block(file);
-  const RunResult result = result_with(configuration_, prediction_);
+  const RunResult result = this->result();
   EXPECT_FALSE(store.complete(checkpoint(20), prediction_, result, 5.0));
   EXPECT_FALSE(store.can_write(5.5)) << "a pause of a second";
   ASSERT_TRUE(store.can_write(6.0));
@@ -63,7 +60,7 @@ TEST_F(RunStoreTest, RepeatsResultsThatCannotBeWrittenAndReportsItOnce) {
   EXPECT_TRUE(store.complete(checkpoint(20), prediction_, result, 8.0));
   EXPECT_NE(content_of(file), "");
   ASSERT_EQ(failures_.size(), 1u);
-  EXPECT_NE(failures_[0].find("statistics.csv"), std::string::npos) << failures_[0];
+  EXPECT_TRUE(contains(failures_[0], "statistics.csv"));
   ASSERT_EQ(recoveries_.size(), 1u);
   EXPECT_EQ(recoveries_[0], configuration_.run.output + ": can be written again");
 }
@@ -72,9 +69,9 @@ TEST_F(RunStoreTest, AStoppedRunKeepsItsLatestCheckpoint) {
   RunStore store = this->store();
   store.save(checkpoint(10), 0.0);
   const std::string before = content_of(checkpoint_file(configuration_.run.output));
-  store.stop(checkpoint(10), prediction_, result_with(configuration_, prediction_));
+  store.stop(checkpoint(10), prediction_, result());
   EXPECT_EQ(content_of(checkpoint_file(configuration_.run.output)), before) << "nothing new";
-  store.stop(checkpoint(11), prediction_, result_with(configuration_, prediction_));
+  store.stop(checkpoint(11), prediction_, result());
   EXPECT_NE(content_of(checkpoint_file(configuration_.run.output)), before);
 }
 

@@ -4,10 +4,15 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <functional>
 #include <random>
 
+#include "unit/damage.hpp"
+#include "unit/messages.hpp"
 #include "unit/monte_carlo.hpp"
 #include "unit/run/scaling/shard_fixture.hpp"
+#include "unit/same_bits.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
@@ -23,13 +28,8 @@ std::vector<std::string> shards(const TemporaryFolder& folder, std::uint64_t of)
   return folders;
 }
 
-std::string refusal(const std::vector<std::string>& folders) {
-  try {
-    merge(folders);
-  } catch (const ConfigurationError& error) {
-    return error.what();
-  }
-  return "";
+std::string rejection(const std::vector<std::string>& folders) {
+  return message_of<ConfigurationError>([&folders] { merge(folders); });
 }
 
 std::vector<Moments> whole(const Configuration& configuration) {
@@ -37,19 +37,22 @@ std::vector<Moments> whole(const Configuration& configuration) {
   return monte_carlo(configuration.model, {run.seed, run.followers, run.steps, 512}, run.realizations).moments.totals();
 }
 
-void expect_same_bits(const std::vector<Moments>& found, const std::vector<Moments>& expected) {
-  ASSERT_EQ(found.size(), expected.size());
-  for (std::size_t c = 0; c < found.size(); ++c) {
-    ASSERT_EQ(found[c].count, expected[c].count);
-    ASSERT_EQ(found[c].mean, expected[c].mean);
-    ASSERT_EQ(found[c].squared_deviations, expected[c].squared_deviations);
-    if (std::isnan(expected[c].fourth_deviations)) continue;
-    ASSERT_EQ(found[c].cubed_deviations, expected[c].cubed_deviations);
-    ASSERT_EQ(found[c].fourth_deviations, expected[c].fourth_deviations);
+// Three shards of a run, each in its folder.
+class MergeTest : public testing::Test {
+protected:
+  // Merges the shards after a change of one of their checkpoints.
+  std::string rejection_after(std::size_t shard, const std::function<void(Checkpoint&)>& change) const {
+    Checkpoint checkpoint = *read_checkpoint(folders_[shard]);
+    change(checkpoint);
+    write_checkpoint(folders_[shard], checkpoint);
+    return rejection(folders_);
   }
-}
 
-TEST(Merge, OfAnyNumberOfShardsInAnyOrderGivesTheBitsOfOneRun) {
+  TemporaryFolder folder_;
+  std::vector<std::string> folders_ = shards(folder_, 3);
+};
+
+TEST(Merge, OfAnyNumberOfShardsInAnyOrderHasTheBitsOfOneRun) {
   std::mt19937 generator(1);
   for (const std::uint64_t of : {1, 2, 3, 7, 13, 32}) {
     const TemporaryFolder folder;
@@ -64,7 +67,7 @@ TEST(Merge, OfAnyNumberOfShardsInAnyOrderGivesTheBitsOfOneRun) {
   }
 }
 
-TEST(Merge, OfShardsWhoseErrorsAreNotNormalKeepsTheBitsOfAllFourMoments) {
+TEST(Merge, OfALossyRunHasTheBitsOfAllFourMoments) {
   const TemporaryFolder folder;
   std::vector<std::string> folders;
   for (std::uint64_t i = 0; i < 5; ++i) {
@@ -80,87 +83,78 @@ TEST(Merge, OfShardsWhoseErrorsAreNotNormalKeepsTheBitsOfAllFourMoments) {
   expect_same_bits(merged.result.moments, whole(merged.configuration));
 }
 
-TEST(Merge, NamesTheIndicesOfWhatIsMissing) {
+TEST(Merge, NamesTheIndicesOfMissingShards) {
   const TemporaryFolder folder;
   std::vector<std::string> folders = shards(folder, 13);
   for (const int i : {12, 9, 8, 7, 3}) folders.erase(folders.begin() + i);
-  EXPECT_EQ(refusal(folders), "shards 3,7-9,12 of 13: missing: must be computed (sbatch --array=3,7-9,12)");
+  EXPECT_EQ(rejection(folders), "shards 3,7-9,12 of 13: missing: must be computed (sbatch --array=3,7-9,12)");
 }
 
-TEST(Merge, NamesAShardThatIsGivenTwice) {
-  const TemporaryFolder folder;
-  std::vector<std::string> folders = shards(folder, 3);
-  folders.push_back(folders[1]);
-  EXPECT_EQ(refusal(folders), folders[1] + ": holds shard 1/3, as does " + folders[1] + ": must be given once");
+TEST_F(MergeTest, NamesAShardThatIsGivenTwice) {
+  folders_.push_back(folders_[1]);
+  EXPECT_EQ(rejection(folders_), folders_[1] + ": holds shard 1/3, as does " + folders_[1] + ": must be given once");
 }
 
-TEST(Merge, NamesAShardThatIsNotComplete) {
-  const TemporaryFolder folder;
-  const std::vector<std::string> folders = shards(folder, 3);
-  Checkpoint shard = *read_checkpoint(folders[1]);
+TEST_F(MergeTest, NamesAShardThatIsNotComplete) {
   const RealizationRange range = paper_shard("", 1, 3).range();
-  EnsembleRun some(paper_platoon(), {1, 2, 3, 8}, {range.first, range.first + 10});
-  some.work();
-  shard.totals = some.release();
-  write_checkpoint(folders[1], shard);
-  EXPECT_EQ(refusal(folders), "2 errors:\n  shards 1 of 3: missing: must be computed (sbatch --array=1)\n  " +
-                                  folders[1] + ": shard 1/3 is not complete: 10 of " + std::to_string(range.size()) +
-                                  " realizations");
+  EXPECT_EQ(rejection_after(1,
+                            [&range](Checkpoint& shard) {
+                              EnsembleRun some(paper_platoon(), {1, 2, 3, 8}, {range.first, range.first + 10});
+                              some.work();
+                              shard.totals = some.release();
+                            }),
+            "2 errors:\n  shards 1 of 3: missing: must be computed (sbatch --array=1)\n  " + folders_[1] +
+                ": shard 1/3 is not complete: 10 of " + std::to_string(range.size()) + " realizations");
 }
 
-TEST(Merge, RefusesAShardThatHoldsMoreThanItsRange) {
-  const TemporaryFolder folder;
-  const std::vector<std::string> folders = shards(folder, 3);
-  Checkpoint shard = *read_checkpoint(folders[1]);
-  shard.totals.merge(read_checkpoint(folders[2])->totals);
-  write_checkpoint(folders[1], shard);
-  EXPECT_NE(refusal(folders).find("shard 1/3 is not complete"), std::string::npos);
+TEST_F(MergeTest, RejectsAShardThatHoldsMoreThanItsRange) {
+  EXPECT_TRUE(contains(
+      rejection_after(1, [this](Checkpoint& shard) { shard.totals.merge(read_checkpoint(folders_[2])->totals); }),
+      "shard 1/3 is not complete"));
 }
 
-// The difference that merge reports for a shard of another run.
-std::string named_difference(const std::function<void(ShardRun&)>& change) {
-  const TemporaryFolder folder;
-  std::vector<std::string> folders = shards(folder, 3);
-  std::filesystem::remove_all(folders[2]);
-  ShardRun other = paper_shard(folders[2], 2, 3);
-  change(other);
-  compute_locked(other);
-  const std::string said = refusal(folders), begin = folders[2] + ": belongs to another run than " + folders[0] + ": ";
-  EXPECT_NE(said.find(begin), std::string::npos) << said;
-  EXPECT_NE(said.find("shards 2 of 3: missing"), std::string::npos) << said;
-  return said.substr(std::min(said.size(), said.find(begin) + begin.size()));
-}
-
-TEST(Merge, NamesInWhatShardsAreOfDifferentRuns) {
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.seed = 2; }), "seed is 1 there and 2 here");
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.followers = 3; }),
-            "followers is 2 there and 3 here");
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.steps = 4; }), "steps is 3 there and 4 here");
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.run.realizations = 1001; }),
-            "realizations is 1000 there and 1001 here");
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.shard.of = 4; }), "shards is 3 there and 4 here");
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.model.default_vehicle().noise_variance = 0.5; }),
-            "noise_variance is 0.6 there and 0.5 here");
-  EXPECT_EQ(named_difference([](ShardRun& run) { run.configuration.model.default_vehicle().link.delay = 1; }),
-            "channel is null there and {\"delay\":1} here");
-}
-
-// A checkpoint from another version, or from a build whose closed loop has other bits.
-TEST(Merge, NamesAnotherVersionAndAnotherMachinesBits) {
-  for (const char* key : {"version", "realization"}) {
-    const TemporaryFolder folder;
-    const std::vector<std::string> folders = shards(folder, 3);
-    Checkpoint shard = *read_checkpoint(folders[2]);
-    shard.identity[key] = "other";
-    write_checkpoint(folders[2], shard);
-    EXPECT_NE(refusal(folders).find(folders[2] + ": belongs to another run than " + folders[0] + ": " + key),
-              std::string::npos);
-    EXPECT_NE(refusal({folders[2]}).find("is of a run that this machine would compute otherwise: " + std::string(key)),
-              std::string::npos);
+TEST_F(MergeTest, NamesTheDifferencesOfAnotherRun) {
+  struct Case {
+    std::function<void(ShardRun&)> change;
+    std::string difference;
+  };
+  for (const auto& [change, difference] : {
+           Case{[](ShardRun& run) { run.configuration.run.seed = 2; }, "seed is 1 there and 2 here"},
+           Case{[](ShardRun& run) { run.configuration.run.followers = 3; }, "followers is 2 there and 3 here"},
+           Case{[](ShardRun& run) { run.configuration.run.steps = 4; }, "steps is 3 there and 4 here"},
+           Case{[](ShardRun& run) { run.configuration.run.realizations = 1001; },
+                "realizations is 1000 there and 1001 here"},
+           Case{[](ShardRun& run) { run.shard.of = 4; }, "shards is 3 there and 4 here"},
+           Case{[](ShardRun& run) { run.configuration.model.default_vehicle().noise_variance = 0.5; },
+                "noise_variance is 0.6 there and 0.5 here"},
+           Case{[](ShardRun& run) { run.configuration.model.default_vehicle().link.delay = 1; },
+                "channel is null there and {\"delay\":1} here"},
+       }) {
+    std::filesystem::remove_all(folders_[2]);
+    ShardRun other = paper_shard(folders_[2], 2, 3);
+    change(other);
+    compute_locked(other);
+    EXPECT_TRUE(contains(rejection(folders_), "shards 2 of 3: missing"));
+    EXPECT_TRUE(contains(rejection(folders_) + "\n",
+                         folders_[2] + ": belongs to another run than " + folders_[0] + ": " + difference + "\n"));
   }
 }
 
-TEST(Merge, NamesFoldersThatHoldNoShard) {
+// A checkpoint from another version, or from a build whose closed loop has other bits.
+TEST_F(MergeTest, NamesAnotherVersionAndTheBitsOfAnotherMachine) {
+  const nlohmann::json identity = read_checkpoint(folders_[2])->identity;
+  for (const std::string key : {"version", "realization"}) {
+    EXPECT_TRUE(contains(rejection_after(2,
+                                         [&](Checkpoint& shard) {
+                                           shard.identity = identity;
+                                           shard.identity[key] = "other";
+                                         }),
+                         folders_[2] + ": belongs to another run than " + folders_[0] + ": " + key));
+    EXPECT_TRUE(contains(rejection({folders_[2]}), "is of a run that this machine would compute otherwise: " + key));
+  }
+}
+
+TEST(Merge, NamesFoldersWithoutAShard) {
   const TemporaryFolder folder, run;
   std::vector<std::string> folders = shards(folder, 2);
   Checkpoint whole_run = *read_checkpoint(folders[0]);
@@ -168,42 +162,31 @@ TEST(Merge, NamesFoldersThatHoldNoShard) {
   write_checkpoint(run.path(), whole_run);
   folders.push_back(folder / "none");
   folders.push_back(run.path());
-  EXPECT_EQ(refusal(folders), "2 errors:\n  " + (folder / "none") +
-                                  ": holds no shard: must be the output of monte_carlo --shard\n  " + run.path() +
-                                  ": holds a run of 496 realizations and no shard");
+  EXPECT_EQ(rejection(folders), "2 errors:\n  " + (folder / "none") +
+                                    ": holds no shard: must be the output of monte_carlo --shard\n  " + run.path() +
+                                    ": holds a run of 496 realizations and no shard");
 }
 
 TEST(Merge, NamesTheFirstOfManyProblems) {
   std::vector<std::string> folders;
   for (int i = 0; i < 1000; ++i) folders.push_back("/nowhere/" + std::to_string(i));
-  const std::string said = refusal(folders);
-  EXPECT_NE(said.find("/nowhere/19: "), std::string::npos);
-  EXPECT_EQ(said.find("/nowhere/20: "), std::string::npos);
-  EXPECT_NE(said.find("and 980 more"), std::string::npos);
+  const std::string error = rejection(folders);
+  EXPECT_TRUE(contains(error, "/nowhere/19: "));
+  EXPECT_FALSE(contains(error, "/nowhere/20: "));
+  EXPECT_TRUE(contains(error, "and 980 more"));
 }
 
-TEST(Merge, TakesNoShardThatWasChangedInAnyByte) {
-  const TemporaryFolder folder;
-  const std::vector<std::string> folders = shards(folder, 3);
-  const std::string file = checkpoint_file(folders[1]), sound = content_of(file);
-  ASSERT_GT(sound.size(), 500u);
-  const auto expect_refused = [&](const std::string& bent, const std::string& how) {
-    std::ofstream(file, std::ios::binary) << bent;
-    EXPECT_EQ(refusal({folders[1]}).find(file + ": is not a checkpoint that can be read"), 0u) << how;
-  };
-  for (std::size_t place = 0; place < sound.size() && !HasFailure(); ++place) {
-    std::string bent = sound;
-    bent[place] = static_cast<char>(bent[place] ^ (1 << (place % 8)));
-    expect_refused(bent, "bit flipped in byte " + std::to_string(place));
-    expect_refused(sound.substr(0, place), "cut off at byte " + std::to_string(place));
-  }
-  expect_refused(sound + "x", "longer");
-  EXPECT_NE(refusal(folders).find("shards 1 of 3: missing"), std::string::npos);
+// checkpoint_test damages every byte.
+TEST_F(MergeTest, NamesADamagedShard) {
+  const std::string file = checkpoint_file(folders_[1]), sound = content_of(file);
+  std::ofstream(file, std::ios::binary) << with_flipped_bit(sound, 4 * sound.size());
+  EXPECT_TRUE(begins_with(rejection({folders_[1]}), file + ": is not a checkpoint that can be read"));
+  EXPECT_TRUE(contains(rejection(folders_), "shards 1 of 3: missing"));
   std::ofstream(file, std::ios::binary) << sound;
-  EXPECT_EQ(refusal(folders), "");
+  EXPECT_EQ(rejection(folders_), "");
 }
 
-TEST(ArrayIndices, AreWrittenAsSlurmTakesThem) {
+TEST(ArrayIndices, AreWrittenAsSlurmExpectsThem) {
   EXPECT_EQ(array_indices({}), "");
   EXPECT_EQ(array_indices({0}), "0");
   EXPECT_EQ(array_indices({0, 1, 2, 5, 7, 8}), "0-2,5,7-8");

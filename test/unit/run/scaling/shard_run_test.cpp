@@ -5,44 +5,38 @@
 #include <filesystem>
 
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
+#include "unit/damage.hpp"
+#include "unit/messages.hpp"
 #include "unit/run/scaling/shard_fixture.hpp"
+#include "unit/same_bits.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
 namespace {
 
-std::string refusal(const ShardRun& run) {
-  try {
-    compute_shard(run, {});
-  } catch (const ConfigurationError& error) {
-    return error.what();
-  }
-  return "";
+std::string rejection(const ShardRun& run) {
+  return message_of<ConfigurationError>([&run] { compute_shard(run, {}); });
 }
 
-std::string refused(const std::string& text, std::uint64_t realizations = 1000) {
-  try {
-    parse_shard(text, realizations);
-  } catch (const ConfigurationError& error) {
-    return error.what();
-  }
-  return "";
+std::string rejection(const std::string& shard, std::uint64_t realizations) {
+  return message_of<ConfigurationError>([&] { parse_shard(shard, realizations); });
 }
 
-TEST(ParseShard, TakesIOfN) {
+TEST(ParseShard, ReadsIndexAndNumber) {
   EXPECT_EQ(parse_shard("0/1", 1).of, 1u);
   EXPECT_EQ(parse_shard("63/64", 1000).index, 63u);
 }
 
-TEST(ParseShard, RefusesEverythingElseByName) {
+TEST(ParseShard, RejectsEverythingElse) {
   for (const char* text : {"64/64", "-1/64", "0/0", "1", "", "a/b", "1/2/3", "1/2x", "0/1001", "1.5/2"}) {
-    EXPECT_EQ(refused(text), "shard: " + std::string(text) +
-                                 ": must be I/N, I from 0 to N - 1, N at most the 1000 realizations and 1000000");
+    EXPECT_EQ(rejection(text, 1000),
+              "shard: " + std::string(text) +
+                  ": must be I/N, I from 0 to N - 1, N at most the 1000 realizations and 1000000");
   }
-  EXPECT_NE(refused("0/1000001", 2000000), "");
+  EXPECT_NE(rejection("0/1000001", 2000000), "");
 }
 
-TEST(ShardRun, ComesBackFromItsRecord) {
+TEST(ShardRun, IsReadBackFromItsRecord) {
   const ShardRun run = paper_shard("/somewhere", 3, 7);
   const ShardRun read = shard_run_of(nlohmann::json::parse(to_json(run).dump()));
   EXPECT_EQ(read.shard.index, 3u);
@@ -52,7 +46,7 @@ TEST(ShardRun, ComesBackFromItsRecord) {
   EXPECT_EQ(statistics_identity(read.configuration), statistics_identity(run.configuration));
 }
 
-TEST(ShardRun, OfARecordThatIsNoneIsAnError) {
+TEST(ShardRun, RejectsAnInvalidRecord) {
   nlohmann::json record = to_json(paper_shard("/somewhere", 3, 7));
   record["index"] = 7;
   EXPECT_THROW(shard_run_of(record), std::runtime_error);
@@ -62,7 +56,7 @@ TEST(ShardRun, OfARecordThatIsNoneIsAnError) {
   EXPECT_THROW(shard_run_of(5), std::runtime_error);
 }
 
-TEST(ComputeShard, LeavesItsRealizationsAndIsRecognizedWhenItIsComplete) {
+TEST(ComputeShard, WritesItsRealizationsOnce) {
   const TemporaryFolder folder;
   const ShardRun run = paper_shard(folder.path(), 2, 7);
   EXPECT_EQ(compute_shard(run, {}).computed, run.range().size());
@@ -92,63 +86,56 @@ Checkpoint broken_off(const ShardRun& run) {
   return checkpoint;
 }
 
-TEST(ComputeShard, GoesOnFromItsCheckpointToTheSameBits) {
+TEST(ComputeShard, ContinuesFromItsCheckpointToTheSameBits) {
   const TemporaryFolder whole, killed;
   compute_shard(paper_shard(whole.path(), 2, 7), {});
   const ShardRun run = paper_shard(killed.path(), 2, 7);
   write_checkpoint(killed.path(), broken_off(run));
   EXPECT_EQ(compute_shard(run, {}).computed, run.range().size() - 32);
-  const std::vector<Moments> found = read_checkpoint(killed.path())->totals.moments.totals(),
-                             expected = read_checkpoint(whole.path())->totals.moments.totals();
-  for (std::size_t c = 0; c < expected.size(); ++c) {
-    EXPECT_EQ(found[c].mean, expected[c].mean);
-    EXPECT_EQ(found[c].squared_deviations, expected[c].squared_deviations);
-  }
+  expect_same_bits(read_checkpoint(killed.path())->totals.moments, read_checkpoint(whole.path())->totals.moments);
 }
 
-TEST(ComputeShard, BeginsAnewWhereItsCheckpointIsDamagedAndSaysSo) {
+TEST(ComputeShard, StartsAnewWithAWarningIfItsCheckpointIsDamaged) {
   const TemporaryFolder folder;
   const ShardRun run = paper_shard(folder.path(), 2, 7);
   compute_shard(run, {});
-  std::string bent = content_of(checkpoint_file(folder.path()));
-  const std::string sound = bent;
-  bent[bent.size() / 2] = static_cast<char>(bent[bent.size() / 2] ^ 1);
-  folder.file("checkpoint.cbor", bent);
-  std::string said;
+  const std::string sound = content_of(checkpoint_file(folder.path()));
+  folder.file("checkpoint.cbor", with_flipped_bit(sound, 4 * sound.size()));
+  std::string warnings;
   ShardSettings settings;
-  settings.warn = [&said](const std::string& text) { said += text; };
+  settings.warn = [&warnings](const std::string& text) { warnings += text; };
   EXPECT_EQ(compute_shard(run, settings).computed, run.range().size());
-  EXPECT_NE(said.find("its digest is not that of its content: the shard begins anew"), std::string::npos) << said;
+  EXPECT_TRUE(contains(warnings, "its digest is not that of its content: the shard begins anew"));
   EXPECT_EQ(read_checkpoint(folder.path())->totals.count(), run.range().size());
 }
 
-TEST(ComputeShard, RefusesTheFolderOfAnotherShardAndOfAnotherRun) {
+TEST(ComputeShard, RejectsTheFolderOfAnotherShardAndOfAnotherRun) {
   const TemporaryFolder folder;
   ShardRun run = paper_shard(folder.path(), 2, 7);
   compute_shard(run, {});
   run.shard.index = 3;
-  EXPECT_EQ(refusal(run), "output: " + folder.path() +
-                              ": holds shard 2/7 of 1000 realizations, and this is shard 3/7 of 1000: must be "
-                              "another folder");
+  EXPECT_EQ(rejection(run), "output: " + folder.path() +
+                                ": holds shard 2/7 of 1000 realizations, and this is shard 3/7 of 1000: must be "
+                                "another folder");
   run.shard.index = 2;
   run.configuration.run.realizations = 1001;
-  EXPECT_NE(refusal(run).find("of 1000 realizations, and this is shard 2/7 of 1001"), std::string::npos);
+  EXPECT_TRUE(contains(rejection(run), "of 1000 realizations, and this is shard 2/7 of 1001"));
   run.configuration.run.realizations = 1000;
   run.configuration.run.seed = 2;
-  EXPECT_EQ(refusal(run), "output: " + folder.path() + ": holds a shard of another run: seed is 1 there and 2 here");
+  EXPECT_EQ(rejection(run), "output: " + folder.path() + ": holds a shard of another run: seed is 1 there and 2 here");
 }
 
-TEST(ComputeShard, RefusesTheFolderOfAWholeRunAndOfResults) {
+TEST(ComputeShard, RejectsTheFolderOfAWholeRunAndOfResults) {
   const TemporaryFolder run_folder, results;
   const ShardRun run = paper_shard(run_folder.path(), 0, 7);
   Checkpoint whole = broken_off(run);
   whole.shard = nullptr;
   write_checkpoint(run_folder.path(), whole);
-  EXPECT_EQ(refusal(run),
+  EXPECT_EQ(rejection(run),
             "output: " + run_folder.path() + ": holds a run of 32 realizations and no shard: must be another folder");
   results.file("statistics.csv", "of another run");
-  EXPECT_NE(refusal(paper_shard(results.path(), 0, 7)).find("holds results already, which are never overwritten"),
-            std::string::npos);
+  EXPECT_TRUE(
+      contains(rejection(paper_shard(results.path(), 0, 7)), "holds results already, which are never overwritten"));
 }
 
 }  // namespace

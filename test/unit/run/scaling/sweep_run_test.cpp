@@ -4,11 +4,14 @@
 
 #include <cmath>
 #include <filesystem>
-#include <sstream>
+#include <fstream>
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
+#include "unit/csv_rows.hpp"
+#include "unit/damage.hpp"
+#include "unit/messages.hpp"
 #include "unit/monte_carlo.hpp"
 #include "unit/run/scaling/shard_fixture.hpp"
 #include "unit/temporary_folder.hpp"
@@ -41,17 +44,6 @@ std::string computed(const Sweep& sweep, unsigned threads) {
   return content_of(folder / "sweep.csv");
 }
 
-std::vector<std::vector<std::string>> table_of(const std::string& csv) {
-  std::vector<std::vector<std::string>> rows;
-  std::istringstream lines(csv);
-  for (std::string line; std::getline(lines, line);) {
-    rows.emplace_back();
-    std::istringstream cells(line + ",");
-    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
-  }
-  return rows;
-}
-
 double error_of_lossy(const Configuration& configuration, const std::vector<Moments>& moments, std::size_t cell) {
   RunResult result;
   result.moments = moments;
@@ -62,7 +54,7 @@ double error_of_lossy(const Configuration& configuration, const std::vector<Mome
 
 TEST(Sweep, HasARowPerPointAndFollowerOfMeasurementAndTheory) {
   const Sweep sweep = sweep_of();
-  const auto table = table_of(computed(sweep, 2));
+  const auto table = csv_rows(computed(sweep, 2));
   ASSERT_EQ(table.size(), 9u);
   ASSERT_NE(table[1][12], table[3][12]) << "h = 2.4 and 3.2 differ";
   ASSERT_EQ(table[0],
@@ -92,19 +84,19 @@ TEST(Sweep, HasARowPerPointAndFollowerOfMeasurementAndTheory) {
   }
 }
 
-TEST(Sweep, LeavesEmptyWhatThereIsNoTheoryOf) {
+TEST(Sweep, LeavesCellsWithoutTheoryEmpty) {
   const Sweep sweep = sweep_of(
       "vary: {channel: [{loss: {probability: 0.5, mean_burst: 1, on_loss: hold}}]}\nfollowers: 2\nsteps: "
       "5\n"
       "realizations: 2000\nkeep: {followers: last, steps: all}\n");
-  const auto table = table_of(computed(sweep, 1));
+  const auto table = csv_rows(computed(sweep, 1));
   ASSERT_EQ(table.size(), 6u);
   EXPECT_EQ(table[1][2], "2");
   EXPECT_EQ(table[5][3], "4");
   for (std::size_t column = 9; column < 13; ++column) EXPECT_EQ(table[1][column], "") << column;
 }
 
-TEST(Sweep, IsTheSameForEveryNumberOfThreadsAndAfterABreak) {
+TEST(Sweep, IsTheSameForEveryNumberOfThreadsAndAfterAnInterruption) {
   const Sweep sweep = sweep_of();
   const std::string expected = computed(sweep, 1);
   EXPECT_EQ(computed(sweep, 3), expected);
@@ -117,7 +109,7 @@ TEST(Sweep, IsTheSameForEveryNumberOfThreadsAndAfterABreak) {
   EXPECT_EQ(content_of(folder / "sweep.csv"), expected);
 }
 
-TEST(Sweep, OfTasksOfAnArrayIsTheSame) {
+TEST(Sweep, IsTheSameFromTheTasksOfAnArray) {
   const Sweep sweep = sweep_of();
   const TemporaryFolder folder;
   const SweepSettings settings = settings_of(folder);
@@ -127,12 +119,9 @@ TEST(Sweep, OfTasksOfAnArrayIsTheSame) {
     compute_locked(part);
   };
   for (const std::uint64_t number : {11, 0, 1, 2, 4, 6, 7, 8}) task(number);
-  try {
-    merge_points(sweep, missing_points(sweep, settings), settings);
-    ADD_FAILURE();
-  } catch (const ConfigurationError& error) {
-    EXPECT_EQ(error.problems().front(), "tasks 3,5,9-10: missing: must be computed (sbatch --array=3,5,9-10)");
-  }
+  EXPECT_TRUE(
+      contains(message_of<ConfigurationError>([&] { merge_points(sweep, missing_points(sweep, settings), settings); }),
+               "tasks 3,5,9-10: missing: must be computed (sbatch --array=3,5,9-10)"));
   EXPECT_EQ(missing_points(sweep, settings), (std::vector<std::uint64_t>{1, 3}));
   for (const std::uint64_t number : {3, 5, 9, 10}) task(number);
   merge_points(sweep, missing_points(sweep, settings), settings);
@@ -140,26 +129,20 @@ TEST(Sweep, OfTasksOfAnArrayIsTheSame) {
   EXPECT_EQ(content_of(folder / "sweep.csv"), computed(sweep, 1));
 }
 
-TEST(Sweep, RecognizesAPointThatWasChangedInAnyByteAndThoseOfAnotherSweep) {
+TEST(Sweep, RecomputesADamagedPointAndRejectsThoseOfAnotherSweep) {
   const Sweep sweep = sweep_of();
   const TemporaryFolder folder;
   SweepSettings settings = settings_of(folder);
-  std::string said;
-  settings.warn = [&said](const std::string& text) { said = text; };
+  std::string warning;
+  settings.warn = [&warning](const std::string& text) { warning = text; };
   compute_points(sweep, {1}, settings);
   const std::string file = point_file(folder.path(), 1), sound = content_of(file);
-  const auto expect_missing = [&](const std::string& bent) {
-    std::ofstream(file, std::ios::binary) << bent;
-    said.clear();
-    EXPECT_EQ(missing_points(sweep, settings).size(), 4u);
-    EXPECT_NE(said.find("is not as it was written: it is computed again"), std::string::npos);
-  };
-  for (std::size_t place = 0; place < sound.size() && !HasFailure(); ++place) {
-    std::string bent = sound;
-    bent[place] = static_cast<char>(bent[place] ^ (1 << (place % 8)));
-    expect_missing(bent);
-    expect_missing(sound.substr(0, place));
-  }
+  for_each_damage(sound, [&](const std::string& damaged, const std::string& how) {
+    std::ofstream(file, std::ios::binary) << damaged;
+    warning.clear();
+    EXPECT_EQ(missing_points(sweep, settings).size(), 4u) << how;
+    EXPECT_TRUE(contains(warning, "is not as it was written: it is computed again")) << how;
+  });
   std::ofstream(file, std::ios::binary) << sound;
   EXPECT_EQ(missing_points(sweep, settings).size(), 3u);
   EXPECT_THROW(missing_points(sweep_of(kText + "seed: 2\n"), settings), ConfigurationError);
@@ -172,7 +155,7 @@ TEST(Sweep, ReportsAPointThatCannotBeRead) {
   EXPECT_THROW(missing_points(sweep_of(), settings), std::system_error);
 }
 
-TEST(Sweep, EndsWithAnErrorWhereAPointCannotBeWritten) {
+TEST(Sweep, ThrowsIfAPointCannotBeWritten) {
   const TemporaryFolder folder;
   SweepSettings settings;
   settings.output = folder / "none";
