@@ -2,15 +2,14 @@
 """test/xunit.py, which runs each program test: its JUnit file, and that no process outlives an interrupted test."""
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree
 
 import live_platoon
+from folder import FolderTest
 from processes import processes_with
 
 XUNIT = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "xunit.py")
@@ -20,17 +19,16 @@ import subprocess, sys, tempfile, time
 sys.path.insert(0, sys.argv[1])
 import terminal
 other = subprocess.Popen(["sleep", "1000"], start_new_session=True)
-core, _ = terminal.start_master(tempfile.gettempdir())
+terminal.start_master(tempfile.gettempdir(), lambda end: None)
 print("both run", flush=True)
 time.sleep(1000)
 """
 
 
-class Xunit(unittest.TestCase):
+class Xunit(FolderTest):
     def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        self.result = os.path.join(self.folder, "result.xml")
+        super().setUp()
+        self.result = self.path("result.xml")
 
     def start(self, *program):
         """Starts xunit.py with a mark in the environment, as a shell starts a command in the foreground."""
