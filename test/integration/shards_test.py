@@ -3,7 +3,6 @@
 
 import functools
 import glob
-import json
 import os
 import signal
 import subprocess
@@ -67,8 +66,7 @@ class Shards(ShardsTest):
         self.assertIn(" 0 of them computed now", self.shard("1/3", *LONG))
         self.run_tool("merge", *[self.path("{}_of_3".format(i)) for i in (2, 0, 1)], "--output", self.path("merged"))
         self.assertEqual(live_platoon.statistics(self.path("merged")), reference())
-        with open(self.path("merged", "summary.json")) as file:
-            summary = json.load(file)
+        summary = live_platoon.summary_of(self.path("merged"))
         self.assertEqual((summary["complete"], summary["realizations"], summary["positions_lost"], summary["hosting"]),
                          (True, REALIZATIONS, 0, "monte_carlo"))
 
@@ -137,8 +135,7 @@ class Interrupted(ShardsTest):
     def test_ctrl_c_writes_the_results_so_far_and_the_same_command_continues_to_the_same_bits(self):
         status, said = self.interrupted([signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
         self.assertEqual(status, 130, said)
-        with open(self.path("run", "summary.json")) as file:
-            summary = json.load(file)
+        summary = live_platoon.summary_of(self.path("run"))
         done = summary["realizations"]
         self.assertTrue(0 < done < REALIZATIONS and not summary["complete"])
         self.assertIn("stopped after {} of {} realizations: the same command continues".format(done, REALIZATIONS), said)
