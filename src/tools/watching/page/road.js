@@ -23,7 +23,7 @@ export class Road {
 
   reset() {
     this.before = this.present = null;
-    this.told = [];
+    this.received = [];
     this.shown = [];  // the latest snapshots
     this.gap = null;
     this.interval = 100;
@@ -42,17 +42,17 @@ export class Road {
   }
 
   // The received positions of a step may arrive before or after the true positions of that step.
-  hear(told) {
-    if (told) this.told = [...this.told.slice(-7), told];
+  takeReceived(received) {
+    if (received) this.received = [...this.received.slice(-7), received];
   }
 
   // Received minus true positions [m] at the latest step with both known, at most 5 steps ago; the marks move with the
   // vehicles in between. Both streams are thinned independently.
   offsets() {
     for (const snapshot of [...this.shown].reverse()) {
-      const told = this.told.find(t => t.step === snapshot.step && t.realization === snapshot.realization);
-      if (told && snapshot.realization === this.present.realization && this.present.step - snapshot.step <= 5)
-        return told.position.map((p, i) => p - snapshot.position[i]);
+      const received = this.received.find(t => t.step === snapshot.step && t.realization === snapshot.realization);
+      if (received && snapshot.realization === this.present.realization && this.present.step - snapshot.step <= 5)
+        return received.position.map((p, i) => p - snapshot.position[i]);
     }
     return [];
   }
@@ -117,7 +117,7 @@ export class Road {
       if (over.has(i)) this.drawOverlap(context, x, middle, long, broad, (position[i - 1] - position[i]) * metre);
       if (speeds && this.present.speed[i] !== undefined) this.drawSpeed(context, x - long / 2, row * lane + lane * 0.84, this.present.speed[i]);
     }
-    this.drawTold(context, position, lane, across, metre, n, speeds ? 0.5 : 0.62);
+    this.drawReceived(context, position, lane, across, metre, n, speeds ? 0.5 : 0.62);
     this.drawScale(context, height, width, metre);
     Object.assign(this.canvas.dataset, { metre, overlaps: [...over].join(), speeds });
   }
@@ -195,7 +195,7 @@ export class Road {
   }
 
   // A triangle in the follower's colour at the received position of its predecessor, with a line to the true position.
-  drawTold(context, position, lane, across, metre, n, share) {
+  drawReceived(context, position, lane, across, metre, n, share) {
     const offsets = this.offsets();
     const size = Math.max(lane * 0.11, 3);
     for (let i = 1; i <= offsets.length && i <= n; ++i) {
