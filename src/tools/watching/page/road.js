@@ -1,7 +1,7 @@
 // The road from above, in lanes from left to right: every vehicle at its position, and below it a mark at the position that its
 // follower received. The view moves with the leader; long strings continue in the lane below.
 import { css, followerColour, inkOn } from "./colours.js";
-import { canvasOf, FACE, niceTicks, short } from "./scale.js";
+import { canvasOf, label, niceTicks, short } from "./scale.js";
 
 const LEAST_GAP = 5.0;  // [m]
 const LENGTH = 4.2;     // [m] length of a drawn vehicle, below its largest width; vehicles in the model are points
@@ -115,7 +115,8 @@ export class Road {
       if (x < -long || x > width + long) continue;
       this.drawVehicle(context, x, middle, long, broad, i, n, chosen === i);
       if (over.has(i)) this.drawOverlap(context, x, middle, long, broad, (position[i - 1] - position[i]) * metre);
-      if (speeds && this.present.speed[i] !== undefined) this.drawSpeed(context, x - long / 2, row * lane + lane * 0.84, this.present.speed[i]);
+      if (speeds && this.present.speed[i] !== undefined)
+        label(context, this.present.speed[i].toFixed(1), x - long / 2, row * lane + lane * 0.84, "center", { font: "11px" });
     }
     this.drawReceived(context, position, lane, across, metre, n, speeds ? 0.5 : 0.62);
     this.drawScale(context, height, width, metre);
@@ -151,10 +152,7 @@ export class Road {
       context.stroke();
     }
     if (broad > 15 && long > 20) {
-      context.fillStyle = i === 0 ? css("--card") : inkOn(i, n);
-      context.font = `600 11px ${FACE}`;
-      context.textAlign = "center";
-      context.fillText(i === 0 ? "L" : i, x - long * 0.68, middle + 4);
+      label(context, i === 0 ? "L" : i, x - long * 0.68, middle + 4, "center", { colour: i === 0 ? css("--card") : inkOn(i, n), font: "600 11px" });
     }
   }
 
@@ -166,13 +164,6 @@ export class Road {
     context.globalAlpha = 1;
     context.lineWidth = 2;
     context.strokeRect(x - long, middle - broad / 2 - 2, long, broad + 4);
-  }
-
-  drawSpeed(context, x, y, speed) {
-    context.fillStyle = css("--soft");
-    context.font = `11px ${FACE}`;
-    context.textAlign = "center";
-    context.fillText(speed.toFixed(1), x, y);
   }
 
   // A bar of a round number of metres, which holds for every lane.
@@ -187,10 +178,7 @@ export class Road {
     }
     context.lineTo(1, y);
     context.stroke();
-    context.fillStyle = css("--soft");
-    context.font = `12px ${FACE}`;
-    context.textAlign = "left";
-    context.fillText(`${short(metres)} m`, long + 8, y + 1);
+    label(context, `${short(metres)} m`, long + 8, y + 1, "left");
     this.canvas.dataset.scale = metres;
   }
 
