@@ -172,7 +172,7 @@ class PlatoonState:
         """The values of the drawn followers."""
         return [values[i - 1] for i in drawn_followers(len(values))]
 
-    # The content of events, None if there is none yet: besides configuration, snapshot and received.
+    # The contents of events by kind: these properties and the attributes configuration, snapshot and received. None: not yet known.
 
     def give(self, kind: str) -> Any:
         with self.lock:
