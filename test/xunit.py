@@ -50,6 +50,14 @@ def run(program):
     """Runs the program and prints its output; returns status and output."""
     process = subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, errors="replace",
                                start_new_session=True)
+
+    def reap_orphans(*_):
+        for child in children():
+            if child != process.pid:
+                with contextlib.suppress(ChildProcessError):
+                    os.waitpid(child, os.WNOHANG)
+
+    signal.signal(signal.SIGCHLD, reap_orphans)
     printed = []
     try:
         for line in process.stdout:

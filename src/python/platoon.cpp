@@ -26,35 +26,7 @@ namespace {
 
 using Settings = std::map<std::string, std::string>;
 
-/// Runs the caller's callback and the check for Ctrl-C during a computation that has released the interpreter's lock.
-/// An exception of either stops the computation and is raised at its end.
-class Interruptions {
-public:
-  explicit Interruptions(std::function<void(std::uint64_t)> callback) : callback_(std::move(callback)) {}
-
-  void look(std::uint64_t done) {
-    if (raised_) return;
-    const py::gil_scoped_acquire lock;
-    try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (callback_) callback_(done);
-    } catch (...) {
-      raised_ = std::current_exception();
-    }
-  }
-
-  bool stopped() const { return raised_ != nullptr; }
-
-  void rethrow() const {
-    if (raised_) std::rethrow_exception(raised_);
-  }
-
-private:
-  std::function<void(std::uint64_t)> callback_;
-  std::exception_ptr raised_;
-};
-
-/// The result of a computation that does not use Python and leaves the interpreter to other threads.
+/// The result of a computation without Python objects; other threads may use the interpreter meanwhile.
 template <typename Computation>
 auto unlocked(const Computation& compute) {
   const py::gil_scoped_release release;
@@ -80,18 +52,29 @@ py::dict stability_map(const Model& model, const std::vector<double>& headways, 
 }
 
 py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads, double checkpoint_seconds,
-                         std::function<void(std::uint64_t)> progress, std::function<void(std::string)> warn) {
+                         const std::function<void(std::uint64_t)>& progress,
+                         const std::function<void(std::string)>& warn) {
   add_monte_carlo_batch(settings);
   Configuration configuration = model.configuration(settings);
   configuration.run.hosting = Hosting::monte_carlo;
   if (configuration.run.averaging() == Averaging::over_time)
     throw ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
-  Interruptions interruptions(std::move(progress));
+  // An exception of the callback, or Ctrl-C, stops the run and is raised at its end.
+  std::exception_ptr raised;
   ShardSettings how;
   how.threads = threads > 0 ? threads : std::max(std::thread::hardware_concurrency(), 1u);
   how.checkpoint_seconds = checkpoint_seconds;
-  how.progress = [&](std::uint64_t done) { interruptions.look(done); };
-  how.stop = [&] { return interruptions.stopped(); };
+  how.progress = [&](std::uint64_t done) {
+    if (raised) return;
+    const py::gil_scoped_acquire lock;
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      progress(done);
+    } catch (...) {
+      raised = std::current_exception();
+    }
+  };
+  how.stop = [&] { return raised != nullptr; };
   how.warn = [&](const std::string& text) {
     const py::gil_scoped_acquire lock;
     warn(text);
@@ -101,13 +84,13 @@ py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads
   {
     const py::gil_scoped_release unlocked;
     const WholeRun run = compute_run(configuration, how);
-    if (!interruptions.stopped()) {
+    if (!raised) {
       const auto files = result_files(configuration, run.prediction, run.result);
       tables = parse_results([&](const std::string& name) { return files.at(name); }, "monte_carlo");
       text = report(configuration, run.prediction, run.result);
     }
   }
-  interruptions.rethrow();
+  if (raised) std::rethrow_exception(raised);
   return py::make_tuple(plain_object_of(tables.summary), dict_of(std::move(tables.tables)), text);
 }
 

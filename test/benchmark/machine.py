@@ -54,8 +54,7 @@ class Machine:
             if watch:
                 watch(process)
             time.sleep(0.02)
-        with open(os.path.join(output, "summary.json")) as file:
-            summary = json.load(file)
+        summary = live_platoon.summary_of(output)
         if not summary["complete"] or summary["positions_lost"] != 0:
             raise SystemExit("a run was not complete: nothing is compared with it")
         return summary

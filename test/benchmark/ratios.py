@@ -36,8 +36,7 @@ def monte_carlo(machine, *options):
     folder = machine.fresh("monte_carlo")
     subprocess.run([live_platoon.executable("monte_carlo"), "--model", MODEL, "--realizations", str(MILLION), "--output",
                     folder] + list(options), check=True, stdout=subprocess.DEVNULL)
-    with open(os.path.join(folder, "summary.json")) as file:
-        return json.load(file)["vehicle_steps_per_second"]
+    return live_platoon.summary_of(folder)["vehicle_steps_per_second"]
 
 
 def rate_of_program(machine):

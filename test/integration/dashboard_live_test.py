@@ -38,7 +38,7 @@ let step = first;
 function frame() {
   for (let j = 0; j < 600 && step < first + snapshots; ++j, ++step) {
     tell("snapshot", {realization: 0, step, position: [2 * step, ...values().map((v, i) => 2 * step - 6 * i - v)], tracking_error: values().map(v => v - 2.5), speed: [20, ...values()]});
-    tell("told", {realization: 0, step, position: values().map((v, i) => 2 * step - 6 * i - v)});
+    tell("received", {realization: 0, step, position: values().map((v, i) => 2 * step - 6 * i - v)});
     if (step % 20) continue;
     const [v, t] = [values(), values()];
     tell("statistics", {step, realizations: 1, time_average: true, complete: false, theory: "exact", reason: "string stable: because", string_stable: true,

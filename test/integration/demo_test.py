@@ -5,29 +5,27 @@ import json
 import os
 import pty
 import re
-import shutil
 import signal
 import subprocess
-import tempfile
 import unittest
 import urllib.request
 
 import live_platoon
+from folder import FolderTest
 
 DEMO = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "launch", "demo")
 
 
-class Demo(unittest.TestCase):
+class Demo(FolderTest):
     def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        self.results = os.path.join(self.folder, "demo")
+        super().setUp()
+        self.results = self.path("demo")
 
     def test_live_on_a_machine_without_a_screen_prints_the_pages_address_and_the_page_moves(self):
         environment = self.environment(0)
         for name in ("DISPLAY", "WAYLAND_DISPLAY"):
             environment.pop(name, None)
-        log = os.path.join(self.folder, "printed")
+        log = self.path("printed")
         with open(log, "w") as written:
             process = subprocess.Popen([DEMO, "live", "followers:=3", "rate:=200"], env=environment, stdout=written,
                                        stderr=subprocess.STDOUT)

@@ -2,12 +2,10 @@
 """Faults in a model file or a launch argument are rejected with these messages, by the program that platoon.launch runs first."""
 
 import os
-import shutil
-import subprocess
-import tempfile
 import unittest
 
 import live_platoon
+from folder import FolderTest
 
 POSITIVE = "must be a finite number > 0"
 NOT_NEGATIVE = "must be a finite number >= 0"
@@ -184,31 +182,20 @@ ARGUMENTS = [
 ]
 
 
-class Refused(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        self.output = os.path.join(self.folder, "run")
-
+class Refused(FolderTest):
     def check(self, said, **given):
         """Checks that the input is rejected with these words, in printable lines, before any file is created."""
-        settings = dict({"model": live_platoon.shared("config", "paper.yaml"), "output": self.output}, **given)
-        command = [live_platoon.executable("configure")]
-        for name, value in settings.items():
-            command += ["--" + name.replace("_", "-"), value]
+        settings = dict(dict(model=live_platoon.shared("config", "paper.yaml"), output=self.path("run")), **given)
         with self.subTest(**{name: value[:200] for name, value in given.items()}, said=said):
-            done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, timeout=20)
+            done = live_platoon.tool("configure", **settings)
             self.assertEqual((done.returncode, done.stdout), (1, ""), done.stderr)
             self.assertIn("stochastic_platoon: the configuration is not valid: ", done.stderr)
             self.assertIn(said, done.stderr)
             self.assertTrue(done.stderr.replace("\n", "").isprintable(), repr(done.stderr))
-            self.assertFalse(os.path.exists(self.output), "the folder for the results was made")
+            self.assertFalse(os.path.exists(self.path("run")), "the folder for the results was made")
 
     def check_model(self, text, said):
-        path = os.path.join(self.folder, "model.yaml")
-        with open(path, "w") as file:
-            file.write(text)
-        self.check(said, model=path)
+        self.check(said, model=self.write("model.yaml", text))
 
     def test_what_stands_in_the_place_of_a_part_of_a_model_file(self):
         with open(live_platoon.shared("config", "paper.yaml")) as file:

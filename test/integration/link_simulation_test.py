@@ -109,8 +109,7 @@ class ShippedModels(FolderTest):
             model = yaml.safe_load(stream)
         model["channel"]["loss"] = {"probability": 0.2, "mean_burst": 2.5, "on_loss": "hold"}
         self.compare(self.write("bursts.yaml", json.dumps(model)), model)
-        with open(self.path("reference", "summary.json")) as stream:
-            summary = json.load(stream)
+        summary = live_platoon.summary_of(self.path("reference"))
         self.assertTrue(summary["theory"]["string_stable"])
         self.assertIn("the run is not judged", summary["warning"])
         self.assertEqual(set(summary["agreement"].values()), {None})

@@ -174,8 +174,7 @@ class Changes(Orders):
         self.assertGreater(unstable.variance[-1], 3.0 * stable.variance[-1])
         # Each run has its own folder.
         for folder, headway in ((self.output, 3.2), (self.output + "-run2", 2.4)):
-            with open(os.path.join(folder, "summary.json")) as file:
-                summary = json.load(file)
+            summary = live_platoon.summary_of(folder)
             self.assertTrue(summary["time_average"])
             self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)
             # 2 FOLLOWERS scores; each average is worth thousands of independent errors.
@@ -188,8 +187,7 @@ class Changes(Orders):
         for suffix, headway in (("", 3.2), ("-run2", 2.4)):
             read = self.path(hosting + suffix + "-read")
             self.assertEqual(live_platoon.tool("bag_statistics", bag + suffix + ".bag.active", output=read).returncode, 0)
-            with open(os.path.join(read, "summary.json")) as file:
-                summary = json.load(file)
+            summary = live_platoon.summary_of(read)
             self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)
             if not live_platoon.SANITIZED:
                 self.assertLess(summary["agreement"]["max_abs_z_variance"], 5.0)

@@ -64,11 +64,16 @@ def ros_environment(master, **more):
     return dict(os.environ, ROS_MASTER_URI=master, ROS_HOSTNAME="localhost", **more)
 
 
+def summary_of(output):
+    """The content of summary.json."""
+    with open(os.path.join(output, "summary.json")) as file:
+        return json.load(file)
+
+
 def completed_summary(output):
     """The content of summary.json of a completed run; None before."""
     try:
-        with open(os.path.join(output, "summary.json")) as file:
-            summary = json.load(file)
+        summary = summary_of(output)
     except OSError:
         return None
     return summary if summary["complete"] else None

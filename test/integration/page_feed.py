@@ -56,7 +56,7 @@ class Fed(unittest.TestCase):
             of = snapshot(step, n)
             of.position = [2.0 * step] + [2.0 * step - 6.4 * (i + 1) - e for i, e in enumerate(error)]
             of.tracking_error, of.speed = error, [20.0] + [20.0 + 0.9 * e for e in error]
-            self.state.take_told(message(run=1, realization=0, step=step, position=[p + 0.8 * math.sin(9.0 * i) for i, p in enumerate(of.position[:n])]))
+            self.state.take_received(message(run=1, realization=0, step=step, position=[p + 0.8 * math.sin(9.0 * i) for i, p in enumerate(of.position[:n])]))
             self.state.take_snapshot(of)
             if step % 10 == 0:
                 variance = [v * (1.0 + 0.2 * math.sin(5.0 * i) + 2.0 / (step + 10)) for i, v in enumerate(theory)]

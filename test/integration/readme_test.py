@@ -4,15 +4,14 @@ HOME; long runs are shortened."""
 
 import os
 import re
-import shutil
 import signal
 import subprocess
 import tempfile
-import time
 import unittest
 import xmlrpc.client
 
 import live_platoon
+from folder import temporary_folder
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SETUP = "devel/setup.bash"
@@ -69,22 +68,19 @@ def command_lines():
 class Readme(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp()
+        cls.folder = temporary_folder(cls.addClassCleanup)
         cls.home = os.path.join(cls.folder, "home")
         os.mkdir(cls.home)
         cls.environment = dict(HOME=cls.home, PATH="/usr/bin:/bin", LANG="C.UTF-8", TERM="dumb", ROS_HOSTNAME="localhost",
                                ROS_MASTER_URI="http://localhost:{}".format(live_platoon.free_port()), REALIZATIONS="1000",
                                PYTHONUNBUFFERED="1")  # otherwise roslaunch buffers its output
 
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.folder, ignore_errors=True)
-
     def start(self, line):
         extra = next((extra for begin, extra in SHORTER if line.startswith(begin)), "")
         if line == "roscore":
             extra = "-p " + self.environment["ROS_MASTER_URI"].rsplit(":", 1)[1]
         typed = (line + " " + extra).replace("/tmp/", self.folder + "/")
+        typed = re.sub(r"(--sweep-\w+ [\d.]+:[\d.]+:)\d{3}", r"\g<1>20", typed)  # a map of 20 x 20 points
         if line == ". devel/setup.bash":
             typed = ". " + SETUP
         self.log = tempfile.NamedTemporaryFile("w+", dir=self.folder, suffix=".log", delete=False)
@@ -120,18 +116,11 @@ class Readme(unittest.TestCase):
         except OSError:
             return False
 
-    def end_live(self, line, process):
-        """Interrupts a live platoon once it is up and has averages."""
-        live_platoon.wait_for(lambda: "process[platoon/monitor" in self.said() or process.poll() is not None, line)
-        time.sleep(6.0)  # some steps for the averages of this endless run
-        self.interrupt(process)
-        self.assertIn("time averages", self.said())
-
     def test_every_command_line_works_as_typed(self):
         lines = command_lines()
         self.assertGreater(len(lines), 15)
         standing = []
-        for line, following in zip(lines, lines[1:] + [""]):
+        for line in lines:
             if line in NOT_RUN:
                 continue
             self.assertIn(line.split()[0], COMMANDS, "a line that is no command: " + line)
@@ -140,11 +129,9 @@ class Readme(unittest.TestCase):
                     self.interrupt(standing.pop()[0])
                 process = self.start(line)
                 stands = next((entry for entry in STANDING if line.startswith(entry[0])), None)
-                if line.startswith(STAY_UP) and following.startswith(ORDERS):
+                if line.startswith(STAY_UP):
                     standing.append((process, "^({})".format("|".join(ORDERS))))
                     live_platoon.wait_for(self.takes_orders, line)
-                elif line.startswith(STAY_UP):
-                    self.end_live(line, process)
                 elif stands:
                     standing.append((process, stands[2]))
                     live_platoon.wait_for(lambda: stands[1] in self.said() or process.poll() is not None, line)

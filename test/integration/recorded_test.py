@@ -40,8 +40,7 @@ class Recorded(LaunchTest):
         speed = np.interp(0.1 * np.arange(STEPS), table["time"], table["speed"])
         driven = np.concatenate([[0.0], np.cumsum(0.05 * (speed[1:] + speed[:-1]))])
         np.testing.assert_allclose(self.leader_of(folder), driven, atol=1e-9)
-        with open(os.path.join(folder, "summary.json")) as file:
-            agreement = json.load(file)["agreement"]
+        agreement = live_platoon.summary_of(folder)["agreement"]
         self.assertTrue(1 < agreement["max_abs_z_mean"] < 5.5, agreement)
         self.run_to_the_end(leader="city.csv", **settings)
         self.assertEqual(live_platoon.statistics(self.output), live_platoon.statistics(folder))
@@ -53,8 +52,7 @@ class Recorded(LaunchTest):
         self.write("lap.csv", "recorded by hand\nTime;Speed1\n" + "".join("%.12g;%.12g\n" % (100 + 0.5 * k, 36 + 3.6 * math.sin(k)) for k in range(61)))
         model = self.model_with(leader=dict(file="lap.csv", time="Time", speed="Speed1", unit="km/h", skip_rows=1, from_second=5.0))
         folder = self.monte_carlo("run", model=model, followers=2, realizations=10)
-        with open(os.path.join(folder, "summary.json")) as file:
-            self.assertEqual(json.load(file)["steps"], 251, "25 s of the table are left")
+        self.assertEqual(live_platoon.summary_of(folder)["steps"], 251, "25 s of the table are left")
         rows = 0.5 * np.arange(61)
         speed = np.interp(5.0 + 0.1 * np.arange(251), rows, [10 + math.sin(k) for k in range(61)])
         np.testing.assert_allclose(np.diff(self.leader_of(folder)), 0.05 * (speed[1:] + speed[:-1]), atol=1e-9)

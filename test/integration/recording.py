@@ -1,12 +1,11 @@
 """Recordings: the bases of tests that record a launch, and of tests that alter the bag in test/data."""
 
-import json
 import os
 
 import rosbag
 
 from folder import FolderTest
-from live_platoon import tool
+from live_platoon import summary_of, tool
 from terminal import LaunchTest
 
 DATA = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data")
@@ -59,8 +58,7 @@ class SmallBagTest(FolderTest):
         output = self.path("partial")
         result = tool("bag_statistics", bag, "--partial", *options, output=output)
         self.assertEqual(result.returncode, 0, result.stderr)
-        with open(os.path.join(output, "summary.json")) as file:
-            return json.load(file)
+        return summary_of(output)
 
     def bent(self, name, change):
         def forge(topic, message):

@@ -2,7 +2,6 @@
 """A run that is interrupted, finished or killed goes on with resume:=true; the averages of an endless run outlive kills."""
 
 import glob
-import json
 import unittest
 
 from stochastic_platoon.msg import Overview
@@ -20,8 +19,7 @@ class StopAndResume(LaunchTest):
         live_platoon.wait_for(lambda: glob.glob(self.output + "/checkpoint.cbor"), "a checkpoint")
         terminal.interrupt()
         self.assertIn("resume:=true goes on from there", terminal.text())
-        with open(self.output + "/summary.json") as file:
-            stopped = json.load(file)
+        stopped = live_platoon.summary_of(self.output)
         self.assertFalse(stopped["complete"])
         self.assertGreater(stopped["realizations"], 0)
         self.assertLess(stopped["realizations"], 2000)
@@ -57,8 +55,7 @@ class Endless(Orders):
         terminal = self.launch(followers=3, steps=0, rate=1000, burn_in=50, stall_timeout=0.5)
 
         def counted():
-            with open(self.output + "/summary.json") as file:
-                summary = json.load(file)
+            summary = live_platoon.summary_of(self.output)
             rows = [line.split(",") for line in live_platoon.statistics(self.output).decode().splitlines()[1:]]
             return summary["attempts"], [int(row[2]) for row in rows], [int(row[1]) for row in rows]
 
@@ -83,8 +80,7 @@ class Endless(Orders):
         terminal = self.launch(followers=2, steps=0, burn_in=50)
         self.steps_of_another(30000)
         terminal.interrupt()
-        with open(self.output + "/summary.json") as file:
-            summary = json.load(file)
+        summary = live_platoon.summary_of(self.output)
         self.assertTrue(summary["time_average"])
         self.assertLess(summary["agreement"]["max_abs_z_variance"], 5.0)
         self.assertLess(summary["agreement"]["max_abs_z_mean"], 5.0)

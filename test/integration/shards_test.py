@@ -3,15 +3,14 @@
 
 import functools
 import glob
-import json
 import os
-import shutil
 import signal
 import subprocess
 import tempfile
 import unittest
 
 import live_platoon
+from folder import FolderTest
 
 # A shard takes seconds on one thread and writes its first checkpoint early, so that it can be killed before it ends.
 REALIZATIONS = 100000 if live_platoon.SANITIZED else 400000
@@ -26,14 +25,7 @@ def reference():
         return live_platoon.reference(folder, realizations=str(REALIZATIONS))
 
 
-class ShardsTest(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-
-    def path(self, *names):
-        return os.path.join(self.folder, *names)
-
+class ShardsTest(FolderTest):
     def start(self, tool, *words, before=""):
         process = subprocess.Popen(["bash", "-c", before + 'exec "$@"', "bash", live_platoon.executable(tool)] + list(words),
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
@@ -74,8 +66,7 @@ class Shards(ShardsTest):
         self.assertIn(" 0 of them computed now", self.shard("1/3", *LONG))
         self.run_tool("merge", *[self.path("{}_of_3".format(i)) for i in (2, 0, 1)], "--output", self.path("merged"))
         self.assertEqual(live_platoon.statistics(self.path("merged")), reference())
-        with open(self.path("merged", "summary.json")) as file:
-            summary = json.load(file)
+        summary = live_platoon.summary_of(self.path("merged"))
         self.assertEqual((summary["complete"], summary["realizations"], summary["positions_lost"], summary["hosting"]),
                          (True, REALIZATIONS, 0, "monte_carlo"))
 
@@ -144,8 +135,7 @@ class Interrupted(ShardsTest):
     def test_ctrl_c_writes_the_results_so_far_and_the_same_command_continues_to_the_same_bits(self):
         status, said = self.interrupted([signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
         self.assertEqual(status, 130, said)
-        with open(self.path("run", "summary.json")) as file:
-            summary = json.load(file)
+        summary = live_platoon.summary_of(self.path("run"))
         done = summary["realizations"]
         self.assertTrue(0 < done < REALIZATIONS and not summary["complete"])
         self.assertIn("stopped after {} of {} realizations: the same command continues".format(done, REALIZATIONS), said)
@@ -179,12 +169,10 @@ class Interrupted(ShardsTest):
 class Sweeps(ShardsTest):
     def setUp(self):
         super().setUp()
-        self.file = self.write(SWEEP)
+        self.file = self.sweep(SWEEP)
 
-    def write(self, text):
-        with open(self.path("sweep.yaml"), "w") as file:
-            file.write(text)
-        return self.path("sweep.yaml")
+    def sweep(self, text):
+        return self.write("sweep.yaml", text)
 
     def test_a_sweep_that_is_killed_goes_on_point_by_point_to_the_same_table(self):
         points = self.path("killed", "points")
@@ -220,10 +208,10 @@ class Sweeps(ShardsTest):
         self.refused("task: 20: must be a whole number from 0 to 19", self.file, "--task", "20", *output)
         self.refused("task: all: must be a whole number", self.file, "--task", "all", *output)
         self.refused("1000000 x 1000000 = 1e+12 points: must be at most 100000",
-                     self.write("vary: {headway: 2:4:1000000, loss: 0:0.5:1000000}\n"), *output)
-        self.refused("(hedway = 3): model/hedway: unknown key: allowed are", self.write("vary: {hedway: [3]}\n"), *output)
-        self.refused("steps_: unknown key: allowed are", self.write("vary: {headway: [3]}\nsteps_: 3\n"), *output)
-        self.refused("must be YAML", self.write("vary: {headway: [3}\n"), *output)
+                     self.sweep("vary: {headway: 2:4:1000000, loss: 0:0.5:1000000}\n"), *output)
+        self.refused("(hedway = 3): model/hedway: unknown key: allowed are", self.sweep("vary: {hedway: [3]}\n"), *output)
+        self.refused("steps_: unknown key: allowed are", self.sweep("vary: {headway: [3]}\nsteps_: 3\n"), *output)
+        self.refused("must be YAML", self.sweep("vary: {headway: [3}\n"), *output)
 
 
 if __name__ == "__main__":

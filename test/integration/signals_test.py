@@ -107,8 +107,7 @@ class Signals(LaunchTest):
     def test_the_worst_realization_is_replayed(self):
         text = self.measure("run")
         folder = self.path("run")
-        with open(os.path.join(folder, "summary.json")) as file:
-            worst = json.load(file)["smallest_gap"]
+        worst = live_platoon.summary_of(folder)["smallest_gap"]
         self.assertIn("--repeat {}/summary.json --only {} --trajectories".format(folder, worst["realization"]), text)
         found = tool("monte_carlo", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=worst["realization"],
                     output=self.path("worst"))

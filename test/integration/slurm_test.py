@@ -3,13 +3,12 @@
 
 import glob
 import os
-import shutil
 import sys
-import tempfile
 import unittest
 
 import cluster
 import live_platoon
+from folder import FolderTest
 
 SCRIPT = live_platoon.shared("launch", "shards.sbatch")
 SHARDS = 4
@@ -18,7 +17,7 @@ OPTIONS = ["--realizations", REALIZATIONS, "--batch", "128", "--checkpoint-secon
 SWEEP = "vary: {headway: [2.4, 3.2]}\nfollowers: 3\nsteps: 20\nrealizations: 2000\nshards: 2\n"
 
 
-class OnACluster(unittest.TestCase):
+class OnACluster(FolderTest):
     @classmethod
     def setUpClass(cls):
         cls.cluster = cluster.Cluster()
@@ -29,9 +28,8 @@ class OnACluster(unittest.TestCase):
             raise AssertionError("{}\n{}".format(error, cls.cluster.logs()))
 
     def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        self.output = os.path.join(self.folder, "run")
+        super().setUp()
+        self.output = self.path("run")
 
     def submit(self, *words, **environment):
         """Submits; returns the job numbers of the array and of the merge."""
@@ -97,11 +95,9 @@ class OnACluster(unittest.TestCase):
                          live_platoon.reference(self.folder, realizations=1000, followers=2, steps=5))
 
     def test_3_a_sweep_as_an_array_gives_the_table_of_a_sweep_here(self):
-        file = os.path.join(self.folder, "sweep.yaml")
-        with open(file, "w") as text:
-            text.write(SWEEP)
+        file = self.write("sweep.yaml", SWEEP)
         self.wait_for_end(*self.submit(self.output, file))
-        here = os.path.join(self.folder, "here")
+        here = self.path("here")
         self.cluster.run(live_platoon.executable("sweep"), file, "--output", here)
         tables = []
         for folder in (self.output, here):

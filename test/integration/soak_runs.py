@@ -1,7 +1,6 @@
 """The runs of a soak: starts each, injects its faults, and compares its results bit for bit with an undisturbed run."""
 
 import glob
-import json
 import os
 import shutil
 import signal
@@ -142,8 +141,7 @@ class Soak:
 
     def compare(self, run, launch, output, bag):
         if run.endless:
-            with open(os.path.join(output, "summary.json")) as file:
-                assert_that(json.load(file)["time_average"], "the summary of an endless run is not one of time averages")
+            assert_that(live_platoon.summary_of(output)["time_average"], "the summary of an endless run is not one of time averages")
             rows = [line.split(",") for line in live_platoon.statistics(output).decode().splitlines()[1:]]
             assert_that(len(rows) == run.settings["followers"], "{} rows of averages".format(len(rows)))
             assert_that(all(int(row[2]) >= self.averaged for row in rows),

@@ -51,7 +51,7 @@ class Diagnosed(Orders):
 
     def test_a_stall_is_one_state_until_a_step_is_complete_and_counts_retries(self):
         topic = self.listen("/diagnostics", DiagnosticArray)
-        terminal = self.endless("processes", followers=5, stall_timeout=0.5)
+        terminal = self.endless("processes", followers=5)
 
         def of_monitor():
             """(culprit, retries) of each status of the monitor."""

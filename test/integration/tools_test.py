@@ -3,12 +3,12 @@
 
 import hashlib
 import os
-import shutil
 import subprocess
 import tempfile
 import unittest
 
 import live_platoon
+from folder import FolderTest
 
 TOOLS = ["analyze", "bag_statistics", "configure", "merge", "monte_carlo", "sweep"]
 
@@ -95,25 +95,24 @@ class Memory(unittest.TestCase):
         self.assertLess(usage.ru_maxrss, 900000)
 
 
-class Repeat(unittest.TestCase):
+class Repeat(FolderTest):
     """monte_carlo --repeat SUMMARY repeats the run of a summary."""
 
     def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder)
+        super().setUp()
         done = self.monte_carlo("first", "--headway", "2.4", "--followers", "3", "--steps", "20", "--realizations", "500",
                                 "--seed", "7", "--model", live_platoon.shared("config", "lossy.yaml"))
         self.assertEqual(done.returncode, 0, done.stdout)
-        self.summary = os.path.join(self.folder, "first", "summary.json")
+        self.summary = self.path("first", "summary.json")
 
     def monte_carlo(self, output, *arguments):
-        return run(live_platoon.executable("monte_carlo"), "--output", os.path.join(self.folder, output), *arguments)
+        return run(live_platoon.executable("monte_carlo"), "--output", self.path(output), *arguments)
 
     def test_gives_the_same_bits_and_says_so(self):
         done = self.monte_carlo("again", "--repeat", self.summary)
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertIn("statistics.csv equals the one that {} describes, bit for bit".format(self.summary), done.stdout)
-        first, again = (live_platoon.statistics(os.path.join(self.folder, name)) for name in ("first", "again"))
+        first, again = (live_platoon.statistics(self.path(name)) for name in ("first", "again"))
         self.assertEqual(first, again)
 
     def test_rejects_settings_that_would_change_the_run(self):
@@ -121,7 +120,7 @@ class Repeat(unittest.TestCase):
             done = self.monte_carlo("again", "--repeat", self.summary, option, value)
             self.assertEqual(done.returncode, 1, option)
             self.assertIn("{}: given: must be absent beside repeat".format(option[2:]), done.stdout)
-            self.assertFalse(os.path.exists(os.path.join(self.folder, "again", "statistics.csv")))
+            self.assertFalse(os.path.exists(self.path("again", "statistics.csv")))
 
     def test_rejects_a_changed_summary(self):
         with open(self.summary) as file:
@@ -163,16 +162,12 @@ class VectorWidths(unittest.TestCase):
         self.assertNotIn("the noise is slow", self.monte_carlo("monte_carlo_without_avx512")[1])
 
 
-class PaperExample(unittest.TestCase):
+class PaperExample(FolderTest):
     """20 followers, 100 steps, 10000 realizations, seed 1.
 
     An intended change of the numbers changes these digests and must be in CHANGELOG.rst: older recordings and checkpoints then no
     longer match the program.
     """
-
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
     def digest(self, headway):
         csv = live_platoon.reference(self.folder, headway=headway, followers=20, steps=100, realizations=10000, seed=1)

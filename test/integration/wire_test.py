@@ -88,7 +88,7 @@ class Wire(unittest.TestCase):
                       'progress: ignored a report from "no\\x1b[2J one": it is no receiver of this run']
             return all(words in cls.said for words in wanted)
 
-        live_platoon.wait_for(all_said, "the second publishers to be named", 20)
+        live_platoon.wait_for(all_said, "the second publishers to be named")
         # The publishers keep running: if they ended, the master would update the nodes' lists of publishers and thereby end the
         # forged links.
         cls.second_publishers = publishers + [reporter]
@@ -140,7 +140,7 @@ class Wire(unittest.TestCase):
             cls.counted = [match.groups() for match in counts if match and "0" not in match.groups()]
             return cls.counted and any("beyond this run: attempt" in text for text in cls.said)
 
-        live_platoon.wait_for(all_counted, "a report that counts all kinds", 20)
+        live_platoon.wait_for(all_counted, "a report that counts all kinds")
 
     def test_foreign_messages_change_no_bit(self):
         self.assertEqual(live_platoon.statistics(self.output),
@@ -168,8 +168,8 @@ class Wire(unittest.TestCase):
 
     def test_the_last_statistics_on_the_topic_are_those_of_the_file(self):
         final = live_platoon.wait_for(
-            lambda: {message.step: message for message in self.statistics if message.realizations == REALIZATIONS}, "statistics", 10)
-        live_platoon.wait_for(lambda: len({m.step for m in self.statistics if m.realizations == REALIZATIONS}) == STEPS, "all steps", 10)
+            lambda: {message.step: message for message in self.statistics if message.realizations == REALIZATIONS}, "statistics")
+        live_platoon.wait_for(lambda: len({m.step for m in self.statistics if m.realizations == REALIZATIONS}) == STEPS, "all steps")
         final = {message.step: message for message in self.statistics if message.realizations == REALIZATIONS}
         for line in live_platoon.statistics(self.output).decode().splitlines()[1:]:
             vehicle, step, _, mean, variance, theoretical_mean, theoretical_variance = line.split(",")

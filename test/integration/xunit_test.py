@@ -2,15 +2,14 @@
 """test/xunit.py, which runs each program test: its JUnit file, and that no process outlives an interrupted test."""
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree
 
 import live_platoon
+from folder import FolderTest
 from processes import processes_with
 
 XUNIT = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "xunit.py")
@@ -20,22 +19,23 @@ import subprocess, sys, tempfile, time
 sys.path.insert(0, sys.argv[1])
 import terminal
 other = subprocess.Popen(["sleep", "1000"], start_new_session=True)
-core, _ = terminal.start_master(tempfile.gettempdir())
+terminal.start_master(tempfile.gettempdir(), lambda end: None)
 print("both run", flush=True)
 time.sleep(1000)
 """
 
 
-class Xunit(unittest.TestCase):
+class Xunit(FolderTest):
     def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        self.result = os.path.join(self.folder, "result.xml")
+        super().setUp()
+        self.result = self.path("result.xml")
 
     def start(self, *program):
         """Starts xunit.py with a mark in the environment, as a shell starts a command in the foreground."""
-        return subprocess.Popen([XUNIT, self.result, "name", *program], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                universal_newlines=True, env=dict(os.environ, MARK=self.folder, TMPDIR=self.folder), start_new_session=True)
+        process = self.background(XUNIT, self.result, "name", *program, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+                                  env=dict(os.environ, MARK=self.folder, TMPDIR=self.folder), start_new_session=True)
+        self.addCleanup(process.stdout.close)
+        return process
 
     def ended(self, *program):
         """Exit status, output and JUnit file of a program."""
@@ -50,11 +50,14 @@ class Xunit(unittest.TestCase):
         status, _, suite = self.ended("sh", "-c", "exit 77")
         self.assertEqual((status, suite.get("skipped"), suite.get("failures")), (0, "1", "0"))
 
+    def test_an_orphan_that_ends_leaves_no_zombie_while_the_test_runs(self):
+        status, printed, _ = self.ended("sh", "-c", "orphan=$(sh -c 'sleep 0.2 > /dev/null & echo $!'); while [ -e /proc/$orphan ]; do sleep 0.05; done")
+        self.assertEqual((status, printed), (0, ""))
+
     def test_no_process_outlives_an_interrupted_test(self):
         for number in (signal.SIGINT, signal.SIGTERM):
             with self.subTest(signal=number):
                 process = self.start(sys.executable, "-c", LAUNCHING, os.path.dirname(os.path.abspath(__file__)))
-                self.addCleanup(process.stdout.close)
                 self.assertEqual(process.stdout.readline(), "both run\n")
                 self.assertGreater(len(processes_with("MARK=" + self.folder)), 4)  # xunit.py, the test, sleep, roscore, rosmaster, rosout
                 os.killpg(process.pid, number)

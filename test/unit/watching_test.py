@@ -100,8 +100,8 @@ class State(unittest.TestCase):
         self.assertEqual(self.state.document()["realizations"], 6)
 
     def test_received_positions_have_a_realization_and_a_step(self):
-        self.state.take_told(message(run=1, realization=8, step=5, position=[1.0, NAN]))
-        self.assertEqual(self.state.give("told"), {"realization": 8, "step": 5, "position": [1.0, None]})
+        self.state.take_received(message(run=1, realization=8, step=5, position=[1.0, NAN]))
+        self.assertEqual(self.state.give("received"), {"realization": 8, "step": 5, "position": [1.0, None]})
 
     def test_the_culprit_is_that_of_the_monitor_until_the_stall_ends(self):
         def diagnostics(name, culprit, retries="0"):
@@ -193,7 +193,7 @@ class State(unittest.TestCase):
 
         def hour(first):
             for step in range(first, first + 36000):
-                self.state.take_told(message(run=1, realization=0, step=step, position=[float(step)] * 20))
+                self.state.take_received(message(run=1, realization=0, step=step, position=[float(step)] * 20))
                 self.state.take_snapshot(snapshot(step, 20))
                 if step % 10 == 0:
                     self.state.take_overview(endless(20, step), step / 10)

@@ -14,9 +14,10 @@ the texts of the tools. The messages of this package's topics are in stochastic_
 from ._platoon import version as __version__
 from .model import Configuration, Model, Vehicle, shipped_file
 from .recording import Recording
-from .results import Ages, Amplification, Gaps, Moments, Results
+from .results import Results
 from .simulation import Trajectories, monte_carlo, trajectories
 from .sweeps import Sweep
+from .tables import Ages, Amplification, Gaps, Moments
 from .theory import Analysis, StabilityMap, analyze, stability_map
 
 __all__ = [

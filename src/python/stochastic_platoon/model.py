@@ -21,7 +21,8 @@ def _as_json(value: Any) -> str:
     return json.dumps(value, default=lambda other: other.tolist())
 
 
-def _checked(index: int) -> int:
+def checked_vehicle(index: int) -> int:
+    """The number of a vehicle. Raises IndexError if it is negative. Internal."""
     if index < 0:
         raise IndexError("vehicle: {}: must be 0 or more".format(index))
     return index
@@ -84,7 +85,7 @@ class Model:
 
         Raises IndexError for a negative index.
         """
-        return Vehicle(**self._handle.vehicle(_checked(index)))
+        return Vehicle(**self._handle.vehicle(checked_vehicle(index)))
 
     def vehicle_to_dict(self, index: int) -> Dict[str, Any]:
         """The keys and values of the model file for vehicle `index`: those of its type in place of the default ones.
@@ -93,7 +94,7 @@ class Model:
         """
         document = self.to_dict()
         string, types = document.get("string", ["default"]), document.get("vehicle_types", {})
-        return {**document, **(types.get(string[(index - 1) % len(string)], {}) if _checked(index) > 0 else {})}
+        return {**document, **(types.get(string[(index - 1) % len(string)], {}) if checked_vehicle(index) > 0 else {})}
 
     @property
     def sample_period(self) -> float:
@@ -149,13 +150,13 @@ class Configuration:
 
 
 def handle_of(model: object) -> _platoon.Model:
-    """The model as the C++ functions take it. Raises TypeError if it is none, as the path of a model file."""
+    """The model as the C++ functions take it. Raises TypeError for anything else, as the path of a model file."""
     if not isinstance(model, Model):
         raise TypeError("model: {!r}: must be a Model, as Model.load() returns".format(model))
     return model._handle
 
 
 def shipped_file(name: str, folder: str = "config") -> str:
-    """The path of a file that this package ships, as "acc.yaml", or "city.csv" in the folder "config/leaders"; `name` itself if there
-    is none, or a file of this name in the working folder."""
+    """The path of a shipped file, as "acc.yaml", or "city.csv" in the folder "config/leaders". Returns `name` itself if no such file is
+    shipped, or if the working folder has one."""
     return _platoon.shipped_file(name, folder)

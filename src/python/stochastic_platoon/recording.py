@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Union
+from typing import TYPE_CHECKING, Iterable, List, Optional, Union
 
-import numpy as np
-
-from .model import Configuration, Model, PathLike
+from .model import Configuration, Model, PathLike, checked_vehicle
 from .results import Results
 from .simulation import listed
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from ._recordings import Source
@@ -25,7 +24,6 @@ class Recording:
         checksums, as `rosbag record` writes them. Raises FileNotFoundError, and ValueError if it is no recording of a platoon."""
         from . import _recordings  # loads the libraries of ROS
 
-        self._module: Any = _recordings
         files: List[str] = [os.fspath(path)] if isinstance(path, (str, os.PathLike)) else [os.fspath(file) for file in path]
         for file in files:
             if not os.path.exists(file):
@@ -41,10 +39,9 @@ class Recording:
         return self.configuration.model
 
     def _values(self, stream: str, vehicle: int) -> NDArray[np.float64]:
-        if vehicle < 0:
-            raise IndexError("vehicle: {}: must be 0 or more".format(vehicle))
-        values: NDArray[np.float64] = self._module.values(self._source, stream, vehicle)
-        return values
+        from . import _recordings
+
+        return _recordings.values(self._source, stream, checked_vehicle(vehicle))
 
     def positions(self, vehicle: int) -> NDArray[np.float64]:
         """y_i(k) [m], shape (realizations, steps + 1), from step -1 on; NaN where the recording has none. Raises IndexError for a
@@ -66,8 +63,10 @@ class Recording:
     def results(self, signals: Optional[Iterable[str]] = None) -> Results:
         """The results of the run, bit for bit those that its monitor wrote, or with other signals. Raises ValueError if the
         recording is not complete, unless `partial` was given."""
+        from . import _recordings
+
         chosen = None if signals is None else listed(signals).split(",")
-        summary, tables, report, findings = self._module.results(self._source, chosen)
+        summary, tables, report, findings = _recordings.results(self._source, chosen)
         if findings:
             raise ValueError("{}: {}".format(self.files[0], "; ".join(findings)))
         return Results(summary, tables, self.files[0], report)

@@ -3,104 +3,17 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional
 
 import numpy as np
 
 from . import _platoon
 from .model import Model, PathLike
-from .tables import Columns, Grid, Table
+from .tables import Ages, Amplification, Columns, Gaps, Grid, Moments, Table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-
-@dataclass(frozen=True)
-class Moments:
-    """Mean and variance of a signal over the realizations, or over time, beside the theory. Shape (followers, steps); NaN where
-    there is no value. Units: those of the signal, and their square."""
-
-    count: NDArray[np.float64]
-    mean: NDArray[np.float64]
-    variance: NDArray[np.float64]
-    theoretical_mean: NDArray[np.float64]
-    theoretical_variance: NDArray[np.float64]
-
-    @classmethod
-    def _of(cls, grid: Grid) -> Moments:
-        return cls(*(grid.numbers(name) for name in ("count", "mean", "variance", "theoretical_mean", "theoretical_variance")))
-
-
-@dataclass(frozen=True)
-class Gaps:
-    """The smallest gap of every realization. Arrays have an element per follower."""
-
-    count: NDArray[np.float64]  #: realizations
-    smallest_gap: NDArray[np.float64]  #: [m] of all realizations
-    realization: NDArray[np.float64]  #: of the smallest gap
-    step: NDArray[np.float64]  #: of the smallest gap
-    collisions: NDArray[np.float64]  #: realizations with a gap below 0
-    below_safe_gap: NDArray[np.float64]  #: realizations with a gap below the model's safe_gap; NaN without one
-    theoretical_collision_bound: NDArray[np.float64]  #: probability of a collision in a realization, at most
-    bins: NDArray[np.float64]  #: [m] lower ends of the histogram's bins, ascending
-    histogram: NDArray[np.float64]  #: realizations by smallest gap, shape (followers, bins)
-    safe_gap: float  #: [m] of the model; NaN without one
-
-    @classmethod
-    def _of(cls, grid: Grid, safe_gap: Optional[float]) -> Gaps:
-        names = [name for name in grid.table.columns if name.startswith("bin_")]
-        if not names:
-            raise ValueError("{}: column bin_... is missing".format(grid.table.path))
-        try:
-            bins = np.array([float(name[len("bin_"):]) for name in names])
-        except ValueError as error:
-            raise ValueError("{}: the name of a column bin_X: {}".format(grid.table.path, error)) from None
-        order = np.argsort(bins)
-        histogram = np.array([grid.numbers(names[at]) for at in order]).T
-        count = grid.numbers("count")
-        if not np.array_equal(histogram.sum(axis=1), count):
-            raise ValueError("{}: the bins do not add up to count".format(grid.table.path))
-        values = {name: grid.numbers(name) for name in (
-            "smallest_gap", "realization", "step", "collisions", "below_safe_gap", "theoretical_collision_bound")}
-        return cls(count=count, bins=bins[order], histogram=histogram, safe_gap=float("nan") if safe_gap is None else safe_gap, **values)
-
-
-@dataclass(frozen=True)
-class Amplification:
-    """The amplification of a manoeuvre along the string. `measured` and `theory` map a figure, as "l2_ratio", to an array with
-    an element per vehicle 0..N, NaN where there is none."""
-
-    measured: Dict[str, NDArray[np.float64]]
-    theory: Dict[str, NDArray[np.float64]]
-    seconds: Tuple[float, float]  #: the evaluated part of the run
-
-    FIGURES = ("l2_ratio", "linf_ratio", "l2_head_to_tail", "linf_head_to_tail", "rms_mean_speed", "rms_acceleration",
-               "rms_mean_acceleration")
-
-    @classmethod
-    def _of(cls, grid: Grid, seconds: Tuple[float, float]) -> Amplification:
-        prefix = "theoretical_"
-        names = dict.fromkeys([*cls.FIGURES, *(name[len(prefix):] for name in grid.table.columns if name.startswith(prefix))])
-        return cls({name: grid.numbers(name) for name in names}, {name: grid.numbers(prefix + name) for name in names}, seconds)
-
-
-@dataclass(frozen=True)
-class Ages:
-    """Steps since the last message that a link delivered: a row per follower, signal and age."""
-
-    vehicle: NDArray[np.float64]
-    signal: List[str]  #: "position" or "input"
-    age: NDArray[np.float64]  #: [steps]
-    count: NDArray[np.float64]  #: messages
-    share: NDArray[np.float64]  #: of the messages of this link
-    theoretical_share: NDArray[np.float64]  #: NaN for a recorded trace
-
-    @classmethod
-    def _of(cls, table: Table) -> Ages:
-        return cls(table.numbers("vehicle"), table.texts("signal"),
-                   *(table.numbers(name) for name in ("age", "count", "share", "theoretical_share")))
 
 
 class Results:

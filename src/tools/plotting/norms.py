@@ -92,7 +92,7 @@ def measured_l2_norm(errors: sp.Moments) -> Array:
 
 
 def half_width(errors: sp.Moments) -> Array:
-    """Of the confidence interval of the largest variance.
+    """The half width of the confidence interval of the largest variance.
 
     The largest of many estimates is biased upwards; the interval covers all steps of a follower at once (Bonferroni).
     """

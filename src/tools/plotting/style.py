@@ -1,4 +1,4 @@
-"""The common style of all figures, and what several of them draw."""
+"""The common style of all figures, and the parts that several of them share."""
 
 from __future__ import annotations
 

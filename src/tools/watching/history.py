@@ -28,7 +28,7 @@ class Rate:
     """The rate of a growing count over the latest RATE_WINDOW seconds."""
 
     def __init__(self) -> None:
-        self.seen: Deque[Tuple[float, int]] = collections.deque(maxlen=200)
+        self.seen: Deque[Tuple[float, int]] = collections.deque()
 
     def saw(self, count: int, now: float) -> None:
         if self.seen and count < self.seen[-1][1]:

@@ -44,7 +44,7 @@ def listen(state: PlatoonState, snapshots: bool = True) -> None:
     subscribe(namespace + "overview", Overview, lambda message: state.take_overview(message, time.monotonic()))
     subscribe("/diagnostics", DiagnosticArray, state.take_diagnostics, queue_size=20)
     if snapshots:
-        subscribe(namespace + "predecessor_snapshot", Snapshot, state.take_told, queue_size=5)
+        subscribe(namespace + "predecessor_snapshot", Snapshot, state.take_received, queue_size=5)
         subscribe(namespace + "snapshot", Snapshot, state.take_snapshot, queue_size=2)
     threading.Thread(target=report_start, args=(state, namespace), daemon=True).start()
 

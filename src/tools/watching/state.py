@@ -46,7 +46,7 @@ def drawn_followers(followers: int) -> List[int]:
 class PlatoonState:
     """Takes messages from any thread. Calls changed(kind) after each message that changes the state, without holding the lock."""
 
-    KINDS = ("configuration", "statistics", "curves", "snapshot", "told", "health", "log")
+    KINDS = ("configuration", "statistics", "curves", "snapshot", "received", "health", "log")
 
     def __init__(self, changed: Callable[[str], None] = lambda kind: None, namespace: str = "platoon") -> None:
         self.lock = threading.RLock()
@@ -70,10 +70,10 @@ class PlatoonState:
         self.rate = Rate()
         self.history = ThinnedHistory(COLUMNS)
         self.latest: Deque[Dict[str, Any]] = collections.deque(maxlen=STRIP)  # snapshots
-        self.told: Optional[Dict[str, Any]] = None
+        self.received: Optional[Dict[str, Any]] = None
         self.snapshot: Optional[Dict[str, Any]] = None
 
-    def tell(self, *kinds: str) -> None:
+    def report(self, *kinds: str) -> None:
         """Reports changes of these kinds, and of the log."""
         for kind in kinds + (("log",) if self.events.take_news() else ()):
             self.changed(kind)
@@ -88,7 +88,7 @@ class PlatoonState:
             except ValueError as error:
                 self.start = "the configuration cannot be read: {}".format(error)
             self.text = text
-        self.tell(*self.KINDS[:-1])
+        self.report(*self.KINDS[:-1])
 
     def begin_described(self, now: Dict[str, Any]) -> None:
         if self.text is None or now != self.configuration or self.run is not None:
@@ -114,7 +114,7 @@ class PlatoonState:
                 self.events.add_run(known, known)
             self.early = None
             self.add_overview(message, now)
-        self.tell("statistics", "curves", "health")
+        self.report("statistics", "curves", "health")
 
     def add_overview(self, message: Any, now: float) -> None:
         self.run, self.overview = message.run, message
@@ -130,10 +130,10 @@ class PlatoonState:
         if endless and any(map(math.isfinite, message.mean)):
             self.history.add(message.step[-1], (self.of_drawn(message.mean), self.of_drawn(message.variance)))
 
-    def take_told(self, message: Any) -> None:
+    def take_received(self, message: Any) -> None:
         with self.lock:
-            self.told = {"realization": message.realization, "step": message.step, "position": numbers(message.position)}
-        self.changed("told")
+            self.received = {"realization": message.realization, "step": message.step, "position": numbers(message.position)}
+        self.changed("received")
 
     def take_snapshot(self, message: Any) -> None:
         with self.lock:
@@ -154,25 +154,25 @@ class PlatoonState:
                 self.retries = int(values.get("retries") or 0)
                 if bool(before) != bool(self.culprit):
                     self.events.add("stall", "run stalled: " + self.culprit if self.culprit else "run continues")
-            self.tell("health")
+            self.report("health")
 
     def take_topics(self, topics: Set[str]) -> None:
         """Takes the names of the published topics in the platoon's namespace: before the first step they show the missing vehicles."""
         with self.lock:
             if self.configuration and not self.began:
                 self.start = start_of(topics, self.configuration["followers"], self.configuration["external"])
-        self.tell("health")
+        self.report("health")
 
     def take_order(self, text: str) -> None:
         with self.lock:
             self.events.add("order", text)
-        self.tell()
+        self.report()
 
     def of_drawn(self, values: Sequence[float]) -> List[float]:
         """The values of the drawn followers."""
         return [values[i - 1] for i in drawn_followers(len(values))]
 
-    # The content of events, None if there is none yet: besides configuration, snapshot and told.
+    # The contents of events by kind: these properties and the attributes configuration, snapshot and received. None: not yet known.
 
     def give(self, kind: str) -> Any:
         with self.lock:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import collections
 import json
 import threading
-from typing import Any, Callable, List, Optional, OrderedDict, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 MOST_PAGES = 32  # open at the same time
 
@@ -18,12 +17,12 @@ class Stream:
     """Events not yet sent to one page: only the latest of each kind, so a slow page takes bounded memory."""
 
     def __init__(self) -> None:
-        self.waiting: OrderedDict[str, bytes] = collections.OrderedDict()
+        self.waiting: Dict[str, bytes] = {}
         self.condition = threading.Condition()
 
     def put(self, kind: str, data: bytes) -> None:
         with self.condition:
-            self.waiting.pop(kind, None)
+            self.waiting.pop(kind, None)  # the event moves to the end
             self.waiting[kind] = data
             self.condition.notify()
 
@@ -32,9 +31,8 @@ class Stream:
         with self.condition:
             if not self.waiting:
                 self.condition.wait(timeout)
-            items = list(self.waiting.items())
-            self.waiting.clear()
-            return items
+            waiting, self.waiting = self.waiting, {}
+            return list(waiting.items())
 
 
 class Streams:

@@ -104,14 +104,14 @@ std::string to_csv(const std::vector<SweepPoint>& points) {
   csv.add("string_stable");
   csv.end_row();
   // A value is missing without a controller or for an unstable vehicle.
-  const auto known = [](double value) { return std::isnan(value) ? std::nullopt : std::optional(value); };
+  const auto known = [](std::optional<double> value) { return value && std::isnan(*value) ? std::nullopt : value; };
   for (const SweepPoint& point : points) {
     const StringStability& stability = point.stability;
     csv.add(known(point.headway), known(point.gain));
-    if (lossy) csv.add(known(*point.loss));
-    if (in_bursts) csv.add(known(*point.burst));
+    if (lossy) csv.add(known(point.loss));
+    if (in_bursts) csv.add(known(point.burst));
     csv.add(known(stability.spectral_radius), known(stability.peak_gain));
-    if (lossy) csv.add(stability.loss_gain);
+    if (lossy) csv.add(known(stability.loss_gain));
     csv.add(stability.undecided ? "" : stability.string_stable ? "1" : "0");
     csv.end_row();
   }

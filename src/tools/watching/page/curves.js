@@ -1,6 +1,6 @@
 // Mean and variance over k: measured curves broad and coloured, theory thin on top, as in the paper's figure.
 import { css, followerColour } from "./colours.js";
-import { canvasOf, FACE, LEFT, niceTicks, short, spread, verticalScale } from "./scale.js";
+import { canvasOf, label, LEFT, niceTicks, short, spread, verticalScale } from "./scale.js";
 
 const WIDE_RANGE = 1000, RIGHT = 8;
 
@@ -27,27 +27,22 @@ export function drawCurves(canvas, of, name, n, chosen, last) {
   const from = of.step[0] ?? 0, to = Math.max(of.step[of.step.length - 1] ?? 1, from + 1);
   const place = k => LEFT + (k - from) / (to - from) * (right - LEFT), xs = of.step.map(place);
 
-  context.font = `12px ${FACE}`;
   context.lineWidth = 1;
-  context.fillStyle = css("--soft");
-  context.textAlign = "right";
   for (const t of scale.ticks) {
     context.strokeStyle = css("--grid");
     context.beginPath();
     context.moveTo(LEFT, y(t));
     context.lineTo(right, y(t));
     context.stroke();
-    context.fillText(short(t), LEFT - 7, y(t) + 4);
+    label(context, short(t), LEFT - 7, y(t) + 4, "right");
   }
-  context.textAlign = "left";
-  context.fillText(name === "mean" ? "mean, m" : `variance, m²${logarithmic ? ", logarithmic" : ""}`, LEFT + 4, 11);
+  label(context, name === "mean" ? "mean, m" : `variance, m²${logarithmic ? ", logarithmic" : ""}`, LEFT + 4, 11, "left");
   context.strokeStyle = css("--soft");
   context.strokeRect(LEFT, foot, right - LEFT, 0);
   if (last) {
-    context.textAlign = "center";
     for (const k of niceTicks(from, to, 5).filter(Number.isInteger))
-      context.fillText(k, Math.min(place(k), width - context.measureText(k).width / 2), foot + 16);
-    context.fillText("step k", (LEFT + right) / 2, foot + 32);
+      label(context, k, Math.min(place(k), width - context.measureText(k).width / 2), foot + 16, "center");
+    label(context, "step k", (LEFT + right) / 2, foot + 32, "center");
   }
   context.lineJoin = "round";
   of.followers.forEach((i, row) => {

@@ -42,7 +42,7 @@ const take = {
   health(news) { known.health = news; stale.add("words"); },
   log(news) { known.log = news; stale.add("log"); },
   strip(news) { strip.replace(news); stale.add("strip"); },
-  told(news) { road.hear(news); },
+  received(news) { road.takeReceived(news); },
   snapshot(news) {
     road.take(news, performance.now());
     strip.take(news);

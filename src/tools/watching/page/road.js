@@ -1,7 +1,7 @@
 // The road from above, in lanes from left to right: every vehicle at its position, and below it a mark at the position that its
 // follower received. The view moves with the leader; long strings continue in the lane below.
 import { css, followerColour, inkOn } from "./colours.js";
-import { canvasOf, FACE, niceTicks, short } from "./scale.js";
+import { canvasOf, label, niceTicks, short } from "./scale.js";
 
 const LEAST_GAP = 5.0;  // [m]
 const LENGTH = 4.2;     // [m] length of a drawn vehicle, below its largest width; vehicles in the model are points
@@ -23,7 +23,7 @@ export class Road {
 
   reset() {
     this.before = this.present = null;
-    this.told = [];
+    this.received = [];
     this.shown = [];  // the latest snapshots
     this.gap = null;
     this.interval = 100;
@@ -42,17 +42,17 @@ export class Road {
   }
 
   // The received positions of a step may arrive before or after the true positions of that step.
-  hear(told) {
-    if (told) this.told = [...this.told.slice(-7), told];
+  takeReceived(received) {
+    if (received) this.received = [...this.received.slice(-7), received];
   }
 
   // Received minus true positions [m] at the latest step with both known, at most 5 steps ago; the marks move with the
   // vehicles in between. Both streams are thinned independently.
   offsets() {
     for (const snapshot of [...this.shown].reverse()) {
-      const told = this.told.find(t => t.step === snapshot.step && t.realization === snapshot.realization);
-      if (told && snapshot.realization === this.present.realization && this.present.step - snapshot.step <= 5)
-        return told.position.map((p, i) => p - snapshot.position[i]);
+      const received = this.received.find(t => t.step === snapshot.step && t.realization === snapshot.realization);
+      if (received && snapshot.realization === this.present.realization && this.present.step - snapshot.step <= 5)
+        return received.position.map((p, i) => p - snapshot.position[i]);
     }
     return [];
   }
@@ -115,9 +115,10 @@ export class Road {
       if (x < -long || x > width + long) continue;
       this.drawVehicle(context, x, middle, long, broad, i, n, chosen === i);
       if (over.has(i)) this.drawOverlap(context, x, middle, long, broad, (position[i - 1] - position[i]) * metre);
-      if (speeds && this.present.speed[i] !== undefined) this.drawSpeed(context, x - long / 2, row * lane + lane * 0.84, this.present.speed[i]);
+      if (speeds && this.present.speed[i] !== undefined)
+        label(context, this.present.speed[i].toFixed(1), x - long / 2, row * lane + lane * 0.84, "center", { font: "11px" });
     }
-    this.drawTold(context, position, lane, across, metre, n, speeds ? 0.5 : 0.62);
+    this.drawReceived(context, position, lane, across, metre, n, speeds ? 0.5 : 0.62);
     this.drawScale(context, height, width, metre);
     Object.assign(this.canvas.dataset, { metre, overlaps: [...over].join(), speeds });
   }
@@ -151,10 +152,7 @@ export class Road {
       context.stroke();
     }
     if (broad > 15 && long > 20) {
-      context.fillStyle = i === 0 ? css("--card") : inkOn(i, n);
-      context.font = `600 11px ${FACE}`;
-      context.textAlign = "center";
-      context.fillText(i === 0 ? "L" : i, x - long * 0.68, middle + 4);
+      label(context, i === 0 ? "L" : i, x - long * 0.68, middle + 4, "center", { colour: i === 0 ? css("--card") : inkOn(i, n), font: "600 11px" });
     }
   }
 
@@ -166,13 +164,6 @@ export class Road {
     context.globalAlpha = 1;
     context.lineWidth = 2;
     context.strokeRect(x - long, middle - broad / 2 - 2, long, broad + 4);
-  }
-
-  drawSpeed(context, x, y, speed) {
-    context.fillStyle = css("--soft");
-    context.font = `11px ${FACE}`;
-    context.textAlign = "center";
-    context.fillText(speed.toFixed(1), x, y);
   }
 
   // A bar of a round number of metres, which holds for every lane.
@@ -187,15 +178,12 @@ export class Road {
     }
     context.lineTo(1, y);
     context.stroke();
-    context.fillStyle = css("--soft");
-    context.font = `12px ${FACE}`;
-    context.textAlign = "left";
-    context.fillText(`${short(metres)} m`, long + 8, y + 1);
+    label(context, `${short(metres)} m`, long + 8, y + 1, "left");
     this.canvas.dataset.scale = metres;
   }
 
   // A triangle in the follower's colour at the received position of its predecessor, with a line to the true position.
-  drawTold(context, position, lane, across, metre, n, share) {
+  drawReceived(context, position, lane, across, metre, n, share) {
     const offsets = this.offsets();
     const size = Math.max(lane * 0.11, 3);
     for (let i = 1; i <= offsets.length && i <= n; ++i) {

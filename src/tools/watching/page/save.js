@@ -1,6 +1,6 @@
 // Saves a card's chart as PNG and its data as CSV.
 import { set } from "./follower_chart.js";
-import { FACE } from "./scale.js";
+import { label } from "./scale.js";
 
 const MARGIN = 14, TITLE = 46;
 
@@ -41,11 +41,8 @@ async function pictureOf(card, about) {
   const style = getComputedStyle(card);
   context.fillStyle = style.backgroundColor;
   context.fillRect(0, 0, picture.width, picture.height);
-  context.fillStyle = style.color;
-  context.font = `600 15px ${FACE}`;
-  context.fillText(card.querySelector("h2").textContent.replace(/\s+/g, " ").trim(), MARGIN, MARGIN + 14);
-  context.font = `12px ${FACE}`;
-  context.fillText(about, MARGIN, MARGIN + 33);
+  label(context, card.querySelector("h2").textContent.replace(/\s+/g, " ").trim(), MARGIN, MARGIN + 14, "left", { colour: style.color, font: "600 15px" });
+  label(context, about, MARGIN, MARGIN + 33, "left", { colour: style.color });
   let top = MARGIN + TITLE;
   for (const [at, chart] of charts.entries()) {
     context.drawImage(chart.tagName === "CANVAS" ? chart : await imageOf(chart), MARGIN, top, boxes[at].width, boxes[at].height);

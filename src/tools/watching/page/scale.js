@@ -1,7 +1,7 @@
 // Axes: scales, ticks, number formats, and what all charts share.
+import { css } from "./colours.js";
 
 export const LEFT = 52;  // [px] for the numbers of the vertical axis
-export const FACE = "system-ui, 'DejaVu Sans', sans-serif";
 
 export function short(value, digits = 3) {
   if (value === null || value === undefined) return "–";
@@ -59,4 +59,12 @@ export function canvasOf(canvas) {
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
   return { context, width, height };
+}
+
+// Writes a text in a canvas, its baseline at y.
+export function label(context, text, x, y, align, { colour = css("--soft"), font = "12px" } = {}) {
+  context.fillStyle = colour;
+  context.font = `${font} system-ui, 'DejaVu Sans', sans-serif`;
+  context.textAlign = align;
+  context.fillText(text, x, y);
 }

@@ -1,6 +1,6 @@
 // Tracking errors over time (to the right) and along the string (downwards), by colour.
 import { css, errorColour } from "./colours.js";
-import { canvasOf, FACE, followerTicks, LEFT } from "./scale.js";
+import { canvasOf, followerTicks, label, LEFT } from "./scale.js";
 
 const MOST = 240, TOP = 2, BOTTOM = 22;
 
@@ -50,10 +50,7 @@ export class Strip {
     context.fillStyle = css("--grid");
     context.fillRect(LEFT, TOP, right - LEFT, foot - TOP);
     context.drawImage(this.picture, LEFT, TOP, right - LEFT, foot - TOP);
-    context.fillStyle = css("--soft");
-    context.font = `12px ${FACE}`;
-    context.textAlign = "right";
-    for (const i of followerTicks(n)) context.fillText(i, LEFT - 7, Math.max(TOP + (i - 0.5) / n * (foot - TOP) + 4, 11));
+    for (const i of followerTicks(n)) label(context, i, LEFT - 7, Math.max(TOP + (i - 0.5) / n * (foot - TOP) + 4, 11), "right");
     this.drawTime(context, foot, right, samplePeriod);
     return { most, logarithmic };
   }
@@ -77,15 +74,12 @@ export class Strip {
     this.canvas.dataset.step = columns[columns.length - 1].step;
     this.canvas.dataset.restarts = columns.filter((column, at) => at && this.isNew(at) && column.realization === columns[at - 1].realization).length;
     const first = columns[0], last = columns[columns.length - 1];
-    context.fillStyle = css("--soft");
-    context.textAlign = "right";
     const end = `step ${last.step}`;
-    context.fillText(end, right, foot + 16);
-    context.textAlign = "left";
+    label(context, end, right, foot + 16, "right");
     if (columns.length > 60) {
       const seconds = (last.step - first.step) * samplePeriod;
       const words = !columns.some((_, at) => at && this.isNew(at)) ? `step ${first.step}, ${seconds.toFixed(0)} s before` : `realization ${first.realization}, step ${first.step}`;
-      if (x(0) + context.measureText(words).width + 12 < right - context.measureText(end).width) context.fillText(words, x(0), foot + 16);
+      if (x(0) + context.measureText(words).width + 12 < right - context.measureText(end).width) label(context, words, x(0), foot + 16, "left");
     }
   }
 }
