@@ -168,7 +168,7 @@ TEST_F(BagStreamTest, ReadsADamagedFileUpToTheDamageIfRequested) {
   const std::string damaged = folder_.file("damaged.bag", with_flipped_bit(content, 8 * place));
   EXPECT_NE(rejection({{damaged}, Accept::cut}), "");
   const Found found = read({{damaged}, Accept::damaged});
-  EXPECT_TRUE(contains(found.remainder.ending, "is damaged"));
+  EXPECT_TRUE(contains(found.ending, "is damaged"));
   EXPECT_EQ(found.positions, steps(static_cast<std::int64_t>(found.positions.size())));
   EXPECT_GE(found.positions.size(), 3u);
   EXPECT_LE(found.positions.size(), 5u);
