@@ -185,7 +185,7 @@ class SmallBag(unittest.TestCase):
         self.assertGreaterEqual(checksums, 2)
         self.assertEqual(since, 0, "messages behind the last checksum")
 
-    def test_foreign_topics_are_named_and_passed_over(self):
+    def test_foreign_topics_are_named_and_skipped(self):
         from std_msgs.msg import String
         path = os.path.join(self.folder, "foreign.bag")
         shutil.copy(self.small, path)
