@@ -38,7 +38,7 @@ bool is_usable(const platoon::BagStatistics& statistics, const platoon::CommandL
   const bool partial = given.has("partial");
   if (given.has("unverified")) std::cerr << file << ": read without its checksums: a changed bit may go unnoticed\n";
   for (const std::string& topic : statistics.foreign_topics) {
-    std::cerr << platoon::printable(topic) << ": not a topic of the platoon: skipped\n";
+    std::cerr << platoon::printable(topic) << ": foreign topic: skipped\n";
   }
   for (const std::string& finding : statistics.findings) std::cerr << finding << "\n";
   const bool whole =

@@ -127,7 +127,7 @@ class SmallBag(SmallBagTest):
         self.assertGreaterEqual(checksums, 2)
         self.assertEqual(since, 0, "messages behind the last checksum")
 
-    def test_foreign_topics_are_named_and_passed_over(self):
+    def test_foreign_topics_are_named_and_skipped(self):
         path = self.path("foreign.bag")
         shutil.copy(self.SMALL, path)
         with rosbag.Bag(path, "a") as target:

@@ -26,9 +26,9 @@ enum class Clause {
 };
 
 /// All clauses, in order.
-constexpr std::array kVehicleContract{Clause::one_publisher, Clause::answer, Clause::size,    Clause::finite,
-                                      Clause::stamp,         Clause::turn,   Clause::attempt, Clause::start_anew,
-                                      Clause::causal,        Clause::queues, Clause::run,     Clause::spacing};
+constexpr std::array<Clause, 12> kVehicleContract{
+    Clause::one_publisher, Clause::answer,     Clause::size,   Clause::finite, Clause::stamp, Clause::turn,
+    Clause::attempt,       Clause::start_anew, Clause::causal, Clause::queues, Clause::run,   Clause::spacing};
 
 /// The clause's sentence: "One node publishes vehicle_i/position."
 const char* to_string(Clause clause);
