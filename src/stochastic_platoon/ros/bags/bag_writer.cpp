@@ -2,20 +2,55 @@
 
 #include <std_msgs/String.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/xxhash64.hpp"
 
 namespace platoon {
 
 namespace {
 
 constexpr std::uint32_t kChunkBytes = 1u << 20;
+constexpr std::uint64_t kCovered = 1u << 14;        // bytes per checksum, at least
+constexpr std::uint64_t kCoveredAtMost = 1u << 24;  // bytes, plus one message
+
+// The digests that msg/Checksum.msg defines.
+
+template <typename Message>
+std::uint64_t message_digest(const Message& message, std::uint64_t seed) {
+  std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(message));
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, message);
+  Xxhash64 hash(seed);
+  hash.add(bytes.data(), bytes.size());
+  return hash.value();
+}
+
+// The same, without a copy of its positions.
+std::uint64_t message_digest(const stochastic_platoon::Position& message, std::uint64_t seed) {
+  constexpr std::size_t kFixed = 8 + 4 + 8 + 8 + 4;
+  const std::uint32_t header = ros::serialization::serializationLength(message.header);
+  std::vector<std::uint8_t> bytes(header + kFixed);
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  stream.next(message.header);
+  stream.next(message.run);
+  stream.next(message.attempt);
+  stream.next(message.first_realization);
+  stream.next(message.step);
+  stream.next(static_cast<std::uint32_t>(message.position.size()));
+  Xxhash64 hash(seed);
+  hash.add(bytes.data(), bytes.size());
+  hash.add(message.position.data(), message.position.size() * sizeof(double));
+  return hash.value();
+}
 
 }  // namespace
 
@@ -32,7 +67,7 @@ BagWriter::BagWriter(std::string name, const std::string& suffix, const std::str
 }
 
 void BagWriter::begin(const std::string& compression, const RecordedConfiguration& configuration) {
-  write_behind_ = WriteBehind(name_ + suffix_);
+  write_behind_.emplace(name_ + suffix_);
   bag_.setChunkThreshold(kChunkBytes);
   if (compression == "lz4") bag_.setCompression(rosbag::compression::LZ4);
   const auto header = boost::make_shared<ros::M_string>();
@@ -50,6 +85,34 @@ void BagWriter::begin(const std::string& compression, const RecordedConfiguratio
   write_checksum();
 }
 
+void BagWriter::write(const std::string& topic, const stochastic_platoon::Position& message) {
+  record(topic, std::clamp(message.header.stamp, ros::TIME_MIN, ros::TIME_MAX), message);
+}
+
+void BagWriter::write(const std::string& topic, const stochastic_platoon::ErrorStatistics& message) {
+  record(topic, std::clamp(message.header.stamp, latest_, ros::TIME_MAX), message);
+}
+
+void BagWriter::end_step(bool is_last) {
+  if (is_last || uncovered_bytes_ >= kCovered) write_checksum();
+}
+
+template <typename Message>
+void BagWriter::record(const std::string& topic, const ros::Time& time, const Message& message) {
+  if (uncovered_bytes_ >= kCoveredAtMost) write_checksum();
+  bag_.write(topic, time, message);
+  cover(topic, time, message);
+  write_behind_->advance(bag_.getSize());
+}
+
+template <typename Message>
+void BagWriter::cover(const std::string& topic, const ros::Time& time, const Message& message) {
+  checksum_.digest += message_digest(message, xxhash64(topic) + time.toNSec());
+  ++checksum_.messages;
+  uncovered_bytes_ += ros::serialization::serializationLength(message);
+  latest_ = std::max(latest_, time);
+}
+
 // The time of a checksum lies after all messages that it covers and before all that follow.
 void BagWriter::write_checksum() {
   if (uncovered_bytes_ == 0) return;
@@ -65,15 +128,15 @@ void BagWriter::close() {
   write_checksum();
   closed_bytes_ = bytes();
   bag_.close();
-  write_behind_.finish();
+  write_behind_->finish();
 }
 
 // rosbag writes its index when it closes a file, also in its destructor, where a failure ends the program.
 void BagWriter::abandon() noexcept try {
   closed_bytes_ = bytes();
-  write_behind_.divert_others();
+  if (write_behind_) write_behind_->divert_others();
   bag_.close();
-  write_behind_.finish();
+  if (write_behind_) write_behind_->finish();
 } catch (...) {
 }
 

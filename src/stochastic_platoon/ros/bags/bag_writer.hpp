@@ -5,12 +5,11 @@
 #include <stochastic_platoon/ErrorStatistics.h>
 #include <stochastic_platoon/Position.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
-#include "stochastic_platoon/ros/bags/message_digest.hpp"
 #include "stochastic_platoon/ros/bags/write_behind.hpp"
 
 namespace platoon {
@@ -33,19 +32,13 @@ public:
   BagWriter(std::string name, const std::string& suffix, const std::string& compression,
             const RecordedConfiguration& configuration);
 
-  void write(const std::string& topic, const stochastic_platoon::Position& message) {
-    record(topic, std::clamp(message.header.stamp, ros::TIME_MIN, ros::TIME_MAX), message);
-  }
+  void write(const std::string& topic, const stochastic_platoon::Position& message);
 
   /// The recorded time is at least that of the latest step.
-  void write(const std::string& topic, const stochastic_platoon::ErrorStatistics& message) {
-    record(topic, std::clamp(message.header.stamp, latest_, ros::TIME_MAX), message);
-  }
+  void write(const std::string& topic, const stochastic_platoon::ErrorStatistics& message);
 
   /// All positions of a step are written. `is_last`: it is the last step of a batch.
-  void end_step(bool is_last) {
-    if (is_last || uncovered_bytes_ >= kCovered) write_checksum();
-  }
+  void end_step(bool is_last);
 
   /// Closes the file, syncs it and gives it its final name.
   void complete();
@@ -63,24 +56,11 @@ public:
   std::uint64_t bytes() const { return bag_.isOpen() ? bag_.getSize() : closed_bytes_; }
 
 private:
-  static constexpr std::uint64_t kCovered = 1u << 14;        ///< bytes per checksum, at least
-  static constexpr std::uint64_t kCoveredAtMost = 1u << 24;  ///< bytes, plus one message
-
   void begin(const std::string& compression, const RecordedConfiguration& configuration);
   template <typename Message>
-  void record(const std::string& topic, const ros::Time& time, const Message& message) {
-    if (uncovered_bytes_ >= kCoveredAtMost) write_checksum();
-    bag_.write(topic, time, message);
-    cover(topic, time, message);
-    write_behind_.advance(bag_.getSize());
-  }
+  void record(const std::string& topic, const ros::Time& time, const Message& message);
   template <typename Message>
-  void cover(const std::string& topic, const ros::Time& time, const Message& message) {
-    checksum_.digest += message_digest(message, digest_seed(xxhash64(topic), time.toNSec()));
-    ++checksum_.messages;
-    uncovered_bytes_ += ros::serialization::serializationLength(message);
-    latest_ = std::max(latest_, time);
-  }
+  void cover(const std::string& topic, const ros::Time& time, const Message& message);
   void write_checksum();
 
   std::string name_;
@@ -91,7 +71,7 @@ private:
   std::uint64_t uncovered_bytes_ = 0;
   ros::Time latest_ = ros::TIME_MIN;  ///< latest recorded time
   rosbag::Bag bag_;
-  WriteBehind write_behind_;
+  std::optional<WriteBehind> write_behind_;  ///< none until the file is open
 };
 
 constexpr char kActiveSuffix[] = ".active";

@@ -7,8 +7,8 @@
 #include <boost/make_shared.hpp>
 #include <utility>
 
-#include "stochastic_platoon/ros/bags/message_digest.hpp"
 #include "stochastic_platoon/ros/messages/serialized.hpp"
+#include "stochastic_platoon/run/io/xxhash64.hpp"
 
 namespace platoon {
 
@@ -146,7 +146,7 @@ void RecordedMessages::take(const RawMessage& message) {
     if (wanted) ready_.push_back(recorded(*reading.topic, message.bytes));
     return;
   }
-  Xxhash64 hash(digest_seed(reading.digest, message.time));
+  Xxhash64 hash(reading.digest + message.time);  // as msg/Checksum.msg defines
   hash.add(message.bytes.data(), message.bytes.size());
   since_.digest += hash.value();
   ++since_.messages;

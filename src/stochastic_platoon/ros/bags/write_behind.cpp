@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 namespace platoon {
@@ -21,23 +20,11 @@ WriteBehind::WriteBehind(const std::string& file) : descriptor_(::open(file.c_st
 }
 
 WriteBehind::~WriteBehind() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-WriteBehind::WriteBehind(WriteBehind&& other) noexcept {
-  *this = std::move(other);
-}
-
-WriteBehind& WriteBehind::operator=(WriteBehind&& other) noexcept {
-  std::swap(descriptor_, other.descriptor_);
-  std::swap(reserved_, other.reserved_);
-  std::swap(sent_, other.sent_);
-  std::swap(released_, other.released_);
-  return *this;
+  ::close(descriptor_);
 }
 
 void WriteBehind::advance(std::uint64_t length) {
-  if (descriptor_ < 0 || length < sent_ + kSpan + kTail) return;
+  if (length < sent_ + kSpan + kTail) return;
   if (length + kAhead / 2 > reserved_) {
     ::fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, static_cast<off64_t>(length), kAhead);
     reserved_ = length + kAhead;
@@ -57,7 +44,7 @@ void WriteBehind::advance(std::uint64_t length) {
 
 void WriteBehind::divert_others() {
   struct stat own;
-  if (descriptor_ < 0 || ::fstat(descriptor_, &own) != 0) return;
+  if (::fstat(descriptor_, &own) != 0) return;
   const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   if (nowhere < 0) return;
   std::vector<int> open;

@@ -10,12 +10,11 @@ namespace platoon {
 /// of it is advice to the kernel: a file system that ignores it is only slower.
 class WriteBehind {
 public:
-  WriteBehind() = default;
   /// Opens the file in addition to its writer. Throws std::runtime_error if this fails.
   explicit WriteBehind(const std::string& file);
   ~WriteBehind();
-  WriteBehind(WriteBehind&& other) noexcept;
-  WriteBehind& operator=(WriteBehind&& other) noexcept;
+  WriteBehind(const WriteBehind&) = delete;
+  WriteBehind& operator=(const WriteBehind&) = delete;
 
   /// The file has grown to `length` bytes; the writer may still change the last kTail bytes.
   void advance(std::uint64_t length);
@@ -32,7 +31,7 @@ private:
   static constexpr std::uint64_t kTail = 2u << 20;
   static constexpr std::uint64_t kAhead = 256u << 20;  ///< bytes preallocated at once
 
-  int descriptor_ = -1;
+  int descriptor_;
   std::uint64_t reserved_ = 0;  ///< bytes preallocated
   std::uint64_t sent_ = 0;      ///< bytes whose write-back has started
   std::uint64_t released_ = 0;  ///< bytes on the disk and out of the page cache
