@@ -97,7 +97,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       } else {
         const auto message = boost::make_shared<Position>();
         const std::string rest(reinterpret_cast<const char*>(stream.getData()), stream.getLength());
-        if (!platoon::holds_its_arrays<Position>(rest)) return 0;  // roscpp would allocate the announced size
+        // roscpp would allocate the announced size.
+        if (!platoon::holds_its_arrays(ros::message_traits::datatype<Position>(), rest)) return 0;
         ros::serialization::deserialize(stream, *message);
         receivers.take(topic % 4, message);
       }

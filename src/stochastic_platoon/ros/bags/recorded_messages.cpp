@@ -47,7 +47,7 @@ bool has_the_type_of(const PlatoonTopic& topic, const BagConnection& connection)
 
 template <typename Message>
 boost::shared_ptr<Message> parsed(std::string_view bytes) {
-  if (!holds_its_arrays<Message>(bytes)) throw BagDamage("a message is cut off");
+  if (!holds_its_arrays(ros::message_traits::datatype<Message>(), bytes)) throw BagDamage("a message is cut off");
   auto message = boost::make_shared<Message>();
   // IStream only reads, although it takes a non-const pointer.
   ros::serialization::IStream stream(const_cast<std::uint8_t*>(reinterpret_cast<const std::uint8_t*>(bytes.data())),
