@@ -1,46 +1,31 @@
 #include "stochastic_platoon/ros/messages/topics.hpp"
 
-#include <regex>
-
-#include "stochastic_platoon/run/delivery/vehicle_name.hpp"
+#include <cstdio>
+#include <map>
 
 namespace platoon {
 
-std::string position_topic(std::size_t vehicle) {
-  return vehicle_name(vehicle) + "/position";
-}
-
-std::string predecessor_position_topic(std::size_t follower) {
-  return vehicle_name(follower) + "/predecessor_position";
-}
-
-std::string input_topic(std::size_t vehicle) {
-  return vehicle_name(vehicle) + "/input";
-}
-
-std::string predecessor_input_topic(std::size_t follower) {
-  return vehicle_name(follower) + "/predecessor_input";
-}
-
 std::optional<PlatoonTopic> parse_topic(const std::string& topic) {
-  static const std::regex vehicle_topic("(.*)/vehicle_(0|[1-9][0-9]{0,8})/(predecessor_)?(position|input)");
-  static const std::regex other_topic("(.*)/(error_statistics|configuration|checksum)");
-  std::smatch match;
-  if (std::regex_match(topic, match, vehicle_topic)) {
-    using Kind = PlatoonTopic::Kind;
-    const bool received = match[3].matched;
-    const Kind kind = match[4] == "input" ? (received ? Kind::predecessor_input : Kind::input)
-                                          : (received ? Kind::predecessor_position : Kind::position);
-    return PlatoonTopic{kind, match[1], std::stoul(match[2])};
-  }
-  if (std::regex_match(topic, match, other_topic)) {
-    using Kind = PlatoonTopic::Kind;
-    const Kind kind = match[2] == kErrorStatisticsTopic ? Kind::error_statistics
-                      : match[2] == kConfigurationTopic ? Kind::configuration
-                                                        : Kind::checksum;
-    return PlatoonTopic{kind, match[1], 0};
-  }
-  return std::nullopt;
+  using Kind = PlatoonTopic::Kind;
+  static const std::map<std::string, Kind> kinds{{"position", Kind::position},
+                                                 {"predecessor_position", Kind::predecessor_position},
+                                                 {"input", Kind::input},
+                                                 {"predecessor_input", Kind::predecessor_input},
+                                                 {kErrorStatisticsTopic, Kind::error_statistics},
+                                                 {kConfigurationTopic, Kind::configuration},
+                                                 {kChecksumTopic, Kind::checksum}};
+  const std::size_t end = topic.rfind('/');
+  if (end == std::string::npos) return std::nullopt;
+  const auto kind = kinds.find(topic.substr(end + 1));
+  if (kind == kinds.end()) return std::nullopt;
+  const std::string name_space = topic.substr(0, end);
+  if (kind->second >= Kind::error_statistics) return PlatoonTopic{kind->second, name_space};
+  const std::size_t begin = name_space.rfind('/');
+  if (begin == std::string::npos) return std::nullopt;
+  const std::string name = name_space.substr(begin + 1);
+  unsigned long vehicle = 0;
+  if (std::sscanf(name.c_str(), "vehicle_%9lu", &vehicle) != 1 || name != vehicle_name(vehicle)) return std::nullopt;
+  return PlatoonTopic{kind->second, name_space.substr(0, begin), vehicle};
 }
 
 }  // namespace platoon

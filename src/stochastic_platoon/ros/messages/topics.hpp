@@ -4,13 +4,23 @@
 #include <optional>
 #include <string>
 
+#include "stochastic_platoon/run/delivery/vehicle_name.hpp"
+
 namespace platoon {
 
 /// Topics relative to the platoon's namespace.
-std::string position_topic(std::size_t vehicle);               ///< "vehicle_3/position"
-std::string predecessor_position_topic(std::size_t follower);  ///< "vehicle_3/predecessor_position"
-std::string input_topic(std::size_t vehicle);                  ///< "vehicle_3/input"
-std::string predecessor_input_topic(std::size_t follower);     ///< "vehicle_3/predecessor_input"
+inline std::string position_topic(std::size_t vehicle) {
+  return vehicle_name(vehicle) + "/position";
+}
+inline std::string predecessor_position_topic(std::size_t follower) {
+  return vehicle_name(follower) + "/predecessor_position";
+}
+inline std::string input_topic(std::size_t vehicle) {
+  return vehicle_name(vehicle) + "/input";
+}
+inline std::string predecessor_input_topic(std::size_t follower) {
+  return vehicle_name(follower) + "/predecessor_input";
+}
 constexpr char kProgressTopic[] = "progress";
 constexpr char kErrorStatisticsTopic[] = "error_statistics";
 constexpr char kOverviewTopic[] = "overview";
@@ -33,7 +43,7 @@ struct PlatoonTopic {
   };
   Kind kind;
   std::string name_space;   ///< "/platoon"
-  std::size_t vehicle = 0;  ///< of the first four kinds
+  std::size_t vehicle = 0;  ///< of the kinds before error_statistics
 };
 
 /// None if the topic does not belong to a platoon.

@@ -30,5 +30,13 @@ TEST(Topics, OfOthersAreNone) {
   }
 }
 
+// Regression: std::regex overflowed the stack.
+TEST(Topics, MayHaveAnyLength) {
+  const std::string name_space = "/" + std::string(100000, 'a');
+  const auto position = parse_topic(name_space + "/vehicle_1/position");
+  ASSERT_TRUE(position);
+  EXPECT_EQ(position->name_space, name_space);
+}
+
 }  // namespace
 }  // namespace platoon
