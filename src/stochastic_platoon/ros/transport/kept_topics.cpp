@@ -23,12 +23,14 @@ Registry& registry() {
 
 }  // namespace
 
-void keep_advertised(ros::NodeHandle node, ros::AdvertiseOptions options) {
+ros::Publisher kept_publisher(ros::NodeHandle node, ros::AdvertiseOptions options) {
   const std::lock_guard<std::mutex> lock(registry().mutex);
   ros::Publisher& topic = registry().topics[node.resolveName(options.topic)];
-  if (topic) return;
-  options.callback_queue = ros::getGlobalCallbackQueue();
-  topic = node.advertise(options);
+  if (!topic) {
+    options.callback_queue = ros::getGlobalCallbackQueue();  // components with queues of their own end earlier
+    topic = node.advertise(options);
+  }
+  return topic;
 }
 
 KeptTopics::~KeptTopics() {
