@@ -14,7 +14,7 @@
 
 #include "stochastic_platoon/ros/external/vehicle_check.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
-#include "stochastic_platoon/ros/transport/transport.hpp"
+#include "stochastic_platoon/ros/transport/publishers.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"

@@ -18,7 +18,7 @@
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/bags/bag_writer.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
-#include "stochastic_platoon/ros/transport/live_publisher.hpp"
+#include "stochastic_platoon/ros/transport/publishers.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/launch_arguments.hpp"

@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
+#include "stochastic_platoon/ros/transport/publishers.hpp"
 
 namespace platoon {
 

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "stochastic_platoon/ros/transport/kept_topics.hpp"
+#include "stochastic_platoon/ros/transport/publishers.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 
@@ -33,14 +34,6 @@ void end_with_launch() {
   if (std::getenv(kEndsWithLaunch) == nullptr) return;
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (::getppid() == 1) ::raise(SIGTERM);  // it has ended already
-}
-
-// The address that the master has for this node's name; empty if it has none.
-std::string registered_address() {
-  XmlRpc::XmlRpcValue request, response, address;
-  request[0] = request[1] = ros::this_node::getName();
-  if (!ros::master::execute("lookupNode", request, response, address, false)) return "";
-  return address;
 }
 
 // Executes the program again if the node got the address of its killed predecessor, which happens about once in ten
@@ -65,7 +58,7 @@ int run_node(int argc, char** argv, const NodeTraits& traits, const std::functio
   arguments.push_back(nullptr);
   ros::init(argc, argv, traits.name, traits.init_options);
   end_with_launch();
-  const std::string address_before = registered_address();
+  const std::string address_before = address_of(ros::this_node::getName());
   // Outside the try block: keeps ROS, and with it the console, alive until the error is logged.
   const ros::NodeHandle platoon;
   const KeptTopics topics;

@@ -10,6 +10,7 @@
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/ros/transport/publishers.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"

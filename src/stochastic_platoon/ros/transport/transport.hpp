@@ -6,8 +6,6 @@
 #include <stochastic_platoon/Position.h>
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 namespace platoon {
 
@@ -27,10 +25,6 @@ ros::TransportHints no_delay();
 /// Time [s] for observers to connect before the first step of a paced run (rosbag record -a polls the master for new
 /// topics once a second).
 constexpr double kObserverTime = 3.0;
-
-/// The names of the nodes registered with the master as publishers of a topic, sorted, connected or not; empty if the
-/// master does not answer.
-std::vector<std::string> registered_publishers(const std::string& topic);
 
 /// Publishes a position. roscpp publishes under one lock per process, and waiting threads sleep; the threads of one
 /// process would do so all the time. Here they spin instead.

@@ -3,8 +3,16 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace platoon {
+
+/// The address that the master has for a node's name; empty if it has none.
+std::string address_of(const std::string& node);
+
+/// The names of the nodes registered with the master as publishers of a topic, sorted, connected or not; empty if the
+/// master does not answer.
+std::vector<std::string> registered_publishers(const std::string& topic);
 
 /// A node that publishes a topic.
 struct TopicPublisher {
