@@ -61,6 +61,8 @@ public:
 private:
   using Message = stochastic_platoon::Position;
 
+  ExternalVehicle(const ros::NodeHandle& platoon, std::size_t index, Start start, MoveByRadio move, bool radio);
+
   /// The messages of one topic, in turn.
   struct Stream {
     Message::ConstPtr latest;

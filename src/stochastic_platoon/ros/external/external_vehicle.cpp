@@ -24,11 +24,6 @@ void require_follower(std::size_t index) {
   if (index < 1) throw std::invalid_argument("index: 0: must be the number of a follower, 1 or more");
 }
 
-std::string topic(std::size_t index, const std::string& name) {
-  require_follower(index);
-  return vehicle_name(index) + "/" + name;
-}
-
 // A key of follower i: that of its type, or the default vehicle's; null if neither has it.
 nlohmann::json value_of(const nlohmann::json& model, std::size_t follower, const char* key) {
   const nlohmann::json common = model.value(key, nlohmann::json());
@@ -71,30 +66,35 @@ VehicleSettings vehicle_settings(const ros::NodeHandle& platoon, std::size_t ind
 }
 
 ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move)
-    : platoon_(platoon),
-      index_(index),
-      pairs_(std::make_shared<MessagePairs<Message::ConstPtr>>()),
-      start_(std::move(start)),
-      move_([move = std::move(move)](const auto& received, const auto&, auto& position, auto&) {
-        move(received, position);
-      }),
-      position_(platoon.advertise<Position>(topic(index, "position"), kUnbounded)),
-      predecessor_position_(platoon.subscribe(topic(index, "predecessor_position"), kUnbounded,
-                                              &ExternalVehicle::receive, this,
-                                              ros::TransportHints().tcpNoDelay(true))) {}
+    : ExternalVehicle(
+          platoon, index, std::move(start),
+          [move = std::move(move)](const auto& received, const auto&, auto& position, auto&) {
+            move(received, position);
+          },
+          false) {}
 
 ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, MoveByRadio move)
+    : ExternalVehicle(platoon, index, std::move(start), std::move(move), true) {}
+
+ExternalVehicle::ExternalVehicle(const ros::NodeHandle& platoon, std::size_t index, Start start, MoveByRadio move,
+                                 bool radio)
     : platoon_(platoon),
       index_(index),
       pairs_(std::make_shared<MessagePairs<Message::ConstPtr>>()),
       start_(std::move(start)),
-      move_(std::move(move)),
-      position_(platoon.advertise<Position>(topic(index, "position"), kUnbounded)),
-      input_(platoon.advertise<Position>(topic(index, "input"), kUnbounded)),
-      predecessor_position_(platoon.subscribe(topic(index, "predecessor_position"), kUnbounded,
-                                              &ExternalVehicle::receive, this, ros::TransportHints().tcpNoDelay(true))),
-      predecessor_input_(platoon.subscribe(topic(index, "predecessor_input"), kUnbounded, &ExternalVehicle::hear, this,
-                                           ros::TransportHints().tcpNoDelay(true))) {}
+      move_(std::move(move)) {
+  require_follower(index);
+  const std::string name = vehicle_name(index);
+  const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay(true);
+  position_ = platoon_.advertise<Position>(name + "/position", kUnbounded);
+  if (radio) input_ = platoon_.advertise<Position>(name + "/input", kUnbounded);
+  predecessor_position_ =
+      platoon_.subscribe(name + "/predecessor_position", kUnbounded, &ExternalVehicle::receive, this, no_delay);
+  if (radio) {
+    predecessor_input_ =
+        platoon_.subscribe(name + "/predecessor_input", kUnbounded, &ExternalVehicle::hear, this, no_delay);
+  }
+}
 
 // Accepts the step after the latest, and a step -1 of another run, of a newer attempt or of the next batch.
 bool ExternalVehicle::Stream::takes(const Message::ConstPtr& message) {
