@@ -35,7 +35,10 @@ class Superseded {
 public:
   /// The callback for the component's constructor.
   RunMembership::Join join() {
-    return [this](const Configuration&) { happened_ = true; };
+    return [this](const Configuration&) {
+      happened_ = true;
+      return false;
+    };
   }
 
   /// Serves the global callback queue until ROS shuts down or another run has begun.

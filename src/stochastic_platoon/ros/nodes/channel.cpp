@@ -1,6 +1,5 @@
 #include "stochastic_platoon/ros/nodes/channel.hpp"
 
-#include <boost/function.hpp>
 #include <string>
 #include <utility>
 
@@ -18,7 +17,7 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
       first_(first),
       last_(last),
       kinds_(kinds_of(configuration, first, last)),
-      membership_(platoon, "channel", 0, [this](const Configuration& joined) { begin(joined); }),
+      membership_(platoon, "channel", 0, [this](const Configuration& joined) { return begin(joined); }),
       platoon_(platoon),
       messages_(messages),
       told_(std::move(told)) {
@@ -26,10 +25,8 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
   for (const Kind& kind : kinds_) wires_.push_back(wire(kind));
   membership_.join(configuration);
   for (Wire& wire : wires_) {
-    const std::uint32_t i = wire.kind.follower;
-    const std::string from = wire.kind.radio ? input_topic(i - 1) : position_topic(i - 1);
     if (!wire.own) {
-      hear(wire.sent, from, [this, &wire](const PositionEvent& event) { transmit(wire, *event.getMessage(), {}); });
+      hear(wire.sent, [this, &wire](const PositionEvent& event) { transmit(wire, *event.getMessage(), {}); });
       continue;
     }
     const auto move_on = [this, &wire] {
@@ -39,17 +36,17 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
                  own == nullptr ? LinkEnds{} : LinkEnds{predecessor->position.data(), own->position.data()});
       });
     };
-    hear(wire.sent, from, [&wire, move_on](const PositionEvent& event) {
+    hear(wire.sent, [&wire, move_on](const PositionEvent& event) {
       wire.waiting.add_sent(event.getMessage());
       if (!wire.predecessor) wire.waiting.add_predecessor(event.getMessage());
       move_on();
     });
-    hear(*wire.own, position_topic(i), [&wire, move_on](const PositionEvent& event) {
+    hear(*wire.own, [&wire, move_on](const PositionEvent& event) {
       wire.waiting.add_own(event.getMessage());
       move_on();
     });
     if (!wire.predecessor) continue;
-    hear(*wire.predecessor, position_topic(i - 1), [&wire, move_on](const PositionEvent& event) {
+    hear(*wire.predecessor, [&wire, move_on](const PositionEvent& event) {
       wire.waiting.add_predecessor(event.getMessage());
       move_on();
     });
@@ -69,8 +66,7 @@ std::vector<Channel::Kind> Channel::kinds_of(const Configuration& configuration,
 }
 
 Channel::Stream Channel::stream(const std::string& topic, std::uint32_t first_loss) {
-  return {PositionInput(membership_, platoon_.resolveName(topic), " (channel)"), first_loss, std::nullopt,
-          ros::Subscriber()};
+  return {PositionInput(membership_, platoon_, topic, " (channel)"), first_loss, std::nullopt};
 }
 
 Channel::Wire Channel::wire(const Kind& kind) {
@@ -87,12 +83,11 @@ Channel::Wire Channel::wire(const Kind& kind) {
   return wire;
 }
 
-void Channel::hear(Stream& stream, const std::string& topic, std::function<void(const PositionEvent&)> take) {
-  const boost::function<void(const PositionEvent&)> receive = [this, &stream, take](const PositionEvent& event) {
+template <class Take>
+void Channel::hear(Stream& stream, const Take& take) {
+  stream.input.subscribe([this, &stream, take](const PositionEvent& event) {
     if (takes(stream, event)) take(event);
-  };
-  stream.subscriber = platoon_.subscribe<Position, const PositionEvent&>(topic, kUnboundedQueue, receive,
-                                                                         ros::VoidConstPtr(), no_delay());
+  });
 }
 
 template <class AnyWire, class Visit>
@@ -102,11 +97,10 @@ void Channel::for_each_stream(AnyWire& wire, const Visit& visit) {
   if (wire.predecessor) visit(*wire.predecessor);
 }
 
-void Channel::begin(const Configuration& configuration) {
+bool Channel::begin(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   if (run.followers != run_.followers || run.batch != run_.batch || run.record != run_.record ||
       !(kinds_of(configuration, first_, last_) == kinds_)) {
-    over_ = true;
     return superseded_(configuration);
   }
   run_ = run;
@@ -120,20 +114,20 @@ void Channel::begin(const Configuration& configuration) {
       if (wire.link->keeps_state()) stream.order.emplace(run.schedule());
     });
   }
+  return true;
 }
 
 VitalSigns::Sources Channel::sources() const {
   VitalSigns::Sources all;
   for (const Wire& wire : wires_) {
-    for_each_stream(
-        wire, [&all](const Stream& stream) { all.emplace_back(&stream.input.activity(), &stream.input.drops()); });
+    for_each_stream(wire, [&all](const Stream& stream) { all.push_back(&stream.input.counter()); });
   }
   return all;
 }
 
 bool Channel::takes(Stream& stream, const PositionEvent& event) {
   const Position& message = *event.getConstMessage();
-  if (!stream.input.admits(event) || over_) return false;
+  if (membership_.is_over()) return false;
   if (stream.order) return stream.input.takes(descriptor_of(message), *stream.order, stream.first_loss);
   return stream.input.takes(DropReason::none, id_of(message), message.position.size());
 }

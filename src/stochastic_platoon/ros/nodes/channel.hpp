@@ -3,9 +3,7 @@
 #include <ros/node_handle.h>
 #include <stochastic_platoon/Position.h>
 
-#include <atomic>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,7 +60,6 @@ private:
     PositionInput input;
     std::uint32_t first_loss;           ///< see PositionInput::takes()
     std::optional<MessageOrder> order;  ///< of a link that keeps state
-    ros::Subscriber subscriber;
   };
 
   struct Wire {
@@ -78,11 +75,12 @@ private:
   Wire wire(const Kind& kind);
   Stream stream(const std::string& topic, std::uint32_t first_loss);
   /// `take` receives the messages in turn.
-  void hear(Stream& stream, const std::string& topic, std::function<void(const PositionEvent&)> take);
+  template <class Take>
+  void hear(Stream& stream, const Take& take);
   /// Calls visit(stream) with every topic that a wire subscribes to.
   template <class AnyWire, class Visit>
   static void for_each_stream(AnyWire& wire, const Visit& visit);
-  void begin(const Configuration& configuration);
+  bool begin(const Configuration& configuration);
   bool takes(Stream& stream, const PositionEvent& event);
   void transmit(Wire& wire, const stochastic_platoon::Position& message, const LinkEnds& before);
 
@@ -90,7 +88,6 @@ private:
   RunOptions run_;
   std::uint32_t first_, last_;
   std::vector<Kind> kinds_;  ///< of the wires
-  std::atomic<bool> over_{false};
   RunMembership membership_;
   ros::NodeHandle platoon_;
   MessagePool messages_;

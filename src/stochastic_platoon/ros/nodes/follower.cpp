@@ -17,15 +17,17 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
       index_(index),
       joined_(std::move(joined)),
       membership_(platoon, vehicle_name(index), 0,
-                  [this](const Configuration& configuration) { begin(configuration); }),
-      input_(membership_, platoon.resolveName(predecessor_position_topic(index))),
-      radio_input_(membership_, platoon.resolveName(predecessor_input_topic(index))),
+                  [this](const Configuration& configuration) {
+                    begin(configuration);
+                    return true;
+                  }),
       messages_(messages),
-      position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)) {
+      position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)),
+      input_(membership_, platoon, predecessor_position_topic(index)),
+      radio_input_(membership_, platoon, predecessor_input_topic(index)) {
   if (present) membership_.join(*present);
   // Last: the receiving thread may call back before the constructor returns.
-  predecessor_position_ =
-      platoon.subscribe(predecessor_position_topic(index), kUnboundedQueue, &Follower::receive, this, no_delay());
+  input_.subscribe([this](const PositionEvent& event) { receive(event); });
 }
 
 void Follower::begin(const Configuration& configuration) {
@@ -43,10 +45,7 @@ void Follower::begin(const Configuration& configuration) {
                               MessageOrder(schedule), MessageOrder(schedule)});
   if (run_state_->sends_input && !own_input_)
     own_input_ = platoon_.advertise<Position>(input_topic(index_), kUnboundedQueue);
-  if (run_state_->has_radio && !predecessor_input_) {
-    predecessor_input_ =
-        platoon_.subscribe(predecessor_input_topic(index_), kUnboundedQueue, &Follower::hear, this, no_delay());
-  }
+  if (run_state_->has_radio) radio_input_.subscribe([this](const PositionEvent& event) { hear(event); });
   if (joined_) joined_(configuration);
 }
 
@@ -56,15 +55,14 @@ bool Follower::takes(PositionInput& input, MessageOrder& order, const PositionEv
 }
 
 void Follower::receive(const PositionEvent& event) {
-  if (!input_.admits(event) || !takes(input_, run_state_->order, event)) return;
+  if (!takes(input_, run_state_->order, event)) return;
   if (!run_state_->has_radio) return move_on(*event.getConstMessage(), nullptr);
   run_state_->pairs.add_position(event.getConstMessage());
   match();
 }
 
 void Follower::hear(const PositionEvent& event) {
-  if (!radio_input_.admits(event) || !run_state_->has_radio || !takes(radio_input_, run_state_->radio_order, event))
-    return;
+  if (!run_state_->has_radio || !takes(radio_input_, run_state_->radio_order, event)) return;
   run_state_->pairs.add_input(event.getConstMessage());
   match();
 }

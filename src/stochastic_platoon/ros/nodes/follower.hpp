@@ -40,9 +40,7 @@ public:
            const MessagePool& messages, Joined joined = {});
 
   /// Messages taken and dropped.
-  VitalSigns::Sources sources() const {
-    return {{&input_.activity(), &input_.drops()}, {&radio_input_.activity(), &radio_input_.drops()}};
-  }
+  VitalSigns::Sources sources() const { return {&input_.counter(), &radio_input_.counter()}; }
 
 private:
   using Message = stochastic_platoon::Position;
@@ -76,12 +74,10 @@ private:
   Joined joined_;
   RunMembership membership_;
   std::optional<RunState> run_state_;
-  PositionInput input_, radio_input_;
   MessagePool messages_;
   ros::Publisher position_;
   std::optional<ros::Publisher> own_input_;  ///< from the first run on in which its follower has a radio
-  ros::Subscriber predecessor_position_;
-  std::optional<ros::Subscriber> predecessor_input_;  ///< from the first run on in which it has a radio
+  PositionInput input_, radio_input_;        ///< the latter subscribes in the first run in which it has a radio
 };
 
 }  // namespace platoon

@@ -39,9 +39,10 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunM
       schedule_(run_.schedule()),
       paced_(run_.rate > 0.0),
       superseded_(std::move(superseded)),
-      membership_(platoon, "vehicle_0", 0, [this](const Configuration& joined) { begin(joined); }),
+      membership_(platoon, "vehicle_0", 0, [this](const Configuration& joined) { return begin(joined); }),
+      published_(platoon.resolveName(position_topic(0))),
       position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
-      orders_(platoon, [this](const LeaderOrders::Order& order) { return obey(order); }) {
+      orders_(platoon, [this]() -> Manoeuvre& { return manoeuvre(); }) {
   if (sends_input(configuration.model, 0, run_.followers))
     input_ = platoon.advertise<Position>(input_topic(0), kUnboundedQueue);
   membership_.join(configuration);
@@ -52,11 +53,10 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunM
   }
 }
 
-void Leader::begin(const Configuration& configuration) {
+bool Leader::begin(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   if (run.batch != run_.batch || run.rate != run_.rate || run.receivers() != run_.receivers() ||
       sends_input(configuration.model, 0, run.followers) != input_.has_value()) {
-    over_ = true;
     return superseded_(configuration);
   }
   run_ = run;
@@ -69,19 +69,20 @@ void Leader::begin(const Configuration& configuration) {
                {}});
   for (const std::string& name : run.receivers())
     run_state_->reporters.emplace(name, SolePublisher(platoon_.resolveName(kProgressTopic) + " of " + name));
+  return true;
 }
 
-std::string Leader::obey(const LeaderOrders::Order& order) {
+Manoeuvre& Leader::manoeuvre() {
   if (run_.averaging() == Averaging::over_realizations) {
     throw std::runtime_error(
         "rejected: in a run of many realizations the leader drives by the model file (leader/speed there); an endless run (live.launch, steps:=0) accepts orders");
   }
-  return order(run_state_->vehicle.manoeuvre());
+  return run_state_->vehicle.manoeuvre();
 }
 
 void Leader::receive(const ros::MessageEvent<const Progress>& event) {
   const Progress::ConstPtr message = event.getMessage();
-  if (!membership_.admits(message->run) || over_) return;
+  if (!membership_.admits(message->run) || membership_.is_over()) return;
   const Acknowledgement report{message->attempt, message->first_realization, message->step};
   const auto reporter = run_state_->reporters.find(message->receiver);
   if (reporter != run_state_->reporters.end()) {
@@ -132,13 +133,12 @@ void Leader::watch() {
 }
 
 Diagnostics::Fill Leader::status() const {
-  return
-      [this, signs = VitalSigns({{&activity_, nullptr}})](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
-        signs.add_to(status);
-        status.add("credit", std::to_string(window_.get() - unacknowledged_.get()) + " of " +
-                                 std::to_string(window_.get()) + " steps");
-        status.add("unacknowledged steps", unacknowledged_.get());
-      };
+  return [this, signs = VitalSigns({&published_})](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
+    signs.add_to(status);
+    status.add("credit", std::to_string(window_.get() - unacknowledged_.get()) + " of " +
+                             std::to_string(window_.get()) + " steps");
+    status.add("unacknowledged steps", unacknowledged_.get());
+  };
 }
 
 void Leader::publish_allowed() {
@@ -147,10 +147,10 @@ void Leader::publish_allowed() {
 }
 
 bool Leader::publish_one() {
-  if (over_ || (run_state_->begin && now() < *run_state_->begin)) return false;
+  if (membership_.is_over() || (run_state_->begin && now() < *run_state_->begin)) return false;
   const std::optional<MessageId> id = run_state_->credit.next(now());
   if (!id) return false;
-  activity_.count(*id);
+  published_.take(*id);
   run_state_->stamp = later(run_state_->stamp, run_state_->period);
   if (id->step == kInitialStep && run_state_->vehicle.manoeuvre().is_under_way())
     ROS_WARN("the platoon begins again: the leader's manoeuvre is over");

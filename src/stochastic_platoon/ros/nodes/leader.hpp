@@ -4,7 +4,6 @@
 #include <stochastic_platoon/Position.h>
 #include <stochastic_platoon/Progress.h>
 
-#include <atomic>
 #include <map>
 #include <optional>
 #include <set>
@@ -39,8 +38,8 @@ public:
   Diagnostics::Fill status() const;
 
 private:
-  void begin(const Configuration& configuration);
-  std::string obey(const LeaderOrders::Order& order);
+  bool begin(const Configuration& configuration);
+  Manoeuvre& manoeuvre();
   void receive(const ros::MessageEvent<const stochastic_platoon::Progress>& event);
   void watch();
   void publish_allowed();
@@ -64,11 +63,10 @@ private:
   BatchSchedule schedule_;
   bool paced_;
   RunMembership::Join superseded_;
-  std::atomic<bool> over_{false};  ///< superseded
   RunMembership membership_;
   std::optional<RunState> run_state_;
   MessagePool messages_;
-  Activity activity_;
+  MessageCounter published_;
   RelaxedAtomic<std::int64_t> window_, unacknowledged_;  ///< steps
   ros::Publisher position_;
   std::optional<ros::Publisher> input_;  ///< to a vehicle_1 with a radio

@@ -3,15 +3,14 @@
 #include <ros/console.h>
 
 #include <algorithm>
-#include <boost/function.hpp>
 #include <cstdio>
 #include <mutex>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
-#include "stochastic_platoon/ros/transport/publishers.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/ros/transport/publishers.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 
@@ -73,23 +72,17 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration, co
 
 void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle) {
   const std::size_t followers = configuration_.run.followers;
+  inputs_.reserve(followers + 1);
   for (std::size_t i = 0; i <= followers; ++i) {
     const std::string external = configuration_.run.is_external(i) ? vehicle_name(i) : "";
-    inputs_.emplace_back(membership_, platoon.resolveName(position_topic(i)), "", external);
-  }
-  for (std::size_t i = 0; i <= followers; ++i) {
-    const boost::function<void(const PositionEvent&)> callback = [this, i](const PositionEvent& event) {
-      receive(i, event);
-    };
-    positions_.push_back(node_of_vehicle(i).subscribe<Position, const PositionEvent&>(
-        position_topic(i), kUnboundedQueue, callback, ros::VoidConstPtr(), no_delay()));
+    inputs_.emplace_back(membership_, node_of_vehicle(i), position_topic(i), "", external);
+    inputs_.back().subscribe([this, i](const PositionEvent& event) { receive(i, event); });
   }
   others_ = platoon.subscribe(kProgressTopic, 100, &Monitor::receive_notice, this);
 }
 
 void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
-  if (!inputs_[vehicle].admits(event)) return;
   const MessageDescriptor descriptor = descriptor_of(*message);
   RunStatistics::Receipt receipt;
   {
@@ -126,7 +119,7 @@ void Monitor::tick() {
   {
     const Locked lock(lock_);
     began = began_.has_value();
-    if (reports_.is_linked(positions_)) reports_.report(statistics_.arrivals());
+    if (reports_.is_linked(inputs_)) reports_.report(statistics_.arrivals());
     complete = statistics_.arrivals().complete();
     committed = statistics_.arrivals().committed();
     recorder = stall_.text_of("recorder");
@@ -198,10 +191,10 @@ void Monitor::check_for_stall(double present) {
   StallReporter::Change change;
   {
     const Locked lock(lock_);
-    change = stall_.look(
-        {statistics_.arrivals(), began_.has_value(), [this] { return missing_vehicles(); },
-         [this](std::size_t vehicle) { return inputs_[vehicle].latest_breach(); }, [this] { return mute_vehicles(); }},
-        present);
+    change = stall_.look({statistics_.arrivals(), began_.has_value(), [this] { return missing_vehicles(); },
+                          [this](std::size_t vehicle) { return inputs_[vehicle].counter().latest_breach(); },
+                          [this] { return mute_vehicles(); }},
+                         present);
   }
   if (!change.stalled.empty()) ROS_WARN_STREAM("run stalled: " << change.stalled);
   if (!change.moving.empty()) ROS_WARN_STREAM("run continues" << change.moving);
@@ -209,8 +202,8 @@ void Monitor::check_for_stall(double present) {
 
 std::vector<std::size_t> Monitor::missing_vehicles() const {
   std::vector<std::size_t> missing;
-  for (std::size_t i = 0; i < positions_.size(); ++i) {
-    if (positions_[i].getNumPublishers() == 0) missing.push_back(i);
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    if (!inputs_[i].is_connected()) missing.push_back(i);
   }
   return missing;
 }
@@ -226,7 +219,7 @@ std::vector<std::size_t> Monitor::mute_vehicles() const {
 
 Diagnostics::Fill Monitor::status() {
   VitalSigns::Sources sources;
-  for (const PositionInput& input : inputs_) sources.emplace_back(&input.activity(), &input.drops());
+  for (const PositionInput& input : inputs_) sources.push_back(&input.counter());
   return [this, signs = VitalSigns(std::move(sources))](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
     signs.add_to(status);
     std::string who;

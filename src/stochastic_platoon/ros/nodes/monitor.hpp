@@ -79,7 +79,6 @@ private:
 
   SpinLock lock_;  ///< protects the members down to `began_`
   RunStatistics statistics_;
-  std::vector<PositionInput> inputs_;  ///< per vehicle, used by the thread that receives from it
   ProgressReports reports_;
   StallReporter stall_;
   std::optional<double> began_;  ///< [s] first complete step of this launch
@@ -89,7 +88,7 @@ private:
   bool departs_ = false;  ///< whether the leader manoeuvres, as last logged
 
   StatisticsPublisher publisher_;
-  std::vector<ros::Subscriber> positions_;
+  std::vector<PositionInput> inputs_;  ///< per vehicle, used by the thread that receives from it
   ros::Subscriber others_;
   Snapshots snapshots_;
   RunChange change_;

@@ -2,8 +2,6 @@
 
 #include <ros/console.h>
 
-#include <boost/function.hpp>
-
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
@@ -55,13 +53,10 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration, 
       reports_(platoon, "recorder", configuration) {
   ignore_file_size_signal();
   begin();
-  for (const std::string& topic : topics_) inputs_.emplace_back(membership_, topic);
+  inputs_.reserve(topics_.size());
   for (std::size_t s = 0; s < topics_.size(); ++s) {
-    const boost::function<void(const PositionEvent&)> callback = [this, s](const PositionEvent& event) {
-      receive(s, event);
-    };
-    positions_.push_back(platoon.subscribe<Position, const PositionEvent&>(topics_[s], kUnboundedQueue, callback,
-                                                                           ros::VoidConstPtr(), no_delay()));
+    inputs_.emplace_back(membership_, platoon, topics_[s]);
+    inputs_.back().subscribe([this, s](const PositionEvent& event) { receive(s, event); });
   }
   error_statistics_ =
       platoon.subscribe(kErrorStatisticsTopic, kUnboundedQueue, &Recorder::receive_statistics, this, no_delay());
@@ -70,8 +65,6 @@ Recorder::Recorder(ros::NodeHandle platoon, const Configuration& configuration, 
   progress_ = platoon.subscribe<stochastic_platoon::Progress>(
       kProgressTopic, kUnboundedQueue,
       [this](const stochastic_platoon::Progress::ConstPtr& message) { membership_.admits(message->run); });
-  links_ = positions_;
-  links_.push_back(error_statistics_);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(kHeartbeat), [this](const auto&) { tick(); });
 }
 
@@ -85,7 +78,7 @@ void Recorder::begin() {
 
 VitalSigns::Sources Recorder::sources() const {
   VitalSigns::Sources all;
-  for (const PositionInput& input : inputs_) all.emplace_back(&input.activity(), &input.drops());
+  for (const PositionInput& input : inputs_) all.push_back(&input.counter());
   return all;
 }
 
@@ -95,7 +88,6 @@ void Recorder::stop() {
 
 void Recorder::receive(std::size_t stream, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
-  if (!inputs_[stream].admits(event)) return;
   if (message->header.stamp.isZero()) {
     ROS_WARN_STREAM_THROTTLE(1.0, topics_[stream] << ": dropped a message without a stamp, which a bag cannot hold; "
                                                   << named(Clause::stamp));
@@ -140,7 +132,8 @@ void Recorder::finish() {
 
 void Recorder::tick() {
   if (!recording_ && pause_.is_due(now())) begin();
-  if (reports_.is_linked(links_) || (recording_ && recording_->finished())) report();
+  if (reports_.is_linked(inputs_, error_statistics_.getNumPublishers() > 0) || (recording_ && recording_->finished()))
+    report();
 }
 
 // Without a recording the latest report is repeated. The first report of a new recording is then lower, and the leader

@@ -57,15 +57,13 @@ private:
   std::optional<RunRecording> recording_;  ///< none after a write error
   Arrivals reported_;                      ///< arrivals of the latest recording
   RetryPause pause_;
-  std::uint64_t tried_at_ = 0;  ///< bytes in the file when it was last opened
-  std::string refusal_;         ///< the latest write error
-  std::vector<PositionInput> inputs_;
+  std::uint64_t tried_at_ = 0;   ///< bytes in the file when it was last opened
+  std::string refusal_;          ///< the latest write error
   std::optional<double> began_;  ///< [s] first message
   ProgressReports reports_;
-  std::vector<ros::Subscriber> positions_;
+  std::vector<PositionInput> inputs_;  ///< per stream
   ros::Subscriber error_statistics_;
   ros::Subscriber progress_;
-  std::vector<ros::Subscriber> links_;  ///< the run begins when all of these are connected
   ros::SteadyTimer timer_;
 };
 

@@ -22,14 +22,13 @@ void VitalSigns::add_to(DiagnosticStatusWrapper& status) {
   std::uint32_t attempt = 0;
   std::uint64_t messages = 0, faults = 0;
   std::array<std::uint64_t, kDropReasons> dropped{};
-  for (const auto& source : sources_) {
-    first = std::min(first, source.first->step.get());
-    last = std::max(last, source.first->step.get());
-    attempt = std::max(attempt, source.first->attempt.get());
-    messages += source.first->messages.get();
-    if (source.second == nullptr) continue;
-    for (std::size_t v = 0; v < kDropReasons; ++v) dropped[v] += source.second->of(static_cast<DropReason>(v));
-    faults += source.second->faults();
+  for (const MessageCounter* source : sources_) {
+    first = std::min(first, source->step());
+    last = std::max(last, source->step());
+    attempt = std::max(attempt, source->attempt());
+    messages += source->taken();
+    for (std::size_t v = 0; v < kDropReasons; ++v) dropped[v] += source->dropped(static_cast<DropReason>(v));
+    faults += source->faults();
   }
   const double present = now();
   const double seconds = present - last_time_;

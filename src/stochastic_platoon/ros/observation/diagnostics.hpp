@@ -9,8 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "stochastic_platoon/ros/transport/activity.hpp"
-#include "stochastic_platoon/ros/transport/drop_counter.hpp"
+#include "stochastic_platoon/ros/transport/message_counter.hpp"
 
 namespace platoon {
 
@@ -18,13 +17,13 @@ namespace platoon {
 /// process.
 class VitalSigns {
 public:
-  /// Message streams, each with its drop counter; null: the stream drops nothing.
-  using Sources = std::vector<std::pair<const Activity*, const DropCounter*>>;
+  /// The counters of all topics.
+  using Sources = std::vector<const MessageCounter*>;
 
   explicit VitalSigns(Sources sources) : sources_(std::move(sources)) {}
 
-  /// Adds step, rate, attempts and messages dropped by reason; warns if DropCounter::faults() has grown since the last
-  /// call.
+  /// Adds step, rate, attempts and messages dropped by reason; warns if MessageCounter::faults() has grown since the
+  /// last call.
   void add_to(diagnostic_updater::DiagnosticStatusWrapper& status);
 
 private:

@@ -9,7 +9,8 @@
 
 namespace platoon {
 
-LeaderOrders::LeaderOrders(ros::NodeHandle platoon, Obey obey) : obey_(std::move(obey)) {
+LeaderOrders::LeaderOrders(ros::NodeHandle platoon, std::function<Manoeuvre&()> of_leader)
+    : manoeuvre_(std::move(of_leader)) {
   advertise(platoon, "leader/brake", [](Manoeuvre& manoeuvre) {
     manoeuvre.brake();
     return formatted("the leader brakes by %g m/s^2 until it stands", Manoeuvre::kBraking);
@@ -37,7 +38,7 @@ void LeaderOrders::advertise(ros::NodeHandle platoon, const std::string& service
   using Response = std_srvs::Trigger::Response;
   const boost::function<bool(Request&, Response&)> serve = [this, service, order](Request&, Response& response) {
     try {
-      response.message = obey_(order);
+      response.message = order(manoeuvre_());
       response.success = 1;
       ROS_INFO_STREAM(response.message);
     } catch (const std::exception& error) {
@@ -52,11 +53,8 @@ void LeaderOrders::advertise(ros::NodeHandle platoon, const std::string& service
 void LeaderOrders::receive_speed(const std_msgs::Float64::ConstPtr& message) {
   const double speed = message->data;
   try {
-    const std::string done = obey_([speed](Manoeuvre& manoeuvre) {
-      manoeuvre.drive_at(speed);
-      return formatted("the leader drives at %g m/s", speed);
-    });
-    ROS_INFO_STREAM(done);
+    manoeuvre_().drive_at(speed);
+    ROS_INFO_STREAM("the leader drives at " << speed << " m/s");
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(1.0, "leader/speed: " << error.what());
   }

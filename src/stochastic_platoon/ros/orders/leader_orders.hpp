@@ -19,20 +19,17 @@ namespace platoon {
 /// leader/sinusoid, and leader/cruise, which ends a manoeuvre.
 class LeaderOrders {
 public:
-  /// Gives an order to the manoeuvre and returns a description of its effect. Throws std::invalid_argument for an
-  /// impossible order.
-  using Order = std::function<std::string(Manoeuvre&)>;
-  /// Executes an order and returns the description of its effect. Throws std::exception with the reason if the order is
-  /// rejected.
-  using Obey = std::function<std::string(const Order&)>;
-
-  LeaderOrders(ros::NodeHandle platoon, Obey obey);
+  /// `manoeuvre` returns the leader's, or throws std::exception with the reason if it takes no orders.
+  LeaderOrders(ros::NodeHandle platoon, std::function<Manoeuvre&()> manoeuvre);
 
 private:
+  /// Gives an order and returns a description of its effect. Throws std::invalid_argument for an impossible order.
+  using Order = std::function<std::string(Manoeuvre&)>;
+
   void advertise(ros::NodeHandle platoon, const std::string& service, const Order& order);
   void receive_speed(const std_msgs::Float64::ConstPtr& message);
 
-  Obey obey_;
+  std::function<Manoeuvre&()> manoeuvre_;
   std::vector<ros::ServiceServer> services_;
   ros::Subscriber speed_;
 };

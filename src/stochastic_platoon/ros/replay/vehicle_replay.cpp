@@ -63,7 +63,7 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
       vehicle_(vehicle),
       credit_(limits_of(configuration.run)),
       publisher_(platoon.resolveName(position_topic(vehicle)), external ? its_clause(Clause::one_publisher) : ""),
-      drops_(platoon.resolveName(position_topic(vehicle)), external ? name_ : "") {
+      counter_(platoon.resolveName(position_topic(vehicle)), external ? name_ : "") {
   const auto add = [&](PlatoonTopic::Kind kind, const std::string& topic) {
     sent_.push_back({kind, platoon.advertise<Position>(topic, kUnboundedQueue)});
   };
@@ -178,7 +178,7 @@ void VehicleReplay::judge(const Position& live) {
     done_ = true;
     return;
   }
-  drops_.forget_breach();
+  counter_.take(id);
   const bool begins_batch = id.step == kInitialStep;
   if (begins_batch) batch_start_ = compared_;
   credit_.answer(begins_batch, now());
@@ -189,7 +189,7 @@ void VehicleReplay::judge(const Position& live) {
 }
 
 void VehicleReplay::drop(DropReason reason, const Position& live) {
-  drops_.count(reason, id_of(live), live.position.size());
+  counter_.drop(reason, id_of(live), live.position.size());
 }
 
 void VehicleReplay::receive_note(const Progress::ConstPtr& message) {
@@ -216,7 +216,7 @@ std::string VehicleReplay::silence() const {
       return name_ + " is not running: no subscriber of " + sent.publisher.getTopic() + external_hint;
   }
   const MessageId due = expected_id();
-  const std::optional<DropReason> breach = drops_.latest_breach();
+  const std::optional<DropReason> breach = counter_.latest_breach();
   const std::string what =
       breach ? std::string("; its last message was dropped, as ") + to_string(*breach) : std::string();
   return name_ +

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
-#include "stochastic_platoon/ros/transport/drop_counter.hpp"
+#include "stochastic_platoon/ros/transport/message_counter.hpp"
 #include "stochastic_platoon/ros/transport/sole_publisher.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
@@ -87,7 +87,7 @@ private:
   bool waiting_ = false;         ///< for the vehicle, as last logged
   std::optional<double> began_;  ///< [s] first check of the links
   SolePublisher publisher_;
-  DropCounter drops_;
+  MessageCounter counter_;
   ros::Subscriber position_;
   ros::Subscriber progress_;
   ros::SteadyTimer timer_;

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <stochastic_platoon/Position.h>
+#include <ros/node_handle.h>
 
 #include <cstdint>
-#include <optional>
+#include <functional>
 #include <string>
 
-#include "stochastic_platoon/ros/transport/activity.hpp"
-#include "stochastic_platoon/ros/transport/drop_counter.hpp"
+#include "stochastic_platoon/ros/transport/message_counter.hpp"
 #include "stochastic_platoon/ros/transport/run_membership.hpp"
 #include "stochastic_platoon/ros/transport/sole_publisher.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
@@ -22,31 +21,35 @@ namespace platoon {
 /// One thread calls its functions; diagnostics may read from another.
 class PositionInput {
 public:
-  /// `topic`: resolved. `receiver`: added to the topic's name in the log, " (channel)". `external`: name of the
-  /// external vehicle that publishes the topic, whose contract a dropped message violates; empty: none.
-  PositionInput(RunMembership& membership, const std::string& topic, const std::string& receiver = {},
-                const std::string& external = {});
+  /// `receiver`: added to the topic's name in the log, " (channel)". `external`: name of the external vehicle that
+  /// publishes the topic, whose contract a dropped message violates; empty: none.
+  PositionInput(RunMembership& membership, const ros::NodeHandle& node, const std::string& topic,
+                const std::string& receiver = {}, const std::string& external = {});
 
-  /// The first two checks.
-  bool admits(const PositionEvent& event);
+  /// Subscribes to the topic, unless it has before. `receive` is called with the messages that pass the first two
+  /// checks. The object must then keep its address.
+  void subscribe(std::function<void(const PositionEvent&)> receive);
 
-  /// The third one. Notifies the leader and the monitor if earlier messages are lost: see MessageOrder::has_missed().
+  /// Whether the topic has a publisher.
+  bool is_connected() const { return subscriber_.getNumPublishers() > 0; }
+
+  /// The third check. Notifies the leader and the monitor if earlier messages are lost: see MessageOrder::has_missed().
   bool takes(const MessageDescriptor& descriptor, MessageOrder& order, std::int64_t first_loss);
 
-  /// The third one, done by the component: counts the message as taken or dropped. Returns whether it is taken.
+  /// The third check, done by the component: counts the message as taken or dropped. Returns whether it is taken.
   bool takes(DropReason drop, const MessageId& id, std::size_t size);
 
-  /// How the latest message of an external vehicle violated the contract; none if it did not.
-  std::optional<DropReason> latest_breach() const { return drops_.latest_breach(); }
-
-  const Activity& activity() const { return activity_; }
-  const DropCounter& drops() const { return drops_; }
+  const MessageCounter& counter() const { return counter_; }
 
 private:
+  bool admits(const PositionEvent& event);
+
   RunMembership* membership_;
+  ros::NodeHandle node_;
+  std::string topic_;
   SolePublisher publisher_;
-  DropCounter drops_;
-  Activity activity_;
+  MessageCounter counter_;
+  ros::Subscriber subscriber_;
 };
 
 }  // namespace platoon

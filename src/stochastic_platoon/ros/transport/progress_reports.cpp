@@ -18,9 +18,9 @@ ProgressReports::ProgressReports(ros::NodeHandle platoon, const std::string& rec
   message_.run = run_identity(configuration);
 }
 
-bool ProgressReports::is_linked(const std::vector<ros::Subscriber>& subscribers) {
-  linked_ = linked_ || std::all_of(subscribers.begin(), subscribers.end(),
-                                   [](const ros::Subscriber& subscriber) { return subscriber.getNumPublishers() > 0; });
+bool ProgressReports::is_linked(const std::vector<PositionInput>& positions, bool others) {
+  linked_ = linked_ || (others && std::all_of(positions.begin(), positions.end(),
+                                              [](const PositionInput& input) { return input.is_connected(); }));
   return linked_;
 }
 

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <ros/node_handle.h>
-#include <ros/subscriber.h>
 #include <stochastic_platoon/Progress.h>
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/ros/transport/position_input.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/delivery/arrivals.hpp"
 #include "stochastic_platoon/run/delivery/report_pace.hpp"
@@ -23,8 +23,8 @@ class ProgressReports {
 public:
   ProgressReports(ros::NodeHandle platoon, const std::string& receiver, const Configuration& configuration);
 
-  /// Whether all of these have a publisher, or once had.
-  bool is_linked(const std::vector<ros::Subscriber>& subscribers);
+  /// Whether all positions are connected, and the receiver's other topics (`others`), or once were.
+  bool is_linked(const std::vector<PositionInput>& positions, bool others = true);
 
   /// Reports carry the latest platoon time seen [ns].
   void saw(std::uint64_t platoon_time);

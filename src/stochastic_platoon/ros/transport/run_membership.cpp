@@ -65,18 +65,17 @@ std::optional<Configuration> wait_for_configuration(const ros::NodeHandle& plato
 }
 
 RunMembership::RunMembership(const ros::NodeHandle& platoon, std::string name, std::uint64_t run, Join join)
-    : platoon_(platoon), name_(std::move(name)), join_(std::move(join)), lives_for_one_(run != 0), run_(run) {}
+    : platoon_(platoon), name_(std::move(name)), join_(std::move(join)), run_(run) {}
 
 RunMembership::~RunMembership() {
   ros::getGlobalCallbackQueue()->removeByID(reinterpret_cast<std::uint64_t>(this));
 }
 
 void RunMembership::join(const Configuration& configuration) {
-  join_(configuration);
-  if (lives_for_one_) {
-    over_ = true;
-  } else {
+  if (join_(configuration)) {
     run_ = run_identity(configuration);
+  } else {
+    over_ = true;
   }
 }
 

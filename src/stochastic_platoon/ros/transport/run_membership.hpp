@@ -25,12 +25,12 @@ std::optional<Configuration> wait_for_configuration(const ros::NodeHandle& plato
 /// component checks whether that run has become the platoon's.
 class RunMembership {
 public:
-  /// Called when the platoon's configuration has become that of a message's run. May throw std::exception if the
-  /// component cannot take part: the message is then dropped and the reason reported.
-  using Join = std::function<void(const Configuration&)>;
+  /// Called when the platoon's configuration has become that of a message's run. Returns whether the component takes
+  /// part in this run, too; if not, the component is over. May throw std::exception if the component cannot take part
+  /// but waits for another run: the message is then dropped and the reason reported.
+  using Join = std::function<bool(const Configuration&)>;
 
-  /// `name`: the component's name in messages, "vehicle_3". `run`: the only run that the component takes part in; 0: it
-  /// takes part in one run after another, and in none yet.
+  /// `name`: the component's name in messages, "vehicle_3". `run`: the run that it takes part in; 0: none yet.
   RunMembership(const ros::NodeHandle& platoon, std::string name, std::uint64_t run, Join join);
   ~RunMembership();
 
@@ -38,7 +38,7 @@ public:
   /// second for the same run and twenty for all.
   bool admits(std::uint64_t run) { return run == run_.load(std::memory_order_relaxed) || looks_and_admits(run); }
 
-  /// Calls Join and makes the run of this configuration the present one; a component of a single run is over instead.
+  /// Calls Join, and makes the run of this configuration the present one if the component takes part in it.
   void join(const Configuration& configuration);
 
   /// Notifies leader and monitor that this component has missed messages of an attempt, once per attempt.
@@ -46,7 +46,7 @@ public:
 
   std::uint64_t run() const { return run_.load(std::memory_order_relaxed); }
 
-  /// Whether another run has replaced the component's only run.
+  /// Whether a run has begun that the component takes no part in.
   bool is_over() const { return over_.load(std::memory_order_relaxed); }
 
 private:
@@ -57,7 +57,6 @@ private:
   ros::NodeHandle platoon_;
   std::string name_;
   Join join_;
-  const bool lives_for_one_;
   std::atomic<std::uint64_t> run_;
   std::atomic<bool> over_{false};
   std::mutex looking_;

@@ -1,9 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
-
-#include "stochastic_platoon/run/delivery/batch_schedule.hpp"
 
 namespace platoon {
 
@@ -24,19 +21,6 @@ public:
 
 private:
   std::atomic<Number> value_{Number{}};
-};
-
-/// The latest activity of a component, for diagnostics.
-struct Activity {
-  RelaxedAtomic<std::int64_t> step{kNothingYet};
-  RelaxedAtomic<std::uint32_t> attempt;
-  RelaxedAtomic<std::uint64_t> messages;
-
-  void count(const MessageId& id) {
-    step = id.step;
-    attempt = id.attempt;
-    ++messages;
-  }
 };
 
 }  // namespace platoon
