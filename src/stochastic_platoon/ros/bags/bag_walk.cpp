@@ -1,7 +1,6 @@
 #include "stochastic_platoon/ros/bags/bag_walk.hpp"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -227,7 +226,7 @@ void BagWalk::take_summaries(const Fields& header, std::string_view data) {
   const auto connection = header.number<std::uint32_t>("conn");
   if (!skipped_ && connections_.count(connection) == 0) throw BagDamage("a connection has no messages");
   take_connection(header, data);
-  if (!summarized_.emplace(connection, true).second) throw BagDamage("a connection is there twice");
+  if (!summarized_.insert(connection).second) throw BagDamage("a connection is there twice");
 }
 
 void BagWalk::require_whole() const {

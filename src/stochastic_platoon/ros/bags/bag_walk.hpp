@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -64,7 +65,7 @@ private:
   std::uint64_t index_position_ = 0;  ///< 0: the file was not closed
   std::uint32_t connection_count_ = 0, chunk_count_ = 0;
   std::map<std::uint32_t, BagConnection> connections_;
-  std::map<std::uint32_t, bool> summarized_;  ///< connections at the end of the file
+  std::set<std::uint32_t> summarized_;  ///< connections at the end of the file
   BagIndex index_;
 
   std::string header_bytes_, data_bytes_, plain_bytes_;  ///< of the present record

@@ -27,7 +27,7 @@ SimulatedPredecessor::SimulatedPredecessor(ros::NodeHandle platoon, std::size_t 
       predecessor_position_(platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
   if (radio) predecessor_input_ = platoon.advertise<Position>(predecessor_input_topic(vehicle), kUnboundedQueue);
   const boost::function<void(const PositionEvent&)> callback = [this](const PositionEvent& event) {
-    received_.push_back({event.getMessage(), event.getPublisherName()});
+    received_.push_back(event);
   };
   position_ = platoon.subscribe<Position, const PositionEvent&>(position_topic(vehicle), kUnboundedQueue, callback,
                                                                 ros::VoidConstPtr(), no_delay());
@@ -61,7 +61,7 @@ void SimulatedPredecessor::begin_run(const Configuration& configuration) {
     begin_batch(sent_.attempt + 1, 0);
     const double again = now() + kStartPeriod;
     while (starting_ && ros::ok() && now() < again) {
-      if (const std::optional<Received> answer = next(again - now())) judge(*answer);
+      if (const std::optional<PositionEvent> answer = next(again - now())) judge(*answer);
     }
   } while (starting_ && ros::ok() && now() < end);
 }
@@ -113,7 +113,7 @@ double SimulatedPredecessor::predecessor_at(std::int64_t step, std::uint64_t rea
 
 void SimulatedPredecessor::wait_for_answer(std::int64_t step) {
   while (answered_ < step) {
-    const std::optional<Received> answer = next(patience_);
+    const std::optional<PositionEvent> answer = next(patience_);
     if (!answer) {
       broken(tested_.value_or(Clause::answer), here(answered_ + 1) + formatted(": no answer within %g s", patience_));
     }
@@ -121,19 +121,19 @@ void SimulatedPredecessor::wait_for_answer(std::int64_t step) {
   }
 }
 
-std::optional<SimulatedPredecessor::Received> SimulatedPredecessor::next(double seconds) {
+std::optional<PositionEvent> SimulatedPredecessor::next(double seconds) {
   const double end = now() + seconds;
   while (received_.empty() && ros::ok() && now() < end)
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.02));
   if (received_.empty()) return std::nullopt;
-  const Received first = received_.front();
+  const PositionEvent first = received_.front();
   received_.pop_front();
   return first;
 }
 
-void SimulatedPredecessor::judge(const Received& received) {
-  const Position& message = *received.message;
-  publishers_.insert(received.publisher);
+void SimulatedPredecessor::judge(const PositionEvent& received) {
+  const Position& message = *received.getConstMessage();
+  publishers_.insert(received.getPublisherName());
   if (publishers_.size() > 1)
     broken(Clause::one_publisher,
            *publishers_.begin() + " and " + *publishers_.rbegin() + " publish " + position_.getTopic());

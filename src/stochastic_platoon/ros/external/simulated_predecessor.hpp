@@ -61,12 +61,8 @@ protected:
 
 private:
   using Message = stochastic_platoon::Position;
-  struct Received {
-    Message::ConstPtr message;
-    std::string publisher;
-  };
-  std::optional<Received> next(double seconds);
-  void judge(const Received& received);
+  std::optional<PositionEvent> next(double seconds);
+  void judge(const PositionEvent& received);
   void judge_name(const Message& message) const;
   void judge_start(const Message& message) const;
 
@@ -79,7 +75,7 @@ private:
   ros::Time stamp_;                      ///< of the latest message in turn
   ros::Time start_;                      ///< stamp of the batch's step -1
   std::set<std::string> publishers_;
-  std::deque<Received> received_;
+  std::deque<PositionEvent> received_;
   ros::Publisher predecessor_position_;
   std::optional<ros::Publisher> predecessor_input_;
 };

@@ -17,9 +17,6 @@ public:
   /// A message without other owners.
   stochastic_platoon::Position::Ptr take();
 
-  /// Number of messages allocated so far.
-  std::size_t size() const { return messages_->size(); }
-
 private:
   using Messages = std::vector<stochastic_platoon::Position::Ptr>;
   std::shared_ptr<Messages> messages_ = std::make_shared<Messages>();

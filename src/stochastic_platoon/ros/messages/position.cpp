@@ -10,24 +10,16 @@ namespace platoon {
 
 using stochastic_platoon::Position;
 
-namespace detail {
-
 PLATOON_VECTOR_CLONES
-bool all_finite(const double* values, std::size_t count) {
+bool all_finite(const std::vector<double>& values) {
   // Integer arithmetic, so that the loop vectorises: only an exponent of all ones carries into the top bit.
   std::uint64_t carry = 0;
-  for (std::size_t j = 0; j < count; ++j) {
+  for (const double value : values) {
     std::uint64_t bits;
-    std::memcpy(&bits, &values[j], sizeof bits);
+    std::memcpy(&bits, &value, sizeof bits);
     carry |= (bits & 0x7ff0000000000000ULL) + 0x0010000000000000ULL;
   }
   return (carry >> 63) == 0;
-}
-
-}  // namespace detail
-
-bool all_finite(const std::vector<double>& values) {
-  return detail::all_finite(values.data(), values.size());
 }
 
 MessageId id_of(const Position& message) {

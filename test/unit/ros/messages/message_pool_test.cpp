@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+#include <vector>
+
 namespace platoon {
 namespace {
 
@@ -24,16 +27,17 @@ TEST(MessagePool, UsesAReleasedMessageAgainWithItsArray) {
   message = pool.take();
   EXPECT_EQ(message.get(), address);
   EXPECT_EQ(message->position.capacity(), 1000u);
-  EXPECT_EQ(pool.size(), 1u);
 }
 
 TEST(MessagePool, HoldsAsManyAsWereInFlightAtOnce) {
   MessagePool pool;
+  std::set<const Position*> messages;
   for (int round = 0; round < 10; ++round) {
     std::vector<Position::Ptr> in_flight;
     for (int j = 0; j < 7; ++j) in_flight.push_back(pool.take());
+    for (const Position::Ptr& message : in_flight) messages.insert(message.get());
   }
-  EXPECT_EQ(pool.size(), 7u);
+  EXPECT_EQ(messages.size(), 7u);
 }
 
 TEST(MessagePool, SharesItsMessagesWithItsCopies) {
