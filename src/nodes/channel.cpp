@@ -20,8 +20,9 @@ void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, p
   platoon::ReceivingThread receiving_thread;
   platoon.setCallbackQueue(&receiving_thread);
   const auto followers = static_cast<std::uint32_t>(configuration.run.followers);
-  const auto told = std::make_shared<platoon::Snapshots>(watched, platoon::kPredecessorSnapshotTopic, followers);
-  const platoon::Channel channel(platoon, configuration, 1, followers, platoon::MessagePool(), told, superseded.join());
+  const auto received = std::make_shared<platoon::Snapshots>(watched, platoon::kPredecessorSnapshotTopic, followers);
+  const platoon::Channel channel(platoon, configuration, 1, followers, platoon::MessagePool(), received,
+                                 superseded.join());
   platoon::Diagnostics diagnostics(watched);
   diagnostics.add("channel", platoon::vital_signs(channel.sources()));
   if (recorder) diagnostics.add("recorder", platoon::vital_signs(recorder->sources()));

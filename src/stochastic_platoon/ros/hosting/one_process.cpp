@@ -72,11 +72,11 @@ OneProcess::OneProcess(const ros::NodeHandle& platoon, const Configuration& conf
   monitor_ = std::make_unique<Monitor>(
       last, configuration, [this](std::size_t vehicle) { return worker_of(vehicle).node(); }, superseded);
   if (!configuration.run.record.empty()) recorder_ = std::make_unique<Recorder>(last, configuration, superseded);
-  const auto told = std::make_shared<Snapshots>(last, kPredecessorSnapshotTopic, configuration.run.followers);
+  const auto received = std::make_shared<Snapshots>(last, kPredecessorSnapshotTopic, configuration.run.followers);
   for (std::uint32_t i = 1; i <= configuration.run.followers; ++i) {
     const Worker& worker = worker_of(i);
     channels_.push_back(
-        std::make_unique<Channel>(worker.node(), configuration, i, i, worker.messages(), told, superseded));
+        std::make_unique<Channel>(worker.node(), configuration, i, i, worker.messages(), received, superseded));
     if (configuration.run.is_external(i)) continue;
     followers_.push_back(std::make_unique<Follower>(worker.at_once(), configuration, i, worker.messages()));
   }

@@ -11,7 +11,7 @@ namespace platoon {
 using stochastic_platoon::Position;
 
 Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
-                 const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded)
+                 const MessagePool& messages, std::shared_ptr<Snapshots> snapshots, RunMembership::Join superseded)
     : superseded_(std::move(superseded)),
       run_(configuration.run),
       first_(first),
@@ -20,36 +20,16 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
       membership_(platoon, "channel", 0, [this](const Configuration& joined) { return begin(joined); }),
       platoon_(platoon),
       messages_(messages),
-      told_(std::move(told)) {
+      snapshots_(std::move(snapshots)) {
   if (const std::string reason = slow_noise(); !reason.empty()) ROS_WARN_STREAM_ONCE(reason);
   for (const Kind& kind : kinds_) wires_.push_back(wire(kind));
   membership_.join(configuration);
   for (Wire& wire : wires_) {
-    if (!wire.own) {
-      hear(wire.sent, [this, &wire](const PositionEvent& event) { transmit(wire, *event.getMessage(), {}); });
-      continue;
-    }
-    const auto move_on = [this, &wire] {
-      using Ends = const Position*;
-      wire.waiting.visit(membership_.run(), [this, &wire](const Position& sent, Ends predecessor, Ends own) {
-        transmit(wire, sent,
-                 own == nullptr ? LinkEnds{} : LinkEnds{predecessor->position.data(), own->position.data()});
+    for (Stream& stream : wire.streams) {
+      stream.input.subscribe([this, &wire, &stream](const PositionEvent& event) {
+        if (takes(stream, event)) receive(wire, stream.role, event.getMessage());
       });
-    };
-    hear(wire.sent, [&wire, move_on](const PositionEvent& event) {
-      wire.waiting.add_sent(event.getMessage());
-      if (!wire.predecessor) wire.waiting.add_predecessor(event.getMessage());
-      move_on();
-    });
-    hear(*wire.own, [&wire, move_on](const PositionEvent& event) {
-      wire.waiting.add_own(event.getMessage());
-      move_on();
-    });
-    if (!wire.predecessor) continue;
-    hear(*wire.predecessor, [&wire, move_on](const PositionEvent& event) {
-      wire.waiting.add_predecessor(event.getMessage());
-      move_on();
-    });
+    }
   }
 }
 
@@ -65,36 +45,17 @@ std::vector<Channel::Kind> Channel::kinds_of(const Configuration& configuration,
   return kinds;
 }
 
-Channel::Stream Channel::stream(const std::string& topic, std::uint32_t first_loss) {
-  return {PositionInput(membership_, platoon_, topic, " (channel)"), first_loss, std::nullopt};
-}
-
 Channel::Wire Channel::wire(const Kind& kind) {
   const std::uint32_t i = kind.follower;
-  Wire wire{kind,
-            std::nullopt,
-            stream(kind.radio ? input_topic(i - 1) : position_topic(i - 1), i),
-            platoon_.advertise<Position>(kind.radio ? predecessor_input_topic(i) : predecessor_position_topic(i),
-                                         kUnboundedQueue),
-            std::nullopt,
-            std::nullopt};
-  if (kind.depends_on_gap) wire.own.emplace(stream(position_topic(i), i + 1));
-  if (kind.depends_on_gap && kind.radio) wire.predecessor.emplace(stream(position_topic(i - 1), i));
+  Wire wire{kind, platoon_.advertise<Position>(kind.radio ? predecessor_input_topic(i) : predecessor_position_topic(i),
+                                               kUnboundedQueue)};
+  const auto add = [this, &wire](Role role, const std::string& topic, std::uint32_t first_loss) {
+    wire.streams.push_back({role, PositionInput(membership_, platoon_, topic, " (channel)"), first_loss});
+  };
+  add(Role::sent, kind.radio ? input_topic(i - 1) : position_topic(i - 1), i);
+  if (kind.depends_on_gap) add(Role::own, position_topic(i), i + 1);
+  if (kind.depends_on_gap && kind.radio) add(Role::predecessor, position_topic(i - 1), i);
   return wire;
-}
-
-template <class Take>
-void Channel::hear(Stream& stream, const Take& take) {
-  stream.input.subscribe([this, &stream, take](const PositionEvent& event) {
-    if (takes(stream, event)) take(event);
-  });
-}
-
-template <class AnyWire, class Visit>
-void Channel::for_each_stream(AnyWire& wire, const Visit& visit) {
-  visit(wire.sent);
-  if (wire.own) visit(*wire.own);
-  if (wire.predecessor) visit(*wire.predecessor);
 }
 
 bool Channel::begin(const Configuration& configuration) {
@@ -104,15 +65,15 @@ bool Channel::begin(const Configuration& configuration) {
     return superseded_(configuration);
   }
   run_ = run;
-  told_->set_rate(run.rate);
+  snapshots_->set_rate(run.rate);
   for (Wire& wire : wires_) {
     wire.link.emplace(wire.kind.radio ? Link::radio(configuration.model, run.seed, wire.kind.follower)
                                       : Link(configuration.model, run.seed, wire.kind.follower));
     wire.waiting = {};
-    for_each_stream(wire, [&wire, &run](Stream& stream) {
+    for (Stream& stream : wire.streams) {
       stream.order.reset();
       if (wire.link->keeps_state()) stream.order.emplace(run.schedule());
-    });
+    }
   }
   return true;
 }
@@ -120,7 +81,7 @@ bool Channel::begin(const Configuration& configuration) {
 VitalSigns::Sources Channel::sources() const {
   VitalSigns::Sources all;
   for (const Wire& wire : wires_) {
-    for_each_stream(wire, [&all](const Stream& stream) { all.push_back(&stream.input.counter()); });
+    for (const Stream& stream : wire.streams) all.push_back(&stream.input.counter());
   }
   return all;
 }
@@ -132,6 +93,16 @@ bool Channel::takes(Stream& stream, const PositionEvent& event) {
   return stream.input.takes(DropReason::none, id_of(message), message.position.size());
 }
 
+void Channel::receive(Wire& wire, Role role, const Position::ConstPtr& message) {
+  if (!wire.kind.depends_on_gap) return transmit(wire, *message, {});
+  if (role == Role::sent) wire.waiting.add_sent(message);
+  if (role == Role::own) wire.waiting.add_own(message);
+  if (role == Role::predecessor || (role == Role::sent && !wire.kind.radio)) wire.waiting.add_predecessor(message);
+  wire.waiting.visit(membership_.run(), [&](const Position& sent, const Position* predecessor, const Position* own) {
+    transmit(wire, sent, own == nullptr ? LinkEnds{} : LinkEnds{predecessor->position.data(), own->position.data()});
+  });
+}
+
 void Channel::transmit(Wire& wire, const Position& message, const LinkEnds& before) {
   const MessageId id = id_of(message);
   const auto received = messages_.take();
@@ -139,7 +110,7 @@ void Channel::transmit(Wire& wire, const Position& message, const LinkEnds& befo
   set_id(message.run, id, *received);
   wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), message.position, received->position,
                       before);
-  if (!wire.kind.radio && told_->wanted()) told_->take(wire.kind.follower - 1, *received);
+  if (!wire.kind.radio && snapshots_->wanted()) snapshots_->take(wire.kind.follower - 1, *received);
   publish(wire.received, received);
 }
 

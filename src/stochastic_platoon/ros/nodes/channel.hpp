@@ -35,11 +35,11 @@ namespace platoon {
 /// stochastic_platoon/Position.
 class Channel {
 public:
-  /// `told` takes the positions that the followers receive, stream i - 1 for follower i. `superseded` is called with
-  /// the configuration that replaces the present one, if the number of followers, the batch size, the recording or the
-  /// topics of the links differ.
+  /// `snapshots` takes the positions that the followers receive, stream i - 1 for follower i. `superseded` is called
+  /// with the configuration that replaces the present one, if the number of followers, the batch size, the recording or
+  /// the topics of the links differ.
   Channel(ros::NodeHandle platoon, const Configuration& configuration, std::uint32_t first, std::uint32_t last,
-          const MessagePool& messages, std::shared_ptr<Snapshots> told, RunMembership::Join superseded);
+          const MessagePool& messages, std::shared_ptr<Snapshots> snapshots, RunMembership::Join superseded);
 
   /// Messages passed on and dropped, per link.
   VitalSigns::Sources sources() const;
@@ -55,33 +55,30 @@ private:
     return one.follower == other.follower && one.radio == other.radio && one.depends_on_gap == other.depends_on_gap;
   }
 
+  /// The messages to transmit, or the positions of an end of the link.
+  enum class Role { sent, own, predecessor };
+
   /// A topic that a wire subscribes to.
   struct Stream {
+    Role role;
     PositionInput input;
-    std::uint32_t first_loss;           ///< see PositionInput::takes()
-    std::optional<MessageOrder> order;  ///< of a link that keeps state
+    std::uint32_t first_loss;                ///< see PositionInput::takes()
+    std::optional<MessageOrder> order = {};  ///< of a link that keeps state
   };
 
   struct Wire {
     Kind kind;
-    std::optional<Link> link;
-    Stream sent;
     ros::Publisher received;
-    std::optional<Stream> own, predecessor;                         ///< positions of the ends, if depends_on_gap
+    std::optional<Link> link = {};
+    std::vector<Stream> streams = {};  ///< sent; if depends_on_gap also own and, with a radio, predecessor
     GapPairs<stochastic_platoon::Position::ConstPtr> waiting = {};  ///< of the sent messages and these positions
   };
 
   static std::vector<Kind> kinds_of(const Configuration& configuration, std::uint32_t first, std::uint32_t last);
   Wire wire(const Kind& kind);
-  Stream stream(const std::string& topic, std::uint32_t first_loss);
-  /// `take` receives the messages in turn.
-  template <class Take>
-  void hear(Stream& stream, const Take& take);
-  /// Calls visit(stream) with every topic that a wire subscribes to.
-  template <class AnyWire, class Visit>
-  static void for_each_stream(AnyWire& wire, const Visit& visit);
   bool begin(const Configuration& configuration);
   bool takes(Stream& stream, const PositionEvent& event);
+  void receive(Wire& wire, Role role, const stochastic_platoon::Position::ConstPtr& message);
   void transmit(Wire& wire, const stochastic_platoon::Position& message, const LinkEnds& before);
 
   RunMembership::Join superseded_;
@@ -91,7 +88,7 @@ private:
   RunMembership membership_;
   ros::NodeHandle platoon_;
   MessagePool messages_;
-  std::shared_ptr<Snapshots> told_;
+  std::shared_ptr<Snapshots> snapshots_;
   std::vector<Wire> wires_;  ///< never resized after construction: the callbacks point into it
 };
 
