@@ -24,8 +24,8 @@ void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, p
   const platoon::Channel channel(platoon, configuration, 1, followers, platoon::MessagePool(), received,
                                  superseded.join());
   platoon::Diagnostics diagnostics(watched);
-  diagnostics.add("channel", platoon::vital_signs(channel.sources()));
-  if (recorder) diagnostics.add("recorder", platoon::vital_signs(recorder->sources()));
+  diagnostics.add("channel", platoon::VitalSigns(channel.sources()));
+  if (recorder) diagnostics.add("recorder", platoon::VitalSigns(recorder->sources()));
   superseded.spin();
   if (recorder) recorder->stop();
 }

@@ -37,7 +37,7 @@ void run(ros::NodeHandle platoon) {
   const platoon::Follower follower(
       platoon, present_run(platoon, index), index, platoon::MessagePool(),
       [](const platoon::Configuration& joined) { platoon::keep_freed_memory(joined.run, 1); });
-  diagnostics.add("follower", platoon::vital_signs(follower.sources()));
+  diagnostics.add("follower", platoon::VitalSigns(follower.sources()));
   platoon::Superseded().spin();
 }
 

@@ -83,10 +83,10 @@ OneProcess::OneProcess(const ros::NodeHandle& platoon, const Configuration& conf
   leader_ = std::make_unique<Leader>(workers_.front()->node(), configuration, superseded);
   diagnostics_ = std::make_unique<Diagnostics>(last);
   diagnostics_->add("leader", leader_->status());
-  diagnostics_->add("followers", vital_signs(all_sources(followers_)));
-  diagnostics_->add("channel", vital_signs(all_sources(channels_)));
+  diagnostics_->add("followers", VitalSigns(all_sources(followers_)));
+  diagnostics_->add("channel", VitalSigns(all_sources(channels_)));
   diagnostics_->add("monitor", monitor_->status());
-  if (recorder_) diagnostics_->add("recorder", vital_signs(recorder_->sources()));
+  if (recorder_) diagnostics_->add("recorder", VitalSigns(recorder_->sources()));
 }
 
 OneProcess::~OneProcess() = default;

@@ -134,7 +134,7 @@ void Leader::watch() {
 
 Diagnostics::Fill Leader::status() const {
   return [this, signs = VitalSigns({&published_})](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
-    signs.add_to(status);
+    signs(status);
     status.add("credit", std::to_string(window_.get() - unacknowledged_.get()) + " of " +
                              std::to_string(window_.get()) + " steps");
     status.add("unacknowledged steps", unacknowledged_.get());

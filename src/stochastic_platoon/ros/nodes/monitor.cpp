@@ -221,7 +221,7 @@ Diagnostics::Fill Monitor::status() {
   VitalSigns::Sources sources;
   for (const PositionInput& input : inputs_) sources.push_back(&input.counter());
   return [this, signs = VitalSigns(std::move(sources))](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
-    signs.add_to(status);
+    signs(status);
     std::string who;
     std::uint64_t committed;
     std::uint32_t repeated = 0;

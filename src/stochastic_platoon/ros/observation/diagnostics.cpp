@@ -17,7 +17,7 @@ namespace {
 constexpr int kFirst = 3;  // [s] after the start
 }
 
-void VitalSigns::add_to(DiagnosticStatusWrapper& status) {
+void VitalSigns::operator()(DiagnosticStatusWrapper& status) {
   std::int64_t first = INT64_MAX, last = kNothingYet;
   std::uint32_t attempt = 0;
   std::uint64_t messages = 0, faults = 0;

@@ -14,7 +14,7 @@
 namespace platoon {
 
 /// The status values common to all components: messages taken and dropped by one component, or by all of a kind in one
-/// process.
+/// process. Fills a status of Diagnostics.
 class VitalSigns {
 public:
   /// The counters of all topics.
@@ -24,7 +24,7 @@ public:
 
   /// Adds step, rate, attempts and messages dropped by reason; warns if MessageCounter::faults() has grown since the
   /// last call.
-  void add_to(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void operator()(diagnostic_updater::DiagnosticStatusWrapper& status);
 
 private:
   Sources sources_;
@@ -53,12 +53,5 @@ private:
   std::unique_ptr<diagnostic_updater::Updater> updater_;
   ros::SteadyTimer timer_;
 };
-
-/// A status with these values only.
-inline Diagnostics::Fill vital_signs(VitalSigns::Sources sources) {
-  return [signs = VitalSigns(std::move(sources))](diagnostic_updater::DiagnosticStatusWrapper& status) mutable {
-    signs.add_to(status);
-  };
-}
 
 }  // namespace platoon
