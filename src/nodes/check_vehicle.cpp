@@ -135,7 +135,7 @@ void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
   }
   for (const platoon::Clause clause : platoon::kVehicleContract) {
     if (clause == breach->clause) {
-      print(clause, "BROKEN", breach->what);  // even if it held at first: a second publisher may appear later
+      print(clause, "BROKEN", breach->what());  // even if it held at first: a second publisher may appear later
     } else if (held.count(clause) == 0) {
       print(clause, "not reached");
     }

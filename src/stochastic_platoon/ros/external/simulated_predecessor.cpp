@@ -115,7 +115,8 @@ void SimulatedPredecessor::wait_for_answer(std::int64_t step) {
   while (answered_ < step) {
     const std::optional<PositionEvent> answer = next(patience_);
     if (!answer) {
-      broken(tested_.value_or(Clause::answer), here(answered_ + 1) + formatted(": no answer within %g s", patience_));
+      throw BrokenClause(tested_.value_or(Clause::answer),
+                         here(answered_ + 1) + formatted(": no answer within %g s", patience_));
     }
     judge(*answer);
   }
@@ -135,8 +136,8 @@ void SimulatedPredecessor::judge(const PositionEvent& received) {
   const Position& message = *received.getConstMessage();
   publishers_.insert(received.getPublisherName());
   if (publishers_.size() > 1)
-    broken(Clause::one_publisher,
-           *publishers_.begin() + " and " + *publishers_.rbegin() + " publish " + position_.getTopic());
+    throw BrokenClause(Clause::one_publisher,
+                       *publishers_.begin() + " and " + *publishers_.rbegin() + " publish " + position_.getTopic());
   const bool is_first =
       message.run == run_ && message.attempt == sent_.attempt && message.first_realization == sent_.first_realization;
   if (starting_ && !is_first) return;
@@ -145,14 +146,15 @@ void SimulatedPredecessor::judge(const PositionEvent& received) {
   const std::string step = here(message.step);
   const std::size_t size = schedule_.size(sent_.first_realization);
   if (message.position.size() != size)
-    broken(Clause::size,
-           step + ": " + std::to_string(message.position.size()) + " positions, of " + std::to_string(size));
-  if (!all_finite(message.position)) broken(Clause::finite, step + ": a NaN or an infinity");
+    throw BrokenClause(
+        Clause::size, step + ": " + std::to_string(message.position.size()) + " positions, of " + std::to_string(size));
+  if (!all_finite(message.position)) throw BrokenClause(Clause::finite, step + ": a NaN or an infinity");
   if (message.step == kInitialStep) judge_start(message);
   ros::Time due = start_;
   for (std::int64_t k = kInitialStep; k < message.step; ++k) due = later(due, period_);
   if (message.header.stamp != due)
-    broken(Clause::stamp, step + formatted(": stamp %.9f s, of %.9f s", message.header.stamp.toSec(), due.toSec()));
+    throw BrokenClause(Clause::stamp,
+                       step + formatted(": stamp %.9f s, of %.9f s", message.header.stamp.toSec(), due.toSec()));
   answered_ = message.step;
   answers_[message.step] = message.position;
 }
@@ -161,29 +163,26 @@ void SimulatedPredecessor::judge(const PositionEvent& received) {
 void SimulatedPredecessor::judge_name(const Position& message) const {
   const std::string due = here(answered_ + 1) + " was due, and came: ";
   if (message.run != run_)
-    broken(tested_.value_or(Clause::run),
-           due + formatted("a message of run %016llx instead of %016llx", static_cast<unsigned long long>(message.run),
-                           static_cast<unsigned long long>(run_)));
+    throw BrokenClause(tested_.value_or(Clause::run), due + formatted("a message of run %016llx instead of %016llx",
+                                                                      static_cast<unsigned long long>(message.run),
+                                                                      static_cast<unsigned long long>(run_)));
   if (message.attempt != sent_.attempt)
-    broken(tested_.value_or(Clause::attempt),
-           due + "attempt " + std::to_string(message.attempt) + " instead of " + std::to_string(sent_.attempt));
+    throw BrokenClause(tested_.value_or(Clause::attempt), due + "attempt " + std::to_string(message.attempt) +
+                                                              " instead of " + std::to_string(sent_.attempt));
   const bool is_due = message.first_realization == sent_.first_realization && message.step == answered_ + 1;
   if (!is_due || message.step > sent_.step + 1)
-    broken(tested_.value_or(Clause::turn), due + "step " + std::to_string(message.step) + " of the realizations from " +
-                                               std::to_string(message.first_realization));
+    throw BrokenClause(tested_.value_or(Clause::turn), due + "step " + std::to_string(message.step) +
+                                                           " of the realizations from " +
+                                                           std::to_string(message.first_realization));
 }
 
 void SimulatedPredecessor::judge_start(const Position& message) const {
   constexpr double kRounding = 1e-6;  // [m]
   for (const double position : message.position) {
     if (std::abs(position - place_) > kRounding)
-      broken(Clause::start_anew,
-             here(kInitialStep) + formatted(": at %g m, of %g m, its initial position", position, place_));
+      throw BrokenClause(Clause::start_anew,
+                         here(kInitialStep) + formatted(": at %g m, of %g m, its initial position", position, place_));
   }
-}
-
-void SimulatedPredecessor::broken(Clause clause, const std::string& what) const {
-  throw BrokenClause(clause, what);
 }
 
 std::string SimulatedPredecessor::here(std::int64_t step) const {

@@ -47,7 +47,6 @@ protected:
   bool is_connected() const;
   double predecessor_at(std::int64_t step, std::uint64_t realization) const;
   void wait_for_answer(std::int64_t step);
-  [[noreturn]] void broken(Clause clause, const std::string& what) const;
   std::string here(std::int64_t step) const;
 
   std::size_t vehicle_;

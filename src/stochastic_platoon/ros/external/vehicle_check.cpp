@@ -58,7 +58,7 @@ VehicleCheck::VehicleCheck(ros::NodeHandle platoon, const Configuration& present
       present_(present),
       next_(next) {}
 
-std::optional<VehicleCheck::Breach> VehicleCheck::run(const Holds& holds) {
+std::optional<BrokenClause> VehicleCheck::run(const Holds& holds) {
   const std::vector<std::pair<void (VehicleCheck::*)(), std::vector<Clause>>> parts = {
       {&VehicleCheck::check_publishers, {Clause::one_publisher}},
       {&VehicleCheck::check_batches, {Clause::answer, Clause::size, Clause::finite, Clause::stamp}},
@@ -76,7 +76,7 @@ std::optional<VehicleCheck::Breach> VehicleCheck::run(const Holds& holds) {
       for (const Clause clause : part.second) holds(clause);
     }
   } catch (const BrokenClause& error) {
-    return Breach{error.clause, error.what()};
+    return error;
   }
   return std::nullopt;
 }
@@ -84,7 +84,7 @@ std::optional<VehicleCheck::Breach> VehicleCheck::run(const Holds& holds) {
 void VehicleCheck::check_publishers() {
   const std::vector<std::string> names = registered_publishers(position_.getTopic());
   if (names.size() > 1)
-    broken(Clause::one_publisher, names[0] + " and " + names[1] + " publish " + position_.getTopic());
+    throw BrokenClause(Clause::one_publisher, names[0] + " and " + names[1] + " publish " + position_.getTopic());
 }
 
 void VehicleCheck::check_batches() {
@@ -137,8 +137,8 @@ void VehicleCheck::check_repetition() {
     const std::string what =
         here(step) + formatted(": realization %zu at %.17g m, after the same messages at %.17g m before", r,
                                second.at(step)[r], first.at(step)[r]);
-    if (step < kUntil) broken(Clause::start_anew, what);
-    broken(Clause::causal, what + ": it depends on the message of the same step");
+    if (step < kUntil) throw BrokenClause(Clause::start_anew, what);
+    throw BrokenClause(Clause::causal, what + ": it depends on the message of the same step");
   }
 }
 
@@ -184,9 +184,10 @@ void VehicleCheck::check_spacing() {
     const double distance = predecessor_at(step, 0) - answers_.at(step).front();
     if (std::abs(distance - due) <= most) return;
     if (doubling < kDoublings) continue;
-    broken(Clause::spacing,
-           here(step) + formatted(": %.6g m behind a predecessor that drives %g m per step; due: %g + %g * %g = %.6g m",
-                                  distance, speed_, other.standstill_distance, other.headway, speed_, due));
+    throw BrokenClause(
+        Clause::spacing,
+        here(step) + formatted(": %.6g m behind a predecessor that drives %g m per step; due: %g + %g * %g = %.6g m",
+                               distance, speed_, other.standstill_distance, other.headway, speed_, due));
   }
 }
 

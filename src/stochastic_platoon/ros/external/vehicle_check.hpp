@@ -13,10 +13,6 @@ namespace platoon {
 /// with other standstill distances and headways.
 class VehicleCheck : SimulatedPredecessor {
 public:
-  struct Breach {
-    Clause clause;
-    std::string what;  ///< "step 3 of the realizations from 0: 999 positions, of 1000"
-  };
   /// Called with each clause as soon as it is known to hold.
   using Holds = std::function<void(Clause)>;
 
@@ -28,7 +24,7 @@ public:
   using SimulatedPredecessor::wait_for_vehicle;
 
   /// The first breach of the contract, or none. Serves the global callback queue while it runs.
-  std::optional<Breach> run(const Holds& holds);
+  std::optional<BrokenClause> run(const Holds& holds);
 
 private:
   void check_publishers();
