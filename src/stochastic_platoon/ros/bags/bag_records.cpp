@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <optional>
-#include <sstream>
 
 namespace platoon {
 
@@ -49,11 +47,6 @@ void require_plausible_header(std::uint32_t length, std::string_view begin) {
 }
 
 }  // namespace
-
-std::vector<std::string> bag_files(const std::string& text) {
-  std::istringstream stream(text);
-  return {std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>()};
-}
 
 Fields::Fields(std::string_view bytes) {
   while (!bytes.empty()) {

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstddef>
+#include <iterator>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -28,7 +29,10 @@ struct BagSource {
 };
 
 /// The file names in a text, separated by spaces.
-std::vector<std::string> bag_files(const std::string& text);
+inline std::vector<std::string> bag_files(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
 
 /// A file that ends early: its recorder was killed or is still running, or its end is missing.
 class BagCut : public std::runtime_error {

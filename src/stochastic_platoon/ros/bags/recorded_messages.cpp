@@ -29,20 +29,10 @@ bool is(const BagConnection& connection) {
 
 bool has_the_type_of(const PlatoonTopic& topic, const BagConnection& connection) {
   using Kind = PlatoonTopic::Kind;
-  switch (topic.kind) {
-    case Kind::position:
-    case Kind::predecessor_position:
-    case Kind::input:
-    case Kind::predecessor_input:
-      return is<Position>(connection);
-    case Kind::error_statistics:
-      return is<ErrorStatistics>(connection);
-    case Kind::configuration:
-      return is<std_msgs::String>(connection);
-    case Kind::checksum:
-      return is<Checksum>(connection);
-  }
-  return false;
+  if (topic.kind == Kind::configuration) return is<std_msgs::String>(connection);
+  if (topic.kind == Kind::error_statistics) return is<ErrorStatistics>(connection);
+  if (topic.kind == Kind::checksum) return is<Checksum>(connection);
+  return is<Position>(connection);
 }
 
 template <typename Message>
