@@ -69,8 +69,8 @@ private:
 
     bool takes(const Message::ConstPtr& message);
   };
-  void receive(const Message::ConstPtr& message);
-  void hear(const Message::ConstPtr& message);
+  void receive_position(const Message::ConstPtr& message);
+  void receive_input(const Message::ConstPtr& message);
   void match();
   void answer(const Message& received, const std::vector<double>& heard);
   void publish(const ros::Publisher& publisher, const Message& received, const std::vector<double>& values) const;

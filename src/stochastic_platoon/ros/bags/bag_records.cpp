@@ -50,12 +50,12 @@ void require_plausible_header(std::uint32_t length, std::string_view begin) {
 
 Fields::Fields(std::string_view bytes) {
   while (!bytes.empty()) {
-    if (bytes.size() < 4) throw BagDamage("a header makes no sense");
+    if (bytes.size() < 4) throw BagDamage("a header is malformed");
     const auto length = little_endian<std::uint32_t>(bytes.data());
     bytes.remove_prefix(4);
     const std::string_view field = bytes.substr(0, length);
     const std::size_t equals = field.find('=');
-    if (length > bytes.size() || equals == std::string_view::npos) throw BagDamage("a header makes no sense");
+    if (length > bytes.size() || equals == std::string_view::npos) throw BagDamage("a header is malformed");
     fields_.push_back({field.substr(0, equals), field.substr(equals + 1)});
     bytes.remove_prefix(length);
   }

@@ -60,12 +60,12 @@ BagWalk::BagWalk(const std::string& file) : file_(file), streams_(&no_file_) {
 void BagWalk::take_file_header() {
   const Fields header = file_.take_header(header_bytes_);
   const std::uint32_t padding = file_.take_length();
-  if (padding > kLongestHeader) throw BagDamage("the header of the file makes no sense");
+  if (padding > kLongestHeader) throw BagDamage("the header of the file is malformed");
   const std::string_view data = file_.take(padding, data_bytes_);
   if (header.kind() != RecordKind::file_header ||
       !header.has_only({"op", "index_pos", "conn_count", "chunk_count", "encryptor"}) ||
       !header.text("encryptor").empty() || data.find_first_not_of(' ') != std::string_view::npos) {
-    throw BagDamage("the header of the file makes no sense");
+    throw BagDamage("the header of the file is malformed");
   }
   index_position_ = header.number<std::uint64_t>("index_pos");
   connection_count_ = header.number<std::uint32_t>("conn_count");

@@ -24,7 +24,8 @@ std::string described(DropReason drop, const MessageId& id, const std::optional<
   if (drop != DropReason::out_of_turn || !before) return named(id) + " is " + to_string(drop);
   const bool again =
       std::make_pair(id.first_realization, id.step) <= std::make_pair(before->first_realization, before->step);
-  return again ? named(id) + " comes twice" : named(id) + " follows " + named(*before) + ": what is between is missing";
+  return again ? named(id) + " comes twice"
+               : named(id) + " follows " + named(*before) + ": the messages between are missing";
 }
 
 bool is_same(double a, double b) {

@@ -30,7 +30,7 @@ RunRecording::RunRecording(const Configuration& configuration, const std::string
     : configuration_(configuration),
       name_space_(name_space),
       topics_(recorded_topics(configuration, name_space)),
-      recorded_configuration_{name_space + "/configuration", to_json(configuration).dump()},
+      recorded_configuration_{name_space + "/" + kConfigurationTopic, to_json(configuration).dump()},
       part_begin_(configuration.run.first_realization),
       arrivals_(configuration.run.schedule(), topics_.size(), configuration.run.first_realization, 0) {
   for (std::size_t s = 0; s < topics_.size(); ++s) {
@@ -109,7 +109,7 @@ void RunRecording::restarted() {
   open_.clear();
   if (!partial_) return;
   partial_ = false;
-  given_up_ = true;  // rewritten without it when the file is complete: now it would block the run
+  holds_abandoned_ = true;  // rewritten without it when the file is complete: now it would block the run
 }
 
 void RunRecording::batch_complete() {
@@ -123,7 +123,7 @@ void RunRecording::batch_complete() {
 
 void RunRecording::receive(const ErrorStatistics& message) {
   if (finished_ || message.header.stamp.isZero()) return;
-  if (recording_) recording_->write(name_space_ + "/error_statistics", message);
+  if (recording_) recording_->write(name_space_ + "/" + kErrorStatisticsTopic, message);
   if (message.realizations == configuration_.run.realizations && message.step + 1 == configuration_.run.steps) {
     final_statistics_ = true;
   }
@@ -222,10 +222,10 @@ bool RunRecording::take_over(const std::string& file) {
     committed = std::min(committed, id ? whole_before(schedule, *id) : 0);
     if (id) attempt = std::max(attempt, id->attempt);
   }
-  const bool brings = schedule.endless() ? latest.front().has_value() : committed > arrivals_.committed();
+  const bool adds = schedule.endless() ? latest.front().has_value() : committed > arrivals_.committed();
   // Incomplete batches are not taken over: the leader must repeat them.
   arrivals_ = Arrivals(schedule, topics_.size(), std::max(committed, arrivals_.committed()), attempt);
-  return brings;
+  return adds;
 }
 
 // Replaces the unfinished files of this part by a copy of their whole batches.
@@ -264,7 +264,7 @@ void RunRecording::rewrite() {
       if (const std::optional<std::size_t> stream = stream_of(message->topic)) {
         copy(*stream, *message->position());
       } else if (message->topic.kind == PlatoonTopic::Kind::error_statistics) {
-        recording_->write(name_space_ + "/error_statistics", *std::get<ErrorStatistics::Ptr>(message->content));
+        recording_->write(name_space_ + "/" + kErrorStatisticsTopic, *std::get<ErrorStatistics::Ptr>(message->content));
       }
     }
   }
@@ -272,8 +272,8 @@ void RunRecording::rewrite() {
   // Crash-safe order: duplicates are possible, loss and gaps in the file numbers are not.
   recording_->set_suffix(kActiveSuffix);
   for (; !put_aside_.empty(); put_aside_.pop_back()) std::filesystem::remove(put_aside_.back());
-  given_up_ = copied.committed() < arrivals_.committed();
-  if (!given_up_) return;
+  holds_abandoned_ = copied.committed() < arrivals_.committed();
+  if (!holds_abandoned_) return;
   arrivals_ = Arrivals(schedule, topics_.size(), copied.committed(), arrivals_.attempt());
   open_.clear();
 }

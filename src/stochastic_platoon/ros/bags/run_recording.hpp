@@ -51,7 +51,7 @@ public:
   const Arrivals& arrivals() const { return arrivals_; }
   bool finished() const { return finished_; }
   /// The file must be written once more, without abandoned attempts and with the files put aside.
-  bool needs_rewriting() const { return given_up_ || !put_aside_.empty(); }
+  bool needs_rewriting() const { return holds_abandoned_ || !put_aside_.empty(); }
   /// Bytes written, over all files.
   std::uint64_t bytes() const { return completed_bytes_ + (recording_ ? recording_->bytes() : 0); }
 
@@ -84,7 +84,7 @@ private:
   std::vector<std::string> put_aside_;                           ///< files of this part, in their order
   std::uint64_t part_begin_ = 0;                                 ///< first realization of this part
   bool partial_ = false;                                         ///< the file ends with a part of a batch
-  bool given_up_ = false;                                        ///< the file holds a part of an abandoned attempt
+  bool holds_abandoned_ = false;                                 ///< the file holds a part of an abandoned attempt
   Arrivals arrivals_;
   bool final_statistics_ = false;
   bool finished_ = false;

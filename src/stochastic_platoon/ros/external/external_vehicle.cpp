@@ -88,11 +88,11 @@ ExternalVehicle::ExternalVehicle(const ros::NodeHandle& platoon, std::size_t ind
   const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay(true);
   position_ = platoon_.advertise<Position>(name + "/position", kUnbounded);
   if (radio) input_ = platoon_.advertise<Position>(name + "/input", kUnbounded);
-  predecessor_position_ =
-      platoon_.subscribe(name + "/predecessor_position", kUnbounded, &ExternalVehicle::receive, this, no_delay);
+  predecessor_position_ = platoon_.subscribe(name + "/predecessor_position", kUnbounded,
+                                             &ExternalVehicle::receive_position, this, no_delay);
   if (radio) {
     predecessor_input_ =
-        platoon_.subscribe(name + "/predecessor_input", kUnbounded, &ExternalVehicle::hear, this, no_delay);
+        platoon_.subscribe(name + "/predecessor_input", kUnbounded, &ExternalVehicle::receive_input, this, no_delay);
   }
 }
 
@@ -108,7 +108,7 @@ bool ExternalVehicle::Stream::takes(const Message::ConstPtr& message) {
   return in_turn;
 }
 
-void ExternalVehicle::receive(const Message::ConstPtr& message) {
+void ExternalVehicle::receive_position(const Message::ConstPtr& message) {
   const bool other_run = !positions_.latest || positions_.latest->run != message->run;
   if (!positions_.takes(message)) return;
   if (other_run) hears_ = input_ && vehicle_settings(platoon_, index_).hears_input;
@@ -117,7 +117,7 @@ void ExternalVehicle::receive(const Message::ConstPtr& message) {
   match();
 }
 
-void ExternalVehicle::hear(const Message::ConstPtr& message) {
+void ExternalVehicle::receive_input(const Message::ConstPtr& message) {
   if (!inputs_.takes(message)) return;
   pairs_->add_input(message);
   match();

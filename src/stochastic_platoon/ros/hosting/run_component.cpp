@@ -41,7 +41,8 @@ void end_with_launch() {
 // address.
 void require_other_address(const std::string& before, const std::vector<char*>& arguments) {
   if (before.empty() || before != ros::XMLRPCManager::instance()->getServerURI()) return;
-  ROS_INFO_STREAM(ros::this_node::getName() << ": has come back at the address it had, and takes another");
+  ROS_INFO_STREAM(ros::this_node::getName()
+                  << ": got the address of its killed predecessor: starting again at another one");
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
     const int file = std::stoi(entry.path().filename());
     if (file > 2) ::fcntl(file, F_SETFD, FD_CLOEXEC);

@@ -27,7 +27,7 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
       radio_input_(membership_, platoon, predecessor_input_topic(index)) {
   if (present) membership_.join(*present);
   // Last: the receiving thread may call back before the constructor returns.
-  input_.subscribe([this](const PositionEvent& event) { receive(event); });
+  input_.subscribe([this](const PositionEvent& event) { receive_position(event); });
 }
 
 void Follower::begin(const Configuration& configuration) {
@@ -45,7 +45,7 @@ void Follower::begin(const Configuration& configuration) {
                               MessageOrder(schedule), MessageOrder(schedule)});
   if (run_state_->sends_input && !own_input_)
     own_input_ = platoon_.advertise<Position>(input_topic(index_), kUnboundedQueue);
-  if (run_state_->has_radio) radio_input_.subscribe([this](const PositionEvent& event) { hear(event); });
+  if (run_state_->has_radio) radio_input_.subscribe([this](const PositionEvent& event) { receive_input(event); });
   if (joined_) joined_(configuration);
 }
 
@@ -54,14 +54,14 @@ bool Follower::takes(PositionInput& input, MessageOrder& order, const PositionEv
   return input.takes(descriptor_of(*event.getConstMessage()), order, index_);
 }
 
-void Follower::receive(const PositionEvent& event) {
+void Follower::receive_position(const PositionEvent& event) {
   if (!takes(input_, run_state_->order, event)) return;
   if (!run_state_->has_radio) return move_on(*event.getConstMessage(), nullptr);
   run_state_->pairs.add_position(event.getConstMessage());
   match();
 }
 
-void Follower::hear(const PositionEvent& event) {
+void Follower::receive_input(const PositionEvent& event) {
   if (!run_state_->has_radio || !takes(radio_input_, run_state_->radio_order, event)) return;
   run_state_->pairs.add_input(event.getConstMessage());
   match();
@@ -72,7 +72,7 @@ void Follower::match() {
                           [this](const Message& position, const Message& input) { move_on(position, &input); });
 }
 
-void Follower::move_on(const Message& received, const Message* heard) {
+void Follower::move_on(const Message& received, const Message* input) {
   const MessageId id = id_of(received);
   const ros::Time stamp = received.header.stamp;
   const std::size_t size = received.position.size();
@@ -87,7 +87,7 @@ void Follower::move_on(const Message& received, const Message* heard) {
   if (run_state_->schedule.is_last_step(id.step)) return;
   const Own next = new_messages(size);
   run_state_->vehicle.step(received.position.data(), next.position->position.data(),
-                           heard != nullptr ? heard->position.data() : nullptr,
+                           input != nullptr ? input->position.data() : nullptr,
                            next.input ? next.input->position.data() : nullptr);
   if (run_state_->is_ahead) {
     publish(next, {id.attempt, id.first_realization, id.step + 1}, later(stamp, run_state_->period));

@@ -61,11 +61,11 @@ private:
     MessagePairs<Message::ConstPtr> pairs = {};  ///< with a radio
   };
   void begin(const Configuration& configuration);
-  void receive(const PositionEvent& event);
-  void hear(const PositionEvent& event);
+  void receive_position(const PositionEvent& event);
+  void receive_input(const PositionEvent& event);
   bool takes(PositionInput& input, MessageOrder& order, const PositionEvent& event);
   void match();
-  void move_on(const Message& received, const Message* heard);
+  void move_on(const Message& received, const Message* input);
   Own new_messages(std::size_t size);
   void publish(const Own& own, const MessageId& id, const ros::Time& stamp);
 

@@ -16,8 +16,8 @@ namespace platoon {
 namespace {
 
 constexpr std::size_t kMostLabels = 30;
-constexpr double kSmoothing =
-    0.05;                        // of the view, per snapshot: keeps the camera still while the last vehicle oscillates
+// Of the view, per snapshot: keeps the camera still while the last vehicle oscillates.
+constexpr double kSmoothing = 0.05;
 constexpr double kClosed = 0.5;  // of the desired distance
 
 geometry_msgs::TransformStamped frame(const std::string& name, double x, const ros::Time& time) {

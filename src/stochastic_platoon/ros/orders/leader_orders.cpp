@@ -28,7 +28,7 @@ LeaderOrders::LeaderOrders(ros::NodeHandle platoon, std::function<Manoeuvre&()> 
   advertise(platoon, "leader/cruise", [](Manoeuvre& manoeuvre) {
     if (!manoeuvre.is_under_way()) return std::string("the leader drives by the model file already");
     manoeuvre.cruise();
-    return formatted("the leader goes back, by %g m/s^2, to the speed of the model file", Manoeuvre::kAcceleration);
+    return formatted("the leader returns to the speed of the model file by %g m/s^2", Manoeuvre::kAcceleration);
   });
   speed_ = platoon.subscribe("leader/speed", 10, &LeaderOrders::receive_speed, this);
 }

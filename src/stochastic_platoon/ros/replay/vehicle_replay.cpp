@@ -227,9 +227,7 @@ std::string VehicleReplay::silence() const {
 }
 
 void VehicleReplay::compare(const Position& live, const Position& recorded) {
-  const MessageId id = id_of(live), due = expected_id();
-  const bool same_message = id.attempt == due.attempt && id.first_realization == due.first_realization &&
-                            id.step == due.step && live.position.size() == recorded.position.size();
+  const bool same_message = is_of(expected_id(), live) && live.position.size() == recorded.position.size();
   const std::size_t bytes = recorded.position.size() * sizeof(double);
   if (same_message && std::memcmp(live.position.data(), recorded.position.data(), bytes) == 0) return;
   if (same_message && external_) {

@@ -23,8 +23,8 @@ void MessageCounter::drop(DropReason reason, const MessageId& id, std::size_t si
   if (!external_.empty() && broken_clause(reason)) breach_ = reason;
   if (reason == DropReason::stale || reason == DropReason::missed_start) return;
   const double present = now();
-  if (last_said_ && present - *last_said_ < 1.0) return;
-  last_said_ = present;
+  if (last_logged_ && present - *last_logged_ < 1.0) return;
+  last_logged_ = present;
   const std::optional<DropReason> breach = latest_breach();
   ROS_WARN_STREAM(
       topic_ << ": dropped a message that is " << to_string(reason) << ": attempt " << id.attempt

@@ -49,7 +49,7 @@ private:
   RelaxedAtomic<std::uint64_t> taken_;
   std::array<RelaxedAtomic<std::uint64_t>, kDropReasons> dropped_{};
   RelaxedAtomic<DropReason> breach_{DropReason::none};
-  std::optional<double> last_said_;  ///< [s]
+  std::optional<double> last_logged_;  ///< [s]
 };
 
 }  // namespace platoon

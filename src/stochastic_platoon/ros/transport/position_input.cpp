@@ -37,7 +37,7 @@ bool PositionInput::admits(const PositionEvent& event) {
 
 bool PositionInput::takes(const MessageDescriptor& descriptor, MessageOrder& order, std::int64_t first_loss) {
   const DropReason drop = order.receive(descriptor);
-  if (order.has_missed(drop, descriptor.id, first_loss)) membership_->tell_missed(descriptor.id.attempt);
+  if (order.has_missed(drop, descriptor.id, first_loss)) membership_->notify_missed(descriptor.id.attempt);
   return takes(drop, descriptor.id, descriptor.size);
 }
 

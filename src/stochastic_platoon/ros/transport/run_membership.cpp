@@ -55,10 +55,9 @@ std::optional<Configuration> wait_for_configuration(const ros::NodeHandle& plato
   while (ros::ok()) {
     std::optional<Configuration> found = read_configuration(platoon);
     if (found) return found;
-    ROS_WARN_STREAM_THROTTLE(10.0,
-                             "waiting for the parameter "
-                                 << platoon.resolveName("configuration")
-                                 << ": platoon.launch sets it, and is to be started again where the master has been");
+    ROS_WARN_STREAM_THROTTLE(10.0, "waiting for the parameter "
+                                       << platoon.resolveName("configuration")
+                                       << ": platoon.launch sets it; launch again if the master was restarted");
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
   }
   return std::nullopt;
@@ -91,9 +90,9 @@ bool RunMembership::looks_and_admits(std::uint64_t run) {
   try {
     const std::optional<Configuration> configuration = read_configuration(platoon_);
     if (!configuration) {
-      refuse(run, "the parameter " + platoon_.resolveName("configuration") + " is missing");
+      reject(run, "the parameter " + platoon_.resolveName("configuration") + " is missing");
     } else if (run_identity(*configuration) != run) {
-      refuse(run, run_identity(*configuration) == run_
+      reject(run, run_identity(*configuration) == run_
                       ? "the platoon's run is " + shown(run_)
                       : "the configuration that " + name_ + " reads is of run " + shown(run_identity(*configuration)));
     } else {
@@ -101,21 +100,21 @@ bool RunMembership::looks_and_admits(std::uint64_t run) {
       last_reason_.clear();
     }
   } catch (const std::exception& error) {
-    refuse(run, error.what());
+    reject(run, error.what());
   }
   return run == run_;
 }
 
 // Reports each run and reason once, also to the monitor: a follower has no other way to its terminal.
-void RunMembership::refuse(std::uint64_t run, const std::string& reason) {
-  const std::string said = name_ + " does not take part in run " + shown(run) + ": " + reason;
-  if (said == last_reason_) return;
-  last_reason_ = said;
-  ROS_WARN_STREAM(said);
+void RunMembership::reject(std::uint64_t run, const std::string& reason) {
+  const std::string text = name_ + " does not take part in run " + shown(run) + ": " + reason;
+  if (text == last_reason_) return;
+  last_reason_ = text;
+  ROS_WARN_STREAM(text);
   notify(stochastic_platoon::Progress::REJECTED, run, 0, reason);
 }
 
-void RunMembership::tell_missed(std::uint32_t attempt) {
+void RunMembership::notify_missed(std::uint32_t attempt) {
   if (missed_ == std::make_pair(run(), attempt)) return;
   missed_ = {run(), attempt};
   notify(stochastic_platoon::Progress::MISSED, run(), attempt,

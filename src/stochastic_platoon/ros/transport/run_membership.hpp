@@ -42,7 +42,7 @@ public:
   void join(const Configuration& configuration);
 
   /// Notifies leader and monitor that this component has missed messages of an attempt, once per attempt.
-  void tell_missed(std::uint32_t attempt);
+  void notify_missed(std::uint32_t attempt);
 
   std::uint64_t run() const { return run_.load(std::memory_order_relaxed); }
 
@@ -51,7 +51,7 @@ public:
 
 private:
   bool looks_and_admits(std::uint64_t run);
-  void refuse(std::uint64_t run, const std::string& reason);
+  void reject(std::uint64_t run, const std::string& reason);
   void notify(std::uint8_t kind, std::uint64_t run, std::uint32_t attempt, const std::string& note);
 
   ros::NodeHandle platoon_;

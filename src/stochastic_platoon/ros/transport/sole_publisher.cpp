@@ -18,10 +18,10 @@ bool SolePublisher::looks_and_admits(const Header& connection, std::uint64_t run
     return true;
   }
   const double present = now();
-  if (last_said_ && present - *last_said_ < 1.0) return false;
-  last_said_ = present;
-  ROS_WARN_STREAM(what_ << " has two publishers: " << name_ << ", which counts in this run, and " << name
-                        << ", whose messages are dropped" << remark_);
+  if (last_logged_ && present - *last_logged_ < 1.0) return false;
+  last_logged_ = present;
+  ROS_WARN_STREAM(topic_ << " has two publishers: " << name_ << ", which counts in this run, and " << name
+                         << ", whose messages are dropped" << remark_);
   return false;
 }
 

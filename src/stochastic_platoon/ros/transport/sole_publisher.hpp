@@ -19,9 +19,9 @@ class SolePublisher {
 public:
   using Header = boost::shared_ptr<ros::M_string>;
 
-  /// `what`: the topic, resolved. `remark`: text appended when a second publisher is logged.
-  explicit SolePublisher(std::string what, std::string remark = {})
-      : what_(std::move(what)), remark_(std::move(remark)) {}
+  /// `topic`: resolved. `remark`: text appended when a second publisher is logged.
+  explicit SolePublisher(std::string topic, std::string remark = {})
+      : topic_(std::move(topic)), remark_(std::move(remark)) {}
 
   /// Whether a message of this run over a connection with this header counts. Logs rejected publishers, at most once a
   /// second.
@@ -32,11 +32,11 @@ public:
 private:
   bool looks_and_admits(const Header& connection, std::uint64_t run);
 
-  std::string what_, remark_;
+  std::string topic_, remark_;
   std::uint64_t run_ = 0;
-  std::string name_;                 ///< of the accepted node
-  Header connection_;                ///< its latest one; kept alive so that no other header gets its address
-  std::optional<double> last_said_;  ///< [s]
+  std::string name_;                   ///< of the accepted node
+  Header connection_;                  ///< its latest one; kept alive so that no other header gets its address
+  std::optional<double> last_logged_;  ///< [s]
 };
 
 }  // namespace platoon
