@@ -91,8 +91,8 @@ class SmallBag(SmallBagTest):
     def test_a_hole_is_named_by_topic_and_step(self):
         bag = self.altered("hole.bag", lambda topic, message: 0 if topic.endswith("vehicle_1/position") and message.step == 2
                            and message.first_realization == 4 else 1)
-        self.refused(bag, "vehicle_1/position: step 3 of the realizations from 4 follows step 1 of the realizations from 4: what is "
-                     "between is missing", "--partial", options=["--unverified"])
+        self.refused(bag, "vehicle_1/position: step 3 of the realizations from 4 follows step 1 of the realizations from 4: the "
+                     "messages between are missing", "--partial", options=["--unverified"])
         self.assertEqual(self.partial(bag, "--unverified")["realizations"], 4)
 
     def test_a_duplicate_is_named_by_topic_and_step(self):

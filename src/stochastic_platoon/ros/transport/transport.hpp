@@ -6,7 +6,6 @@
 #include <stochastic_platoon/Position.h>
 
 #include <cstdint>
-
 #include "stochastic_platoon/run/io/clock.hpp"
 
 namespace platoon {
