@@ -22,8 +22,8 @@ std::vector<double> values_of(const platoon::CommandLine& given, const std::stri
   if (!given.has(option)) return {};
   const std::optional<platoon::Spaced> spaced = platoon::parse_spaced(given[option]);
   if (!spaced || spaced->count > 1000000)
-    throw platoon::ConfigurationError(
-        {option + ": " + given[option] + ": must be FROM:TO:COUNT with FROM <= TO and COUNT from 1 to 1000000"});
+    throw platoon::ConfigurationError({"--" + platoon::option_name(option) + ": " + given[option] +
+                                       ": must be FROM:TO:COUNT with FROM <= TO and COUNT from 1 to 1000000"});
   std::vector<double> values;
   for (std::uint64_t i = 0; i < spaced->count; ++i) values.push_back(spaced->at(i));
   return values;
@@ -71,9 +71,9 @@ int main(int argc, char** argv) {
         {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"}}});
   try {
     if (given.has("sweep_gain") && !given.has("sweep_headway"))
-      throw platoon::ConfigurationError({"sweep_gain: given: must go with --sweep-headway"});
+      throw platoon::ConfigurationError({"--sweep-gain: given: must go with --sweep-headway"});
     if (given.has("csv") && !given.has("sweep_headway") && !given.has("sweep_loss") && !given.has("sweep_burst"))
-      throw platoon::ConfigurationError({"csv: given: must go with --sweep-headway, --sweep-loss or --sweep-burst"});
+      throw platoon::ConfigurationError({"--csv: given: must go with --sweep-headway, --sweep-loss or --sweep-burst"});
     const platoon::SignalRequest signals = platoon::signal_request(given["signals"], given["collision_probability"]);
     std::map<std::string, std::string> settings = given.settings;
     settings.emplace("model", platoon::paper_model_file());

@@ -74,7 +74,8 @@ int main(int argc, char** argv) {
     mallopt(M_TRIM_THRESHOLD, 1 << 27);
     mallopt(M_TOP_PAD, 1 << 24);
     mallopt(M_MMAP_THRESHOLD, 1 << 25);
-    if (given.words.empty()) throw platoon::ConfigurationError({"bag_statistics BAG...: must be given a recording"});
+    if (given.words.empty())
+      throw platoon::ConfigurationError({"BAG: missing: must be a recording, or all parts of a split one"});
     platoon::BagStatistics statistics = read(given);
     if (!is_usable(statistics, given)) return 1;
     platoon::Configuration& configuration = statistics.configuration;

@@ -29,13 +29,12 @@ std::string help_of(const std::string& name) {
   throw std::logic_error(name + ": is no setting");
 }
 
-// Settings have the names of launch arguments; options have hyphens, as usual on a command line.
-std::string option_name(std::string setting) {
-  std::replace(setting.begin(), setting.end(), '_', '-');
-  return setting;
-}
-
 }  // namespace
+
+std::string option_name(std::string name) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
 
 CommandLine parse_command_line(int argc, char** argv, const AcceptedOptions& accepted) {
   std::map<std::string, std::string> help = accepted.options;

@@ -36,6 +36,10 @@ struct CommandLine {
 /// unknown option.
 CommandLine parse_command_line(int argc, char** argv, const AcceptedOptions& accepted);
 
+/// The name on the command line: settings have the names of launch arguments, and options hyphens in place of their
+/// underscores.
+std::string option_name(std::string name);
+
 /// The number of worker threads that the option `threads` gives, by default one per core. Throws ConfigurationError.
 unsigned threads_of(const CommandLine& line);
 

@@ -161,8 +161,8 @@ int main(int argc, char** argv) {
     how.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
     how.stop = [] { return stop_requested.load(); };
     if (given.has("checkpoint_seconds"))
-      how.checkpoint_seconds =
-          platoon::number_of("checkpoint_seconds", given["checkpoint_seconds"], platoon::kPositive);
+      how.checkpoint_seconds = platoon::number_of(platoon::option_name("checkpoint_seconds"),
+                                                  given["checkpoint_seconds"], platoon::kPositive);
     std::optional<platoon::RecordedResults> recorded;
     if (given.has("repeat")) recorded = repeated(given["repeat"], given.settings);
     std::map<std::string, std::string> settings = given.settings;

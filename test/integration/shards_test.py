@@ -96,7 +96,7 @@ class Shards(ShardsTest):
         for part in ("3/3", "-1/3", "1", "x/3", "0/10001"):
             self.assertIn("shard: {}: must be I/N, I from 0 to N - 1, N at most the 10000 realizations".format(part),
                           self.shard(part, status=1))
-        self.assertIn("checkpoint_seconds: 0: must be a finite number > 0", self.shard("0/3", "--checkpoint-seconds", "0", status=1))
+        self.assertIn("checkpoint-seconds: 0: must be a finite number > 0", self.shard("0/3", "--checkpoint-seconds", "0", status=1))
         self.assertIn("must be given the folders of the shards", self.run_tool("merge", "--output", self.path("x"), status=1))
         self.assertIn("/nowhere: holds no shard", self.run_tool("merge", "/nowhere", "--output", self.path("x"), status=1))
         self.shard("0/1", "--realizations", "100")

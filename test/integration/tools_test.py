@@ -65,7 +65,7 @@ class BadInput(unittest.TestCase):
                          "--model", live_platoon.shared("config", "paper.yaml"))
 
     def test_a_sweep_that_is_wrong_is_refused_before_anything_is_printed(self):
-        self.refused("sweep_headway: 3:2:1: must be FROM:TO:COUNT", "analyze", "--sweep-headway", "3:2:1")
+        self.refused("--sweep-headway: 3:2:1: must be FROM:TO:COUNT", "analyze", "--sweep-headway", "3:2:1")
 
     def test_a_long_value_is_cut(self):
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as model:
