@@ -7,7 +7,7 @@ namespace platoon {
 
 const char* to_string(DropReason drop) {
   static constexpr std::array<const char*, kDropReasons> kTexts{
-      "in turn",    "stale",         "of an attempt whose start was missed", "out of turn", "wrong batch size",
+      "in turn",    "stale",         "of an attempt whose start was missed", "out of turn", "of a wrong batch size",
       "not finite", "of another run"};
   return kTexts[static_cast<std::size_t>(drop)];
 }
