@@ -17,10 +17,6 @@ namespace platoon {
 /// \f[ P_i = \langle |1 - H \hat T|^2 \Phi_{i-1} + |H|^2 \sum_l (p^2 |N F|^2 N_d + |N F|^2 \sigma_l^2) \rangle, \f]
 /// each with the T, h and links of follower i; ebar = v (c_1 + 2 c_2 + ...) / p at v metres per step for the position.
 ///
-/// In the paper's platoon nothing is lost and N = T^ = T, so that these are corollary cor:stationary_all and eq.
-/// (pzeta),
-/// \f[ P_1 = \|H T\|_2^2 P_d, \qquad P_i = P_{i-1} + \|S T^{i-1}\|_2^2 P_d. \f]
-///
 /// The functions require a mean square stable pattern; those of an endless string, a positive gain_margin(), too.
 
 /// P_1, ..., P_N [m^2]; infinity where it leaves the range of double. 1e-12 relative.
