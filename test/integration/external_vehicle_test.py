@@ -137,7 +137,7 @@ class Contract(ExternalTest):
         said = terminal.text()
         stands = r"run stalled: vehicle_2 has sent nothing since step {} \(realizations from {}\); the vehicle is external: {}clause {} of the"
         self.assertRegex(said, stands.format(4, 100, "", 2))
-        for step, first, what, number in ((5, 200, "out of turn", 6), (4, 300, "wrong batch size", 3), (4, 400, "not finite", 4),
+        for step, first, what, number in ((5, 200, "out of turn", 6), (4, 300, "of a wrong batch size", 3), (4, 400, "not finite", 4),
                                           (4, 500, "of another run", 11)):
             self.assertRegex(said, stands.format(step, first, "its last message was dropped, as {}; ".format(what), number))
         self.assertRegex(said, r"/platoon/vehicle_2/position: dropped a message that is out of turn: .*vehicle_2 is external: it violates clause 6 of")
