@@ -14,7 +14,7 @@
 #include "stochastic_platoon/ros/transport/publishers.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
-#include "stochastic_platoon/run/configuration/section.hpp"
+#include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
 #include "tools/command_line.hpp"
 

@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
-#include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
+#include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 
 namespace platoon {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "stochastic_platoon/run/configuration/section.hpp"
+#include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"

@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
@@ -86,17 +85,6 @@ bool is_utf8(const std::string& text) {
 
 std::string at_most(double most) {
   return formatted("at most %g in magnitude", most);
-}
-
-template <typename Read>
-auto read_alone(const std::string& key, const std::string& text, const Read& read) {
-  YAML::Node document;
-  document[key] = text;
-  std::vector<std::string> problems;
-  Section section(document, "", problems);
-  const auto value = read(section);
-  if (!problems.empty()) throw ConfigurationError(problems);
-  return value;
 }
 
 }  // namespace
@@ -298,14 +286,6 @@ void Section::reject_unknown_keys() {
     if (known_.count(key) == 0) problems_.push_back(name(shown(entry.first)) + ": unknown key: allowed are " + allowed);
     if (!seen.insert(key).second) problems_.push_back(name(key) + ": given twice: must be given once");
   }
-}
-
-double number_of(const std::string& key, const std::string& text, const Allowed& allowed) {
-  return read_alone(key, text, [&](Section& section) { return section.number(key, allowed); });
-}
-
-std::int64_t integer_of(const std::string& key, const std::string& text, std::int64_t least, std::int64_t most) {
-  return read_alone(key, text, [&](Section& section) { return section.integer(key, least, most); });
 }
 
 }  // namespace platoon

@@ -90,8 +90,4 @@ private:
   std::set<std::string> known_;
 };
 
-/// The number in a text that is no part of a document, as an option of a command line. Throws ConfigurationError.
-double number_of(const std::string& key, const std::string& text, const Allowed& allowed);
-std::int64_t integer_of(const std::string& key, const std::string& text, std::int64_t least, std::int64_t most);
-
 }  // namespace platoon

@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "unit/run/configuration/model_text.hpp"
 
 namespace platoon {
