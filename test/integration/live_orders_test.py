@@ -62,7 +62,8 @@ class Manoeuvres(Orders):
     def check_manoeuvres(self, hosting):
         snapshots = self.listen("snapshot", Snapshot)
         speed = rospy.Publisher("/platoon/leader/speed", Float64, queue_size=10)
-        terminal = self.endless(hosting)
+        # Of 20 snapshots a second each is 2 steps after the one before: 5 steps, half a period of the sinusoid, may show no swing.
+        terminal = self.endless(hosting, rate=40)
 
         def speeds():
             """Speeds of the leader [m/s] between the latest snapshots."""
