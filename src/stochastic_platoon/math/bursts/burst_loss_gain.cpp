@@ -66,11 +66,9 @@ bool has_settled(double change, double before, bool resolved) {
 
 /// The loss gain, on the correct side of 1; near 1 to kShare of its distance from 1.
 double near_root(const BurstSpectra& spectra) {
-  constexpr double kFar = 2.0, kShare = 1e-4;
+  constexpr double kShare = 1e-4;
   const LossOperator losses(spectra);
-  const RootBounds bounds = perron_bounds(losses, losses.dimensions());
-  if (bounds.most < 1.0 / kFar || bounds.least > kFar) return std::sqrt(bounds.least * bounds.most);
-  return perron_root(losses, losses.dimensions(), kShare);
+  return perron_root_beside_one(losses, losses.dimensions(), kShare);
 }
 
 /// The loss gain by near_root(), with the number of equally spaced nodes doubled until they resolve the poles to two

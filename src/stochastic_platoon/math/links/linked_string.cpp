@@ -100,8 +100,8 @@ std::vector<double> shares_by(const PatternSpectra& spectra, const LinkedPattern
   return shares;
 }
 
-/// The matrix of loss gains as a linear map of the variances of w: see loss_gain(). Applied by following
-/// the spectra around the pattern, in O(nodes) per vehicle.
+/// The matrix of loss gains as a linear map of the variances of w: see loss_gain(). Applied by following the
+/// spectra around the pattern, in O(nodes) per vehicle.
 class LossGains {
 public:
   LossGains(const PatternSpectra& spectra, const LinkedPattern& pattern)
@@ -110,6 +110,7 @@ public:
   /// The pattern_margin() of the spectra.
   const Eigen::ArrayXd& divisor() const { return divisor_; }
   const std::vector<LossyLink>& lossy() const { return lossy_; }
+  Eigen::Index dimensions() const { return static_cast<Eigen::Index>(lossy_.size()); }
 
   /// kappa < |(1-L) F|^2 Phi > for each lossy link, Phi the spectrum sent over it, if vehicle l adds added[l] to the
   /// spectrum.
@@ -175,21 +176,6 @@ std::vector<double> limits_by(const PatternSpectra& spectra, const LinkedPattern
   return limits;
 }
 
-double loss_gain_by(const PatternSpectra& spectra, const LinkedPattern& pattern) {
-  const LossGains gains(spectra, pattern);
-  return perron_root(gains, static_cast<Eigen::Index>(gains.lossy().size()));
-}
-
-/// The loss gain on the correct side of 1; near 1 as accurate as the quadrature.
-double coarse_loss_gain(const PatternSpectra& spectra, const LinkedPattern& pattern) {
-  constexpr double kFar = 2.0;
-  const LossGains gains(spectra, pattern);
-  const auto size = static_cast<Eigen::Index>(gains.lossy().size());
-  const RootBounds bounds = perron_bounds(gains, size);
-  if (bounds.most < 1.0 / kFar || bounds.least > kFar) return std::sqrt(bounds.least * bounds.most);
-  return perron_root(gains, size);
-}
-
 /// values(spectra) on quadratures that are refined until they settle; `endless`: values of an endless string.
 template <class Values>
 std::vector<double> settled(const LinkedPattern& pattern, bool endless, const Values& values) {
@@ -219,14 +205,18 @@ std::vector<double> limit_variances(const LinkedPattern& pattern, double speed) 
 
 double loss_gain(const LinkedPattern& pattern) {
   if (!pattern.has_losses()) return 0.0;
-  return settled(pattern, true,
-                 [&](const PatternSpectra& spectra) { return std::vector<double>{loss_gain_by(spectra, pattern)}; })
-      .front();
+  const auto root = [&](const PatternSpectra& spectra) {
+    const LossGains gains(spectra, pattern);
+    return std::vector<double>{perron_root(gains, gains.dimensions())};
+  };
+  return settled(pattern, true, root).front();
 }
 
 double loss_margin(const LinkedPattern& pattern) {
   if (!pattern.has_losses()) return kInfinity;
-  double found = coarse_loss_gain(PatternSpectra(pattern, pattern.gain(), true, 0), pattern);
+  const PatternSpectra spectra(pattern, pattern.gain(), true, 0);
+  const LossGains gains(spectra, pattern);
+  double found = perron_root_beside_one(gains, gains.dimensions());
   if (std::abs(found - 1.0) < 1e-9) found = loss_gain(pattern);  // with refined panels
   return 1.0 / found - 1.0;
 }

@@ -59,22 +59,24 @@ struct VehiclePattern {
     return std::any_of(types.begin(), types.end(), [](const Vehicle& vehicle) { return vehicle.has_losses(); });
   }
 
-  /// Multiplicity of the factor w^2 in the spectrum of all noises.
-  int noise_zeros() const {
-    int zeros = has_losses() ? 0 : ZerosAtZero::kNone;
-    for (const Vehicle& vehicle : types) zeros = std::min(zeros, vehicle.zeros_at_zero().noise);
-    return zeros == ZerosAtZero::kNone ? 0 : zeros;  // as for any noise, however small
+  /// The smallest multiplicities of all vehicles; those of the noise include the losses.
+  ZerosAtZero zeros_at_zero() const {
+    ZerosAtZero least{ZerosAtZero::kNone, ZerosAtZero::kNone, has_losses() ? 0 : ZerosAtZero::kNone};
+    for (const Vehicle& vehicle : types) {
+      const ZerosAtZero zeros = vehicle.zeros_at_zero();
+      least.complement = std::min(least.complement, zeros.complement);
+      least.innovation = std::min(least.innovation, zeros.innovation);
+      least.noise = std::min(least.noise, zeros.noise);
+    }
+    if (least.noise == ZerosAtZero::kNone) least.noise = 0;  // as for any noise, however small
+    return least;
   }
 
   /// Whether 1 - |prod T^|^2 vanishes faster at w = 0 than the numerators it divides in a variance: the noises, times
   /// |1 - H T^|^2 for the errors and |1 - L|^2 for the losses.
   bool grows_at_zero(const PatternGain& pattern_gain) const {
-    int passed = ZerosAtZero::kNone;
-    for (const Vehicle& vehicle : types) {
-      const ZerosAtZero zeros = vehicle.zeros_at_zero();
-      passed = std::min({passed, zeros.complement, zeros.innovation});
-    }
-    return pattern_gain.zeros() > passed + noise_zeros();
+    const ZerosAtZero zeros = zeros_at_zero();
+    return pattern_gain.zeros() > std::min(zeros.complement, zeros.innovation) + zeros.noise;
   }
 
   /// Positive exactly if string_stability() finds the platoon string stable, apart from the condition on the loss gain;

@@ -24,6 +24,10 @@ struct RootBounds {
 };
 RootBounds perron_bounds(const NonnegativeMap& map, Eigen::Index size);
 
+/// The root on its exact side of 1, to compare it with 1: from the bounds, at less cost, if they lie beyond a factor of
+/// 2; otherwise perron_root().
+double perron_root_beside_one(const NonnegativeMap& map, Eigen::Index size, double share_of_distance = 0.0);
+
 /// Solves x - map(x) = b for a map of spectral radius below 1, in the same units. Larger maps use full
 /// orthogonalization (Y. Saad, Iterative Methods for Sparse Linear Systems, 2003, section 6.4).
 Eigen::VectorXd solve_one_minus(const NonnegativeMap& map, const Eigen::VectorXd& b);

@@ -122,7 +122,7 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
     result[s].followers = moments_of(means_of(model, signals, s, 0), values, s, names.size());
   if (!string_stable) return result;
   // Limits that do not exist are left out: their poles at w = 0 would keep the quadrature from settling.
-  const int zeros = gain.zeros() - pattern.noise_zeros();
+  const int zeros = gain.zeros() - pattern.zeros_at_zero().noise;
   const std::size_t m = pattern.size();
   std::vector<Signals> endless = requested_signals(model, names, 2 * m);
   endless.erase(endless.begin(), endless.begin() + static_cast<std::ptrdiff_t>(m));  // behind no leader
