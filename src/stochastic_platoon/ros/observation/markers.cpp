@@ -16,9 +16,9 @@ namespace platoon {
 namespace {
 
 constexpr std::size_t kMostLabels = 30;
-// Of the view, per snapshot: keeps the camera still while the last vehicle oscillates.
+// Smoothing of the view per snapshot: keeps the camera still while the last vehicle oscillates.
 constexpr double kSmoothing = 0.05;
-constexpr double kClosed = 0.5;  // of the desired distance
+constexpr double kClosed = 0.5;  // share of the desired distance below which a gap is closed
 
 geometry_msgs::TransformStamped frame(const std::string& name, double x, const ros::Time& time) {
   geometry_msgs::TransformStamped made;

@@ -21,7 +21,7 @@ Tally tally_of(const Checkpoint* start, const RunOptions& run) {
   return tally;
 }
 
-// Of an endless run over time, of the errors alone.
+// Averages over time in an endless run, of its errors alone; otherwise over realizations. They continue `start`.
 std::unique_ptr<ErrorAverages> averages_of(const RunOptions& run, const SignalCells& cells, const Checkpoint* start) {
   if (run.averaging() == Averaging::over_time)
     return std::make_unique<TimeStatistics>(run.followers, run.burn_in,

@@ -192,7 +192,7 @@ TEST(Radio, HasItsOwnDelayAndNoise) {
   EXPECT_EQ(received[0][1], sent(-1, 1));
   for (std::int64_t k = 2; k < kSteps; ++k) {
     const double noise =
-        draw(kSeed, {kReceiver + (1u << 23), k - 2}, 1, 1).front();  // of the step at which it was sent
+        draw(kSeed, {kReceiver + (1u << 23), k - 2}, 1, 1).front();  // the draw of the step at which it was sent
     EXPECT_DOUBLE_EQ(received[static_cast<std::size_t>(k + 1)][1], sent(k - 2, 1) + 0.2 * noise) << k;
   }
   model.default_vehicle().feed_forward->link.delay = 0;

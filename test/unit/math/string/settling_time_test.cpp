@@ -7,7 +7,6 @@
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
-#include "unit/math/example_loops.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {

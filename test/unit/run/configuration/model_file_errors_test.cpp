@@ -11,6 +11,12 @@ Problems problems_when(const std::string& part, const std::string& other) {
   return problems_in(model_text_with(part, other));
 }
 
+/// Whether there is one problem per key, which begins with the key and `end`.
+void expect_one_each(const Problems& problems, const std::vector<std::string>& keys, const std::string& end) {
+  for (const std::string& key : keys) EXPECT_TRUE(is_among(problems, key + end));
+  EXPECT_EQ(problems.size(), keys.size());
+}
+
 TEST(ModelFileErrors, NameAQuantityThatIsOutOfRange) {
   expect_problems(
       kModelText,
@@ -55,12 +61,10 @@ TEST(ModelFileErrors, NameAKeyOfAWrongType) {
 TEST(ModelFileErrors, NameEveryMissingKey) {
   const Problems problems =
       problems_in("plant: {numerator: [1.0]}\ncontroller: {denominator: [1.0]}\nleader: {}\ninitial_position: {}\n");
-  for (const std::string key :
-       {"plant/denominator", "controller/numerator", "time_headway", "standstill_distance", "sample_period",
-        "noise_variance", "leader/speed", "initial_position/mean", "initial_position/variance"}) {
-    EXPECT_TRUE(is_among(problems, key + ": missing: must be "));
-  }
-  EXPECT_EQ(problems.size(), 9u);
+  expect_one_each(problems,
+                  {"plant/denominator", "controller/numerator", "time_headway", "standstill_distance", "sample_period",
+                   "noise_variance", "leader/speed", "initial_position/mean", "initial_position/variance"},
+                  ": missing: must be ");
 }
 
 TEST(ModelFileErrors, NameEveryUnknownKey) {
@@ -70,11 +74,10 @@ TEST(ModelFileErrors, NameEveryUnknownKey) {
       "time_headway: 3.2\nstandstill_distance: 0.0\nsample_period: 0.1\nnoise_variance: 0.6\nheadway: 3.2\n"
       "leader: {speed: [{from_step: 0, value: 20.0, until: 3}], name: x}\n"
       "initial_position: {mean: 0.0, variance: 0.0, deviation: 1}\n");
-  for (const std::string key : {"plant/gain", "controller/a", "headway", "leader/speed[0]/until", "leader/name",
-                                "initial_position/deviation"}) {
-    EXPECT_TRUE(is_among(problems, key + ": unknown key: allowed are "));
-  }
-  EXPECT_EQ(problems.size(), 6u);
+  expect_one_each(
+      problems,
+      {"plant/gain", "controller/a", "headway", "leader/speed[0]/until", "leader/name", "initial_position/deviation"},
+      ": unknown key: allowed are ");
 }
 
 TEST(ModelFileErrors, AreReportedAllAtOnce) {
@@ -84,12 +87,11 @@ TEST(ModelFileErrors, AreReportedAllAtOnce) {
       "time_headway: -1\nstandstill_distance: -2\nsample_period: -3\nnoise_variance: -4\ncolour: red\n"
       "leader: {speed: [{from_step: 0, value: inf}]}\n"
       "initial_position: {mean: nan, variance: -5}\n");
-  for (const char* key : {"plant/denominator: all zero: must be a polynomial other than 0", "controller/numerator",
-                          "time_headway", "standstill_distance", "sample_period", "noise_variance", "colour",
-                          "leader/speed[0]/value", "initial_position/mean", "initial_position/variance"}) {
-    EXPECT_TRUE(is_among(problems, key));
-  }
-  EXPECT_EQ(problems.size(), 10u);
+  expect_one_each(problems,
+                  {"plant/denominator: all zero: must be a polynomial other than 0", "controller/numerator",
+                   "time_headway", "standstill_distance", "sample_period", "noise_variance", "colour",
+                   "leader/speed[0]/value", "initial_position/mean", "initial_position/variance"},
+                  "");
 }
 
 TEST(ModelFileErrors, CauseNoFalseErrors) {
