@@ -101,7 +101,14 @@ class Audit:
         if is_papers(model):
             paper.check(name, model, loops.loop_of(model), found, self.findings)
         else:
-            strings.check(name, model, found, self.findings)
+            strings.check(name, model, found, self.findings, self.undecided)
+
+    def undecided(self, model):
+        """Whether analyze finds the string stability of a model undecided."""
+        file, result = self.folder / "probe.yaml", self.folder / "probe.json"
+        file.write_text(json.dumps(model) + "\n")
+        subprocess.run([self.analyze, "--model", str(file), "--json", str(result)], stdout=subprocess.DEVNULL, check=True)
+        return strings.is_undecided(json.loads(result.read_text()))
 
 
 def parsed():

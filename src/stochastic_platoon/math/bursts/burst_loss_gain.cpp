@@ -116,7 +116,7 @@ std::optional<std::vector<double>> settled_on_few(const BurstPattern& pattern, c
 }  // namespace
 
 LossOperator::LossOperator(const BurstSpectra& spectra)
-    : spectra_(spectra), margin_(spectra.pattern_margin()), drive_(spectra.pattern().size(), -1) {
+    : spectra_(spectra), margin_(spectra.pattern_margin()), drive_(spectra.size(), -1) {
   for (std::size_t j = 0; j < drive_.size(); ++j) {
     const std::shared_ptr<const BurstScatter>& losses = spectra.of(j).losses;
     for (std::size_t l = j; losses && drive_[j] < 0 && l < drive_.size(); ++l) {
@@ -132,8 +132,8 @@ void LossOperator::add(const Eigen::VectorXd& drives, std::vector<Eigen::ArrayXd
     const BurstScatter* const losses = spectra_.of(lossy_[l]).losses.get();
     std::size_t end = l;
     while (end < lossy_.size() && spectra_.of(lossy_[end]).losses.get() == losses) ++end;
-    const Eigen::Map<const Eigen::MatrixXd> alike(drives.data() + static_cast<Eigen::Index>(l) * spectra_.size(),
-                                                  spectra_.size(), static_cast<Eigen::Index>(end - l));
+    const Eigen::Map<const Eigen::MatrixXd> alike(drives.data() + static_cast<Eigen::Index>(l) * spectra_.nodes(),
+                                                  spectra_.nodes(), static_cast<Eigen::Index>(end - l));
     const Eigen::MatrixXd scattered = (*losses)(alike);
     for (Eigen::Index k = 0; l < end; ++l, ++k)
       added[lossy_[l]] += spectra_.of(lossy_[l]).own * scattered.col(k).array();
@@ -145,14 +145,15 @@ Eigen::VectorXd LossOperator::drives(const std::vector<Eigen::ArrayXd>& added) c
   Eigen::ArrayXd spectrum = spectra_.in_front(added, margin_);
   for (std::size_t j = 0; j < added.size(); ++j) {
     const BurstSpectra::Type& type = spectra_.of(j);
-    if (drive_[j] >= 0) result.segment(drive_[j] * spectra_.size(), spectra_.size()) = type.losses->surprise * spectrum;
-    spectrum = type.gain * spectrum + added[j];
+    if (drive_[j] >= 0)
+      result.segment(drive_[j] * spectra_.nodes(), spectra_.nodes()) = type.losses->surprise * spectrum;
+    spectrum = spectra_.gain_of(j) * spectrum + added[j];
   }
   return result;
 }
 
 Eigen::VectorXd LossOperator::operator()(const Eigen::VectorXd& given) const {
-  std::vector<Eigen::ArrayXd> added(spectra_.pattern().size(), Eigen::ArrayXd::Zero(spectra_.size()));
+  std::vector<Eigen::ArrayXd> added(spectra_.size(), Eigen::ArrayXd::Zero(spectra_.nodes()));
   add(given, added);
   return drives(added);
 }

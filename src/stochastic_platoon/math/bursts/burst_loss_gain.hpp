@@ -15,7 +15,7 @@ class LossOperator {
 public:
   explicit LossOperator(const BurstSpectra& spectra);
 
-  Eigen::Index dimensions() const { return static_cast<Eigen::Index>(lossy_.size()) * spectra_.size(); }
+  Eigen::Index dimensions() const { return static_cast<Eigen::Index>(lossy_.size()) * spectra_.nodes(); }
   const Eigen::ArrayXd& margin() const { return margin_; }
 
   /// Adds to each vehicle's spectrum the part of these drives that its losses scatter.

@@ -33,8 +33,8 @@ private:
   Eigen::MatrixXd outward_;    ///< 2 Re l, one row per node
   Eigen::MatrixXd scattered_;  ///< Re V, one column per node
   Eigen::RowVectorXd itself_;  ///< Re e' V_1
-  Eigen::MatrixXd
-      kernel_;  ///< mean over +-nu of 2 p/q Re[D(w) conj(D(nu)) y / (1 - y)], one column per w; empty without rule
+  /// Mean over +-nu of 2 p/q Re[D(w) conj(D(nu)) y / (1 - y)], one column per w; empty without rule.
+  Eigen::MatrixXd kernel_;
   mutable Eigen::FFT<double> fft_;  ///< keeps its plan
 };
 

@@ -16,39 +16,37 @@ using DoubleComplex = std::complex<double>;
 
 }  // namespace
 
-BurstSpectra::BurstSpectra(const BurstPattern& pattern, std::size_t nodes) : pattern_(&pattern) {
+BurstSpectra::BurstSpectra(const BurstPattern& pattern, std::size_t nodes) : PatternFactors(pattern.order) {
   const auto half = static_cast<Eigen::Index>(nodes / 2);
   node_ = pi * (Eigen::ArrayXd::LinSpaced(half, 0.0, static_cast<double>(half - 1)) + 0.5) / static_cast<double>(half);
-  weight_ = Eigen::ArrayXd::Constant(half, 1.0 / static_cast<double>(half));
-  evaluate(nullptr);
+  weight = Eigen::ArrayXd::Constant(half, 1.0 / static_cast<double>(half));
+  evaluate(pattern, nullptr);
 }
 
 BurstSpectra::BurstSpectra(const BurstPattern& pattern, const Quadrature& rule)
-    : pattern_(&pattern),
-      node_(Eigen::Map<const Eigen::ArrayXd>(rule.node.data(), static_cast<Eigen::Index>(rule.node.size()))),
-      weight_(Eigen::Map<const Eigen::ArrayXd>(rule.weight.data(), static_cast<Eigen::Index>(rule.weight.size()))) {
-  evaluate(&rule);
+    : PatternFactors(pattern.order),
+      node_(Eigen::Map<const Eigen::ArrayXd>(rule.node.data(), static_cast<Eigen::Index>(rule.node.size()))) {
+  weight = Eigen::Map<const Eigen::ArrayXd>(rule.weight.data(), node_.size());
+  evaluate(pattern, &rule);
 }
 
-void BurstSpectra::evaluate(const Quadrature* rule) {
-  for (const BurstVehicle& vehicle : pattern_->types) {
+void BurstSpectra::evaluate(const BurstPattern& pattern, const Quadrature* rule) {
+  for (const BurstVehicle& vehicle : pattern.types) {
     std::shared_ptr<const BurstScatter> losses;
     for (std::size_t t = 0; t < types_.size() && vehicle.losses(); ++t) {
-      if (pattern_->types[t].vehicle().link.loss == vehicle.vehicle().link.loss) losses = types_[t].losses;
+      if (pattern.types[t].vehicle().link.loss == vehicle.vehicle().link.loss) losses = types_[t].losses;
     }
-    if (vehicle.losses() && !losses) losses = std::make_shared<BurstScatter>(*vehicle.losses(), node_, weight_, rule);
-    types_.push_back(values_of(vehicle, std::move(losses)));
+    if (vehicle.losses() && !losses) losses = std::make_shared<BurstScatter>(*vehicle.losses(), node_, weight, rule);
+    add(vehicle, std::move(losses));
   }
 }
 
-BurstSpectra::Type BurstSpectra::values_of(const BurstVehicle& vehicle,
-                                           std::shared_ptr<const BurstScatter> losses) const {
+void BurstSpectra::add(const BurstVehicle& vehicle, std::shared_ptr<const BurstScatter> losses) {
   Type type;
-  const Eigen::Index count = size();
-  for (auto* values : {&type.gain, &type.margin, &type.own, &type.passed, &type.complement, &type.headway, &type.noise})
-    values->setZero(count);
+  Eigen::ArrayXd whole(nodes()), missing(nodes());  // |T^|^2 and 1 - |T^|^2
+  for (auto* values : {&type.own, &type.passed, &type.complement, &type.headway, &type.noise}) values->setZero(nodes());
   const auto delay = static_cast<double>(vehicle.vehicle().link.delay);
-  for (Eigen::Index k = 0; k < count; ++k) {
+  for (Eigen::Index k = 0; k < nodes(); ++k) {
     const double w = node_(k);
     const LinkedVehicleValue plain = vehicle.plain().at(w);
     DoubleComplex mean = plain.undelayed * std::polar(1.0, -std::remainder(delay * w, 2.0 * pi));  // H T^
@@ -56,22 +54,24 @@ BurstSpectra::Type BurstSpectra::values_of(const BurstVehicle& vehicle,
     type.headway(k) = plain.headway;
     type.noise(k) = plain.input[0].noise;
     type.passed(k) = 1.0;
-    type.margin(k) = plain.margin;
+    missing(k) = plain.margin;
     if (losses) {
       mean *= losses->passed(k);
       type.passed(k) = std::norm(losses->passed(k));
-      type.margin(k) += plain.gain * losses->margin(k);
+      missing(k) += plain.gain * losses->margin(k);
     }
-    type.gain(k) = type.own(k) * type.passed(k);
+    whole(k) = type.own(k) * type.passed(k);
     type.complement(k) = std::norm(1.0 - mean);
   }
+  gain.push_back(std::move(whole));
+  margin.push_back(std::move(missing));
   type.losses = std::move(losses);
-  return type;
+  types_.push_back(std::move(type));
 }
 
 Eigen::ArrayXd BurstSpectra::scattered(std::size_t follower, const Eigen::ArrayXd& spectrum) const {
   const Type& type = of(follower);
-  if (!type.losses) return Eigen::ArrayXd::Zero(size());
+  if (!type.losses) return Eigen::ArrayXd::Zero(nodes());
   return (*type.losses)((type.losses->surprise * spectrum).matrix());
 }
 
@@ -80,24 +80,6 @@ Eigen::ArrayXd BurstSpectra::added(std::size_t follower, double speed) const {
   Eigen::ArrayXd sum = type.passed * type.noise;
   if (type.losses) sum += scattered(follower, type.noise) + speed * speed * type.losses->moving;
   return type.own * sum;
-}
-
-Eigen::ArrayXd BurstSpectra::pattern_margin() const {
-  // Uses logarithms: at a resonance one vehicle's gain may be 1e9 and that of the product 1e-9.
-  Eigen::ArrayXd log = Eigen::ArrayXd::Zero(size());
-  for (std::size_t t = 0; t < types_.size(); ++t) {
-    const auto count = static_cast<double>(std::count(pattern_->order.begin(), pattern_->order.end(), t));
-    const Type& type = types_[t];
-    log += count * (type.margin < 0.5).select((-type.margin).log1p(), type.gain.log());
-  }
-  return -log.expm1();
-}
-
-Eigen::ArrayXd BurstSpectra::in_front(const std::vector<Eigen::ArrayXd>& added,
-                                      const Eigen::ArrayXd& margin_of_pattern) const {
-  Eigen::ArrayXd once = Eigen::ArrayXd::Zero(size());
-  for (std::size_t j = 0; j < pattern_->size(); ++j) once = of(j).gain * once + added[j];
-  return once / margin_of_pattern;
 }
 
 }  // namespace platoon

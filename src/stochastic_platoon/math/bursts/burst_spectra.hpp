@@ -7,13 +7,14 @@
 
 #include "stochastic_platoon/math/bursts/burst_scatter.hpp"
 #include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
+#include "stochastic_platoon/math/links/pattern_factors.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
 
 namespace platoon {
 
-/// Gains of one pattern's vehicles at the nodes of a quadrature over the circle, to compute means of spectra. Spectra
-/// have one row per node in (0, pi). The pattern must be mean square stable and outlive the object.
-class BurstSpectra {
+/// The gains of a pattern whose links lose in bursts, to compute means of spectra, at nodes in (0, pi). The pattern
+/// must be mean square stable and outlive the object.
+class BurstSpectra : public PatternFactors {
 public:
   /// Equally spaced frequencies w_j = 2 pi (j + 1/2) / n, which converge geometrically with n, a power of two, at least
   /// 8. O(n log n) for scattered().
@@ -24,13 +25,8 @@ public:
   /// scattered().
   BurstSpectra(const BurstPattern& pattern, const Quadrature& rule);
 
-  const BurstPattern& pattern() const { return *pattern_; }
-  Eigen::Index size() const { return weight_.size(); }
-
-  /// Fields of one vehicle type.
+  /// Further values of one vehicle type.
   struct Type {
-    Eigen::ArrayXd gain;                         ///< |T^|^2
-    Eigen::ArrayXd margin;                       ///< 1 - |T^|^2
     Eigen::ArrayXd own;                          ///< |T|^2 of the vehicle alone
     Eigen::ArrayXd passed;                       ///< |T_L|^2 of its link
     Eigen::ArrayXd complement;                   ///< |1 - H T^|^2
@@ -38,10 +34,8 @@ public:
     Eigen::ArrayXd noise;                        ///< |W|^2 P_d + D^2 / 12
     std::shared_ptr<const BurstScatter> losses;  ///< none without losses; shared by all types with the same ones
   };
-  const Type& of(std::size_t follower) const { return types_[pattern_->type(follower)]; }
-
-  /// Mean over the circle of values at the nodes.
-  double mean(const Eigen::ArrayXd& values) const { return (weight_ * values).sum(); }
+  const Type& of(std::size_t follower) const { return types_[type(follower)]; }
+  const Eigen::ArrayXd& gain_of(std::size_t follower) const { return gain[type(follower)]; }
 
   /// The spectrum that the losses of `follower` scatter from its predecessor's: < g(w, nu) |u|^2 Phi >_nu. 0 without
   /// losses.
@@ -51,18 +45,11 @@ public:
   /// per step]; without the part scattered from its predecessor's spectrum.
   Eigen::ArrayXd added(std::size_t follower, double speed) const;
 
-  /// 1 - prod |T^|^2 over the pattern, as accurate as each vehicle's own margin.
-  Eigen::ArrayXd pattern_margin() const;
-
-  /// The spectrum in front of vehicle 0 of an endless string in which vehicle l adds added[l].
-  Eigen::ArrayXd in_front(const std::vector<Eigen::ArrayXd>& added, const Eigen::ArrayXd& margin) const;
-
 private:
-  void evaluate(const Quadrature* rule);
-  Type values_of(const BurstVehicle& vehicle, std::shared_ptr<const BurstScatter> losses) const;
+  void evaluate(const BurstPattern& pattern, const Quadrature* rule);
+  void add(const BurstVehicle& vehicle, std::shared_ptr<const BurstScatter> losses);
 
-  const BurstPattern* pattern_;
-  Eigen::ArrayXd node_, weight_;
+  Eigen::ArrayXd node_;
   std::vector<Type> types_;
 };
 

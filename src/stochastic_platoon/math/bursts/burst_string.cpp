@@ -11,21 +11,21 @@ namespace {
 
 std::vector<double> variances_by(const BurstSpectra& spectra, double speed, std::size_t followers) {
   std::vector<double> variances;
-  Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.size());
+  Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.nodes());
   for (std::size_t i = 0; i < followers; ++i) {
     const BurstSpectra::Type& type = spectra.of(i);
     const Eigen::ArrayXd added = spectra.added(i, speed) + type.own * spectra.scattered(i, spectrum);
     const double variance = spectra.mean(type.complement * spectrum + type.headway * added);
     variances.push_back(std::isnan(variance) ? kInfinity : variance);
     if (std::isinf(variances.back())) break;
-    spectrum = type.gain * spectrum + added;
+    spectrum = spectra.gain_of(i) * spectrum + added;
   }
   variances.resize(followers, kInfinity);
   return variances;
 }
 
 std::vector<double> limits_by(const BurstSpectra& spectra, double speed) {
-  const std::size_t m = spectra.pattern().size();
+  const std::size_t m = spectra.size();
   std::vector<Eigen::ArrayXd> added;
   for (std::size_t j = 0; j < m; ++j) added.push_back(spectra.added(j, speed));
   const LossOperator losses(spectra);
@@ -35,7 +35,7 @@ std::vector<double> limits_by(const BurstSpectra& spectra, double speed) {
   for (std::size_t j = 0; j < m; ++j) {
     const BurstSpectra::Type& type = spectra.of(j);
     limits.push_back(spectra.mean(type.complement * spectrum + type.headway * added[j]));
-    spectrum = type.gain * spectrum + added[j];
+    spectrum = spectra.gain_of(j) * spectrum + added[j];
   }
   return limits;
 }

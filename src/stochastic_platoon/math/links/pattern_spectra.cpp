@@ -16,7 +16,7 @@ constexpr std::int64_t kResolvedDelay = 8;  // [steps], largest delay whose z^m 
 
 PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& pattern_gain, bool with_margin,
                                int refinement)
-    : order_(pattern.order) {
+    : PatternFactors(pattern.order) {
   std::vector<std::complex<double>> singular;
   for (const LinkedVehicle& vehicle : pattern.types) {
     for (const std::complex<double>& w : vehicle.pole_frequencies()) singular.push_back(w);
@@ -81,23 +81,6 @@ Eigen::ArrayXd PatternSpectra::added_by_noise(std::size_t type) const {
   Eigen::ArrayXd added = Eigen::ArrayXd::Zero(weight.size());
   for (const Input& of : input[type]) added += of.passed * of.noise;
   return added;
-}
-
-Eigen::ArrayXd PatternSpectra::pattern_margin() const {
-  // Uses logarithms: at a resonance one vehicle's gain may be 1e9 and that of the product 1e-9.
-  Eigen::ArrayXd log = Eigen::ArrayXd::Zero(weight.size());
-  for (std::size_t type = 0; type < gain.size(); ++type) {
-    const auto count = static_cast<double>(std::count(order_.begin(), order_.end(), type));
-    log += count * (margin[type] < 0.5).select((-margin[type]).log1p(), gain[type].log());
-  }
-  return -log.expm1();
-}
-
-Eigen::ArrayXd PatternSpectra::in_front(const std::vector<Eigen::ArrayXd>& added,
-                                        const Eigen::ArrayXd& margin_of_pattern) const {
-  Eigen::ArrayXd once = Eigen::ArrayXd::Zero(weight.size());
-  for (std::size_t j = 0; j < order_.size(); ++j) once = gain[order_[j]] * once + added[j];
-  return once / margin_of_pattern;
 }
 
 }  // namespace platoon

@@ -5,24 +5,23 @@
 #include <vector>
 
 #include "stochastic_platoon/math/links/linked_vehicle.hpp"
+#include "stochastic_platoon/math/links/pattern_factors.hpp"
 #include "stochastic_platoon/math/response/pattern_gain.hpp"
 
 namespace platoon {
 
-/// Gains of one pattern's vehicles at the nodes of a quadrature over the circle, to compute means of spectra.
-class PatternSpectra {
-public:
+/// The gains of a pattern over links without losses or with independent ones, to compute means of spectra.
+struct PatternSpectra : PatternFactors {
   /// `with_margin`: also resolve quotients by pattern_margin(). refinement >= 0: number of times the panels are halved.
   PatternSpectra(const LinkedPattern& pattern, const PatternGain& gain, bool with_margin, int refinement);
 
-  Eigen::ArrayXd weight;
   /// Fields of InputValue, one row per node.
   struct Input {
     Eigen::ArrayXd loss_gain, passed, innovation, noise;
   };
   Eigen::ArrayXd from_one;  ///< 1 - cos w
   /// Per vehicle type, the fields of LinkedVehicleValue; `input` has one entry per link.
-  std::vector<Eigen::ArrayXd> gain, margin, headway, sent;
+  std::vector<Eigen::ArrayXd> headway, sent;
   std::vector<std::vector<Input>> input;
   /// |1 - H T^|^2; on panels with more than a period of a delay's z^m, 1 + |H T^|^2, without the term -2 Re H T^.
   std::vector<Eigen::ArrayXd> complement;
@@ -30,12 +29,6 @@ public:
   std::vector<Eigen::ArrayXd> delayed;
   /// |1 - T^|^2, with -2 Re T^ on those panels computed in the same way.
   std::vector<Eigen::ArrayXd> of_gap;
-
-  std::size_t size() const { return order_.size(); }                           ///< number of vehicles in the pattern
-  std::size_t type(std::size_t j) const { return order_[j % order_.size()]; }  ///< of vehicle j
-
-  /// Mean over the circle of values at the nodes.
-  double mean(const Eigen::ArrayXd& values) const { return (weight * values).sum(); }
 
   /// Spectrum sent over link `link` of a vehicle behind a predecessor of type `before` whose position has this
   /// spectrum.
@@ -49,17 +42,6 @@ public:
   /// Mean of zeta's spectrum behind a predecessor with this spectrum, for a vehicle of this type that adds `added` to
   /// the spectrum: |1 - H T^|^2 Phi + |H|^2 added.
   double error_variance(std::size_t type, const Eigen::ArrayXd& spectrum, const Eigen::ArrayXd& added) const;
-
-  /// 1 - prod |T^|^2, as accurate as each vehicle's own 1 - |T^|^2.
-  Eigen::ArrayXd pattern_margin() const;
-
-  /// The spectrum in front of vehicle 0 of an endless string in which vehicle l adds added[l] to the spectrum. The
-  /// spectrum in front of vehicle j + 1 is gain times the one in front of vehicle j, plus added[j]. `margin`: the
-  /// pattern_margin().
-  Eigen::ArrayXd in_front(const std::vector<Eigen::ArrayXd>& added, const Eigen::ArrayXd& margin) const;
-
-private:
-  std::vector<std::size_t> order_;
 };
 
 }  // namespace platoon
