@@ -14,7 +14,7 @@
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/analysis.hpp"
-#include "stochastic_platoon/run/report/stability_sweep.hpp"
+#include "stochastic_platoon/run/report/stability_map.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/results/trajectories_csv.hpp"
@@ -47,7 +47,7 @@ py::tuple analyze_model(const Model& model, const Settings& settings, const std:
 py::dict stability_map(const Model& model, const std::vector<double>& headways, const std::vector<double>& gains,
                        const std::vector<double>& losses, const std::vector<double>& bursts) {
   return dict_of(unlocked([&] {
-    return parse_csv(to_csv(sweep(model.model(), {headways, gains, losses, bursts})), "map");
+    return parse_csv(to_csv(stability_map(model.model(), {headways, gains, losses, bursts})), "map");
   }));
 }
 

@@ -12,7 +12,7 @@
 #include "stochastic_platoon/run/configuration/spaced.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/report/analysis.hpp"
-#include "stochastic_platoon/run/report/stability_sweep.hpp"
+#include "stochastic_platoon/run/report/stability_map.hpp"
 #include "tools/command_line.hpp"
 
 namespace {
@@ -45,11 +45,11 @@ private:
   }
 };
 
-std::vector<platoon::SweepPoint> run_sweep(const platoon::PlatoonModel& model, const platoon::CommandLine& given) {
-  const platoon::SweepAxes axes{values_of(given, "sweep_headway"), values_of(given, "sweep_gain"),
-                                values_of(given, "sweep_loss"), values_of(given, "sweep_burst")};
+std::vector<platoon::MapPoint> map_of(const platoon::PlatoonModel& model, const platoon::CommandLine& given) {
+  const platoon::MapAxes axes{values_of(given, "sweep_headway"), values_of(given, "sweep_gain"),
+                              values_of(given, "sweep_loss"), values_of(given, "sweep_burst")};
   if (axes.headways.empty() && axes.losses.empty() && axes.bursts.empty()) return {};
-  return platoon::sweep(model, axes);
+  return platoon::stability_map(model, axes);
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
         {"sweep_gain", "FROM:TO:COUNT: with --sweep-headway, over controller gains too"},
         {"sweep_loss", "FROM:TO:COUNT: stability over loss probabilities, and headways where both are given"},
         {"sweep_burst", "FROM:TO:COUNT: stability over mean bursts, and over the others given"},
-        {"csv", "file for the sweep, for plot map"},
+        {"csv", "file for the map, for plot map"},
         {"signals",
          "gap, speed, acceleration, jerk, separated by commas: their moments beside those of the errors; with the speed its amplification"},
         {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"}}});
@@ -81,12 +81,12 @@ int main(int argc, char** argv) {
     const platoon::Configuration configuration =
         platoon::parse_configuration(platoon::configuration_document(settings));
     const platoon::PlatoonModel& model = configuration.model;
-    std::vector<platoon::SweepPoint> points;
+    std::vector<platoon::MapPoint> points;
     platoon::Analysis analysis{};
     {
       StageDisplay display;
-      display.begins("sweep");
-      points = run_sweep(model, given);
+      display.begins("stability map");
+      points = map_of(model, given);
       analysis = platoon::analyze(configuration, signals, [&display](const char* stage) { display.begins(stage); });
     }
     std::cout << platoon::report(configuration, analysis);

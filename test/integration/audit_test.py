@@ -92,7 +92,7 @@ class Audit:
         self.findings.fail_unless(not re.search(r"\bnan\b|\binf\b", done.stdout), name, "prints a nan or inf")
         if done.returncode > 0:
             reason = done.stderr.strip().split("\n")[-1].split(": ", 1)[-1]
-            self.findings.refused[kind, re.sub(r"-?\d[\d.e+-]*", "#", reason.replace(str(self.folder), ""))[:160]] += 1
+            self.findings.rejected[kind, re.sub(r"-?\d[\d.e+-]*", "#", reason.replace(str(self.folder), ""))[:160]] += 1
         else:
             self.findings.fail_unless(done.returncode == 0, name, "ends by signal %d" % -done.returncode)
         return done.returncode == 0
@@ -150,10 +150,10 @@ def main():
             audit.run(name, model)
     findings = audit.findings
     findings.print(SLOW)
-    left_out = sum(findings.refused.values()) + sum(
+    left_out = sum(findings.rejected.values()) + sum(
         count for (_, reason), count in findings.undecided.items() if reason.startswith("by analyze"))
     if left_out > MOST_LEFT_OUT * sum(findings.models.values()):
-        print("FAILED: %d models are refused or undecided" % left_out)
+        print("FAILED: %d models are rejected or undecided" % left_out)
         return 1
     return 1 if findings.failures else 0
 

@@ -31,16 +31,16 @@ class Damaged(SmallBagTest):
             bent[at + count % 7] ^= 1 << count % 8
             with open(path, "wb") as file:
                 file.write(bent)
-            self.refused(path, "messages are not as they were recorded", options=[["--partial"], []][count % 2])
+            self.rejected(path, "messages are not as they were recorded", options=[["--partial"], []][count % 2])
 
-    def test_a_truncated_bag_is_refused_and_its_readable_part_used_when_asked(self):
+    def test_a_truncated_bag_is_rejected_and_its_readable_part_used_when_asked(self):
         with open(self.SMALL, "rb") as file:
             content = file.read()
         for share in (0.95, 0.55):
             path = self.path("cut.bag")
             with open(path, "wb") as file:
                 file.write(content[:int(share * len(content))])
-            self.refused(path, "cut.bag: ")
+            self.rejected(path, "cut.bag: ")
             result = tool("bag_statistics", path, "--partial")
             self.assertIn("the file ends early, before byte {} of".format(int(share * len(content))), result.stderr)
             # The first batch, of four realizations, ends before the middle of the file and the second before its last tenth.
@@ -66,15 +66,15 @@ class Damaged(SmallBagTest):
             if i % 2 == 0 and result.returncode == 0:
                 self.assertEqual(result.stdout, right, "bent at byte {}: {}".format(at, result.stderr))
 
-    def test_an_empty_bag_a_missing_one_and_something_else_are_refused(self):
+    def test_an_empty_bag_a_missing_one_and_something_else_are_rejected(self):
         empty = self.path("empty.bag")
         rosbag.Bag(empty, "w").close()
-        self.refused(empty, "empty.bag: holds no topic \"configuration\": it is no recording of a platoon")
-        self.refused(self.write("nothing.bag", ""), "nothing.bag: is damaged or no bag")
-        self.refused(self.path("missing.bag"), "missing.bag: must be a bag file that can be read")
-        self.refused(__file__, "damaged_bag_test.py: is damaged or no bag")
+        self.rejected(empty, "empty.bag: holds no topic \"configuration\": it is no recording of a platoon")
+        self.rejected(self.write("nothing.bag", ""), "nothing.bag: is damaged or no bag")
+        self.rejected(self.path("missing.bag"), "missing.bag: must be a bag file that can be read")
+        self.rejected(__file__, "damaged_bag_test.py: is damaged or no bag")
 
-    def test_the_file_of_a_killed_recorder_is_refused_and_used_when_asked(self):
+    def test_the_file_of_a_killed_recorder_is_rejected_and_used_when_asked(self):
         output, bag = self.path("run"), self.path("killed.bag")
         terminal = Terminal(self.folder, "platoon.launch", output=output, record=bag, followers=2, steps=10, realizations=400,
                             batch=10, rate=100)
@@ -82,7 +82,7 @@ class Damaged(SmallBagTest):
         terminal.wait_for_text("/400 realizations")
         left = self.path("left.bag.active")
         shutil.copy(bag + ".active", left)
-        self.refused(left, "was not closed")
+        self.rejected(left, "was not closed")
         self.assertIn(self.partial(left)["realizations"] % 10, (0,))
 
 

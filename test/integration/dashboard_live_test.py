@@ -129,7 +129,7 @@ class Live(OnePlatoon):
         self.steps_on()
         self.assertTrue(self.browser.run("return window.same_page"))
 
-    def test_orders_are_given_by_buttons_and_what_cannot_be_is_refused_in_words(self):
+    def test_orders_are_given_by_buttons_and_what_cannot_be_is_rejected_with_an_explanation(self):
         for command in ("brake", "cruise"):
             self.browser.run("document.getElementById('answer').textContent = ''; document.querySelector(arguments[0]).click()",
                              "[data-command={}]".format(command))

@@ -40,7 +40,7 @@ class Ensemble(OnePlatoon):
         cls.summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(cls.output_folder), "the run to complete")
         cls.state = live_platoon.wait_for(lambda: state(cls.url).get("complete") and state(cls.url), "the page's final figures")
 
-    def test_a_speed_is_refused_with_the_reason(self):
+    def test_a_speed_is_rejected_with_the_reason(self):
         for speed, words in ((20, "rejected: in a run of many realizations the leader drives by the model file"), (10 ** 400, "must be a finite number")):
             status, answer = ask(self.url, "POST", "/command", json.dumps({"command": "speed", "speed": speed}), Content_Type="application/json",
                                  Origin=self.url)
@@ -119,7 +119,7 @@ class Ensemble(OnePlatoon):
         self.page_has(self.state)
         self.assertTrue(browser.run("return window.same_page"))
 
-    def test_commands_from_another_origin_or_name_are_refused_and_so_is_a_manoeuvre_of_an_ensemble(self):
+    def test_commands_from_another_origin_or_name_are_rejected_and_so_is_a_manoeuvre_of_an_ensemble(self):
         body, own = json.dumps({"command": "brake"}), dict(Content_Type="application/json", Origin=self.url)
         self.assertEqual(ask(self.url, "POST", "/command", body, **dict(own, Origin="http://evil.example"))[0], 403)
         self.assertEqual(ask(self.url, "POST", "/command", body, **dict(own, Host="evil.example", Origin="http://evil.example"))[0], 421)
@@ -144,12 +144,12 @@ class Ensemble(OnePlatoon):
         browser = self.open(page)
         outcome = browser.driver.execute_async_script("""
             const done = arguments[1], send = (kind, mode) => fetch(arguments[0] + "/command", {method: "POST", mode, headers: {"Content-Type": kind},
-              body: '{"command": "brake"}'}).then(answer => answer.type, error => "refused");
+              body: '{"command": "brake"}'}).then(answer => answer.type, error => "rejected");
             Promise.all([send("application/json", "cors"), send("text/plain", "no-cors"),
-              fetch(arguments[0] + "/state.json").then(() => "read", () => "refused")]).then(done)""", self.url)
+              fetch(arguments[0] + "/state.json").then(() => "read", () => "rejected")]).then(done)""", self.url)
         # Without a preflight request a page may send text, without access to the answer: the server rejects it
         # (test/unit/watching_server_test.py).
-        self.assertEqual(outcome, ["refused", "opaque", "refused"])
+        self.assertEqual(outcome, ["rejected", "opaque", "rejected"])
         browser.complaints()
 
     def test_it_listens_on_this_machine_only(self):

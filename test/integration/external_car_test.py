@@ -87,18 +87,18 @@ class Car(ExternalTest):
         self.assertGreater(len(references), 0)
         self.assertEqual(set(references) - {position + self.START for position in received}, set())
 
-    def test_a_batch_of_many_is_refused_in_words(self):
+    def test_a_batch_of_many_is_rejected_with_an_explanation(self):
         self.start(os.path.join(HERE, "car.py"), "__ns:=/car")
         log = self.path("said")
         with open(log, "w") as file:
             self.background(live_platoon.shared("src", "tools", "odometry_vehicle"), "_index:=2", "~odometry:=/car/odom", env=self.environment, stderr=file)
         self.launch(followers=2, external=2, realizations=30, batch=10, stall_timeout=0)
 
-        def refused():
+        def rejected():
             with open(log) as file:
                 return "a message of 10 positions: must be one, as there is one car" in file.read()
 
-        live_platoon.wait_for(refused, "its words")
+        live_platoon.wait_for(rejected, "its words")
 
 
 class OtherPackage(ExternalTest):

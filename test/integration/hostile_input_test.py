@@ -182,7 +182,7 @@ ARGUMENTS = [
 ]
 
 
-class Refused(FolderTest):
+class Rejected(FolderTest):
     def check(self, said, **given):
         """Checks that the input is rejected with these words, in printable lines, before any file is created."""
         settings = dict(dict(model=live_platoon.shared("config", "paper.yaml"), output=self.path("run")), **given)

@@ -53,7 +53,7 @@ class Listening(LaunchTest):
             self.assertEqual(len(routes.readlines()), 1, "a heading, and no route")
 
 
-class Refused(unittest.TestCase):
+class Rejected(unittest.TestCase):
     def run_isolated(self, *words, **environment):
         return subprocess.run([ISOLATED] + list(words), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                               universal_newlines=True, env=dict(os.environ, **environment))

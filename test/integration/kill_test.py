@@ -30,7 +30,7 @@ class Kill(unittest.TestCase):
             self.assertLess(self.committed, self.settings["realizations"], "the run was over before " + victim + " was killed")
             live_platoon.kill("/platoon/" + victim)
         summary = live_platoon.wait_for(lambda: live_platoon.completed_summary(self.output), "the run to complete")
-        self.assertGreater(summary["attempts"], len(self.victims), "nothing was begun again: the kill had no effect")
+        self.assertGreater(summary["attempts"], len(self.victims), "no batch was repeated: the kill had no effect")
         self.assertEqual(summary["positions_lost"], 0)
         self.assertEqual(summary["positions_received"],
                          (self.settings["followers"] + 1) * (self.settings["steps"] + 1) * self.settings["realizations"])

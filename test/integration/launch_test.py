@@ -12,7 +12,7 @@ from terminal import LaunchTest
 
 
 class BadInput(LaunchTest):
-    def refused(self, *said, **arguments):
+    def rejected(self, *said, **arguments):
         """Checks that the launch ends with all these words, before any node starts and without writing to the output."""
         terminal = self.launch(**arguments)
         self.assertNotEqual(terminal.wait(), 0)
@@ -23,53 +23,53 @@ class BadInput(LaunchTest):
         return text
 
     def test_arguments_out_of_range_are_named_all_at_once(self):
-        self.refused("followers: 0: must be a whole number from 1", "time_headway: -1: must be a finite number > 0",
+        self.rejected("followers: 0: must be a whole number from 1", "time_headway: -1: must be a finite number > 0",
                      "noise_variance: nan: must be a finite number >= 0", "steps: ten: must be a whole number from 0",
                      "hosting: cloud: must be processes or one_process", followers=0, headway=-1, noise_variance="nan",
                      steps="ten", hosting="cloud")
         self.assertFalse(os.path.exists(self.output))
 
     def test_a_model_file_that_is_missing_is_named(self):
-        self.refused("model: /nowhere/model.yaml: must be a file of at most 256 MB that can be read", model="/nowhere/model.yaml")
+        self.rejected("model: /nowhere/model.yaml: must be a file of at most 256 MB that can be read", model="/nowhere/model.yaml")
 
     def test_unknown_and_missing_keys_are_named(self):
         model = self.model_with(time_headwya=3.2, time_headway=None)
-        self.refused("time_headwya: unknown key", "time_headway: missing", model=model)
+        self.rejected("time_headwya: unknown key", "time_headway: missing", model=model)
 
-    def test_a_loop_that_cannot_track_a_ramp_is_refused(self):
+    def test_a_loop_that_cannot_track_a_ramp_is_rejected(self):
         model = self.model_with(plant="{numerator: [1.0], denominator: [1.0, -1.0]}")
-        self.refused("no double integral action", model=model)
+        self.rejected("no double integral action", model=model)
 
-    def test_a_closed_loop_that_is_not_strictly_proper_is_refused(self):
+    def test_a_closed_loop_that_is_not_strictly_proper_is_rejected(self):
         model = self.model_with(plant="{numerator: [1.0, 0, 0, 0], denominator: [1.0, -2.0, 1.0]}")
-        self.refused("T must be strictly proper", model=model)
+        self.rejected("T must be strictly proper", model=model)
 
-    def test_an_unstable_loop_is_refused_unless_it_is_asked_for(self):
+    def test_an_unstable_loop_is_rejected_unless_it_is_asked_for(self):
         unstable = "{numerator: [9.0], denominator: [1.0, -2.0, 1.0]}"
-        self.refused("the closed loop is unstable: rho(A) =", "allow_unstable: true", model=self.model_with(plant=unstable))
+        self.rejected("the closed loop is unstable: rho(A) =", "allow_unstable: true", model=self.model_with(plant=unstable))
         model = self.model_with(plant=unstable, allow_unstable="true")
         self.run_to_the_end(model=model, followers=2, steps=10, realizations=100)
 
     def test_a_folder_that_cannot_be_written_is_named(self):
         occupied = self.write("file", "")
-        self.refused("output: " + occupied + "/run", "must be a folder that can be written", output=occupied + "/run")
+        self.rejected("output: " + occupied + "/run", "must be a folder that can be written", output=occupied + "/run")
 
     def test_results_are_not_written_over(self):
         self.launch(followers=1, steps=5, realizations=100).wait()
         before = live_platoon.statistics(self.output)
-        self.refused("holds a run of 100 realizations: must be another folder (or resume:=true", followers=1, steps=5,
+        self.rejected("holds a run of 100 realizations: must be another folder (or resume:=true", followers=1, steps=5,
                      realizations=200)
         self.assertEqual(live_platoon.statistics(self.output), before)
 
-    def test_a_folder_and_a_namespace_in_use_are_refused_and_other_ones_run_side_by_side(self):
+    def test_a_folder_and_a_namespace_in_use_are_rejected_and_other_ones_run_side_by_side(self):
         master, second = self.roscore(), self.path("second")
         settings = dict(followers=2, steps=10, realizations=2000)
         first = self.launch(master=master, batch=10, rate=500, **settings)
         with live_platoon.held("/platoon/vehicle_2", master):  # the first run does not end before the others are checked
-            self.assertRegex(self.refused("output", master=master, ns="platoon2"),
+            self.assertRegex(self.rejected("output", master=master, ns="platoon2"),
                              r"output: {}: is in use by launch \S+; it is free .*when process \d+ ends".format(self.output))
             for file, arguments in (("platoon.launch", dict(hosting="one_process")), ("live.launch", dict(rviz="false"))):
-                self.refused("ns: platoon: a platoon runs in it already (node /platoon/", ", results in " + self.output + ")",
+                self.rejected("ns: platoon: a platoon runs in it already (node /platoon/", ", results in " + self.output + ")",
                              file=file, master=master, output=second, **arguments)
             beside = self.launch(master=master, ns="left/platoon2", output=second, headway=2.4, **settings)
         for terminal, output, headway in ((beside, second, 2.4), (first, self.output, 3.2)):
@@ -78,10 +78,10 @@ class BadInput(LaunchTest):
             self.assert_bits(output, headway=headway, **settings)
         self.assertLessEqual(live_platoon.completed_summary(second)["attempts"], live_platoon.UNDISTURBED)
 
-    def test_a_checkpoint_of_another_configuration_is_refused_with_what_differs(self):
+    def test_a_checkpoint_of_another_configuration_is_rejected_with_what_differs(self):
         self.launch(followers=1, steps=5, realizations=100).wait()
         before = live_platoon.statistics(self.output)
-        self.refused("holds a run of another configuration", "seed is 1 there and 2 here", followers=1, steps=5,
+        self.rejected("holds a run of another configuration", "seed is 1 there and 2 here", followers=1, steps=5,
                      realizations=200, seed=2, resume="true")
         self.assertEqual(live_platoon.statistics(self.output), before)
 

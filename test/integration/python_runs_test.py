@@ -135,7 +135,7 @@ class ResultFiles(ModuleTest):
         os.remove(table)
         self.assertRaisesText(FileNotFoundError, "statistics.csv", sp.Results.load, self.run_folder)
 
-    def test_folders_that_hold_no_run_are_refused(self):
+    def test_folders_that_hold_no_run_are_rejected(self):
         self.assertRaisesText(FileNotFoundError, "no such folder", sp.Results.load, self.path("none"))
         self.assertRaisesText(FileNotFoundError, "summary.json", sp.Results.load, self.folder)
         self.assertRaisesText(ValueError, "must be a run's folder", sp.Results.load, os.path.join(self.run_folder, "summary.json"))

@@ -46,7 +46,7 @@ class SmallBagTest(FolderTest):
                     target.write(topic, message, time)
         return path
 
-    def refused(self, bag, *said, options=()):
+    def rejected(self, bag, *said, options=()):
         result = tool("bag_statistics", bag, *options)
         self.assertEqual(result.returncode, 1)
         for words in said:

@@ -58,7 +58,7 @@ class KeptFollowers(LaunchTest):
         self.assert_bits(again, followers=3, **{name: value for name, value in changed.items() if name != "batch"})
 
 
-class Refused(LaunchTest):
+class Rejected(LaunchTest):
     def follower(self, master, index, *arguments):
         process = self.background(live_platoon.executable("follower"), "__name:=vehicle_3", "__ns:=platoon", "_index:={}".format(index),
                                   *arguments, env=live_platoon.ros_environment(master), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,

@@ -196,22 +196,22 @@ class Sweeps(ShardsTest):
         self.assertFalse(os.path.exists(self.path("run", "sweep.csv")))
         self.assertIn("20 points, 20 of them to compute", self.run_tool("sweep", self.file, "--output", self.path("run")))
 
-    def refused(self, said, *words):
+    def rejected(self, said, *words):
         self.assertIn(said, self.run_tool("sweep", *words, status=1))
         self.assertFalse(os.path.exists(self.path("run")), "the folder for the results was made")
 
     def test_what_is_wrong_is_said_before_anything_is_computed(self):
         output = ["--output", self.path("run")]
-        self.refused("sweep FILE --output DIR: must be given one file", *output)
-        self.refused("output: (empty): must be a folder", self.file)
-        self.refused("sweep: /nowhere: must be a file of at most 256 MB that can be read (No such file or directory)", "/nowhere", *output)
-        self.refused("task: 20: must be a whole number from 0 to 19", self.file, "--task", "20", *output)
-        self.refused("task: all: must be a whole number", self.file, "--task", "all", *output)
-        self.refused("1000000 x 1000000 = 1e+12 points: must be at most 100000",
+        self.rejected("sweep FILE --output DIR: must be given one file", *output)
+        self.rejected("output: (empty): must be a folder", self.file)
+        self.rejected("sweep: /nowhere: must be a file of at most 256 MB that can be read (No such file or directory)", "/nowhere", *output)
+        self.rejected("task: 20: must be a whole number from 0 to 19", self.file, "--task", "20", *output)
+        self.rejected("task: all: must be a whole number", self.file, "--task", "all", *output)
+        self.rejected("1000000 x 1000000 = 1e+12 points: must be at most 100000",
                      self.sweep("vary: {headway: 2:4:1000000, loss: 0:0.5:1000000}\n"), *output)
-        self.refused("(hedway = 3): model/hedway: unknown key: allowed are", self.sweep("vary: {hedway: [3]}\n"), *output)
-        self.refused("steps_: unknown key: allowed are", self.sweep("vary: {headway: [3]}\nsteps_: 3\n"), *output)
-        self.refused("must be YAML", self.sweep("vary: {headway: [3}\n"), *output)
+        self.rejected("(hedway = 3): model/hedway: unknown key: allowed are", self.sweep("vary: {hedway: [3]}\n"), *output)
+        self.rejected("steps_: unknown key: allowed are", self.sweep("vary: {headway: [3]}\nsteps_: 3\n"), *output)
+        self.rejected("must be YAML", self.sweep("vary: {headway: [3}\n"), *output)
 
 
 if __name__ == "__main__":

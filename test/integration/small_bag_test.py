@@ -27,10 +27,10 @@ class SmallBag(SmallBagTest):
             self.assertEqual(live_platoon.statistics(output), file.read())
         self.assertTrue(live_platoon.completed_summary(output))
 
-    def test_a_bag_of_version_0_1_0_is_refused_by_name(self):
+    def test_a_bag_of_version_0_1_0_is_rejected_by_name(self):
         old = os.path.join(DATA, "small_0.1.0.bag")
-        self.refused(old, "small_0.1.0.bag: holds no checksums", "versions before 0.2.0")
-        self.refused(old, "small_0.1.0.bag: was recorded by stochastic_platoon 0.1.0: must be of", options=["--unverified"])
+        self.rejected(old, "small_0.1.0.bag: holds no checksums", "versions before 0.2.0")
+        self.rejected(old, "small_0.1.0.bag: was recorded by stochastic_platoon 0.1.0: must be of", options=["--unverified"])
 
     def test_messages_of_another_run_are_named_and_not_used(self):
         def forge(topic, message):
@@ -38,15 +38,15 @@ class SmallBag(SmallBagTest):
                 message.run ^= 1
             return 1
 
-        self.refused(self.altered("foreign.bag", forge), "vehicle_1/position: step -1 of the realizations from 4 is of another run",
+        self.rejected(self.altered("foreign.bag", forge), "vehicle_1/position: step -1 of the realizations from 4 is of another run",
                      options=["--unverified"])
         self.assertEqual(self.partial(self.path("foreign.bag"), "--unverified")["realizations"], 4)
 
-    def test_what_another_program_changed_is_refused_even_in_part(self):
+    def test_what_another_program_changed_is_rejected_even_in_part(self):
         bag = self.bent("bent.bag", lambda topic, message: setattr(message, "step", 4) if topic.endswith("vehicle_1/predecessor_position")
                         and message.step == 3 else None)
         for options in ([], ["--partial"]):
-            self.refused(bag, "bent.bag: is damaged, or was changed by another program", "messages are not as they were recorded",
+            self.rejected(bag, "bent.bag: is damaged, or was changed by another program", "messages are not as they were recorded",
                          options=options)
 
     def test_a_position_that_was_changed_is_recognized_by_the_figures_beside_it(self):
@@ -56,11 +56,11 @@ class SmallBag(SmallBagTest):
                 bits[1] ^= 1  # bit 8, counted from the lowest
                 message.position = struct.unpack("<2d", bits)
 
-        self.refused(self.bent("bent.bag", change),
+        self.rejected(self.bent("bent.bag", change),
                      "error_statistics: the figures of step 3 are not those of the positions beside them: the recording is damaged",
                      options=["--unverified"])
 
-    def test_a_leader_that_is_not_at_one_place_is_refused(self):
+    def test_a_leader_that_is_not_at_one_place_is_rejected(self):
         def change(topic, message):
             if topic.endswith("vehicle_0/position") and message.step == 2 and message.first_realization == 0:
                 message.position = (message.position[0] + 1e-9,) + tuple(message.position[1:])
@@ -72,14 +72,14 @@ class SmallBag(SmallBagTest):
             self.assertNotEqual(result.returncode, 0)
             self.assertIn(reason, result.stderr)
 
-    def test_a_bag_of_two_runs_is_refused(self):
+    def test_a_bag_of_two_runs_is_rejected(self):
         path = self.path("two.bag")
         with rosbag.Bag(self.SMALL) as source, rosbag.Bag(path, "w") as target:
             for topic, message, time in source.read_messages():
                 target.write(topic, message, time)
                 if topic.endswith("configuration"):
                     target.write(topic, String(message.data.replace('"seed":1', '"seed":2')), time)
-        self.refused(path, "two.bag: holds more than one run of a platoon: must hold one", options=["--unverified"])
+        self.rejected(path, "two.bag: holds more than one run of a platoon: must hold one", options=["--unverified"])
 
     def test_results_are_not_written_over(self):
         output = self.path("run")
@@ -91,14 +91,14 @@ class SmallBag(SmallBagTest):
     def test_a_hole_is_named_by_topic_and_step(self):
         bag = self.altered("hole.bag", lambda topic, message: 0 if topic.endswith("vehicle_1/position") and message.step == 2
                            and message.first_realization == 4 else 1)
-        self.refused(bag, "vehicle_1/position: step 3 of the realizations from 4 follows step 1 of the realizations from 4: the "
+        self.rejected(bag, "vehicle_1/position: step 3 of the realizations from 4 follows step 1 of the realizations from 4: the "
                      "messages between are missing", "--partial", options=["--unverified"])
         self.assertEqual(self.partial(bag, "--unverified")["realizations"], 4)
 
     def test_a_duplicate_is_named_by_topic_and_step(self):
         bag = self.altered("twice.bag", lambda topic, message: 2 if topic.endswith("vehicle_2/position") and message.step == 3
                            and message.first_realization == 0 else 1)
-        self.refused(bag, "vehicle_2/position: step 3 of the realizations from 0 comes twice", options=["--unverified"])
+        self.rejected(bag, "vehicle_2/position: step 3 of the realizations from 0 comes twice", options=["--unverified"])
 
     def test_what_rosbag_compressed_is_as_good(self):
         """As `rosbag compress` does: copies every message unchanged, ordered by time."""

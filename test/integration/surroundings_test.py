@@ -17,7 +17,7 @@ from terminal import LaunchTest
 class Surroundings(LaunchTest):
     """The environment of a launch: unusual paths, a read-only home folder, the death of the master and of roslaunch."""
 
-    def test_a_quote_in_a_path_is_refused_in_words(self):
+    def test_a_quote_in_a_path_is_rejected_with_an_explanation(self):
         for argument in ("output", "record", "model"):
             terminal = self.launch(**{argument: self.folder + "/it's.bag"})
             self.assertNotEqual(terminal.wait(), 0)

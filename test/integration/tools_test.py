@@ -39,13 +39,13 @@ class EveryTool(unittest.TestCase):
         for rejected in ("endless", "ROS home", "per message"):
             self.assertNotIn(rejected, text)
 
-    def test_refuses_an_option_that_it_does_not_know(self):
+    def test_rejects_an_option_that_it_does_not_know(self):
         for program in self.programs():
             self.assertNotEqual(run(program, "--nothing").returncode, 0, program)
 
 
 class BadInput(unittest.TestCase):
-    def refused(self, said, tool, *arguments):
+    def rejected(self, said, tool, *arguments):
         """Checks that the tool fails at once with these words and no other output."""
         done = subprocess.run([live_platoon.executable(tool)] + list(arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               universal_newlines=True, timeout=live_platoon.DEADLINE)
@@ -54,24 +54,24 @@ class BadInput(unittest.TestCase):
         self.assertLess(len(done.stderr), 600)
         self.assertNotIn("h = ", done.stdout)
 
-    def test_a_number_of_threads_that_is_none_is_refused(self):
+    def test_a_number_of_threads_that_is_none_is_rejected(self):
         for threads in ("-1", "0", "abc", "1000000000"):
-            self.refused("threads: {}: must be a whole number from 1 to 1024".format(threads), "monte_carlo", "--threads", threads,
+            self.rejected("threads: {}: must be a whole number from 1 to 1024".format(threads), "monte_carlo", "--threads", threads,
                          "--output", "/nowhere")
 
-    def test_sizes_that_cannot_be_held_are_refused_before_memory_is_asked_for(self):
+    def test_sizes_that_cannot_be_held_are_rejected_before_memory_is_asked_for(self):
         for tool in ("analyze", "monte_carlo", "configure"):
-            self.refused("run/steps x followers: 99999999999 x 20: must be at most 20000000", tool, "--steps", "99999999999",
+            self.rejected("run/steps x followers: 99999999999 x 20: must be at most 20000000", tool, "--steps", "99999999999",
                          "--model", live_platoon.shared("config", "paper.yaml"))
 
-    def test_a_sweep_that_is_wrong_is_refused_before_anything_is_printed(self):
-        self.refused("--sweep-headway: 3:2:1: must be FROM:TO:COUNT", "analyze", "--sweep-headway", "3:2:1")
+    def test_a_sweep_that_is_wrong_is_rejected_before_anything_is_printed(self):
+        self.rejected("--sweep-headway: 3:2:1: must be FROM:TO:COUNT", "analyze", "--sweep-headway", "3:2:1")
 
     def test_a_long_value_is_cut(self):
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as model:
             model.write("no mapping " * 1000)
             model.flush()
-            self.refused("no mapping no mapping", "analyze", "--model", model.name)
+            self.rejected("no mapping no mapping", "analyze", "--model", model.name)
 
     def test_a_million_followers_are_analysed(self):
         done = run(live_platoon.executable("analyze"), "--followers", "1000000", "--steps", "10")

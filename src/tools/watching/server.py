@@ -70,7 +70,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.send_header("X-Frame-Options", "DENY")
         self.send_header("Content-Security-Policy", "default-src 'self'; img-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'")
 
-    def refuse(self, status: int, why: str) -> None:
+    def reject(self, status: int, why: str) -> None:
         self.report(status, False, why)
 
     def report(self, status: int, success: bool, message: str) -> None:
@@ -80,7 +80,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         """Whether the Host header names this server; if not, answers with status 421."""
         if names_this_machine(host_of(self.headers.get("Host", "")), self.server.names):
             return True
-        self.refuse(421, "the server does not have this name: use localhost or the machine's address")
+        self.reject(421, "the server does not have this name: use localhost or the machine's address")
         return False
 
     def do_GET(self) -> None:
@@ -94,7 +94,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         else:
             content = self.server.files.get("/index.html" if path == "/" else path)
             if content is None:
-                return self.refuse(404, "not found: the server has /, /state.json and /events")
+                return self.reject(404, "not found: the server has /, /state.json and /events")
             self.answer(200, content, KINDS_OF_FILE[os.path.splitext(path)[1] or ".html"])
 
     do_HEAD = do_GET
@@ -105,11 +105,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
         # Browsers send the page's Origin; only this server's own page has the same address in Origin and Host.
         origin = self.headers.get("Origin")
         if origin is not None and urllib.parse.urlsplit(origin).netloc.lower() != self.headers.get("Host", "").lower():
-            return self.refuse(403, "the server accepts commands from its own page only, not from " + origin[:100])
+            return self.reject(403, "the server accepts commands from its own page only, not from " + origin[:100])
         if self.headers.get("Content-Type", "").split(";")[0] != "application/json":
-            return self.refuse(415, "a command must be application/json")
+            return self.reject(415, "a command must be application/json")
         if self.path != "/command":
-            return self.refuse(404, "not found: the server accepts commands at /command")
+            return self.reject(404, "not found: the server accepts commands at /command")
         try:
             length = int(self.headers.get("Content-Length", ""))
             if not 0 <= length <= LONGEST_COMMAND:
@@ -118,17 +118,17 @@ class Handler(http.server.BaseHTTPRequestHandler):
             if not isinstance(content, dict):
                 raise ValueError
         except (ValueError, RecursionError):
-            return self.refuse(400, "a command must be a JSON object of at most {} bytes".format(LONGEST_COMMAND))
+            return self.reject(400, "a command must be a JSON object of at most {} bytes".format(LONGEST_COMMAND))
         try:
             success, message = self.server.obey(content)
         except Exception as error:  # an internal error: report it to the page and keep the connection
-            return self.refuse(500, "{}: {}".format(type(error).__name__, error)[:200])
+            return self.reject(500, "{}: {}".format(type(error).__name__, error)[:200])
         self.report(200 if success else 409, success, message)
 
     def stream(self) -> None:
         stream = self.server.streams.open(self.server.state.KINDS + ("strip",))
         if stream is None:
-            return self.refuse(503, "{} pages are open already: close one".format(MOST_PAGES))
+            return self.reject(503, "{} pages are open already: close one".format(MOST_PAGES))
         try:
             self.send_response(200)
             self.send_header("Content-Type", "text/event-stream")
@@ -172,11 +172,11 @@ class PageServer(http.server.ThreadingHTTPServer):
             return super().get_request()
         except OSError as error:
             if error.errno in NOTHING_LEFT:
-                self.refuse_one(NOTHING_LEFT[error.errno])
+                self.reject_one(NOTHING_LEFT[error.errno])
                 time.sleep(PAUSE)
             raise
 
-    def refuse_one(self, why: str) -> None:
+    def reject_one(self, why: str) -> None:
         self.spare.close()
         try:
             connection, _ = self.socket.accept()
@@ -196,7 +196,7 @@ class PageServer(http.server.ThreadingHTTPServer):
         try:
             self.spare = open(os.devnull, "rb")
         except OSError:
-            pass  # retried at the next refusal
+            pass  # retried at the next rejection
 
     def server_close(self) -> None:
         self.spare.close()

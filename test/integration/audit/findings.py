@@ -7,7 +7,7 @@ import math
 class Findings:
     def __init__(self):
         self.worst, self.failures, self.failed = {}, [], set()
-        self.models, self.refused, self.undecided = (collections.Counter() for _ in range(3))
+        self.models, self.rejected, self.undecided = (collections.Counter() for _ in range(3))
         self.seconds = []
 
     def note(self, what, error, allowed, name, place=""):
@@ -34,7 +34,7 @@ class Findings:
 
     def print(self, slow):
         print("models: %s" % dict(self.models))
-        for what, counted in (("refused", self.refused), ("undecided", self.undecided)):
+        for what, counted in (("rejected", self.rejected), ("undecided", self.undecided)):
             for (kind, reason), count in sorted(counted.items()):
                 print("%s: %d of %s: %s" % (what, count, kind, reason))
         times = sorted(self.seconds, reverse=True)

@@ -14,7 +14,7 @@ namespace {
 
 using DoubleComplex = std::complex<double>;
 
-[[noreturn]] void refuse_growth() {
+[[noreturn]] void reject_growth() {
   throw std::invalid_argument("on_loss: variance of the predictions grows: must settle");
 }
 
@@ -26,7 +26,7 @@ void require_theory(const LossModel& loss, double memory) {
     throw std::invalid_argument(
         formatted("mean_burst: %g: must be above 1 for a probability of 0.5, as losses then alternate with arrivals",
                   *loss.mean_burst));
-  if (!(second_moment_radius(loss) < 1.0)) refuse_growth();
+  if (!(second_moment_radius(loss) < 1.0)) reject_growth();
 }
 
 /// The eigenvalues less 1.
@@ -72,7 +72,7 @@ BurstLink::BurstLink(const LossModel& loss)
   even_ = solved.block(squares, 0, n_, n_);
   odd_ = solved.block(squares, n_, n_, n_);
   own_ = 0.5 * even_.col(0);
-  if (!(own_(0) > 0.0)) refuse_growth();  // a radius of 1 that rounds to less has this effect
+  if (!(own_(0) > 0.0)) reject_growth();  // a radius of 1 that rounds to less has this effect
 
   factor_.poles = shifted_eigenvalues(transition_);
   Eigen::MatrixXd inverse = transition_;

@@ -147,7 +147,8 @@ Eigen::VectorXd LossOperator::drives(const std::vector<Eigen::ArrayXd>& added) c
     const BurstSpectra::Type& type = spectra_.of(j);
     if (drive_[j] >= 0)
       result.segment(drive_[j] * spectra_.nodes(), spectra_.nodes()) = type.losses->surprise * spectrum;
-    spectrum = spectra_.gain_of(j) * spectrum + added[j];
+    spectrum *= spectra_.gain_of(j);  // in place: GCC 12 suspects the other form of using freed memory
+    spectrum += added[j];
   }
   return result;
 }

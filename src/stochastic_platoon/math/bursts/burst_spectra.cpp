@@ -44,14 +44,15 @@ void BurstSpectra::evaluate(const BurstPattern& pattern, const Quadrature* rule)
 void BurstSpectra::add(const BurstVehicle& vehicle, std::shared_ptr<const BurstScatter> losses) {
   Type type;
   Eigen::ArrayXd whole(nodes()), missing(nodes());  // |T^|^2 and 1 - |T^|^2
-  for (auto* values : {&type.own, &type.passed, &type.complement, &type.headway, &type.noise}) values->setZero(nodes());
+  for (auto* values : {&type.own, &type.passed, &type.complement, &type.spacing_gain, &type.noise})
+    values->setZero(nodes());
   const auto delay = static_cast<double>(vehicle.vehicle().link.delay);
   for (Eigen::Index k = 0; k < nodes(); ++k) {
     const double w = node_(k);
     const LinkedVehicleValue plain = vehicle.plain().at(w);
     DoubleComplex mean = plain.undelayed * std::polar(1.0, -std::remainder(delay * w, 2.0 * pi));  // H T^
     type.own(k) = plain.gain;
-    type.headway(k) = plain.headway;
+    type.spacing_gain(k) = plain.spacing_gain;
     type.noise(k) = plain.input[0].noise;
     type.passed(k) = 1.0;
     missing(k) = plain.margin;

@@ -30,7 +30,7 @@ public:
     Eigen::ArrayXd own;                          ///< |T|^2 of the vehicle alone
     Eigen::ArrayXd passed;                       ///< |T_L|^2 of its link
     Eigen::ArrayXd complement;                   ///< |1 - H T^|^2
-    Eigen::ArrayXd headway;                      ///< |H|^2
+    Eigen::ArrayXd spacing_gain;                 ///< |H|^2
     Eigen::ArrayXd noise;                        ///< |W|^2 P_d + D^2 / 12
     std::shared_ptr<const BurstScatter> losses;  ///< none without losses; shared by all types with the same ones
   };

@@ -15,7 +15,7 @@ std::vector<double> variances_by(const BurstSpectra& spectra, double speed, std:
   for (std::size_t i = 0; i < followers; ++i) {
     const BurstSpectra::Type& type = spectra.of(i);
     const Eigen::ArrayXd added = spectra.added(i, speed) + type.own * spectra.scattered(i, spectrum);
-    const double variance = spectra.mean(type.complement * spectrum + type.headway * added);
+    const double variance = spectra.mean(type.complement * spectrum + type.spacing_gain * added);
     variances.push_back(std::isnan(variance) ? kInfinity : variance);
     if (std::isinf(variances.back())) break;
     spectrum = spectra.gain_of(i) * spectrum + added;
@@ -34,7 +34,7 @@ std::vector<double> limits_by(const BurstSpectra& spectra, double speed) {
   Eigen::ArrayXd spectrum = spectra.in_front(added, losses.margin());
   for (std::size_t j = 0; j < m; ++j) {
     const BurstSpectra::Type& type = spectra.of(j);
-    limits.push_back(spectra.mean(type.complement * spectrum + type.headway * added[j]));
+    limits.push_back(spectra.mean(type.complement * spectrum + type.spacing_gain * added[j]));
     spectrum = spectra.gain_of(j) * spectrum + added[j];
   }
   return limits;

@@ -75,7 +75,7 @@ std::vector<double> variances_by(const PatternSpectra& spectra, const LinkedPatt
   pass_along(spectra, pattern, speed, followers, [&](std::size_t i, const auto& spectrum, const auto& added) {
     const std::size_t type = pattern.type(i);
     double variance = spectra.error_variance(type, spectrum, added.front());
-    if (added.size() > 1) variance += spectra.mean(spectra.headway[type] * added.back());
+    if (added.size() > 1) variance += spectra.mean(spectra.spacing_gain[type] * added.back());
     variances.push_back(std::isnan(variance) ? kInfinity : variance);
     return !std::isinf(variances.back());
   });

@@ -88,7 +88,7 @@ LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
   std::array<LinkFilter::Value, 2> of_links;
   for (std::size_t j = 0; j < links_.size(); ++j) of_links[j] = links_[j].at(point);
   LinkedVehicleValue value{};
-  value.headway = static_cast<double>(1.0L + 2.0L * h * (1.0L + h) * x);
+  value.spacing_gain = static_cast<double>(1.0L + 2.0L * h * (1.0L + h) * x);
   Complex response;  // T^ z^m
   if (designed_) {
     response = designed_response(point, of_links, value);

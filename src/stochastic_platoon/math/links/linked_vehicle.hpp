@@ -29,7 +29,7 @@ struct LinkedVehicleValue {
   double gain;                      ///< |T^|^2
   double margin;                    ///< 1 - |T^|^2, given that T^(1) = 1 exactly
   double complement;                ///< |1 - H T^|^2
-  double headway;                   ///< |H|^2
+  double spacing_gain;              ///< |H|^2
   double of_gap;                    ///< |1 - T^|^2
   std::complex<double> undelayed;   ///< H T^ without the delay z^-m of the position
   std::complex<double> response;    ///< T^ without it

@@ -39,7 +39,7 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
   for (Eigen::Index k = 0; k < count; ++k)
     from_one(k) = static_cast<double>(circle_coordinate(rule.node[static_cast<std::size_t>(k)], Centre::kOne));
   for (const LinkedVehicle& vehicle : pattern.types) {
-    for (auto* values : {&gain, &margin, &complement, &headway, &delayed, &of_gap, &sent})
+    for (auto* values : {&gain, &margin, &complement, &spacing_gain, &delayed, &of_gap, &sent})
       values->emplace_back(Eigen::ArrayXd::Zero(count));
     input.emplace_back(vehicle.links().size());
     for (Input& of : input.back()) {
@@ -61,7 +61,7 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
       }
       sent.back()(k) = value.sent;
       complement.back()(k) = value.complement;
-      headway.back()(k) = value.headway;
+      spacing_gain.back()(k) = value.spacing_gain;
       of_gap.back()(k) = value.of_gap;
       if (!oscillating.applies_to(node)) continue;
       complement.back()(k) = 1.0 + std::norm(value.undelayed);
@@ -74,7 +74,7 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
 
 double PatternSpectra::error_variance(std::size_t type, const Eigen::ArrayXd& spectrum,
                                       const Eigen::ArrayXd& added) const {
-  return mean((complement[type] + delayed[type]) * spectrum + headway[type] * added);
+  return mean((complement[type] + delayed[type]) * spectrum + spacing_gain[type] * added);
 }
 
 Eigen::ArrayXd PatternSpectra::added_by_noise(std::size_t type) const {

@@ -21,7 +21,7 @@ struct PatternSpectra : PatternFactors {
   };
   Eigen::ArrayXd from_one;  ///< 1 - cos w
   /// Per vehicle type, the fields of LinkedVehicleValue; `input` has one entry per link.
-  std::vector<Eigen::ArrayXd> headway, sent;
+  std::vector<Eigen::ArrayXd> spacing_gain, sent;
   std::vector<std::vector<Input>> input;
   /// |1 - H T^|^2; on panels with more than a period of a delay's z^m, 1 + |H T^|^2, without the term -2 Re H T^.
   std::vector<Eigen::ArrayXd> complement;

@@ -10,7 +10,7 @@ namespace platoon {
 
 namespace {
 
-[[noreturn]] void refuse_unstable() {
+[[noreturn]] void reject_unstable() {
   throw std::invalid_argument("rho(A): must be < 1 for a stationary covariance to exist");
 }
 
@@ -81,7 +81,7 @@ ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t f
 
 Eigen::MatrixXd stationary_covariance_by_vec(const StringMatrices& string, double noise_variance) {
   const Eigen::Index n = string.c.cols() / string.c.rows();
-  if (!(spectral_radius(string.a.topLeftCorner(n, n)) < 1.0)) refuse_unstable();
+  if (!(spectral_radius(string.a.topLeftCorner(n, n)) < 1.0)) reject_unstable();
   const Eigen::MatrixXd upsilon = noise_covariance(string, noise_variance);
   const Eigen::Index size = upsilon.size();
   const Eigen::MatrixXd map = Eigen::MatrixXd::Identity(size, size) - kronecker(string.a, string.a);
@@ -106,7 +106,7 @@ Eigen::MatrixXd solve_discrete_lyapunov(const Eigen::MatrixXd& a, const Eigen::M
     if (more.cwiseAbs().maxCoeff() <= 1e-18 * sum.cwiseAbs().maxCoeff()) return sum;
     power = (power * power).eval();
   }
-  refuse_unstable();  // not decided by eigenvalues: those of a long string's A are ill-conditioned
+  reject_unstable();  // not decided by eigenvalues: those of a long string's A are ill-conditioned
 }
 
 Eigen::MatrixXd stationary_covariance_by_lyapunov(const StringMatrices& string, double noise_variance) {

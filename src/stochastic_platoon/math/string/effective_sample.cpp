@@ -38,7 +38,7 @@ public:
         type.complement(f) = value.complement;
         type.added(f) = 0.0;
         for (const InputValue& input : value.input) type.added(f) += input.passed * input.noise;
-        type.of_added(f) = value.headway * type.added(f);
+        type.of_added(f) = value.spacing_gain * type.added(f);
       }
     }
   }

@@ -32,9 +32,9 @@ void Recorder::write(const Work& work) {
   } catch (const ConfigurationError&) {
     throw;
   } catch (const std::runtime_error& error) {
-    refusal_ = configuration_.run.record + ": cannot be written: " + error.what() + "; " +
-               free_space(configuration_.run.record);
-    if (!pause_.is_on()) ROS_ERROR_STREAM(refusal_ << ". The platoon waits, and continues when there is space");
+    write_error_ = configuration_.run.record + ": cannot be written: " + error.what() + "; " +
+                   free_space(configuration_.run.record);
+    if (!pause_.is_on()) ROS_ERROR_STREAM(write_error_ << ". The platoon waits, and continues when there is space");
     if (recording_) {
       reported_ = recording_->arrivals();
       recording_->abandon();
@@ -118,7 +118,7 @@ void Recorder::receive_statistics(const ErrorStatistics::ConstPtr& message) {
 
 void Recorder::finish() {
   if (!recording_->ready_to_finish()) return;
-  if (recording_->needs_rewriting()) ROS_INFO("writing the bag once more, without the attempts that were given up");
+  if (recording_->needs_rewriting()) ROS_INFO("writing the bag once more, without the abandoned attempts");
   recording_->finish();
   if (!recording_->finished()) {
     ROS_WARN_STREAM(configuration_.run.record << ": a part of the recording is unreadable: recording again from there");
@@ -140,7 +140,7 @@ void Recorder::tick() {
 // repeats the batch at once.
 void Recorder::report() {
   if (!recording_) {
-    reports_.set_blocked(refusal_);
+    reports_.set_blocked(write_error_);
     return reports_.report(reported_);
   }
   const double megabytes = static_cast<double>(recording_->bytes()) * 1e-6;

@@ -58,7 +58,7 @@ private:
   Arrivals reported_;                      ///< arrivals of the latest recording
   RetryPause pause_;
   std::uint64_t tried_at_ = 0;   ///< bytes in the file when it was last opened
-  std::string refusal_;          ///< the latest write error
+  std::string write_error_;      ///< the latest write error
   std::optional<double> began_;  ///< [s] first message
   ProgressReports reports_;
   std::vector<PositionInput> inputs_;  ///< per stream

@@ -97,25 +97,25 @@ FolderLock::FolderLock(const std::string& folder, const std::string& holder, pid
       descriptor_(::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
   if (descriptor_ < 0)
     throw std::runtime_error(file_ + ": cannot be opened: " + std::generic_category().message(errno));
-  const auto refuse = [this](const std::string& why) {
+  const auto reject = [this](const std::string& why) {
     ::close(descriptor_);
     throw std::runtime_error(why);
   };
   const bool free = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
-  if (!free && errno != EWOULDBLOCK) refuse(file_ + ": cannot be locked: " + std::generic_category().message(errno));
+  if (!free && errno != EWOULDBLOCK) reject(file_ + ": cannot be locked: " + std::generic_category().message(errno));
   const Entry entry = entry_in(descriptor_);
   const std::string in_use = folder + ": is in use by " + (entry.holder.empty() ? "another process" : entry.holder);
   if (!free) {
     const bool here = entry.process && lives(*entry.process);
-    refuse(in_use + (here ? formatted("; it is free when process %ld ends", static_cast<long>(entry.process->number))
+    reject(in_use + (here ? formatted("; it is free when process %ld ends", static_cast<long>(entry.process->number))
                           : std::string("; it is free when that ends")));
   }
   if (!entry.holder.empty() && entry.holder != holder) {
     const std::string claim = claim_of(entry, descriptor_, file_);
-    if (!claim.empty()) refuse(in_use + claim);
+    if (!claim.empty()) reject(in_use + claim);
   }
   if (!write(guardian, std::numeric_limits<double>::infinity()))
-    refuse(file_ + ": cannot be written: " + std::generic_category().message(errno));
+    reject(file_ + ": cannot be written: " + std::generic_category().message(errno));
 }
 
 bool FolderLock::write(pid_t guardian, double until) {

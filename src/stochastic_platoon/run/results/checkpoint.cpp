@@ -246,7 +246,7 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
   const bool same_launch = found->launch_id == run.launch_id && !run.launch_id.empty();
   if (!same_launch && !run.resume) {
     throw ConfigurationError({"output: " + run.output + ": holds a run of " + extent_of(*found) +
-                              ": must be another folder (or resume:=true to go on with that run)"});
+                              ": must be another folder (or resume:=true to continue that run)"});
   }
   const std::string differing = identity_differences(found->identity, statistics_identity(configuration));
   if (!differing.empty()) {

@@ -39,41 +39,41 @@ private:
   void add(const std::string& folder) {
     try {
       const std::optional<Checkpoint> found = read_checkpoint(folder);
-      if (!found) return refuse(folder, "holds no shard: must be the output of monte_carlo --shard");
-      if (found->shard.is_null()) return refuse(folder, "holds a run of " + extent_of(*found) + " and no shard");
+      if (!found) return reject(folder, "holds no shard: must be the output of monte_carlo --shard");
+      if (found->shard.is_null()) return reject(folder, "holds a run of " + extent_of(*found) + " and no shard");
       take(folder, *found);
     } catch (const ConfigurationError& error) {
-      refuse(folder, error.problems().front());
+      reject(folder, error.problems().front());
     } catch (const std::runtime_error& error) {
       problems_.emplace_back(error.what());
     }
   }
 
-  void refuse(const std::string& folder, const std::string& why) { problems_.push_back(folder + ": " + why); }
+  void reject(const std::string& folder, const std::string& why) { problems_.push_back(folder + ": " + why); }
 
   void take(const std::string& folder, const Checkpoint& found) {
     const ShardRun run = shard_run_of(found.shard);
     if (!first_) {
       // With the arithmetic of another machine the same model may have another closed loop.
       const std::string own = identity_differences(found.identity, statistics_identity(run.configuration));
-      if (!own.empty()) return refuse(folder, "is of a run that this machine would compute otherwise: " + own);
+      if (!own.empty()) return reject(folder, "is of a run that this machine would compute otherwise: " + own);
       first_ = run;
       first_folder_ = folder;
       identity_ = found.identity;
     }
     const std::string differing = differences(found, run);
-    if (!differing.empty()) return refuse(folder, "belongs to another run than " + first_folder_ + ": " + differing);
+    if (!differing.empty()) return reject(folder, "belongs to another run than " + first_folder_ + ": " + differing);
     const RealizationRange range = run.range();
     std::uint64_t gaps = 0;
     for (const RealizationRange& gap : found.totals.moments.missing(range)) gaps += gap.size();
     if (gaps > 0 || found.totals.count() != range.size()) {
-      return refuse(folder, name_of(run.shard) + " is not complete: " + std::to_string(range.size() - gaps) + " of " +
+      return reject(folder, name_of(run.shard) + " is not complete: " + std::to_string(range.size() - gaps) + " of " +
                                 std::to_string(range.size()) + " realizations" +
                                 (found.damage.empty() ? "" : " (" + found.damage + ")"));
     }
     const auto place = places_.emplace(run.shard.index, folder);
     if (!place.second)
-      refuse(folder, "holds " + name_of(run.shard) + ", as does " + place.first->second + ": must be given once");
+      reject(folder, "holds " + name_of(run.shard) + ", as does " + place.first->second + ": must be given once");
   }
 
   std::string differences(const Checkpoint& found, const ShardRun& run) const {

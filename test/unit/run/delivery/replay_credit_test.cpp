@@ -85,7 +85,7 @@ TEST(ReplayCredit, RepeatsNoFlowingAttemptWithoutAStallTimeout) {
   EXPECT_FALSE(credit.give_up(1000.0));
 }
 
-// If an attempt was given up during the recording, one topic may hold more of its messages than the other.
+// If an attempt was abandoned during the recording, one topic may hold more of its messages than the other.
 TEST(ReplayCredit, MatchesTheAnswersOfABatchByTheFirstOne) {
   ReplayCredit credit(kLimits);
   credit.send(true, 0.0);

@@ -1,5 +1,5 @@
 #include "stochastic_platoon/run/report/analysis.hpp"
-#include "stochastic_platoon/run/report/stability_sweep.hpp"
+#include "stochastic_platoon/run/report/stability_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -95,7 +95,7 @@ TEST(Analysis, HasNoCriticalHeadwayOfAGivenClosedLoop) {
   const nlohmann::json document = Analyzed(model, 2, 5).json();
   EXPECT_TRUE(document.at("critical_headway").is_null());
   EXPECT_TRUE(document.at("stable_headways").is_null());
-  EXPECT_THROW(sweep(model, {{3.0}, {}, {}}), std::invalid_argument);
+  EXPECT_THROW(stability_map(model, {{3.0}, {}, {}}), std::invalid_argument);
 }
 
 TEST(Analysis, HasTheRequestedSignals) {
@@ -169,7 +169,7 @@ TEST(Analysis, HasNoSignalsIfErrorsAreNotNormal) {
 }
 
 TEST(StabilitySweep, CoversHeadwaysAndGains) {
-  const std::vector<SweepPoint> points = sweep(model_at(3.2), {{2.4, 3.2}, {1.35, 9.0}, {}});
+  const std::vector<MapPoint> points = stability_map(model_at(3.2), {{2.4, 3.2}, {1.35, 9.0}, {}});
   ASSERT_EQ(points.size(), 4u);
   EXPECT_FALSE(points[0].stability.string_stable);
   EXPECT_TRUE(points[1].stability.string_stable);

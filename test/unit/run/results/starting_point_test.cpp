@@ -27,9 +27,10 @@ TEST_F(StartingPointTest, IsTheCheckpointOfAnotherLaunchOnlyIfItIsResumed) {
   write(13);
   configuration_.run.launch_id = "another launch";
   const std::string before = content();
-  EXPECT_EQ(rejection(), "output: " + folder_.path() +
-                             ": holds a run of 13 realizations: must be another folder (or resume:=true to go on with "
-                             "that run)");
+  EXPECT_EQ(rejection(),
+            "output: " + folder_.path() +
+                ": holds a run of 13 realizations: must be another folder (or resume:=true to continue that "
+                "run)");
   EXPECT_EQ(content(), before);
   configuration_.run.resume = true;
   EXPECT_EQ(starting_point(configuration_)->totals.count(), 13u);

@@ -10,34 +10,34 @@
 
 namespace platoon {
 
-/// One point of a sweep or map over headway, gain, loss probability and mean burst of the default vehicle.
-struct SweepPoint {
+/// One point of a stability map over headway, gain, loss probability and mean burst of the default vehicle.
+struct MapPoint {
   double headway;
   double gain;  ///< leading coefficient of the controller's numerator, as in the model file; NaN without a controller
   StringStability stability;
   std::optional<double> loss = {};   ///< loss probability, if the link has a loss stage
-  std::optional<double> burst = {};  ///< mean burst, if the sweep varies it
+  std::optional<double> burst = {};  ///< mean burst, if the map varies it
 };
 
-/// The values of a sweep; an empty list stands for the model's own value.
-struct SweepAxes {
+/// The values along each axis; an empty list stands for the model's own value.
+struct MapAxes {
   std::vector<double> headways, gains, losses, bursts = {};
 };
 
-/// Stability at every combination. Losses in bursts keep their mean burst where the sweep does not vary it; a
+/// Stability at every combination. Losses in bursts keep their mean burst where the map does not vary it; a
 /// combination of probability and mean burst for which no Markov chain exists is undecided. Throws
 /// std::invalid_argument for a value that the model file does not allow, where there is no theory (see
 /// no_burst_theory()), and for headways or gains if the closed loop was given directly.
-std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes);
+std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& axes);
 
 /// JSON for programs; missing values are null.
-nlohmann::json to_json(const std::vector<SweepPoint>& points);
+nlohmann::json to_json(const std::vector<MapPoint>& points);
 
 /// One row per point: headway,gain,spectral_radius,peak_gain,string_stable; with a loss stage
 /// headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable, and with varied bursts mean_burst after loss.
-std::string to_csv(const std::vector<SweepPoint>& points);
+std::string to_csv(const std::vector<MapPoint>& points);
 
 /// The same as a table for people; "-" for missing values.
-std::string report(const std::vector<SweepPoint>& points);
+std::string report(const std::vector<MapPoint>& points);
 
 }  // namespace platoon

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/run/report/stability_sweep.hpp"
+#include "stochastic_platoon/run/report/stability_map.hpp"
 
 #include <cmath>
 #include <stdexcept>
@@ -39,23 +39,23 @@ void require_all(const char* name, const std::vector<double>& values, const char
 
 }  // namespace
 
-std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) {
+std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& axes) {
   const auto above_zero = [](double value) { return value > 0.0; };
   require_all("headway", axes.headways, "a finite number > 0", above_zero);
   require_all("gain", axes.gains, "a finite number > 0", above_zero);
   require_all("loss", axes.losses, "from 0 to below 1", [](double value) { return value >= 0.0 && value < 1.0; });
   require_all("mean_burst", axes.bursts, "a finite number >= 1", [](double value) { return value >= 1.0; });
   if (!model.default_vehicle().design && !(axes.headways.empty() && axes.gains.empty())) {
-    throw std::invalid_argument("closed_loop: given: must be plant and controller for a sweep over headways");
+    throw std::invalid_argument("closed_loop: given: must be plant and controller for a stability map over headways");
   }
   if (const auto reason = reason_without_theory(model))
-    throw std::invalid_argument("mean_burst: no sweep without a theory: " + *reason);
+    throw std::invalid_argument("mean_burst: no stability map without a theory: " + *reason);
   const auto or_own = [](const std::vector<double>& values, double own) {
     return values.empty() ? std::vector<double>{own} : values;
   };
   const VehicleModel& own = model.default_vehicle();
   const LossModel before = varied_link(own).loss.value_or(LossModel());
-  std::vector<SweepPoint> points;
+  std::vector<MapPoint> points;
   for (const double gain : or_own(axes.gains, own.design ? own.design->controller.gain() : kNaN)) {
     for (const double loss : or_own(axes.losses, varied_link(own).loss ? varied_link(own).loss->probability : kNaN)) {
       for (const double burst : or_own(axes.bursts, before.mean_burst.value_or(kNaN)))
@@ -77,9 +77,9 @@ std::vector<SweepPoint> sweep(const PlatoonModel& model, const SweepAxes& axes) 
   return points;
 }
 
-nlohmann::json to_json(const std::vector<SweepPoint>& points) {
+nlohmann::json to_json(const std::vector<MapPoint>& points) {
   nlohmann::json list = nlohmann::json::array();
-  for (const SweepPoint& point : points) {
+  for (const MapPoint& point : points) {
     list.push_back({{"headway", point.headway},
                     {"gain", number(point.gain)},
                     {"loss", number(point.loss)},
@@ -93,7 +93,7 @@ nlohmann::json to_json(const std::vector<SweepPoint>& points) {
   return list;
 }
 
-std::string to_csv(const std::vector<SweepPoint>& points) {
+std::string to_csv(const std::vector<MapPoint>& points) {
   const bool lossy = !points.empty() && points.front().loss;
   const bool in_bursts = !points.empty() && points.front().burst;
   CsvText csv("headway,gain");
@@ -105,7 +105,7 @@ std::string to_csv(const std::vector<SweepPoint>& points) {
   csv.end_row();
   // A value is missing without a controller or for an unstable vehicle.
   const auto known = [](std::optional<double> value) { return value && std::isnan(*value) ? std::nullopt : value; };
-  for (const SweepPoint& point : points) {
+  for (const MapPoint& point : points) {
     const StringStability& stability = point.stability;
     csv.add(known(point.headway), known(point.gain));
     if (lossy) csv.add(known(point.loss));
@@ -118,7 +118,7 @@ std::string to_csv(const std::vector<SweepPoint>& points) {
   return csv.text();
 }
 
-std::string report(const std::vector<SweepPoint>& points) {
+std::string report(const std::vector<MapPoint>& points) {
   if (points.empty()) return "";
   const bool lossy = points.front().loss.has_value(), in_bursts = points.front().burst.has_value();
   std::string text = std::string("\n   headway        gain") + (lossy ? "        loss" : "") +
@@ -127,7 +127,7 @@ std::string report(const std::vector<SweepPoint>& points) {
   const auto column = [](double value) {
     return std::isnan(value) ? std::string("           -") : formatted(" %11.9g", value);
   };
-  for (const SweepPoint& point : points) {
+  for (const MapPoint& point : points) {
     text += formatted("%10.6g", point.headway) + column(point.gain);
     if (lossy) text += column(*point.loss);
     if (in_bursts) text += column(*point.burst);
