@@ -113,7 +113,7 @@ class Manoeuvres(Orders):
         self.completed(terminal)
         self.assert_bits(**settings)
 
-    def test_a_run_over_realizations_refuses_in_words_and_keeps_its_bits(self):
+    def test_a_run_over_realizations_rejects_in_words_and_keeps_its_bits(self):
         settings = dict(followers=3, steps=20, realizations=500, headway=3.2, seed=4)
         speed = rospy.Publisher("/platoon/leader/speed", Float64, queue_size=10)
         terminal = self.launch(batch=50, rate=100, stall_timeout=0, **settings)
@@ -147,6 +147,7 @@ class Changes(Orders):
                                   "averages over many steps", 300)
             configuration = json.loads(rospy.get_param("/platoon/configuration"))
             self.assertEqual(configuration["model"]["time_headway"], headway_is)
+            self.assertEqual(rospy.get_param("/platoon/headway"), headway_is)
             return statistics.messages[-1], snapshots.newest(lambda message: message.run != run).run
 
         stable, first_run = averaged(3.2, None)

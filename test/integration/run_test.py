@@ -42,6 +42,12 @@ class Run(unittest.TestCase):
                                            **self.link)
         self.assertEqual(live_platoon.statistics(self.output), reference)
 
+    def test_its_settings_are_parameters_with_the_names_of_the_launch_arguments(self):
+        settings = rospy.get_param("/platoon")
+        expected = dict(followers=self.followers, steps=self.steps, realizations=self.realizations, headway=self.headway,
+                        output=self.output, resume=False)
+        self.assertEqual({name: settings.get(name) for name in expected}, expected)
+
     def test_the_verdict_on_string_stability_is_the_papers(self):
         # The verdict is the same for the links and mixed strings in this test.
         self.assertTrue(self.summary["theory"]["mean_square_stable"])

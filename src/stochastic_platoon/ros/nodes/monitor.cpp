@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <mutex>
 #include <utility>
 
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/ros/observation/run_parameters.hpp"
 #include "stochastic_platoon/ros/transport/publishers.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
 #include "stochastic_platoon/run/io/printable.hpp"
@@ -20,8 +20,6 @@ using stochastic_platoon::Position;
 using stochastic_platoon::Progress;
 
 namespace {
-
-using Locked = std::lock_guard<SpinLock>;
 
 std::vector<std::string> topics_of(const ros::NodeHandle& platoon, const RunOptions& run) {
   std::vector<std::string> topics;
@@ -64,6 +62,7 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration, co
       change_(platoon, configuration, [this](const Configuration& next) { membership_.join(next); }) {
   if (!prediction_.warning.empty()) warn(prediction_.warning);
   snapshots_.set_rate(configuration.run.rate);
+  set_run_parameters(platoon, configuration);
   wall_seconds_before_ = statistics_.tally().wall_seconds;
   reports_.saw(statistics_.tally().platoon_time);
   subscribe(platoon, node_of_vehicle);
@@ -93,7 +92,7 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
   }
   if (!inputs_[vehicle].takes(receipt.drop, descriptor.id, descriptor.size)) return;
   if (snapshots_.wanted()) snapshots_.take(vehicle, *message);
-  const std::vector<ReducedSignals> signals = statistics_.compute(receipt.due);
+  const std::vector<ReducedSignals> signals = compute(receipt.due);
   const Locked lock(lock_);
   const double present = now();
   const bool committed = statistics_.settle(vehicle, descriptor, signals);
@@ -172,6 +171,7 @@ void Monitor::finish() {
 }
 
 void Monitor::stop() {
+  const Locked lock(lock_);
   if (finished_ || statistics_.averages().empty()) return;
   display_.finish();
   if (endless() && began_) statistics_.set_wall_seconds(wall_seconds_before_ + now() - *began_);

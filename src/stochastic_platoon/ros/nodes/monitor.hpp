@@ -38,7 +38,7 @@ namespace platoon {
 ///
 /// Subscribes: `vehicle_<i>/position` (stochastic_platoon/Position), i = 0 .. N; progress (stochastic_platoon/Progress,
 /// of other components). Publishes: progress, snapshot (stochastic_platoon/Snapshot), and the topics of
-/// StatisticsPublisher. Service: change_run (see RunChange).
+/// StatisticsPublisher. Service: change_run (see RunChange). Sets the parameters of set_run_parameters().
 class Monitor {
 public:
   /// Returns the node handle whose queue receives the positions of a vehicle. Several threads may serve these queues.
@@ -59,6 +59,11 @@ public:
 private:
   void subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle);
   void receive(std::size_t vehicle, const PositionEvent& event);
+  /// Takes no lock: RunStatistics::compute() reads nothing that changes.
+  std::vector<ReducedSignals> compute(const std::vector<DueSignals>& due) const
+      PLATOON_THREAD_SAFETY(no_thread_safety_analysis) {
+    return statistics_.compute(due);
+  }
   void receive_notice(const stochastic_platoon::Progress::ConstPtr& message);
   void tick();
   void check_for_stall(double present);
@@ -77,11 +82,11 @@ private:
   Prediction prediction_;
   double wall_seconds_before_;  ///< [s] of earlier launches
 
-  SpinLock lock_;  ///< protects the members down to `began_`
-  RunStatistics statistics_;
-  ProgressReports reports_;
-  StallReporter stall_;
-  std::optional<double> began_;  ///< [s] first complete step of this launch
+  SpinLock lock_;
+  RunStatistics statistics_ PLATOON_GUARDED_BY(lock_);
+  ProgressReports reports_ PLATOON_GUARDED_BY(lock_);
+  StallReporter stall_ PLATOON_GUARDED_BY(lock_);
+  std::optional<double> began_ PLATOON_GUARDED_BY(lock_);  ///< [s] first complete step of this launch
 
   ProgressDisplay display_;
   bool finished_ = false;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <utility>
 
 #include "stochastic_platoon/ros/messages/position.hpp"
@@ -26,14 +25,14 @@ Snapshots::Snapshots(ros::NodeHandle platoon, const std::string& topic, std::siz
 
 void Snapshots::set_rate(double rate) {
   paced_ = rate > 0.0;
-  const std::lock_guard<SpinLock> lock(lock_);
+  const Locked lock(lock_);
   assembly_.set_stride(std::max<std::int64_t>(1, std::llround(std::ceil(std::min(rate, 1e9) * kSnapshotPeriod))));
 }
 
 void Snapshots::take(std::size_t stream, const stochastic_platoon::Position& message) {
   if (message.position.empty()) return;
   const double present = now();
-  const std::lock_guard<SpinLock> lock(lock_);
+  const Locked lock(lock_);
   if (message.run != run_) assembly_.clear();
   run_ = message.run;
   std::optional<Snapshot> complete = assembly_.take(stream, id_of(message), message.position.front(), present);
@@ -49,7 +48,7 @@ void Snapshots::publish() {
   stochastic_platoon::Snapshot message;
   std::optional<Snapshot> complete;
   {
-    const std::lock_guard<SpinLock> lock(lock_);
+    const Locked lock(lock_);
     if (was_wanted && !wanted_) assembly_.clear();
     complete = std::exchange(complete_, std::nullopt);
     message.run = run_;

@@ -44,11 +44,11 @@ private:
   double sample_period_;
   std::atomic<bool> wanted_{false};
   std::atomic<bool> paced_{false};
-  SpinLock lock_;  ///< protects the members down to `complete_`
-  std::uint64_t run_ = 0;
-  SnapshotAssembly assembly_;
-  ros::Time stamp_;
-  std::optional<Snapshot> complete_;
+  SpinLock lock_;
+  std::uint64_t run_ PLATOON_GUARDED_BY(lock_) = 0;
+  SnapshotAssembly assembly_ PLATOON_GUARDED_BY(lock_);
+  ros::Time stamp_ PLATOON_GUARDED_BY(lock_);
+  std::optional<Snapshot> complete_ PLATOON_GUARDED_BY(lock_);
   ros::Publisher publisher_;
   ros::SteadyTimer timer_;
 };

@@ -2,8 +2,6 @@
 
 #include <ros/time.h>
 
-#include <mutex>
-
 #include "stochastic_platoon/ros/transport/spin_lock.hpp"
 
 namespace platoon {
@@ -14,7 +12,7 @@ ros::TransportHints no_delay() {
 
 void publish(const ros::Publisher& publisher, const stochastic_platoon::Position::Ptr& message) {
   static SpinLock one_at_a_time;
-  const std::lock_guard<SpinLock> lock(one_at_a_time);
+  const Locked lock(one_at_a_time);
   publisher.publish(message);
 }
 
