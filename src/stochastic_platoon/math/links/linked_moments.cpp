@@ -116,7 +116,7 @@ private:
     Values own_innovation;
     if (factor(place, link) > 0.0) own_innovation = squares(own.innovation[link]);
     Responses responses = responses_.downstream(place, std::move(own.own));
-    for (auto* rows : {&responses.error, &responses.innovation[0], &responses.innovation[1]}) {
+    for (auto* rows : {&responses.error, &responses.innovation.front(), &responses.innovation.back()}) {
       for (Values& row : *rows) std::partial_sum(row.begin(), row.end(), row.begin());
     }
     std::partial_sum(own_innovation.begin(), own_innovation.end(), own_innovation.begin());

@@ -192,7 +192,7 @@ std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
   if (!vehicle_.feed_forward) return found;
   // The difference of the delays rotates T^; a panel may cover two radians.
   const auto turns = static_cast<double>(std::max(links_[0].delay(), links_[1].delay()));
-  for (double w = 0.0; w <= boost::math::double_constants::pi; w += 1.0 / turns) found.emplace_back(w, 1.0 / turns);
+  for (int k = 0; k <= boost::math::double_constants::pi * turns; ++k) found.emplace_back(k / turns, 1.0 / turns);
   return found;
 }
 

@@ -30,7 +30,7 @@ bool tracks_a_ramp(const RampGain& gain, double headway) {
 }
 
 std::string missing_integral_action(const ClosedLoop& loop, const RampGain& gain, double headway) {
-  const std::string text = formatted(
+  std::string text = formatted(
       "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and dT/dz(1) = -h for h = %g; here T(1) = %Lg and dT/dz(1) = %Lg",
       headway, gain.value, gain.slope);
   if (!loop.integrators) return text;

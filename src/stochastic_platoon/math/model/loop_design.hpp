@@ -37,7 +37,7 @@ struct ControllerGains {
 /// poles at z = 1 exactly. A delay within 8 units in the last place of whole sample periods is taken as whole.
 class Plant {
 public:
-  Plant(const TransferFunction& sampled);
+  Plant(const TransferFunction& sampled);  // NOLINT(google-explicit-constructor): any G(z) is a plant
   /// Throws std::invalid_argument unless G(s) is strictly proper, T_s > 0 is finite, and the delay is between 0 and
   /// kLongestInputDelay sample periods.
   Plant(const ContinuousPlant& continuous, double sample_period);
@@ -56,7 +56,7 @@ constexpr long kLongestInputDelay = 100;  ///< in sample periods
 /// The controller of a vehicle: K(z) as given, or by its gains.
 class Controller {
 public:
-  Controller(const TransferFunction& sampled);
+  Controller(const TransferFunction& sampled);  // NOLINT(google-explicit-constructor): any K(z) is a controller
   /// Throws std::invalid_argument unless the gains are finite, not all zero, and T_s > 0 is finite.
   Controller(const ControllerGains& gains, double sample_period);
 

@@ -127,8 +127,8 @@ bool is_papers(const PlatoonModel& model);
 /// Whether a follower of the string feeds its predecessor's input forward. Then all vehicles are computed part by part.
 bool has_feed_forward(const PlatoonModel& model);
 
-/// Whether vehicle i = 0 .. followers - 1 has a follower that feeds its input forward.
-bool sends_input(const PlatoonModel& model, std::size_t vehicle, std::size_t followers);
+/// Whether vehicle `sender`, 0 .. followers - 1, has a follower that feeds its input forward.
+bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t followers);
 
 /// Whether the losses of a link of the string depend on the gap.
 bool depends_on_gap(const PlatoonModel& model);

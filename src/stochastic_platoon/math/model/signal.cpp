@@ -54,8 +54,9 @@ void signal_values(const Signal& signal, const double* predecessor, const Signal
 }  // namespace detail
 
 double Signal::operator()(double predecessor, const Own<double>& own) const {
+  const double* const y = own.data();
   double value;
-  (*this)(&predecessor, {&own[0], &own[1], &own[2], &own[3]}, 1, &value);
+  (*this)(&predecessor, {y, y + 1, y + 2, y + 3}, 1, &value);
   return value;
 }
 

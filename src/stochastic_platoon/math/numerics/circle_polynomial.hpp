@@ -26,7 +26,7 @@ long double circle_coordinate(double frequency, Centre centre);
 
 /// A point e^{jw} of the unit circle by its offset from the nearer of 1 and -1, without cancellation.
 struct CirclePoint {
-  explicit CirclePoint(double frequency);
+  explicit CirclePoint(double w);
 
   double frequency;
   Centre centre;

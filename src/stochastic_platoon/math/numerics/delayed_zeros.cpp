@@ -34,6 +34,7 @@ std::vector<std::complex<long double>> zeros_behind_delay(const ExactPolynomial&
   const std::vector<std::complex<double>> start =
       roots(rounded(shifted_to_origin(add(times_power_of_z(a, static_cast<std::ptrdiff_t>(delay)), b))));
   std::vector<Complex> s;
+  s.reserve(start.size());
   for (const std::complex<double>& z : start) s.push_back(static_cast<Complex>(z) - 1.0L);
   constexpr long double kRounding = 4.0L * std::numeric_limits<long double>::epsilon();
   for (int iteration = 0; iteration < 40; ++iteration) {

@@ -108,6 +108,7 @@ void settle_cluster(const DeltaPolynomial& q, std::vector<Complex>& s) {
   };
   const Pair one{1, 0};
   std::vector<Pair> found;
+  found.reserve(s.size());
   for (const Complex& zero : s) found.push_back({Real(zero.real()), Real(zero.imag())});
   for (int iteration = 0; iteration < 60; ++iteration) {
     bool settled = true;

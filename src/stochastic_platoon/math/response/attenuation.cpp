@@ -221,7 +221,10 @@ Attenuation::Minimum Attenuation::least(int order, long double accuracy, int mos
   };
   add(1.0L, 2.0L);
   long double from = series_end_;
-  for (; from < 1.0L; from *= 2.0L) add(from, std::min(2.0L * from, 1.0L));
+  while (from < 1.0L) {
+    add(from, std::min(2.0L * from, 1.0L));
+    from *= 2.0L;
+  }
   add(0.0L, series_end_);
   Minimum best{0.0L, quotient(0.0L, order), true};
   const auto consider = [&](long double t, int power) {

@@ -18,6 +18,7 @@ constexpr int kMostZeros = 8;
 
 std::vector<GainFactor> plain(const std::vector<RatedFactor>& factors) {
   std::vector<GainFactor> result;
+  result.reserve(factors.size());
   for (const RatedFactor& factor : factors) result.push_back(factor.factor);
   return result;
 }

@@ -169,7 +169,8 @@ double values_needed(double variance, double fourth_moment, std::size_t comparis
   if (variance == 0.0) return 0.0;
   const double bound = plausible_score_of_any(comparisons);
   const double needed = bound * bound * (fourth_moment / variance / variance - 1.0);
-  return std::isnan(needed) ? kInfinity : needed;
+  if (std::isnan(needed)) return kInfinity;
+  return needed;
 }
 
 }  // namespace platoon

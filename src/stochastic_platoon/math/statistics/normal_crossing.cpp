@@ -59,10 +59,11 @@ double crossing_integral(double a, double b, double half) {
   const double from = std::max(0.5 * std::log(apart / most), peak - kNegligibleExponent),
                to = std::min(end, 0.5 * std::log(most / both));
   const auto value = [&](double s) { return std::exp(least - exponent(s)) / (std::exp(-s) + std::exp(s)); };
-  const double panels = std::max(std::ceil(2.0 * (to - from)), 4.0), length = (to - from) / panels;
+  const int panels = static_cast<int>(std::max(std::ceil(2.0 * (to - from)), 4.0));
+  const double length = (to - from) / panels;
   double sum = 0.0;
-  for (double panel = 0.0; panel < panels; panel += 1.0)
-    sum += Rule::integrate(value, from + panel * length, from + (panel + 1.0) * length);
+  for (int panel = 0; panel < panels; ++panel)
+    sum += Rule::integrate(value, from + panel * length, from + (panel + 1) * length);
   return std::exp(-least - apart - both) * sum / pi;
 }
 

@@ -35,7 +35,8 @@ std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model) {
   found.stable = is_stable(least);
   if (!found.stable) return found;
   const double steps = std::ceil(std::log(found.to / least) / std::log(kRatio));
-  for (double before = least, step = 1.0; step <= steps; ++step) {
+  double before = least;
+  for (int step = 1; step <= steps; ++step) {
     const double burst = least * std::pow(found.to / least, step / steps);
     if (!is_stable(burst)) {
       found.critical = stable_intervals(margins.losses, {before, burst}, margins.gain).front().to;

@@ -24,6 +24,6 @@ struct StableLosses {
 /// The probability is sampled at multiples of 0.01, or of 0.05 without a loss stage; see stable_intervals(). Losses in
 /// bursts keep their mean burst b, which the chain has for probabilities up to b / (1 + b). Throws as
 /// string_stability() does.
-std::optional<StableLosses> stable_losses(const PlatoonModel& model);
+std::optional<StableLosses> stable_losses(const PlatoonModel& given);
 
 }  // namespace platoon

@@ -93,7 +93,7 @@ std::uint32_t take_length(std::string_view& bytes) {
 Fields take_header(std::string_view& bytes) {
   const std::uint32_t length = take_length(bytes);
   require_plausible_header(length, bytes);
-  const Fields header(bytes.substr(0, length));
+  Fields header(bytes.substr(0, length));
   bytes.remove_prefix(length);
   return header;
 }

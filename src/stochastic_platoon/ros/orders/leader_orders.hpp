@@ -19,8 +19,8 @@ namespace platoon {
 /// leader/sinusoid, and leader/cruise, which ends a manoeuvre.
 class LeaderOrders {
 public:
-  /// `manoeuvre` returns the leader's, or throws std::exception with the reason if it takes no orders.
-  LeaderOrders(ros::NodeHandle platoon, std::function<Manoeuvre&()> manoeuvre);
+  /// `of_leader` returns the manoeuvre of the leader, or throws std::exception with the reason if it takes no orders.
+  LeaderOrders(ros::NodeHandle platoon, std::function<Manoeuvre&()> of_leader);
 
 private:
   /// Gives an order and returns a description of its effect. Throws std::invalid_argument for an impossible order.
