@@ -26,7 +26,7 @@ void require_follower(std::size_t index) {
 
 // A key of follower i: that of its type, or the default vehicle's; null if neither has it.
 nlohmann::json value_of(const nlohmann::json& model, std::size_t follower, const char* key) {
-  const nlohmann::json common = model.value(key, nlohmann::json());
+  nlohmann::json common = model.value(key, nlohmann::json());
   if (!model.contains("string")) return common;
   const nlohmann::json& string = model.at("string");
   const std::string type = string.at((follower - 1) % string.size());
@@ -44,10 +44,10 @@ VehicleSettings settings_of(const nlohmann::json& model, std::size_t index) {
     for (std::size_t i = 1; i <= last; ++i) distance += value_of(model, i, "standstill_distance").get<double>();
     return distance;
   };
-  const std::size_t length = model.contains("string") ? model.at("string").size() : 1;
+  const std::size_t length = model.contains("string") ? model.at("string").size() : 1, repetitions = index / length;
   return {value_of(model, index, "time_headway").get<double>(),
           value_of(model, index, "standstill_distance").get<double>(), model.at("sample_period"),
-          -(static_cast<double>(index / length) * distance_up_to(length) + distance_up_to(index % length)),
+          -(static_cast<double>(repetitions) * distance_up_to(length) + distance_up_to(index % length)),
           hears_input(model, index)};
 }
 

@@ -64,7 +64,8 @@ std::string path_of_link(const std::string& key, const YAML::Node& model) {
   for (std::size_t j = 0; j < inputs.size(); ++j) {
     const YAML::Node input = inputs[j];
     if (!input.IsMap() || !input["signal"] || !input["signal"].IsScalar()) continue;
-    const std::string signal = input["signal"].Scalar(), here = "inputs/" + std::to_string(j) + "/" + key;
+    const std::string signal = input["signal"].Scalar();
+    std::string here = "inputs/" + std::to_string(j) + "/" + key;
     if (signal == "input" && of_loss) return here;
     if (signal == "position" && input[first]) path = here;
   }
@@ -84,7 +85,7 @@ void remove_at(const std::string& path, YAML::Node node) {
   }
 }
 
-bool put_model_key(const Setting& setting, const YAML::Node& value, YAML::Node model) {
+bool put_model_key(const Setting& setting, const YAML::Node& value, const YAML::Node& model) {
   for (const char* key : setting.replaces) remove_at(path_of_link(key, model), model);
   return put_at(path_of_link(setting.model_key, model), value, model);
 }

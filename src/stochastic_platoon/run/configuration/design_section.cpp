@@ -50,7 +50,7 @@ Plant read_plant(Section section, double sample_period) {
     return sampled(section, car_with_actuator_lag(lag, 0.0), sample_period, before);
   }
   if (section.has("continuous")) {
-    const Plant plant = read_continuous(section.section("continuous"), sample_period);
+    Plant plant = read_continuous(section.section("continuous"), sample_period);
     section.reject_unknown_keys();
     return plant;
   }

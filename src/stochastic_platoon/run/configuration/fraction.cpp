@@ -5,7 +5,7 @@
 namespace platoon {
 
 TransferFunction read_fraction(Section& section) {
-  const TransferFunction fraction = read_fraction_of(section);
+  TransferFunction fraction = read_fraction_of(section);
   section.reject_unknown_keys();
   return fraction;
 }

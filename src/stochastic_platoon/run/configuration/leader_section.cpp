@@ -43,6 +43,7 @@ std::vector<double> read_drive(Section& section, double sample_period) {
   const std::map<std::string, double>& units = drive.is_speed ? kSpeedUnits : kLengthUnits;
   if (section.has("unit")) {
     std::vector<std::string> names;
+    names.reserve(units.size());
     for (const auto& unit : units) names.push_back(unit.first);
     drive.unit = units.at(section.choice("unit", names));
   }

@@ -36,8 +36,10 @@ std::vector<double> positions_of(const RecordedDrive& drive, double sample_perio
     if (!(passed > 0.0)) table.fail_row(formatted("%s does not ascend", drive.time.c_str()));
     if (passed > kLongestGap)
       table.fail_row(formatted("%g s after the row before: must be at most %g s", passed, kLongestGap));
-    for (double time = time_of(values.size()); time <= sample.second; time = time_of(values.size()))
-      values.push_back(before.value + (time - before.second) / passed * (sample.value - before.value));
+    while (time_of(values.size()) <= sample.second) {
+      const double share = (time_of(values.size()) - before.second) / passed;
+      values.push_back(before.value + share * (sample.value - before.value));
+    }
     before = sample;
   }
   if (values.size() < 2)

@@ -80,7 +80,7 @@ std::int64_t chosen_steps(const RunOptions& options, double sample_period, doubl
   const auto followers = static_cast<double>(options.followers),
              realizations = static_cast<double>(options.realizations);
   const double most = std::min({1e4, static_cast<double>(kMaxCells) / followers,
-                                static_cast<double>(kMaxPositions / 2) / realizations / (followers + 1.0)});
+                                static_cast<double>(kMaxPositions) / 2.0 / realizations / (followers + 1.0)});
   const double steps = std::min(std::round(seconds / sample_period), most);
   return std::max(kFewestChosenSteps, static_cast<std::int64_t>(steps));
 }

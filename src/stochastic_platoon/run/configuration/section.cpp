@@ -173,7 +173,7 @@ std::string Section::choice(const std::string& key, const std::vector<std::strin
   const std::string allowed = boost::algorithm::join(choices, " or ");
   const YAML::Node node = require(key, allowed);
   if (node.IsNull()) return choices.front();
-  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  std::string text = node.IsScalar() ? node.Scalar() : "";
   if (std::find(choices.begin(), choices.end(), text) != choices.end()) return text;
   reject(key, shown(node), allowed);
   return choices.front();

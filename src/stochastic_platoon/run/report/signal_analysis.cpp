@@ -14,7 +14,7 @@ namespace platoon {
 
 namespace {
 
-std::string squared(std::string unit) {
+std::string squared(const std::string& unit) {
   const auto slash = unit.find('/');
   if (slash == std::string::npos) return unit + "^2";
   return "(" + unit + ")^2";
@@ -56,6 +56,7 @@ nlohmann::json to_json(const std::vector<Amplification>& of, std::int64_t from) 
   nlohmann::json document = {{"from_step", from}};
   for (const AmplificationFigure& figure : amplification_figures()) {
     std::vector<double> values;
+    values.reserve(of.size());
     for (const Amplification& one : of) values.push_back(one.*figure.value);
     document[figure.name] = numbers(values);
   }
