@@ -100,11 +100,12 @@ py::dict dict_of(CsvTable table) {
 
 py::dict dict_of(std::map<std::string, CsvTable> tables) {
   py::dict named;
-  for (auto& [name, table] : tables) named[py::str(name)] = dict_of(std::move(table));
+  for (auto& entry : tables) named[py::str(entry.first)] = dict_of(std::move(entry.second));
   return named;
 }
 
 void register_exceptions() {
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): the signature is that of pybind11.
   py::register_local_exception_translator([](std::exception_ptr raised) {
     try {
       if (raised) std::rethrow_exception(raised);

@@ -25,7 +25,7 @@ std::map<std::string, std::string> result_files(const Configuration& configurati
 nlohmann::json parse_summary(const std::string& text, const std::string& file);
 
 /// Results as tables.
-struct ResultTables {
+struct ResultTables {  // NOLINT(bugprone-exception-escape): moving a JSON value throws nothing
   nlohmann::json summary;
   std::map<std::string, CsvTable> tables;  ///< by name without ending ("statistics")
 };
