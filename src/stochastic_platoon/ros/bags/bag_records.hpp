@@ -35,7 +35,7 @@ Number little_endian(const char* bytes) {
 }
 
 /// The fields of a record's header, or of a connection: views into the bytes they were read from.
-class Fields {
+class Fields {  // NOLINT(bugprone-exception-escape): moving a map throws nothing
 public:
   /// Throws BagDamage if the bytes are not a list of fields.
   explicit Fields(std::string_view bytes);
