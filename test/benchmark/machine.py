@@ -83,7 +83,7 @@ class Machine:
                 reader.start()
         value = self.launch(watch, dashboard="true", dashboard_port=port, **arguments)["vehicle_steps_per_second"]
         if news[0] < 10:
-            raise SystemExit("the dashboard told nothing: nothing is compared with it")
+            raise SystemExit("the dashboard sent no state: there is nothing to compare")
         return value
 
     def memory(self, **arguments):

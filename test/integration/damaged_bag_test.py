@@ -33,7 +33,7 @@ class Damaged(SmallBagTest):
                 file.write(bent)
             self.rejected(path, "messages are not as they were recorded", options=[["--partial"], []][count % 2])
 
-    def test_a_truncated_bag_is_rejected_and_its_readable_part_used_when_asked(self):
+    def test_a_truncated_bag_is_rejected_and_its_readable_part_used_with_partial(self):
         with open(self.SMALL, "rb") as file:
             content = file.read()
         for share in (0.95, 0.55):
@@ -74,7 +74,7 @@ class Damaged(SmallBagTest):
         self.rejected(self.path("missing.bag"), "missing.bag: must be a bag file that can be read")
         self.rejected(__file__, "damaged_bag_test.py: is damaged or no bag")
 
-    def test_the_file_of_a_killed_recorder_is_rejected_and_used_when_asked(self):
+    def test_the_file_of_a_killed_recorder_is_rejected_and_used_with_partial(self):
         output, bag = self.path("run"), self.path("killed.bag")
         terminal = Terminal(self.folder, "platoon.launch", output=output, record=bag, followers=2, steps=10, realizations=400,
                             batch=10, rate=100)

@@ -44,7 +44,7 @@ class BadInput(LaunchTest):
         model = self.model_with(plant="{numerator: [1.0, 0, 0, 0], denominator: [1.0, -2.0, 1.0]}")
         self.rejected("T must be strictly proper", model=model)
 
-    def test_an_unstable_loop_is_rejected_unless_it_is_asked_for(self):
+    def test_an_unstable_loop_is_rejected_unless_allow_unstable_is_given(self):
         unstable = "{numerator: [9.0], denominator: [1.0, -2.0, 1.0]}"
         self.rejected("the closed loop is unstable: rho(A) =", "allow_unstable: true", model=self.model_with(plant=unstable))
         model = self.model_with(plant=unstable, allow_unstable="true")

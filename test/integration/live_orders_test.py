@@ -25,10 +25,10 @@ class Watched(Orders):
 
     def check_snapshots(self, hosting):
         snapshots = self.listen("snapshot", Snapshot)
-        told = self.listen("predecessor_snapshot", Snapshot)
+        received_snapshots = self.listen("predecessor_snapshot", Snapshot)
         vehicle, link = self.listen("vehicle_7/position", Position), self.listen("vehicle_8/predecessor_position", Position)
         terminal = self.endless(hosting, rate=15)
-        topics = (snapshots, told, vehicle, link)
+        topics = (snapshots, received_snapshots, vehicle, link)
         live_platoon.wait_for(lambda: all(len(topic.messages) >= 70 for topic in topics), "seventy of each", 60)
         terminal.end()
         own, theirs, sent, received = (topic.of_step() for topic in topics)
@@ -113,7 +113,7 @@ class Manoeuvres(Orders):
         self.completed(terminal)
         self.assert_bits(**settings)
 
-    def test_a_run_over_realizations_rejects_in_words_and_keeps_its_bits(self):
+    def test_a_run_over_realizations_rejects_orders_with_an_explanation_and_keeps_its_bits(self):
         settings = dict(followers=3, steps=20, realizations=500, headway=3.2, seed=4)
         speed = rospy.Publisher("/platoon/leader/speed", Float64, queue_size=10)
         terminal = self.launch(batch=50, rate=100, stall_timeout=0, **settings)
@@ -195,7 +195,7 @@ class Changes(Orders):
                 self.assertLess(summary["agreement"]["max_abs_z_variance"], 5.0)
 
 
-    def test_an_order_that_was_answered_outlives_the_end_of_whoever_took_it(self):
+    def test_a_confirmed_order_is_carried_out_even_if_the_node_that_accepted_it_is_killed(self):
         self.in_both(self.check_order_and_kill)
 
     def check_order_and_kill(self, hosting):

@@ -48,7 +48,7 @@ class Simulation(ModuleTest):
         self.assertSameTables(results, sp.Results.load(self.path("run")))
         self.assertRaisesText(ValueError, "holds results", sp.monte_carlo, model, output=self.path("run"), **self.SETTINGS)
 
-    def test_progress_is_told_and_may_stop_a_run_which_continues_in_its_folder(self):
+    def test_progress_is_reported_and_may_stop_a_run_which_continues_in_its_folder(self):
         settings = dict(followers=20, steps=100, realizations=400000, seed=5, threads=1, output=self.path("run"))
         calls = []
 

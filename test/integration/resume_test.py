@@ -18,7 +18,7 @@ class StopAndResume(LaunchTest):
         terminal = self.launch(realizations=2000, rate=500, **self.SETTINGS)
         live_platoon.wait_for(lambda: glob.glob(self.output + "/checkpoint.cbor"), "a checkpoint")
         terminal.interrupt()
-        self.assertIn("resume:=true goes on from there", terminal.text())
+        self.assertIn("To continue, launch again with output:={} resume:=true".format(self.output), terminal.text())
         stopped = live_platoon.summary_of(self.output)
         self.assertFalse(stopped["complete"])
         self.assertGreater(stopped["realizations"], 0)

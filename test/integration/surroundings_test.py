@@ -101,7 +101,7 @@ class Surroundings(LaunchTest):
         end = live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/until_complete", terminal.master), "until_complete")
         os.kill(end, signal.SIGKILL)
         terminal.wait()
-        self.assertIn("resume:=true goes on from there", terminal.text())
+        self.assertIn("To continue, launch again with output:={} resume:=true".format(self.output), terminal.text())
         self.run_to_the_end(resume="true", **settings)
         self.assert_bits(**settings)
 

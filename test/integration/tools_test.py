@@ -59,7 +59,7 @@ class BadInput(unittest.TestCase):
             self.rejected("threads: {}: must be a whole number from 1 to 1024".format(threads), "monte_carlo", "--threads", threads,
                          "--output", "/nowhere")
 
-    def test_sizes_that_cannot_be_held_are_rejected_before_memory_is_asked_for(self):
+    def test_sizes_that_cannot_be_held_are_rejected_before_memory_is_allocated(self):
         for tool in ("analyze", "monte_carlo", "configure"):
             self.rejected("run/steps x followers: 99999999999 x 20: must be at most 20000000", tool, "--steps", "99999999999",
                          "--model", live_platoon.shared("config", "paper.yaml"))

@@ -51,7 +51,7 @@ def check_stability(name, model, loop, found, findings):
     if stable is None:
         return
     findings.fail_unless(found["string_stable"] == stable, name,
-                         "string stable: %s, and analyze says %s" % (stable, found["string_stable"]))
+                         "string stable: %s, and analyze reports %s" % (stable, found["string_stable"]))
     if stable and found["string_stable"]:
         limit = loop.limit() * mpf(model["noise_variance"])
         undetermined = loop.undetermined_limit() if "closed_loop" in model else 0

@@ -52,7 +52,7 @@ def check_verdict(name, kind, string, found, findings):
         findings.undecided[kind, "by analyze: " + found["reason"]] += 1
         return
     if found["string_stable"] != stable:
-        findings.fail_unless(False, name, "string stable: %s (%s), and analyze says %s: %s" % (
+        findings.fail_unless(False, name, "string stable: %s (%s), and analyze reports %s: %s" % (
             stable, why, found["string_stable"], found["reason"]))
     if not stable and string.mean_square_stable():
         peak = string.peak()
@@ -81,7 +81,7 @@ def probe(name, what, model, value, expected, findings, undecided):
     analyze finds the verdict undecided."""
     stable, why = String(model).verdict()
     agrees = stable in (None, expected) or (stable and undecided(model))
-    findings.fail_unless(agrees, name, "%s %.12g: string stable: %s (%s), and analyze says %s" % (
+    findings.fail_unless(agrees, name, "%s %.12g: string stable: %s (%s), and analyze reports %s" % (
         what, value, stable, why, expected))
 
 

@@ -182,7 +182,7 @@ void Monitor::stop() {
     std::printf("Stopped after %llu of %llu realizations. ", static_cast<unsigned long long>(partial.realizations),
                 static_cast<unsigned long long>(configuration_.run.realizations));
   }
-  std::printf("The same launch with output:=%s resume:=true goes on from there.\n", configuration_.run.output.c_str());
+  std::printf("To continue, launch again with output:=%s resume:=true.\n", configuration_.run.output.c_str());
   std::fflush(stdout);
 }
 

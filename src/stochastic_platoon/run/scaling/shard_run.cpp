@@ -123,7 +123,8 @@ ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings) {
     saved = totals.count();
   };
   double written = began;
-  RetriedWrite retried([&](const std::string& error) { settings.warn(error + ": it goes on without a checkpoint"); });
+  RetriedWrite retried(
+      [&](const std::string& error) { settings.warn(error + ": the run continues without a checkpoint"); });
   complete(work, settings.threads, [&] {
     settings.progress(work.done());
     if (settings.stop()) work.stop();
