@@ -9,7 +9,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/single_number.hpp"
@@ -112,8 +111,7 @@ void require_equal(const platoon::RecordedResults& recorded, const std::string& 
   const nlohmann::json found = platoon::read_summary(output + "/summary.json").checksums;
   for (const auto& [table, checksum] : recorded.checksums.items()) {
     if (found.value(table, nlohmann::json()) != checksum)
-      throw std::runtime_error(platoon::formatted("%s/%s.csv: differs from the one that %s describes", output.c_str(),
-                                                  table.c_str(), file.c_str()));
+      throw std::runtime_error(output + "/" + table + ".csv: differs from the one that " + file + " describes");
     std::cout << table << ".csv equals the one that " << file << " describes, bit for bit.\n";
   }
 }
