@@ -84,7 +84,8 @@ TEST(Controller, FollowsTheFormulaOfItsGains) {
   constexpr double kPeriod = 0.05;
   for (const ControllerGains& gains : {ControllerGains{0.2, 0.7, 0.0}, ControllerGains{0.2, 0.7, 0.03},
                                        ControllerGains{0.2, 0.0, 0.03}, ControllerGains{0.2, 0.0, 0.0}}) {
-    const ExactTransfer& k = Controller(gains, kPeriod).exact();
+    const Controller controller(gains, kPeriod);
+    const ExactTransfer& k = controller.exact();
     for (const double w : {0.1, 0.7, 2.0, 3.0}) {
       const Complex z = std::polar(1.0, w), back = 1.0 - 1.0 / z;
       const Complex expected = gains.kp + gains.kd * back / kPeriod + gains.ki * kPeriod / back;
