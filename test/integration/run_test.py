@@ -45,7 +45,7 @@ class Run(unittest.TestCase):
     def test_its_settings_are_parameters_with_the_names_of_the_launch_arguments(self):
         settings = rospy.get_param("/platoon")
         expected = dict(followers=self.followers, steps=self.steps, realizations=self.realizations, headway=self.headway,
-                        output=self.output, resume=False)
+                        output=self.output, resume=False, external="")
         self.assertEqual({name: settings.get(name) for name in expected}, expected)
 
     def test_the_verdict_on_string_stability_is_the_papers(self):

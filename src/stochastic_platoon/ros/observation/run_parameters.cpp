@@ -4,6 +4,8 @@
 #include <limits>
 #include <string>
 
+#include "stochastic_platoon/run/configuration/settings.hpp"
+
 namespace platoon {
 
 namespace {
@@ -20,11 +22,15 @@ XmlRpc::XmlRpcValue parameter(const nlohmann::json& value) {
 
 void set_run_parameters(const ros::NodeHandle& platoon, const Configuration& configuration) {
   const VehicleModel& vehicle = configuration.model.default_vehicle();
-  nlohmann::json parameters = to_json(configuration.run);
-  parameters["headway"] = vehicle.headway;
-  parameters["headway_seconds"] = vehicle.headway * configuration.model.sample_period;
-  parameters["noise_variance"] = vehicle.noise_variance;
-  for (const auto& [name, value] : parameters.items()) platoon.setParam(name, parameter(value));
+  platoon.setParam("headway", vehicle.headway);
+  platoon.setParam("headway_seconds", vehicle.headway * configuration.model.sample_period);
+  platoon.setParam("noise_variance", vehicle.noise_variance);
+  const nlohmann::json run = to_json(configuration.run);
+  // An absent option becomes an empty text: the parameter of an earlier run must not remain.
+  for (const Setting& setting : settings()) {
+    if (setting.model_key == nullptr)
+      platoon.setParam(setting.name, parameter(run.value(setting.name, nlohmann::json(""))));
+  }
 }
 
 }  // namespace platoon

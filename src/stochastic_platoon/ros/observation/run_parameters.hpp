@@ -6,9 +6,10 @@
 
 namespace platoon {
 
-/// Sets the options of the run, and the headway and noise variance of the default vehicle, as parameters with the names
-/// of the launch arguments, for people: `rosparam get /platoon/headway`. The nodes read the parameter `configuration`
-/// alone, so that they never see a mixture of two runs. Integers beyond 32 bits, which XML-RPC lacks, become text.
+/// Sets the settings of the run, and headway and noise variance of the default vehicle, as parameters with the names of
+/// the launch arguments. They are for users, as in `rosparam get /platoon/headway`; nodes read only the parameter
+/// `configuration`, so that they never see a mixture of two runs. Integers beyond 32 bits, which XML-RPC lacks, become
+/// text.
 void set_run_parameters(const ros::NodeHandle& platoon, const Configuration& configuration);
 
 }  // namespace platoon
