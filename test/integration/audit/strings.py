@@ -14,6 +14,7 @@ LOSS_GAIN = 1e-9  # relative
 PEAK = 1e-9       # relative
 BORDER = 1e-7     # distance of probes from borders: headways and mean bursts relative, loss probabilities absolute
 LATE = 1e-9       # relative, of a table's last step and the stationary value
+MOST_BURSTY = 3   # vehicles of a pattern with losses in bursts, for the time of the audit
 MOST_STEPS = 4000, 400  # of a late step; behind losses in bursts
 
 
@@ -168,7 +169,7 @@ def check_losses(name, model, found, draw, findings, undecided):
 
 def check_bursts(name, model, found, findings, undecided):
     critical, (_, changed) = found["critical_mean_burst"], loss_of(model)
-    if critical is not None:
+    if critical is not None and "plant" in model and len(model.get("string", [])) <= MOST_BURSTY:
         for side in (-1, 1):
             x = critical * (1 + side * BORDER)
             probe(name, "mean burst", changed({"mean_burst": x}), x, side < 0, findings, undecided)
