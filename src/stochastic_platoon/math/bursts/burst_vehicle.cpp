@@ -23,9 +23,9 @@ bool alternates(const LossModel& loss) {
 
 }  // namespace
 
-BurstVehicle::BurstVehicle(const VehicleModel& vehicle, const BurstVehicle* known)
+BurstVehicle::BurstVehicle(const VehicleModel& vehicle, const BurstVehicle* known, const VehicleModel* before)
     : vehicle_(vehicle),
-      plain_(without_losses(vehicle), known == nullptr ? nullptr : &known->plain_),
+      plain_(without_losses(vehicle), known == nullptr ? nullptr : &known->plain_, before),
       loss_feedback_(vehicle.link.loses() ? platoon::second_moment_radius(*vehicle.link.loss) : 0.0) {
   if (!vehicle.link.loses() || !(loss_feedback_ < 1.0)) return;
   losses_ = known != nullptr && known->losses_ && known->vehicle_.link.loss == vehicle.link.loss
