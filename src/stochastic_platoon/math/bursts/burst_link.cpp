@@ -42,6 +42,7 @@ std::vector<std::complex<long double>> shifted_eigenvalues(const Eigen::MatrixXd
 
 BurstLink::BurstLink(const LossModel& loss)
     : arrival_(1.0 - loss.probability),
+      loss_(loss.probability),
       memory_(loss.after_loss() - loss.after_arrival()),
       n_(static_cast<Eigen::Index>(loss.predictor.size())),
       predictor_(Eigen::Map<const Eigen::VectorXd>(loss.predictor.data(), n_)) {
@@ -91,13 +92,12 @@ BurstLink::Value BurstLink::at(double frequency) const {
     const double half = 0.5 * static_cast<double>(j + 1) * frequency, sine = std::sin(half);
     value.surprise += 2.0 * predictor_(j) * sine * DoubleComplex(sine, std::cos(half));
   }
-  const Eigen::VectorXcd d = inverse.solve((1.0 - arrival_) * Eigen::VectorXcd::Unit(2 * n_, n_));
+  const Eigen::VectorXcd d = inverse.solve(loss_ * Eigen::VectorXcd::Unit(2 * n_, n_));
   value.deviation = d(0) + d(n_);
   value.outward = inverse.transpose().solve(output);
   const Eigen::VectorXcd drive = back * (transition_.bottomRows(n_) * d);
   value.scattered = -std::conj(value.deviation) * d;
-  value.scattered.tail(n_) +=
-      even_ * drive.real() + DoubleComplex(0.0, 1.0) * (odd_ * drive.imag()) + (1.0 - arrival_) * own_;
+  value.scattered.tail(n_) += even_ * drive.real() + DoubleComplex(0.0, 1.0) * (odd_ * drive.imag()) + loss_ * own_;
   return value;
 }
 

@@ -50,8 +50,8 @@ public:
   double kernel(const Value& outward, double w, const Value& inward, double nu) const;
 
   Eigen::Index registers() const { return n_; }
-  double memory() const { return memory_; }                    ///< lambda
-  double odds() const { return arrival_ / (1.0 - arrival_); }  ///< p / q
+  double memory() const { return memory_; }         ///< lambda
+  double odds() const { return arrival_ / loss_; }  ///< p / q
 
   /// c_1 + 2 c_2 + ...
   double slope() const { return slope_; }
@@ -63,7 +63,7 @@ public:
   const GainFactor& factor() const { return factor_; }
 
 private:
-  double arrival_, memory_, slope_ = 0.0;
+  double arrival_, loss_, memory_, slope_ = 0.0;
   Eigen::Index n_;
   Eigen::VectorXd predictor_;
   Eigen::MatrixXd transition_;  ///< [Pi_ac A_c], 2n x 2n

@@ -74,6 +74,7 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"agreement", agreement_json(measured_agreement(run, prediction, result))},
           {"realizations_needed", number(needed)},
           {"theory", theory_json(prediction)},
+          {"contradictions", prediction.contradictions},
           {"warning", prediction.warning.empty() ? nlohmann::json() : nlohmann::json(prediction.warning)}};
 }
 
