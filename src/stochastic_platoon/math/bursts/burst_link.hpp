@@ -30,7 +30,7 @@ namespace platoon {
 /// ...) at every loss, which acts like a drive at frequency 0.
 class BurstLink {
 public:
-  /// Throws std::invalid_argument for a loss without predictor, a loss probability of 0, losses that strictly alternate
+  /// Throws std::invalid_argument for a loss without predictor, a loss probability of 0, losses that alternate
   /// with arrivals (lambda = -1), and predictions whose variance does not settle.
   explicit BurstLink(const LossModel& loss);
 

@@ -17,10 +17,6 @@ VehicleModel without_losses(VehicleModel vehicle) {
   return vehicle;
 }
 
-bool alternates(const LossModel& loss) {
-  return !(loss.after_loss() - loss.after_arrival() > -1.0);
-}
-
 }  // namespace
 
 BurstVehicle::BurstVehicle(const VehicleModel& vehicle, const BurstVehicle* known, const VehicleModel* before)
@@ -77,8 +73,8 @@ std::optional<std::string> no_burst_theory(const PlatoonModel& model) {
         "losses follow a recorded trace, of loss probability %.6g and mean burst %.6g (random losses with these two have a theory)",
         recorded->probability, *recorded->mean_burst);
   if (has_feed_forward(model)) return "losses come in bursts in a string with radios";
-  if (any_link(model, [](const LinkModel& link) { return link.loses() && alternates(*link.loss); }))
-    return "losses and arrivals strictly alternate";
+  if (any_link(model, [](const LinkModel& link) { return link.loses() && link.loss->alternates(); }))
+    return "losses and arrivals alternate";
   return std::nullopt;
 }
 

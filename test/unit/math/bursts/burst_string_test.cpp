@@ -185,9 +185,12 @@ TEST(BurstString, HasTheVariancesOfAnIndependentProgramForLongBurstsAndRareLosse
 
 // Losses that nearly alternate scatter a constant motion into a line at w = pi.
 TEST(BurstString, IsContinuousWhereLossesAlternate) {
-  const double alternating = stationary_variances(lossy_platoon({0.5, 1.0 + 1e-12, {1.0}}), 5).back();
-  EXPECT_NEAR(stationary_variances(lossy_platoon({0.5, 1.0 + 1e-7, {1.0}}), 5).back() / alternating, 1.0, 1e-6);
-  EXPECT_NEAR(stationary_variances(lossy_platoon({0.5, 1.0 + 1e-5, {1.0}}), 5).back() / alternating, 1.0, 1e-4);
+  const auto variance = [](double beyond) {
+    return stationary_variances(lossy_platoon({0.5, 1.0 + beyond, {1.0}}), 5).back();
+  };
+  const double slope = (variance(2e-5) - variance(1e-5)) / 1e-5, alternating = variance(1e-5) - slope * 1e-5;
+  EXPECT_NEAR(variance(1e-7) / (alternating + slope * 1e-7), 1.0, 1e-8);
+  EXPECT_NEAR(variance(1e-8) / (alternating + slope * 1e-8), 1.0, 1e-8);
 }
 
 TEST(BurstString, HasNoStationaryVarianceIfPredictionsGrow) {
