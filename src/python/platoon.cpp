@@ -106,7 +106,7 @@ py::object json_of(const std::string& file) {
     if (depth > kDeepest) throw std::invalid_argument(file + ": nested too deep: must be at most 100 levels");
     return true;
   };
-  const nlohmann::json document = nlohmann::json::parse(read_file(file), require_shallow, false);
+  const nlohmann::json document = nlohmann::json::parse(read_file(file, kMostWrittenBytes), require_shallow, false);
   if (document.is_discarded()) throw std::invalid_argument(file + ": not JSON");
   if (!document.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
   return object_of(document);
@@ -130,7 +130,9 @@ py::dict vehicle_of(const Model& model, std::size_t index) {
 PYBIND11_MODULE(_platoon, module) {
   register_exceptions();
   module.attr("version") = kVersion;
-  module.def("shipped_file", &shipped_file, py::arg("name"), py::arg("folder"));
+  module.def(
+      "shipped_file", [](const std::string& name, const std::string& folder) { return shipped_file(name, folder); },
+      py::arg("name"), py::arg("folder"));
 
   py::class_<Model>(module, "Model")
       .def_static("load", &Model::load, py::arg("file"))
@@ -153,11 +155,12 @@ PYBIND11_MODULE(_platoon, module) {
              py::arg("checkpoint_seconds"), py::arg("progress"), py::arg("warn"));
   module.def("trajectories", &trajectories_of, py::arg("model"), py::arg("settings"), py::arg("realization"));
   module.def("read_results", [](const std::string& folder) {
-    ResultTables results =
-        parse_results([&](const std::string& name) { return read_file(folder + "/" + name); }, folder);
+    ResultTables results = parse_results(
+        [&](const std::string& name) { return read_file(folder + "/" + name, kMostWrittenBytes); }, folder);
     return py::make_tuple(plain_object_of(results.summary), dict_of(std::move(results.tables)));
   });
-  module.def("read_table", [](const std::string& file) { return dict_of(parse_csv(read_file(file), file)); });
+  module.def("read_table",
+             [](const std::string& file) { return dict_of(parse_csv(read_file(file, kMostWrittenBytes), file)); });
   module.def("read_json", &json_of, py::arg("file"));
 }
 

@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <csignal>
-#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -15,6 +14,7 @@
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
@@ -123,7 +123,7 @@ void write_trajectories(const platoon::Configuration& configuration, const std::
   const std::string text = platoon::trajectories_csv(configuration, realization),
                     file = configuration.run.output + "/trajectories.csv";
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-  if (std::filesystem::exists(file))
+  if (platoon::may_exist(file))
     throw platoon::ConfigurationError(
         {"output: " + file + ": exists and is never overwritten: must be another folder"});
   platoon::write_atomically(file, text);

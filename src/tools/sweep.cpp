@@ -2,7 +2,6 @@
 // as an array of a cluster's scheduler.
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 
 #include "stochastic_platoon/run/configuration/single_number.hpp"
@@ -29,7 +28,7 @@ std::unique_ptr<platoon::FolderLock> lock_folder(const std::string& output) {
   run.launch_id = "sweep";  // a restarted sweep takes its folder again at once
   std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(run);
   platoon::require_no_results(output);
-  std::filesystem::create_directories(output + "/points");
+  platoon::require_writable_folder(output + "/points");
   return lock;
 }
 
