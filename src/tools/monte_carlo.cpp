@@ -56,9 +56,11 @@ bool run_whole(const platoon::Configuration& configuration, platoon::ShardSettin
   const platoon::WholeRun run = platoon::compute_run(configuration, settings);
   display.finish();
   if (run.result.realizations > 0) {
-    std::cout << platoon::report(configuration, run.prediction, run.result) << "Results: " << configuration.run.output
-              << "/statistics.csv and summary.json\n";
+    std::cout << platoon::report(configuration, run.prediction, run.result);
   }
+  if (!run.unsaved.empty()) throw std::runtime_error(run.unsaved);
+  if (run.result.realizations > 0)
+    std::cout << "Results: " << configuration.run.output << "/statistics.csv and summary.json\n";
   return reported("monte_carlo", run.result.realizations, configuration.run.realizations);
 }
 
@@ -73,8 +75,9 @@ bool run_shard(platoon::Configuration configuration, const std::string& text, pl
   const platoon::RealizationRange range = shard.range();
   platoon::ProgressDisplay display = display_of(options, range.size());
   settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
-  const auto [checkpoint, computed] = platoon::compute_shard({configuration, shard.shard}, settings);
+  const auto [checkpoint, computed, unsaved] = platoon::compute_shard({configuration, shard.shard}, settings);
   display.finish();
+  if (!unsaved.empty()) throw std::runtime_error(unsaved);
   const std::uint64_t done = checkpoint.totals.count();
   if (done == range.size()) {
     std::cout << name << ": complete: realizations " << range.first << " to " << range.end - 1 << " of "

@@ -64,9 +64,10 @@ void run_task(const platoon::Sweep& sweep, const std::string& text, const platoo
   how.threads = settings.threads;
   how.warn = warn;
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(part.configuration.run);
-  const std::uint64_t computed = platoon::compute_shard(part, how).computed;
+  const platoon::ShardResult result = platoon::compute_shard(part, how);
+  if (!result.unsaved.empty()) throw std::runtime_error(result.unsaved);
   std::cout << "task " << task << ": point " << point << " (" << sweep.name_of(point) << "), "
-            << platoon::name_of(shard) << ": complete, " << computed << " realizations computed now\n";
+            << platoon::name_of(shard) << ": complete, " << result.computed << " realizations computed now\n";
 }
 
 }  // namespace
