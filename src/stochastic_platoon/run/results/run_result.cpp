@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/contradictions.hpp"
@@ -75,6 +76,7 @@ ResultCells::ResultCells(const RunOptions& run, const Prediction& prediction, co
     : run_(run), prediction_(prediction), result_(result), fourth_moments_(fourth_moments(run, prediction, result)) {}
 
 ResultCell ResultCells::of(std::size_t follower, std::int64_t step) const {
+  check_interruption();
   const bool over_time = run_.averaging() == Averaging::over_time;
   const std::size_t c = over_time ? follower - 1 : cell(follower, step, run_.steps);
   // The vehicles of a stopped run are not all at the same step.
