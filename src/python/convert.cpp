@@ -67,8 +67,7 @@ py::object object_of(const nlohmann::json& value, bool with_arrays) {
   }
   if (with_arrays && is_matrix(value)) {
     for (const nlohmann::json& row : value) append(row, values);
-    const auto rows = static_cast<py::ssize_t>(value.size());
-    return array_of(std::move(values)).reshape({rows, py::ssize_t{-1}});
+    return array_of(std::move(values), {value.size(), value.front().size()});
   }
   py::list list;
   for (const nlohmann::json& element : value) list.append(object_of(element, with_arrays));
@@ -106,7 +105,7 @@ py::dict dict_of(std::map<std::string, CsvTable> tables) {
 
 void register_exceptions() {
   // NOLINTNEXTLINE(performance-unnecessary-value-param): the signature is that of pybind11.
-  py::register_local_exception_translator([](std::exception_ptr raised) {
+  py::register_exception_translator([](std::exception_ptr raised) {
     try {
       if (raised) std::rethrow_exception(raised);
     } catch (const ConfigurationError& error) {

@@ -42,8 +42,8 @@ public:
   }
 
   py::array_t<double> array() {
-    const auto rows = static_cast<py::ssize_t>(rows_);
-    return array_of(std::move(values_)).reshape({rows, py::ssize_t{-1}});
+    const std::size_t columns = values_.size() / rows_;
+    return array_of(std::move(values_), {rows_, columns});
   }
 
 private:
@@ -99,7 +99,7 @@ py::tuple results_of(const BagSource& source, const std::optional<std::vector<st
 
 PYBIND11_MODULE(_recordings, module) {
   register_exceptions();
-  py::register_local_exception<BagError>(module, "RecordingError", PyExc_ValueError);
+  py::register_exception<BagError>(module, "RecordingError", PyExc_ValueError);
   py::class_<BagSource>(module, "Source")
       .def(py::init(&source_of), py::arg("files"), py::arg("partial"), py::arg("unverified"));
   module.def("configuration", [](const BagSource& source) {
