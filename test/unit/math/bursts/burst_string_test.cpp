@@ -73,7 +73,7 @@ TEST(BurstLink, ScattersASpectrumOfTheVarianceAtTheReceiver) {
 
 TEST(BurstLink, RejectsLossesWithoutTheory) {
   EXPECT_THROW(BurstLink(LossModel{0.0, 2.0, {1.0}}), std::invalid_argument);
-  EXPECT_THROW(BurstLink(LossModel{0.5, 1.0, {1.0}}), std::invalid_argument);        // strictly alternating
+  EXPECT_THROW(BurstLink(LossModel{0.5, 1.0, {1.0}}), std::invalid_argument);        // alternating
   EXPECT_THROW(BurstLink(LossModel{0.4, 4.0, {2.0, -1.0}}), std::invalid_argument);  // predictions grow
   EXPECT_THROW(BurstLink(LossModel{0.1, 2.0, {}}), std::invalid_argument);
   EXPECT_NO_THROW(BurstLink(LossModel{0.5, 1.01, {1.0}}));
