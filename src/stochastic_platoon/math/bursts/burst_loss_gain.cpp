@@ -1,7 +1,6 @@
 #include "stochastic_platoon/math/bursts/burst_loss_gain.hpp"
 
 #include <algorithm>
-#include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <complex>
 #include <memory>
@@ -16,12 +15,14 @@ namespace platoon {
 
 namespace {
 
-using boost::math::double_constants::pi;
-
 constexpr std::size_t kFewestNodes = 128, kMostNodes = std::size_t{1} << 18;
 constexpr std::size_t kMostKernelNodes = 3000;
 constexpr double kManyNodes = 4096.0;  // equally spaced
 using SpectralValues = std::function<std::vector<double>(const BurstSpectra&)>;
+
+std::vector<std::complex<double>> memories_of(const BurstVehicle& vehicle) {
+  return vehicle.losses() == nullptr ? std::vector<std::complex<double>>() : vehicle.losses()->memories();
+}
 
 // Enough nodes for the oscillation of the longest delay.
 std::size_t first_nodes(const BurstPattern& pattern) {
@@ -48,10 +49,12 @@ Quadrature resolving_quadrature(const BurstPattern& pattern, std::optional<std::
     for (const std::complex<double>& w : vehicle.plain().pole_frequencies()) singular.push_back(w);
     if (!vehicle.losses()) continue;
     for (const std::complex<double>& w : frequencies_of(vehicle.losses()->factor().poles)) singular.push_back(w);
-    if (!(vehicle.losses()->memory() < 0.0)) continue;
-    // Losses that nearly alternate with arrivals scatter a constant motion into a line at pi, and that line back to 0.
-    const double decay = -std::log(-vehicle.losses()->memory());
-    for (const double line : {0.0, pi}) singular.emplace_back(line, decay);
+    // A chain that nearly returns to its modes scatters a constant motion into a line at the argument of its memory,
+    // and that line back to 0.
+    for (const std::complex<double>& memory : memories_of(vehicle)) {
+      for (const double line : {0.0, std::abs(std::arg(memory))})
+        singular.emplace_back(line, -std::log(std::abs(memory)));
+    }
   }
   return half_circle_quadrature(singular, peaks, refinement, followers);
 }
@@ -61,7 +64,7 @@ double least_decay(const BurstPattern& pattern) {
   double width = 1.0;
   for (const BurstVehicle& vehicle : pattern.types) {
     double radius = std::max(vehicle.spectral_radius(), std::sqrt(vehicle.loss_feedback()));
-    if (vehicle.losses()) radius = std::max(radius, std::abs(vehicle.losses()->memory()));
+    for (const std::complex<double>& memory : memories_of(vehicle)) radius = std::max(radius, std::abs(memory));
     width = std::min(width, 1.0 - radius);
   }
   return width;

@@ -47,7 +47,7 @@ ZerosAtZero BurstVehicle::zeros_at_zero() const {
   ZerosAtZero zeros = plain_.zeros_at_zero();
   if (!losses_) return zeros;
   LinkModel independent = vehicle_.link;  // 1 - L does not depend on the chain
-  independent.loss->mean_burst.reset();
+  independent.loss = LossModel{vehicle_.link.loss->probability, {}, vehicle_.link.loss->predictor};
   zeros.innovation = LinkFilter(independent, vehicle_.noise_variance).surprise_zeros();
   zeros.complement = std::min(zeros.complement, zeros.innovation);
   return zeros;

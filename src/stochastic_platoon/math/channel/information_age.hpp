@@ -12,9 +12,9 @@ namespace platoon {
 /// value of step -1 always arrives. A delay of the link adds to the age. In the stationary state of random losses,
 /// independent or in bursts, with q = probability, a = after_arrival() and b = after_loss(),
 /// \f[ P(0) = 1 - q, \qquad P(n) = (1 - q) a b^{n-1}. \f]
-/// The mean is q times the mean burst. `loss` must have neither a trace nor losses by the distance, which have no such
-/// distribution.
-/// P(0), P(1), ..., until less than 1e-12 is left, at most 100,000 of them.
+/// The mean is q times the mean burst. With the lost modes l of any LossChain, P(n) = pi_a Pi_al Pi_ll^(n-1) (1, ...,
+/// 1)', and q b^n becomes pi_l Pi_ll^n (1, ..., 1)'. `loss` must have neither a trace nor losses by the distance, which
+/// have no such distribution. P(0), P(1), ..., until less than 1e-12 is left, at most 100,000 of them.
 std::vector<double> age_probabilities(const LossModel& loss);
 double mean_age(const LossModel& loss);  ///< [steps]
 

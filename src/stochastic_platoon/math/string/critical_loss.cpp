@@ -47,6 +47,8 @@ double largest_probability(const PlatoonModel& model) {
 }  // namespace
 
 std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
+  const std::optional<LossModel>& own_loss = varied_link(given.default_vehicle()).loss;
+  if (own_loss && own_loss->markov) return std::nullopt;
   const PlatoonModel model = with_loss_stage(given);
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;

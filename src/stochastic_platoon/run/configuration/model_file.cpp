@@ -108,7 +108,7 @@ Inherited inherited_by(Section& type, const VehicleModel& base) {
   Section channel = type.section("channel");
   if (!channel.has("loss")) return inherited;
   Section loss = channel.section("loss");
-  const bool has_own = loss.has("trace") || loss.has("runs") || loss.has("by_distance");
+  const bool has_own = loss.has("trace") || loss.has("runs") || loss.has("by_distance") || loss.has("markov");
   inherited.loss_probability = !has_own && !loss.has("probability");
   inherited.mean_burst = !has_own && !loss.has("mean_burst");
   return inherited;

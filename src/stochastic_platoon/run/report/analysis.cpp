@@ -53,6 +53,8 @@ std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
 }
 
 std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
+  const std::optional<LossModel>& own_loss = varied_link(model.default_vehicle()).loss;
+  if (own_loss && own_loss->markov) return "Critical loss probability: none, as a chain of states loses\n";
   if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
   const std::optional<double> critical = analysis.losses->critical;
   const VehicleModel& own = model.default_vehicle();

@@ -50,6 +50,9 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
   }
   if (const auto reason = reason_without_theory(model))
     throw std::invalid_argument("mean_burst: no stability map without a theory: " + *reason);
+  const std::optional<LossModel>& own_loss = varied_link(model.default_vehicle()).loss;
+  if (own_loss && own_loss->markov && !(axes.losses.empty() && axes.bursts.empty()))
+    throw std::invalid_argument("markov: given: must be absent for a stability map over losses or mean bursts");
   const auto or_own = [](const std::vector<double>& values, double own) {
     return values.empty() ? std::vector<double>{own} : values;
   };
