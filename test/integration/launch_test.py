@@ -30,7 +30,7 @@ class BadInput(LaunchTest):
         self.assertFalse(os.path.exists(self.output))
 
     def test_a_model_file_that_is_missing_is_named(self):
-        self.rejected("model: /nowhere/model.yaml: must be a file of at most 256 MB that can be read", model="/nowhere/model.yaml")
+        self.rejected("model: /nowhere/model.yaml: no such file: must be a model file, or one of the shipped acc.yaml", model="/nowhere/model.yaml")
 
     def test_unknown_and_missing_keys_are_named(self):
         model = self.model_with(time_headwya=3.2, time_headway=None)
