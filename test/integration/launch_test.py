@@ -30,7 +30,7 @@ class BadInput(LaunchTest):
         self.assertFalse(os.path.exists(self.output))
 
     def test_a_model_file_that_is_missing_is_named(self):
-        self.rejected("model: /nowhere/model.yaml: must be a file of at most 256 MB that can be read", model="/nowhere/model.yaml")
+        self.rejected("model: /nowhere/model.yaml: no such file: must be a model file, or one of the shipped acc.yaml", model="/nowhere/model.yaml")
 
     def test_an_argument_that_a_launch_file_needs_is_named(self):
         self.rejected("bag: missing: must be a recording to replay", file="replay.launch")
