@@ -76,15 +76,20 @@ void require_free_recording(const platoon::RunOptions& run) {
   if (stem.empty() || stem + ".bag" != run.record) {
     throw platoon::ConfigurationError({"record: " + run.record + ": must be a file name that ends in .bag"});
   }
-  for (const std::string& name : {run.record, stem + "_0.bag"}) {
-    const std::string left = platoon::left_recording(name);
-    if (!left.empty()) throw platoon::ConfigurationError({"record: " + left + ": exists: must be a new file"});
-  }
   try {
     platoon::require_writable_folder(std::filesystem::path(run.record).parent_path().string());
   } catch (const std::runtime_error& error) {
     throw platoon::ConfigurationError(
         {std::string("record: ") + error.what() + ": must be in a folder that can be written"});
+  }
+  for (const std::string& name : {run.record, stem + "_0.bag"}) {
+    try {
+      const std::string left = platoon::left_recording(name);
+      if (!left.empty()) throw platoon::ConfigurationError({"record: " + left + ": exists: must be a new file"});
+    } catch (const std::filesystem::filesystem_error& error) {
+      throw platoon::ConfigurationError(
+          {"record: " + error.path1().string() + ": " + error.code().message() + ": must be a new file"});
+    }
   }
 }
 

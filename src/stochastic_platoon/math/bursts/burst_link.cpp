@@ -18,11 +18,11 @@ using DoubleComplex = std::complex<double>;
   throw std::invalid_argument("on_loss: variance of the predictions grows: must settle");
 }
 
-void require_theory(const LossModel& loss, double memory) {
+void require_theory(const LossModel& loss) {
   if (!(loss.probability > 0.0 && loss.probability < 1.0))
     throw std::invalid_argument(formatted("loss probability: %g: must be above 0 and below 1", loss.probability));
   if (loss.predictor.empty()) throw std::invalid_argument("on_loss: zero: must be a predictor of positions");
-  if (!(memory > -1.0))
+  if (loss.alternates())
     throw std::invalid_argument(
         formatted("mean_burst: %g: must be above 1 for a probability of 0.5, as losses then alternate with arrivals",
                   *loss.mean_burst));
@@ -42,10 +42,11 @@ std::vector<std::complex<long double>> shifted_eigenvalues(const Eigen::MatrixXd
 
 BurstLink::BurstLink(const LossModel& loss)
     : arrival_(1.0 - loss.probability),
+      loss_(loss.probability),
       memory_(loss.after_loss() - loss.after_arrival()),
       n_(static_cast<Eigen::Index>(loss.predictor.size())),
       predictor_(Eigen::Map<const Eigen::VectorXd>(loss.predictor.data(), n_)) {
-  require_theory(loss, memory_);
+  require_theory(loss);
   for (Eigen::Index j = 0; j < n_; ++j) slope_ += static_cast<double>(j + 1) * predictor_(j);
   Eigen::MatrixXd arrived = Eigen::MatrixXd::Zero(n_, n_);
   arrived.diagonal(-1).setOnes();
@@ -91,13 +92,12 @@ BurstLink::Value BurstLink::at(double frequency) const {
     const double half = 0.5 * static_cast<double>(j + 1) * frequency, sine = std::sin(half);
     value.surprise += 2.0 * predictor_(j) * sine * DoubleComplex(sine, std::cos(half));
   }
-  const Eigen::VectorXcd d = inverse.solve((1.0 - arrival_) * Eigen::VectorXcd::Unit(2 * n_, n_));
+  const Eigen::VectorXcd d = inverse.solve(loss_ * Eigen::VectorXcd::Unit(2 * n_, n_));
   value.deviation = d(0) + d(n_);
   value.outward = inverse.transpose().solve(output);
   const Eigen::VectorXcd drive = back * (transition_.bottomRows(n_) * d);
   value.scattered = -std::conj(value.deviation) * d;
-  value.scattered.tail(n_) +=
-      even_ * drive.real() + DoubleComplex(0.0, 1.0) * (odd_ * drive.imag()) + (1.0 - arrival_) * own_;
+  value.scattered.tail(n_) += even_ * drive.real() + DoubleComplex(0.0, 1.0) * (odd_ * drive.imag()) + loss_ * own_;
   return value;
 }
 

@@ -30,7 +30,7 @@ namespace platoon {
 /// ...) at every loss, which acts like a drive at frequency 0.
 class BurstLink {
 public:
-  /// Throws std::invalid_argument for a loss without predictor, a loss probability of 0, losses that strictly alternate
+  /// Throws std::invalid_argument for a loss without predictor, a loss probability of 0, losses that alternate
   /// with arrivals (lambda = -1), and predictions whose variance does not settle.
   explicit BurstLink(const LossModel& loss);
 
@@ -50,8 +50,8 @@ public:
   double kernel(const Value& outward, double w, const Value& inward, double nu) const;
 
   Eigen::Index registers() const { return n_; }
-  double memory() const { return memory_; }                    ///< lambda
-  double odds() const { return arrival_ / (1.0 - arrival_); }  ///< p / q
+  double memory() const { return memory_; }         ///< lambda
+  double odds() const { return arrival_ / loss_; }  ///< p / q
 
   /// c_1 + 2 c_2 + ...
   double slope() const { return slope_; }
@@ -63,7 +63,7 @@ public:
   const GainFactor& factor() const { return factor_; }
 
 private:
-  double arrival_, memory_, slope_ = 0.0;
+  double arrival_, loss_, memory_, slope_ = 0.0;
   Eigen::Index n_;
   Eigen::VectorXd predictor_;
   Eigen::MatrixXd transition_;  ///< [Pi_ac A_c], 2n x 2n

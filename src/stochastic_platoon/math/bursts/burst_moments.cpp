@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
 
@@ -51,6 +52,7 @@ public:
            of_lost = Matrix::Constant(n_, n_, q_ * arriving.covariance(0, 0));
     Received received{{arriving.mean, Matrix(count, count)}, Matrix::Zero(count, count)};
     for (Eigen::Index k = 0; k < count; ++k) {
+      check_interruption();
       if (k > 0) {
         advance(cross, k);
         advance(sent, k);
@@ -137,6 +139,7 @@ private:
     long double power = 1.0L;
     for (Eigen::Index l = k + 1; l < second.rows(); ++l) {
       power *= memory;
+      check_interruption();
       advance(state, 0);
       state(0) += p_ * (cross(0, l) + cross(n_, l)) + power * (q_ * cross(0, l) - p_ * cross(n_, l));
       state(n_) -= innovation(l) * (q_ * of_mean + power * mean_by_mode);
@@ -162,6 +165,7 @@ public:
     const Vector colour = filled(filtered_impulse(vehicle.link.noise_filter, steps));
     const long double variance = vehicle.noise_variance, step = vehicle.link.quantisation_step;
     for (Eigen::Index a = 1; a < count_; ++a) {
+      check_interruption();
       for (Eigen::Index b = 1; b <= a; ++b) {
         noise_(a, b) = noise_(a - 1, b - 1) + variance * colour(a) * colour(b);
         noise_(b, a) = noise_(a, b);
@@ -175,6 +179,7 @@ public:
     SequenceMoments arriving{Vector(count_), Matrix(count_, count_)};
     Matrix with_sent(count_, count_);
     for (Eigen::Index a = 0; a < count_; ++a) {
+      check_interruption();
       arriving.mean(a) = sent.mean(before(a));
       with_sent.row(a) = sent.covariance.row(before(a));
       for (Eigen::Index b = 0; b < count_; ++b)

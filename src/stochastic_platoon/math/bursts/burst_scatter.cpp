@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/memory_weights.hpp"
 
 namespace platoon {
@@ -52,6 +53,7 @@ void BurstScatter::add_kernel(const Eigen::ArrayXd& node, const Quadrature& rule
   const Eigen::Index count = node.size();
   kernel_.resize(count, count);
   for (Eigen::Index r = 0; r < count; ++r) {
+    check_interruption();
     const std::vector<DoubleComplex> ahead = memory.at(node(r)), behind = memory.at(-node(r));
     for (Eigen::Index c = 0; c < count; ++c) {
       const auto k = static_cast<std::size_t>(c);
@@ -66,6 +68,7 @@ void BurstScatter::add_kernel(const Eigen::ArrayXd& node, const Quadrature& rule
 
 // < conj(D(nu)) driven(nu) y / (1 - y) >_nu: on equally spaced nodes a circular convolution with the powers of lambda.
 Eigen::ArrayXd BurstScatter::remembered(const Eigen::ArrayXd& driven) const {
+  check_interruption();
   const Eigen::Index half = driven.size(), n = 2 * half;
   Eigen::VectorXcd values(n), lags(n);
   values.head(half) = (deviation_.conjugate() * driven).matrix();

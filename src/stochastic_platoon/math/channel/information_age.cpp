@@ -38,6 +38,17 @@ double mean_age(const LossModel& loss) {
   return loss.probability * loss.mean_burst.value_or(loss.independent_burst());
 }
 
+double age_exceeded_with(const LossModel& loss, double rest) {
+  require_chain(loss);
+  if (loss.probability <= rest) return 0.0;
+  if (loss.after_loss() == 0.0) return 1.0;
+  const double log_b = loss.mean_burst ? std::log1p(-1.0 / *loss.mean_burst) : std::log(loss.probability);
+  const double n = std::log(rest / loss.probability) / log_b;
+  // An integer that the quotient misses by rounding: q b^n = rest.
+  const double nearest = std::round(n);
+  return std::abs(n - nearest) <= 1e-12 * nearest ? nearest : std::ceil(n);
+}
+
 double expected_age_share(const LossModel& loss, std::int64_t n, std::int64_t steps) {
   require_chain(loss);
   if (n > steps) return 0.0;

@@ -39,6 +39,10 @@ struct LossModel {
   /// losses. The chain is stationary: a position is lost with probability q at every step.
   double after_loss() const { return mean_burst ? 1.0 - 1.0 / *mean_burst : probability; }
   double after_arrival() const { return mean_burst ? probability / (*mean_burst * (1.0 - probability)) : probability; }
+
+  /// Whether losses and arrivals alternate, to 1e-9 of the transition probabilities (q = 1/2 and mean burst 1): the
+  /// moments then do not settle.
+  bool alternates() const { return !(after_loss() - after_arrival() > -1.0 + 1e-9); }
 };
 
 /// Spectral radius of the second moments of the position r(k) that a follower uses, under losses alone. The variance of

@@ -33,7 +33,7 @@ PlatoonModel with_loss_in_bursts(PlatoonModel model, double probability) {
   return model;
 }
 
-// b / (1 + b) of the shortest mean burst, and less where arrivals and losses would strictly alternate.
+// b / (1 + b) of the shortest mean burst, and less where arrivals and losses would alternate.
 double largest_probability(const PlatoonModel& model) {
   double largest = 0.99;
   for (const VehicleType& type : model.types) {

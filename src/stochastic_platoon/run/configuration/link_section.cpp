@@ -50,7 +50,11 @@ std::vector<double> read_predictor(Section& section, LinkedSignal signal) {
 }
 
 void check_burst(Section& section, const LossModel& loss) {
+  constexpr double kLongestBurst = 1e6;
   const double q = loss.probability, least = loss.least_burst();
+  if (*loss.mean_burst > kLongestBurst)
+    section.reject("mean_burst", formatted("%g", *loss.mean_burst),
+                   formatted("at most %.0f steps: the theory keeps too few digits of longer bursts", kLongestBurst));
   if (*loss.mean_burst >= least) return;
   section.reject(
       "mean_burst", formatted("%g", *loss.mean_burst),

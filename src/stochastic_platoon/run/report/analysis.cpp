@@ -7,6 +7,7 @@
 #include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
 #include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/contradictions.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/run/report/age_analysis.hpp"
@@ -112,6 +113,8 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if (has_feed_forward(model)) analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
   begins("mean and variance of every step");
   analysis.moments = error_moments(model, followers, steps);
+  analysis.contradictions =
+      contradictions(model, {analysis.stability, analysis.stationary_variance, analysis.moments.variance, steps});
   analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
   begins("bounds");
   if (is_papers(model)) {
@@ -165,6 +168,7 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
     text += formatted("Stationary mean: up to %.6g m, of follower %zu, caused by delay and loss at constant speed\n",
                       *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
   }
+  for (const std::string& contradiction : analysis.contradictions) text += contradiction_line(contradiction);
   text += report(configuration, analysis.signals);
   text += formatted(
       "Largest norms over %zu followers and %lld steps k (%s): ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
@@ -257,6 +261,7 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
           {"stationary_variance", numbers(analysis.stationary_variance)},
           {"stationary_variance_by_input", by_input},
           {"limit_variance", number(stability.limit_variance)},
+          {"contradictions", analysis.contradictions},
           {"mean", rows(analysis.moments.mean, steps)},
           {"variance", rows(analysis.moments.variance, steps)},
           {"norms", norms},

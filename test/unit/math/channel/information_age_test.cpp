@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace platoon {
 namespace {
@@ -100,6 +101,21 @@ TEST(InformationAge, FollowsATraceAndRejectsLossesByDistance) {
   by_distance.by_distance.emplace(std::vector<LossByDistance::Point>{{1.0, 0.1}});
   EXPECT_THROW(count_ages(by_distance, 1, 1, 1, 1), std::invalid_argument);
   EXPECT_THROW(mean_age(by_distance), std::invalid_argument);
+}
+
+TEST(InformationAge, IsExceededWithTheGivenProbabilityOnly) {
+  for (const auto& [q, b] :
+       {std::pair(0.5, 1e5), {0.1, 3.0}, {0.25, 1.0 / 0.75}, {0.001, 2.0}, {1e-7, 5.0}, {0.5, 1.0}}) {
+    const LossModel loss = losses(q, b);
+    for (const double rest : {1e-6, 1e-3}) {
+      const double n = age_exceeded_with(loss, rest);
+      const auto exceeded = [&](double age) { return q * std::pow(1.0 - 1.0 / b, age); };
+      EXPECT_LE(exceeded(n), rest * (1.0 + 1e-9)) << q << " " << b;
+      if (n > 0.0) EXPECT_GT(exceeded(n - 1.0), rest) << q << " " << b;
+    }
+  }
+  EXPECT_EQ(age_exceeded_with(losses(0.5, 1e5), 1e-6), 1312230.0);
+  EXPECT_EQ(age_exceeded_with(losses(0.1), 1e-6), 5.0) << "0.1 0.1^5 = 1e-6";
 }
 
 }  // namespace

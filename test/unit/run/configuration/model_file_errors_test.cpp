@@ -149,6 +149,8 @@ TEST(ModelFileErrors, NameAnInvalidChannel) {
                 "loss/mean_burst: 8: must be at least 9, the larger of 1 and q / (1 - q) for q = 0.9: no chain has "
                 "shorter bursts; independent losses have 1 / (1 - q) = 10"},
            Case{"loss: {probability: 0.2, mean_burst: 0.9}", "loss/mean_burst: 0.9: must be at least 1"},
+           Case{"loss: {probability: 0.2, mean_burst: 1.1e6}",
+                "loss/mean_burst: 1.1e+06: must be at most 1000000 steps"},
            Case{"noise_filter: {numerator: [1, 0, 0], denominator: [1, 0.5]}",
                 "noise_filter: more zeros than poles: must be proper: no more zeros than poles"},
            Case{"noise_filter: {numerator: [1], denominator: [1, -1]}",
