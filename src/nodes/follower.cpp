@@ -45,5 +45,11 @@ void run(ros::NodeHandle platoon) {
 
 // No rosout: one publisher per vehicle would cost more than the platoon.
 int main(int argc, char** argv) {
-  return platoon::run_node(argc, argv, {"follower", ros::init_options::NoRosout}, run);
+  return platoon::run_node(
+      argc, argv,
+      {"follower",
+       "One follower; platoon.launch and followers.launch start it. Parameters: _index:=I, 1 or more; _kept, whether it is to\n"
+       "outlive launches (true).",
+       ros::init_options::NoRosout},
+      run);
 }

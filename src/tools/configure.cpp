@@ -149,6 +149,17 @@ bool is_true(const std::string& text) {
   return text == "true" || text == "True" || text == "1";
 }
 
+// Throws ConfigurationError unless the recording holds what the argument `drive` of a replay names.
+void require_drive(const std::string& drive, const platoon::RunOptions& recorded) {
+  if (drive.empty() || drive == "leader") return;
+  for (std::size_t i = 1; i <= recorded.followers; ++i) {
+    if (drive == platoon::vehicle_name(i)) return;
+  }
+  throw platoon::ConfigurationError({"drive: " + drive + ": must be leader, or one of vehicle_1 to " +
+                                     platoon::vehicle_name(recorded.followers) +
+                                     ", the recorded followers; empty: all positions into the monitor"});
+}
+
 // The recorded configuration for another run, without its record, resume, rate and first_realization.
 platoon::Configuration recorded(const platoon::BagSource& bags) {
   platoon::Configuration configuration = platoon::recorded_platoon(bags).configuration;
@@ -170,6 +181,8 @@ int main(int argc, char** argv) {
        all_settings,
        {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
         {"ns", "namespace of the platoon, which must be free"},
+        {"drive",
+         "of a replay, which needs --bag: what the recording drives, leader or a vehicle as vehicle_3; empty: the monitor"},
         {"first", "first vehicle that the launch starts"},
         {"last", "last vehicle that the launch starts"},
         {"own", "renamed: external (rejected when given)"},
@@ -188,7 +201,10 @@ int main(int argc, char** argv) {
         platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch");
     if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);
     require_log_folder();
+    if (line.has("drive") && line["bag"].find_first_not_of(' ') == std::string::npos)
+      throw platoon::ConfigurationError({"bag: missing: must be a recording to replay, as in bag:=/tmp/run.bag"});
     const platoon::BagSource bags{platoon::bag_files(line["bag"]), platoon::Accept::whole, is_true(line["unverified"])};
+    if (line.has("drive")) require_drive(line["drive"], recorded(bags).run);
     std::map<std::string, std::string> settings = line.settings;
     if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);

@@ -81,7 +81,7 @@ class Scale:
 
 
 LONG = Scale(followers=20, seconds=(4.0, 12.0), gap=(0.2, 2.0), hold=3.0, kept_share=0.3, many_kills=200, launch={})
-SHORT = Scale(followers=6, seconds=(0.7, 1.2), gap=(0.1, 0.5), hold=0.6, kept_share=0.1, many_kills=0,
+SHORT = Scale(followers=6, seconds=(0.7, 1.2), gap=(0.1, 0.5), hold=0.6, kept_share=0.25, many_kills=0,
               launch=dict(stall_timeout=0.5))
 
 

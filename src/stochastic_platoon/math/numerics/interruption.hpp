@@ -12,8 +12,10 @@ struct Interrupted {};
 /// microseconds to half a second. It throws Interrupted to end the computation, as on Ctrl-C in Python.
 class Interruptible {
 public:
-  explicit Interruptible(std::function<void()> check) : check_(std::move(check)) { present() = &check_; }
-  ~Interruptible() { present() = nullptr; }
+  explicit Interruptible(std::function<void()> check) : check_(std::move(check)), before_(present()) {
+    present() = &check_;
+  }
+  ~Interruptible() { present() = before_; }
   Interruptible(const Interruptible&) = delete;
   Interruptible& operator=(const Interruptible&) = delete;
 
@@ -25,6 +27,7 @@ public:
 
 private:
   std::function<void()> check_;
+  const std::function<void()>* before_;  ///< of an outer Interruptible
 };
 
 /// To be called in loops that may take longer than half a second.

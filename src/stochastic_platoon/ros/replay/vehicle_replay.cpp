@@ -65,6 +65,11 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
       publisher_(platoon.resolveName(position_topic(vehicle)), external ? its_clause(Clause::one_publisher) : ""),
       notice_senders_(platoon),
       counter_(platoon.resolveName(position_topic(vehicle)), external ? name_ : "") {
+  if (vehicle < 1 || vehicle > configuration.run.followers) {
+    throw std::invalid_argument("vehicle: " + std::to_string(vehicle) +
+                                ": must be a follower of the recording, from 1 to " +
+                                std::to_string(configuration.run.followers));
+  }
   const auto add = [&](PlatoonTopic::Kind kind, const std::string& topic) {
     sent_.push_back({kind, platoon.advertise<Position>(topic, kUnboundedQueue)});
   };
@@ -73,7 +78,7 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
     add(PlatoonTopic::Kind::predecessor_input, predecessor_input_topic(vehicle));
   if (!(patience > 0.0)) throw std::invalid_argument("patience: " + std::to_string(patience) + ": must be above 0 [s]");
   open();
-  done_ = !expected_;
+  if (!expected_) throw std::runtime_error("bags: hold no position of " + name_);
   position_ = platoon.subscribe(position_topic(vehicle), kUnboundedQueue, &VehicleReplay::receive, this, no_delay());
   progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &VehicleReplay::receive_notice, this);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(0.02), [this](const auto&) { play(); });

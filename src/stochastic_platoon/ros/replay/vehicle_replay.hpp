@@ -31,7 +31,8 @@ namespace platoon {
 /// `vehicle_<i>/predecessor_input` (stochastic_platoon/Position).
 class VehicleReplay {
 public:
-  /// `patience` [s] > 0.
+  /// `patience` [s] > 0. Throws std::invalid_argument if the run has no follower of this number, and std::runtime_error
+  /// if the bags hold no position of it.
   VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags, std::size_t vehicle,
                 bool external, double patience);
 
