@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/bursts/burst_moments.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -40,7 +41,8 @@ public:
         arrived_(chain_.arrived()),
         transition_(chain_.transition().cast<long double>()),
         stationary_(chain_.stationary().cast<long double>()),
-        predictor_(chain_.predictor().cast<long double>()) {}
+        predictor_(chain_.predictor().cast<long double>()),
+        before_(static_cast<std::size_t>(modes_ * n_)) {}
 
   /// From the moments of the arriving positions, and their covariance with the sent ones.
   Received operator()(const SequenceMoments& arriving, const Matrix& with_sent) const {
@@ -122,15 +124,15 @@ private:
 
   // The states in columns `from` and later, one step of the chain later: A_c sum_a Pi_ac state_a.
   void advance(Matrix& states, Eigen::Index from) const {
-    Vector before(modes_ * n_);
     for (Eigen::Index column = from; column < states.cols(); ++column) {
-      before = states.col(column);
+      std::copy_n(states.col(column).data(), before_.size(), before_.begin());
       for (Eigen::Index c = 0; c < modes_; ++c) {
         long double* const state = states.col(column).data() + c * n_;
         long double predicted = 0.0L;
         for (Eigen::Index j = n_ - 1; j >= 0; --j) {
           long double moved = 0.0L;
-          for (Eigen::Index a = 0; a < modes_; ++a) moved += transition_(a, c) * before(a * n_ + j);
+          for (Eigen::Index a = 0; a < modes_; ++a)
+            moved += transition_(a, c) * before_[static_cast<std::size_t>(a * n_ + j)];
           predicted += predictor_(j) * moved;
           if (j + 1 < n_) state[j + 1] = moved;
         }
@@ -186,6 +188,7 @@ private:
   Eigen::Index n_, modes_, arrived_;
   Matrix transition_;
   Vector stationary_, predictor_;
+  mutable std::vector<long double> before_;  ///< a state, while advance() changes it
 };
 
 /// One follower and its link.
