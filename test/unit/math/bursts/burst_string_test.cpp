@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/bursts/burst_moments.hpp"
 #include "stochastic_platoon/math/bursts/burst_spectra.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
@@ -191,6 +193,44 @@ TEST(BurstString, IsContinuousWhereLossesAlternate) {
   const double slope = (variance(2e-5) - variance(1e-5)) / 1e-5, alternating = variance(1e-5) - slope * 1e-5;
   EXPECT_NEAR(variance(1e-7) / (alternating + slope * 1e-7), 1.0, 1e-8);
   EXPECT_NEAR(variance(1e-8) / (alternating + slope * 1e-8), 1.0, 1e-8);
+}
+
+LossModel by_states(const Eigen::MatrixXd& transition, const Eigen::VectorXd& probability,
+                    const std::vector<double>& predictor) {
+  LossModel loss{0.0, {}, predictor};
+  loss.markov = std::make_shared<MarkovLosses>(transition, probability);
+  loss.probability = loss.markov->loss_probability();
+  return loss;
+}
+
+// States that lose always or never are the chain of bursts.
+TEST(BurstString, OfStatesThatLoseAlwaysOrNeverEqualsThatOfBursts) {
+  const Eigen::Matrix2d transition = (Eigen::Matrix2d() << 1.0 - 1.0 / 36.0, 1.0 / 36.0, 0.25, 0.75).finished();
+  const PlatoonModel states = lossy_platoon(by_states(transition, Eigen::Vector2d(0.0, 1.0), {1.0})),
+                     bursts = lossy_platoon({0.1, 4.0, {1.0}});
+  EXPECT_NEAR(stationary_variances(states, 6).back() / stationary_variances(bursts, 6).back(), 1.0, 1e-12);
+  const StringStability verdict = string_stability(states);
+  ASSERT_TRUE(verdict.string_stable) << verdict.reason;
+  EXPECT_NEAR(*verdict.limit_variance / 55.616383072922396, 1.0, 1e-12);
+  EXPECT_NEAR(*verdict.loss_gain / 0.4294101216307342, 1.0, 1e-12);
+}
+
+// The tables pass covariances from step to step; the stationary variances come from spectra.
+TEST(BurstString, OfAnyChainIsWhatItsTablesSettleAt) {
+  Eigen::Matrix3d turning;
+  turning << 0.1, 0.8, 0.1, 0.1, 0.1, 0.8, 0.8, 0.1, 0.1;
+  Eigen::Matrix4d pairs;  // of independent bits: a memory without eigenvectors
+  pairs << 0.7, 0.3, 0.0, 0.0, 0.0, 0.0, 0.7, 0.3, 0.7, 0.3, 0.0, 0.0, 0.0, 0.0, 0.7, 0.3;
+  const Eigen::Matrix2d gilbert = (Eigen::Matrix2d() << 0.9, 0.1, 0.3, 0.7).finished();
+  for (const LossModel& loss : {by_states(gilbert, Eigen::Vector2d(0.02, 0.7), {1.0}),
+                                by_states(gilbert, Eigen::Vector2d(0.02, 0.4), {1.5, -0.8, 0.3}),
+                                by_states(turning, Eigen::Vector3d(0.02, 0.7, 0.2), {1.0}),
+                                by_states(pairs, Eigen::Vector4d(0.1, 0.5, 0.7, 0.9), {1.0})}) {
+    const PlatoonModel model = lossy_platoon(loss);
+    const std::vector<double> stationary = stationary_variances(model, 3);
+    const ErrorMoments moments = burst_error_moments(model, 3, 700);
+    for (std::size_t i = 1; i <= 3; ++i) EXPECT_NEAR(moments.variance_at(i, 699) / stationary[i - 1], 1.0, 1e-11) << i;
+  }
 }
 
 TEST(BurstString, HasNoStationaryVarianceIfPredictionsGrow) {

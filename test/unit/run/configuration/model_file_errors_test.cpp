@@ -149,6 +149,12 @@ TEST(ModelFileErrors, NameAnInvalidChannel) {
                 "loss/mean_burst: 8: must be at least 9, the larger of 1 and q / (1 - q) for q = 0.9: no chain has "
                 "shorter bursts; independent losses have 1 / (1 - q) = 10"},
            Case{"loss: {probability: 0.2, mean_burst: 0.9}", "loss/mean_burst: 0.9: must be at least 1"},
+           Case{"loss: {markov: {transition: [[0.9, 0.2], [0.3, 0.7]], probability: [0.0, 0.5]}}",
+                "loss/markov/transition: row 1: a sum of 1.1: must be 1"},
+           Case{"loss: {probability: 0.1, markov: {transition: [[1.0]], probability: [0.5]}}",
+                "loss/probability: given: must be absent beside markov"},
+           Case{"loss: {markov: {transition: [[1.0]]}}", "loss/markov/probability: missing"},
+           Case{"loss: {markov: 3}", "loss/markov: 3: must be a mapping of keys"},
            Case{"loss: {probability: 0.2, mean_burst: 1.1e6}",
                 "loss/mean_burst: 1.1e+06: must be at most 1000000 steps"},
            Case{"noise_filter: {numerator: [1, 0, 0], denominator: [1, 0.5]}",
