@@ -110,7 +110,10 @@ void require_mixing(const Eigen::MatrixXd& transition) {
 }  // namespace
 
 MarkovLosses::MarkovLosses(const Eigen::MatrixXd& transition, const Eigen::VectorXd& probability)
-    : given_(transition), transition_(transition), probability_(probability), stationary_(Eigen::VectorXd::Zero(transition.rows())) {
+    : given_(transition),
+      transition_(transition),
+      probability_(probability),
+      stationary_(Eigen::VectorXd::Zero(transition.rows())) {
   check(transition, probability);
   for (Eigen::Index i = 0; i < transition_.rows(); ++i) transition_.row(i) /= transition_.row(i).sum();
   const States states = recurrent(transition_);
@@ -123,7 +126,7 @@ MarkovLosses::MarkovLosses(const Eigen::MatrixXd& transition, const Eigen::Vecto
   require_mixing(among);
   const Eigen::VectorXd shares = stationary_of(among);
   for (Eigen::Index i = 0; i < count; ++i) stationary_(states[static_cast<std::size_t>(i)]) = shares(i);
-  if (!(loss_probability() < 1.0))
+  if (!((stationary_.array() > 0.0) && (probability_.array() < 1.0)).any())
     throw std::invalid_argument("probability: 1 in every state that occurs: must be below 1 in one of them");
 }
 
@@ -138,8 +141,7 @@ double MarkovLosses::mean_burst() const {
 }
 
 bool MarkovLosses::operator==(const MarkovLosses& other) const {
-  return given_.rows() == other.given_.rows() && given_ == other.given_ &&
-         probability_ == other.probability_;
+  return given_.rows() == other.given_.rows() && given_ == other.given_ && probability_ == other.probability_;
 }
 
 }  // namespace platoon

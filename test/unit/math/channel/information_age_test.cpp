@@ -111,7 +111,9 @@ TEST(InformationAge, IsExceededWithTheGivenProbabilityOnly) {
       const double n = age_exceeded_with(loss, rest);
       const auto exceeded = [&](double age) { return q * std::pow(1.0 - 1.0 / b, age); };
       EXPECT_LE(exceeded(n), rest * (1.0 + 1e-9)) << q << " " << b;
-      if (n > 0.0) EXPECT_GT(exceeded(n - 1.0), rest) << q << " " << b;
+      if (n > 0.0) {
+        EXPECT_GT(exceeded(n - 1.0), rest) << q << " " << b;
+      }
     }
   }
   EXPECT_EQ(age_exceeded_with(losses(0.5, 1e5), 1e-6), 1312230.0);
