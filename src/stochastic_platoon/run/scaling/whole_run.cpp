@@ -21,6 +21,7 @@ RunResult compute_in_memory(const Configuration& configuration, const ShardSetti
     settings.progress(work.done());
     stop.obey(work);
   });
+  if (settings.stop()) return {};
   const EnsembleTotals totals = work.release();
   return result_of(configuration, totals, {positions_expected(run, totals.count()), 1, now() - began, 0});
 }

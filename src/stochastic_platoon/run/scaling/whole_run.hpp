@@ -16,8 +16,8 @@ struct WholeRun {
 };
 
 /// Computes a run in this process. With an output folder, locks it, continues an interrupted run there, and writes the
-/// results so far; without one, only returns them. Throws as compute_shard() does, but if the folder cannot be written
-/// at the end, the results are returned.
+/// results so far; without one, only returns them, and none of a run that was stopped. Throws as compute_shard() does,
+/// but if the folder cannot be written at the end, the results are returned.
 WholeRun compute_run(Configuration configuration, const ShardSettings& settings);
 
 }  // namespace platoon
