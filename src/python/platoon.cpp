@@ -95,7 +95,7 @@ py::tuple trajectories_of(const Model& model, const Settings& settings, std::uin
   const Configuration configuration = model.configuration(settings);
   auto found = unlocked([&] { return trajectory_columns(configuration, realization); });
   py::dict quantities;
-  for (auto& [name, values] : found.quantities) quantities[py::str(name)] = array_of(std::move(values));
+  for (auto& [name, values] : found.quantities) quantities[py::cast(name)] = array_of(std::move(values));
   return py::make_tuple(array_of(std::move(found.seconds)), quantities);
 }
 
