@@ -213,7 +213,6 @@ nlohmann::json pairs(const std::vector<StableInterval>& intervals) {
 
 nlohmann::json theory_to_json(const Configuration& configuration, const Analysis& analysis) {
   const PlatoonModel& model = configuration.model;
-  const StringStability& stability = analysis.stability;
   const VehicleModel& own = model.default_vehicle();
   const auto steps = static_cast<std::size_t>(configuration.run.steps);
   nlohmann::json headways, losses;
@@ -239,35 +238,30 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
               {"beta_2", number(analysis.bounds->beta_2)},
               {"stated_beta_2", number(analysis.bounds->stated_beta_2)}};
   }
-  return {{"sample_period", model.sample_period},
-          {"transfer",
-           {{"numerator", coefficients(own.loop.transfer.numerator())},
-            {"denominator", coefficients(own.loop.transfer.denominator())}}},
-          {"spectral_radius", stability.spectral_radius},
-          {"integral_defect", number(analysis.integral_defect)},
-          {"peak_gain", number(stability.peak_gain)},
-          {"peak_frequency", number(stability.peak_frequency)},
-          {"mean_square_stable", stability.mean_square_stable},
-          {"string_stable", truth(stability.decision())},
-          {"reason", stability.reason},
-          {"critical_headway", number(critical)},
-          {"critical_headway_seconds", critical ? nlohmann::json(*critical * model.sample_period) : nlohmann::json()},
-          {"stable_headways", headways},
-          {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
-          {"loss_gain", number(stability.loss_gain)},
-          {"critical_mean_burst", number(analysis.bursts ? analysis.bursts->critical : std::nullopt)},
-          {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
-          {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
-          {"stable_loss_probabilities", losses},
-          {"stationary_mean", numbers(analysis.stationary_mean)},
-          {"stationary_variance", numbers(analysis.stationary_variance)},
-          {"stationary_variance_by_input", by_input},
-          {"limit_variance", number(stability.limit_variance)},
-          {"contradictions", analysis.contradictions},
-          {"mean", rows(analysis.moments.mean, steps)},
-          {"variance", rows(analysis.moments.variance, steps)},
-          {"norms", norms},
-          {"bounds", bounds}};
+  nlohmann::json document = to_json(analysis.stability);
+  document.update(
+      {{"sample_period", model.sample_period},
+       {"transfer",
+        {{"numerator", coefficients(own.loop.transfer.numerator())},
+         {"denominator", coefficients(own.loop.transfer.denominator())}}},
+       {"integral_defect", number(analysis.integral_defect)},
+       {"critical_headway", number(critical)},
+       {"critical_headway_seconds", critical ? nlohmann::json(*critical * model.sample_period) : nlohmann::json()},
+       {"stable_headways", headways},
+       {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
+       {"critical_mean_burst", number(analysis.bursts ? analysis.bursts->critical : std::nullopt)},
+       {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
+       {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
+       {"stable_loss_probabilities", losses},
+       {"stationary_mean", numbers(analysis.stationary_mean)},
+       {"stationary_variance", numbers(analysis.stationary_variance)},
+       {"stationary_variance_by_input", by_input},
+       {"contradictions", analysis.contradictions},
+       {"mean", rows(analysis.moments.mean, steps)},
+       {"variance", rows(analysis.moments.variance, steps)},
+       {"norms", norms},
+       {"bounds", bounds}});
+  return document;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/run/report/json_value.hpp"
 
 namespace platoon {
 
@@ -82,6 +83,13 @@ void add_signals(const Configuration& configuration, Prediction& prediction) {
 }
 
 }  // namespace
+
+nlohmann::json to_json(const StringStability& stability) {
+  return {{"spectral_radius", number(stability.spectral_radius)}, {"peak_gain", number(stability.peak_gain)},
+          {"peak_frequency", number(stability.peak_frequency)},   {"mean_square_stable", stability.mean_square_stable},
+          {"string_stable", truth(stability.decision())},         {"loss_gain", number(stability.loss_gain)},
+          {"limit_variance", number(stability.limit_variance)},   {"reason", stability.reason}};
+}
 
 std::string contradiction_line(const std::string& contradiction) {
   return "ERROR: figures of the theory contradict each other: " + contradiction + "; do not use either\n";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +44,9 @@ struct Prediction {
 
   bool has_theory() const { return followers_with_theory > 0; }
 };
+
+/// A verdict with its figures, the same in all files: null where there is none, `string_stable` if it is undecided.
+nlohmann::json to_json(const StringStability& stability);
 
 /// The line of a report for figures that must agree and do not.
 std::string contradiction_line(const std::string& contradiction);

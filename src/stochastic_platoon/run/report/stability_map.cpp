@@ -83,15 +83,12 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
 nlohmann::json to_json(const std::vector<MapPoint>& points) {
   nlohmann::json list = nlohmann::json::array();
   for (const MapPoint& point : points) {
-    list.push_back({{"headway", point.headway},
-                    {"gain", number(point.gain)},
-                    {"loss", number(point.loss)},
-                    {"mean_burst", number(point.burst)},
-                    {"loss_gain", number(point.stability.loss_gain)},
-                    {"spectral_radius", number(point.stability.spectral_radius)},
-                    {"peak_gain", number(point.stability.peak_gain)},
-                    {"string_stable", truth(point.stability.decision())},
-                    {"limit_variance", number(point.stability.limit_variance)}});
+    nlohmann::json document = to_json(point.stability);
+    document.update({{"headway", point.headway},
+                     {"gain", number(point.gain)},
+                     {"loss", number(point.loss)},
+                     {"mean_burst", number(point.burst)}});
+    list.push_back(std::move(document));
   }
   return list;
 }

@@ -23,13 +23,8 @@ namespace platoon {
 namespace {
 
 nlohmann::json theory_json(const Prediction& prediction) {
-  const StringStability& stability = prediction.stability;
-  nlohmann::json theory = {{"spectral_radius", number(stability.spectral_radius)},
-                           {"peak_gain", number(stability.peak_gain)},
-                           {"mean_square_stable", stability.mean_square_stable},
-                           {"string_stable", truth(stability.decision())},
-                           {"stationary_variance", numbers(prediction.stationary_variance)},
-                           {"limit_variance", number(stability.limit_variance)}};
+  nlohmann::json theory = to_json(prediction.stability);
+  theory["stationary_variance"] = numbers(prediction.stationary_variance);
   if (prediction.has_theory()) return theory;
   for (nlohmann::json& value : theory) value = nullptr;
   return theory;

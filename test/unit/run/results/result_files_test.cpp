@@ -86,8 +86,8 @@ TEST_F(ResultFilesTest, TheSummaryHasEveryKey) {
   }
   EXPECT_EQ(keys_of(summary["agreement"]), (std::set<std::string>{"max_abs_z_mean", "max_abs_z_variance"}));
   EXPECT_EQ(keys_of(summary["theory"]),
-            (std::set<std::string>{"spectral_radius", "peak_gain", "mean_square_stable", "string_stable",
-                                   "stationary_variance", "limit_variance"}));
+            (std::set<std::string>{"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable",
+                                   "string_stable", "loss_gain", "limit_variance", "reason", "stationary_variance"}));
 }
 
 TEST_F(ResultFilesTest, TheSummaryHasTheFiguresOfTheRun) {
