@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
-#include "stochastic_platoon/math/numerics/delayed_zeros.hpp"
+#include "stochastic_platoon/math/numerics/zeros.hpp"
 
 namespace platoon {
 
@@ -128,7 +128,7 @@ std::vector<std::complex<long double>> DesignedGain::zeros(const ExactPolynomial
   const ExactPolynomial of_position = scaled(multiply(ahead_numerator_, input_registers), Exact(position_arrival)),
                         of_input = scaled(multiply(ahead_denominator_, position_registers),
                                           Exact(feed_forward_) * Exact(input_arrival));
-  if (feed_forward_ == 0.0L) return platoon::zeros(rounded_delta(ahead_numerator_));
+  if (feed_forward_ == 0.0L) return platoon::zeros(ahead_numerator_);
   const std::ptrdiff_t behind = static_cast<std::ptrdiff_t>(links.position_delay - links.input_delay) + ahead_delay_ +
                                 input_registers_count - position_registers_count;
   return behind >= 0 ? zeros_behind_delay(of_input, static_cast<std::size_t>(behind), of_position)
