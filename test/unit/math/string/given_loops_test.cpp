@@ -226,7 +226,8 @@ TEST_F(GivenLoops, AreDecidedByTheRoundingOfTheirNumbersRatherThanOfMultipliedOu
   EXPECT_EQ(undecided_, 0);
 }
 
-// At h = 2.8 the paper's 1 - |T|^2 vanishes like w^4. The rounding of skewed coordinates adds about 1e-8 w^2 and decides.
+// At h = 2.8 the paper's 1 - |T|^2 vanishes like w^4. The rounding of skewed coordinates adds about 1e-8 w^2 and
+// decides.
 TEST_F(GivenLoops, AreUndecidedWhereTheRoundingOfTheirNumbersDecides) {
   const StateSpace paper = paper_loop(2.8).realization;
   EXPECT_TRUE(string_stability(model_with(closed_loop_from(paper), 2.8)).string_stable);
