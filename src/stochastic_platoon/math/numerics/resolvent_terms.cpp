@@ -11,35 +11,35 @@ namespace platoon {
 
 namespace {
 
-using Complex = std::complex<double>;
+using DoubleComplex = std::complex<double>;
 
-constexpr double kNoMemory = 1e-14;    // of an eigenvalue
-constexpr double kConditioned = 20.0;  // |left| |right| of an accurate pair of eigenvectors
+constexpr double kNoEigenvalue = 1e-14;  // of an eigenvalue
+constexpr double kConditioned = 20.0;    // |left| |right| of an accurate pair of eigenvectors
 
 struct Cluster {
-  std::vector<Complex> values;
+  std::vector<DoubleComplex> values;
 
-  Complex centre() const {
-    Complex sum = 0.0;
-    for (const Complex& value : values) sum += value;
+  DoubleComplex centre() const {
+    DoubleComplex sum = 0.0;
+    for (const DoubleComplex& value : values) sum += value;
     return sum / static_cast<double>(values.size());
   }
   double spread() const {
     double largest = 0.0;
-    for (const Complex& value : values) largest = std::max(largest, std::abs(value - centre()));
+    for (const DoubleComplex& value : values) largest = std::max(largest, std::abs(value - centre()));
     return largest;
   }
-  double distance(const Complex& other) const {
+  double distance(const DoubleComplex& other) const {
     double least = 4.0;
-    for (const Complex& value : values) least = std::min(least, std::abs(value - other));
+    for (const DoubleComplex& value : values) least = std::min(least, std::abs(value - other));
     return least;
   }
 };
 
 /// Joins eigenvalues that are nearer to each other than a third of their distance from the unit circle.
-std::vector<Cluster> clustered(const std::vector<Complex>& values) {
+std::vector<Cluster> clustered(const std::vector<DoubleComplex>& values) {
   std::vector<Cluster> clusters;
-  for (const Complex& value : values) {
+  for (const DoubleComplex& value : values) {
     Cluster joined{{value}};
     std::vector<Cluster> others;
     for (const Cluster& cluster : clusters) {
@@ -57,19 +57,19 @@ std::vector<Cluster> clustered(const std::vector<Complex>& values) {
 
 /// The Cauchy integral over a circle that is as many times wider than the cluster as it is nearer than what lies
 /// outside.
-void add_circle(const Eigen::MatrixXcd& matrix, const Cluster& cluster, const std::vector<Complex>& outside,
+void add_circle(const Eigen::MatrixXcd& matrix, const Cluster& cluster, const std::vector<DoubleComplex>& outside,
                 std::vector<ResolventTerm>& terms) {
   constexpr double kDigits = 40.0;  // -ln of the last digit
   constexpr int kMostPoints = 200;
-  const Complex centre = cluster.centre();
+  const DoubleComplex centre = cluster.centre();
   double free = 1.0 - std::abs(centre);
-  for (const Complex& other : outside) free = std::min(free, std::abs(other - centre));
+  for (const DoubleComplex& other : outside) free = std::min(free, std::abs(other - centre));
   const double inner = std::max(cluster.spread(), 0.01 * free), radius = std::sqrt(inner * free);
   const int points = std::min(kMostPoints, static_cast<int>(std::ceil(kDigits / std::log(radius / inner))));
   const Eigen::MatrixXcd identity = Eigen::MatrixXcd::Identity(matrix.rows(), matrix.cols());
   for (int k = 0; k < points; ++k) {
-    const Complex turn = std::polar(radius, 2.0 * boost::math::double_constants::pi * (k + 0.5) / points),
-                  value = centre + turn;
+    const DoubleComplex turn = std::polar(radius, 2.0 * boost::math::double_constants::pi * (k + 0.5) / points),
+                        value = centre + turn;
     terms.push_back(
         {value, identity, turn / static_cast<double>(points) * (value * identity - matrix).partialPivLu().inverse()});
   }
@@ -78,36 +78,36 @@ void add_circle(const Eigen::MatrixXcd& matrix, const Cluster& cluster, const st
 }  // namespace
 
 std::vector<ResolventTerm> memory_terms(const Eigen::MatrixXd& transposed) {
-  const Eigen::MatrixXcd matrix = transposed.cast<Complex>();
+  const Eigen::MatrixXcd matrix = transposed.cast<DoubleComplex>();
   const Eigen::ComplexEigenSolver<Eigen::MatrixXcd> solver(matrix);
   const Eigen::MatrixXcd& columns = solver.eigenvectors();
   const Eigen::MatrixXcd rows = columns.partialPivLu().inverse();
   Eigen::Index one = 0;
   (solver.eigenvalues().array() - 1.0).abs().minCoeff(&one);
-  std::vector<Complex> values;
+  std::vector<DoubleComplex> values;
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
     if (i != one) values.push_back(solver.eigenvalues()(i));
   }
   std::vector<ResolventTerm> terms;
   for (const Cluster& cluster : clustered(values)) {
-    const auto is_member = [&](const Complex& value) {
+    const auto is_member = [&](const DoubleComplex& value) {
       return std::find(cluster.values.begin(), cluster.values.end(), value) != cluster.values.end();
     };
     std::vector<ResolventTerm> own;
     bool conditioned = true;
     for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-      const Complex value = solver.eigenvalues()(i);
+      const DoubleComplex value = solver.eigenvalues()(i);
       if (i == one || !is_member(value)) continue;
       conditioned = conditioned && columns.col(i).norm() * rows.row(i).norm() < kConditioned;
-      if (std::abs(value) > kNoMemory) own.push_back({value, columns.col(i), rows.row(i)});
+      if (std::abs(value) > kNoEigenvalue) own.push_back({value, columns.col(i), rows.row(i)});
     }
     if (conditioned) {
       terms.insert(terms.end(), own.begin(), own.end());
       continue;
     }
-    std::vector<Complex> outside{1.0};
+    std::vector<DoubleComplex> outside{1.0};
     std::copy_if(values.begin(), values.end(), std::back_inserter(outside),
-                 [&](const Complex& value) { return !is_member(value); });
+                 [&](const DoubleComplex& value) { return !is_member(value); });
     add_circle(matrix, cluster, outside, terms);
   }
   return terms;

@@ -60,6 +60,8 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   samples.push_back(largest);
   StableLosses losses{{}, {}, types, largest};
   const double own = varied_link(model.default_vehicle()).loss->probability;
+  const auto place = std::lower_bound(samples.begin(), samples.end(), own);
+  if (place != samples.end() && *place != own) samples.insert(place, own);
   const VariedMargins margins = varied_margins(
       model,
       [&](double probability) {

@@ -98,20 +98,23 @@ struct Place {
   double frequency, value;
 };
 
-/// The minimum of a function of the frequency, on a fine grid and then beside its lowest node.
+/// The minimum of a function of the frequency, between the neighbours of every low node of a fine grid.
 template <class Function>
 Place least(const Function& function) {
   std::vector<double> nodes;
   for (int i = 0; i <= 400; ++i) nodes.push_back(1e-3 * std::pow(1e3, i / 400.0));
   for (int i = 1; i <= 800; ++i) nodes.push_back(1.0 + 2.141592653589793 * i / 800);
-  std::size_t lowest = 0;
+  std::vector<double> values;
+  for (const double w : nodes) values.push_back(function(w));
+  Place lowest{nodes[0], values[0]};
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (function(nodes[i]) < function(nodes[lowest])) lowest = i;
+    if (values[i] < lowest.value) lowest = {nodes[i], values[i]};
+    if (i == 0 || i + 1 == nodes.size() || values[i] > values[i - 1] || values[i] > values[i + 1]) continue;
+    const std::pair<double, double> found =
+        boost::math::tools::brent_find_minima(function, nodes[i - 1], nodes[i + 1], 40);
+    if (found.second < lowest.value) lowest = {found.first, found.second};
   }
-  const double from = nodes[lowest > 0 ? lowest - 1 : 0], to = nodes[std::min(lowest + 1, nodes.size() - 1)];
-  const std::pair<double, double> found = boost::math::tools::brent_find_minima(function, from, to, 40);
-  return found.second < function(nodes[lowest]) ? Place{found.first, found.second}
-                                                : Place{nodes[lowest], function(nodes[lowest])};
+  return lowest;
 }
 
 ExactMatrix turned(Eigen::Index n, Random& random) {
@@ -226,13 +229,15 @@ TEST_F(GivenLoops, AreDecidedByTheRoundingOfTheirNumbersRatherThanOfMultipliedOu
   EXPECT_EQ(undecided_, 0);
 }
 
-// At h = 2.8 the paper's 1 - |T|^2 vanishes like w^4. The rounding of skewed coordinates adds about 1e-8 w^2 and
+// At h = 2.8 the paper's 1 - |T|^2 vanishes like w^4. The rounding of skewed coordinates adds about 1e-4 w^2 and
 // decides.
 TEST_F(GivenLoops, AreUndecidedWhereTheRoundingOfTheirNumbersDecides) {
   const StateSpace paper = paper_loop(2.8).realization;
-  EXPECT_TRUE(string_stability(model_with(closed_loop_from(paper), 2.8)).string_stable);
-  for (int i = 0; i < 20; ++i) check({skewed(paper, 1e4, random_), 2.8, 1e4});
-  EXPECT_EQ(undecided_, 20);
+  const auto verdict = [](const StateSpace& given) {
+    return string_stability(model_with(closed_loop_from(given), 2.8));
+  };
+  EXPECT_TRUE(verdict(paper).string_stable);
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(verdict(skewed(paper, 1e6, random_)).undecided) << i;
 }
 
 }  // namespace
