@@ -26,7 +26,7 @@ class Panels:
     """Nodes w and weights such that sum(weights f(w)) is the mean of f over the circle."""
 
     def __init__(self, edges):
-        edges = np.asarray(edges, LONG)
+        self.edges = edges = np.asarray(edges, LONG)
         middle, half = (edges[1:] + edges[:-1]) / 2, (edges[1:] - edges[:-1]) / 2
         self.circle = Circle((middle[:, None] + half[:, None] * NODES).ravel())
         self.weights = ((half[:, None] * WEIGHTS) / PI).ravel()

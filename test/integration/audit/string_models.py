@@ -207,13 +207,13 @@ def seems_stable(model):
     return log.max() < 1e-9
 
 
-def lengthened(draw, model):
+def lengthened(draw, model, seems=seems_stable):
     """The model, in most cases with headways increased until it seems stable, times a factor of 0.9 to 2."""
     if model is None or "plant" not in model or draw.random() < 0.2 or any(
             link_needs(vehicle) for vehicle in link_reference.vehicles_of(model, 30)):
         return model
     for _ in range(12):
-        if seems_stable(model):
+        if seems(model):
             break
         model = with_headways(model, 1.3)
     return with_headways(model, draw.choice([draw.uniform(0.9, 1.0), draw.uniform(1, 1.1), draw.uniform(1, 2)]))

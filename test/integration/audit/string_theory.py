@@ -59,6 +59,7 @@ class String:
         last = model["leader"]["speed"][-1]["value"] if model["leader"]["speed"] else 0.0
         self.speed = mpf(model["sample_period"]) * mpf(last)
         self.lossy = any(f.q for f in self.kinds)
+        self.undetermined = max(f.undetermined for f in self.kinds)
 
     def rho(self):
         return max(f.loop.rho for f in self.kinds)
@@ -216,7 +217,7 @@ class String:
     # Finite strings.
 
     def stationary(self, followers):
-        """Stationary variances and means of the first followers."""
+        """Stationary variances and means of the first followers, and no shares of inputs."""
         def spectra(circle, mean):
             values, spectrum, found = self.at(circle), 0, []
             for i in range(followers):
@@ -241,4 +242,4 @@ class String:
         grid = panels(self.singular(), integrands)
         variances = [mpf(str(grid.mean(p))) for p in spectra(grid.circle, grid.mean)]
         means = [self.speed * self.followers[i % len(self.followers)].lag for i in range(followers)]
-        return variances, means
+        return variances, means, None

@@ -3,15 +3,25 @@
 from mpmath import mpf
 
 import link_reference
-from audit import second_moments
+from audit import burst_moments, received_moments, second_moments
 
 MEAN = 1e-13      # relative to the larger of the largest mean and the largest displacement per step times 1 + headway
 VARIANCE = 1e-12  # relative, per cell
 
 
+def is_received(model):
+    """Whether the model has radios or losses in bursts."""
+    return "'inputs'" in str(model) or "'mean_burst'" in str(model)
+
+
+def moments(model, followers, steps):
+    way = received_moments if "'inputs'" in str(model) else burst_moments if "'mean_burst'" in str(model) else second_moments
+    return way.moments(model, followers, steps)
+
+
 def check(name, model, found, followers, steps, findings):
     """Compares; returns the means and variances of the audit."""
-    means, variances = second_moments.moments(model, followers, steps)
+    means, variances = moments(model, followers, steps)
     vehicles = link_reference.vehicles_of(model, followers)
     fastest = max(abs(entry["value"]) for entry in model["leader"]["speed"]) * model["sample_period"]
     reach = max(1 + vehicle["time_headway"] for vehicle in vehicles)
