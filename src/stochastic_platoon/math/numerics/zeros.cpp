@@ -13,7 +13,7 @@ namespace {
 
 using Complex = std::complex<long double>;
 
-constexpr long double kRounding = std::numeric_limits<long double>::epsilon();
+constexpr long double kUnit = std::numeric_limits<long double>::epsilon();
 
 /// a / b without the overflow and infinity handling of std::complex, which is slow.
 Complex quotient(Complex a, Complex b) {
@@ -45,7 +45,7 @@ NewtonStep newton_step(const DeltaPolynomial& p, Complex s) {
     value = product(value, x) + coefficient;
     sum = sum * length + std::abs(coefficient);
   }
-  const long double noise = 2.0L * kRounding * sum;
+  const long double noise = 2.0L * kUnit * sum;
   // |x q'(x)| dx/x = noise, and dx/x = -ds/s
   const long double doubt = noise / (std::abs(slope) * length);
   if (value == Complex(0.0L)) return {0.0L, true, doubt};
@@ -59,7 +59,7 @@ NewtonStep newton_step(const DeltaPolynomial& p, Complex s) {
 /// Aberth's iteration with the Newton steps of a function. Returns the largest doubt about a zero.
 template <class Newton>
 long double iterate(std::vector<Complex>& s, const Newton& newton_at) {
-  constexpr long double kSettled = 4.0L * kRounding;
+  constexpr long double kSettled = 4.0L * kUnit;
   constexpr int kMostIterations = 200;
   long double doubt = 0.0L;
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
@@ -238,7 +238,7 @@ std::vector<std::complex<long double>> zeros_behind_delay(const ExactPolynomial&
                   passed = delay > 0 ? before * z : 1.0L;
     const Complex value = p.value * passed + q.value;
     const Complex slope = p.slope * passed + static_cast<long double>(delay) * before * p.value + q.slope;
-    if (std::abs(value) <= 4.0L * kRounding * (p.size * std::abs(passed) + q.size)) return {0.0L, true, 0.0L};
+    if (std::abs(value) <= 4.0L * kUnit * (p.size * std::abs(passed) + q.size)) return {0.0L, true, 0.0L};
     return {value / slope, false, 0.0L};
   });
   return s;
