@@ -10,9 +10,15 @@ platoon_packages=(
   python3-rosbag python3-rospy python3-std-msgs python3-std-srvs
 )
 platoon_test_packages=(
-  catkin-lint catkin-tools chromium chromium-driver clang-format-14 doxygen fonts-dejavu-core iproute2 libjs-mathjax munge parallel rviz slurm-wlm xvfb
+  catkin-lint chromium chromium-driver doxygen fonts-dejavu-core iproute2 libjs-mathjax munge parallel rviz slurm-wlm xvfb
   libgtest-dev librandom123-dev librostest-dev mypy python3-mpmath python3-rostest python3-selenium librosbag-dev
 )
+platoon_debian=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
+# Packages that not every Debian has; without them the tests `installed` and `format` are skipped.
+case $platoon_debian in
+  bookworm) platoon_test_packages+=(catkin-tools clang-format-14) ;;
+  trixie) platoon_test_packages+=(catkin-tools) ;;
+esac
 
 # Installs the given packages that are missing.
 platoon_install() {
@@ -21,10 +27,13 @@ platoon_install() {
     [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
   done
   [ ${#missing[@]} -eq 0 ] && return
-  if ! grep -qs '^VERSION_CODENAME=bookworm' /etc/os-release; then
-    echo "Missing: ${missing[*]}. These are Debian 12's names: on ROS Noetic build the package in a catkin workspace (README.md)." >&2
-    return 1
-  fi
+  case $platoon_debian in
+    bullseye | bookworm | trixie) ;;
+    *)
+      echo "Missing: ${missing[*]}. These are names of Debian 11, 12 and 13: on ROS Noetic build the package in a catkin workspace (README.md)." >&2
+      return 1
+      ;;
+  esac
   echo "Installing: ${missing[*]}"
   local root=()
   [ "$(id -u)" -eq 0 ] || root=(sudo)

@@ -6,71 +6,26 @@ the screen at once, and also into the file if the test has not passed. No proces
 also if the test is interrupted (Ctrl-C).
 """
 
-import contextlib
-import ctypes
 import os
-import signal
 import subprocess
 import sys
 import time
 import xml.etree.ElementTree as tree
 
+from contained import contained
+
 SKIPPED = 77
-PR_SET_CHILD_SUBREAPER = 36
-PATIENCE = 30.0  # [s] for interrupted processes: roslaunch kills its nodes after 17 s
-
-
-def children():
-    """Process ids of the children of this process."""
-    with open("/proc/self/task/{}/children".format(os.getpid())) as file:
-        return [int(word) for word in file.read().split()]
-
-
-def send(number, process):
-    with contextlib.suppress(ProcessLookupError):
-        os.kill(process, number)
-
-
-def end_all():
-    """Interrupts the children of this process, which include orphans, and kills them after PATIENCE."""
-    interrupted, kills = set(), time.monotonic() + PATIENCE
-    while children():
-        for process in children():
-            if time.monotonic() > kills:
-                send(signal.SIGKILL, process)
-            elif process not in interrupted:
-                send(signal.SIGINT, process)
-                interrupted.add(process)
-        with contextlib.suppress(ChildProcessError):
-            os.waitpid(-1, os.WNOHANG)
-        time.sleep(0.02)
 
 
 def run(program):
     """Runs the program and prints its output; returns status and output."""
-    process = subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, errors="replace",
-                               start_new_session=True)
-
-    def reap_orphans(*_):
-        for child in children():
-            if child != process.pid:
-                with contextlib.suppress(ChildProcessError):
-                    os.waitpid(child, os.WNOHANG)
-
-    signal.signal(signal.SIGCHLD, reap_orphans)
     printed = []
-    try:
+    with contained(program, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, errors="replace") as process:
         for line in process.stdout:
             sys.stdout.write(line)
             sys.stdout.flush()
             printed.append(line)
         return process.wait(), "".join(printed)
-    except KeyboardInterrupt:
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGINT)
-        raise
-    finally:
-        end_all()
 
 
 def report(name, status, printed, seconds):
@@ -86,8 +41,6 @@ def report(name, status, printed, seconds):
 
 
 def main(result, name, *program):
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)  # orphans of the program become children of this process
     os.makedirs(os.path.dirname(os.path.abspath(result)), exist_ok=True)
     began = time.monotonic()
     status, printed = run(program)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-import sys
+import argparse
 from typing import Any, Tuple
 
 import numpy as np
@@ -51,6 +51,9 @@ class Follower:
         self.y, self.y_before = y_next, self.y
 
 
-rospy.init_node("vehicle_" + sys.argv[1], disable_rosout=True)
-follower = Follower(int(sys.argv[1]))
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("index", type=int, help="number of the follower, 1 or more")
+index = parser.parse_args(rospy.myargv()[1:]).index
+rospy.init_node("vehicle_{}".format(index), disable_rosout=True)
+follower = Follower(index)
 rospy.spin()

@@ -4,9 +4,9 @@ vehicle 3 of a launch with model:=cacc.yaml external:=3."""
 
 from __future__ import annotations
 
+import argparse
 import collections
 import math
-import sys
 import threading
 from typing import Any, Deque, Tuple
 
@@ -95,6 +95,9 @@ class Follower:
 
 
 if __name__ == "__main__":
-    rospy.init_node("vehicle_" + sys.argv[1], disable_rosout=True)
-    follower = Follower(int(sys.argv[1]))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("index", type=int, help="number of the follower, 1 or more")
+    index = parser.parse_args(rospy.myargv()[1:]).index
+    rospy.init_node("vehicle_{}".format(index), disable_rosout=True)
+    follower = Follower(index)
     rospy.spin()

@@ -33,5 +33,7 @@ void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, p
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, {"channel"}, run);
+  return platoon::run_component(
+      argc, argv,
+      {"channel", "The links into all followers; records, if the run is recorded. platoon.launch starts it."}, run);
 }

@@ -1,5 +1,5 @@
-// One follower. Parameter ~index: i of vehicle_<i>, 1 or more. It outlives runs: without a run that has a vehicle of
-// its index, it waits for one.
+// One follower. Parameters: ~index, i of vehicle_<i>, 1 or more; ~kept, whether it is to outlive launches (true). It
+// outlives runs: without a run that has a vehicle of its index, it waits for one.
 
 #include "stochastic_platoon/ros/nodes/follower.hpp"
 
@@ -35,7 +35,7 @@ void run(ros::NodeHandle platoon) {
   platoon::ReceivingThread receiving_thread;
   platoon.setCallbackQueue(&receiving_thread);
   const platoon::Follower follower(
-      platoon, present_run(platoon, index), index, platoon::MessagePool(),
+      platoon, present_run(platoon, index), index, ros::NodeHandle("~").param("kept", true), platoon::MessagePool(),
       [](const platoon::Configuration& joined) { platoon::keep_freed_memory(joined.run, 1); });
   diagnostics.add("follower", platoon::VitalSigns(follower.sources()));
   platoon::Superseded().spin();
@@ -45,5 +45,11 @@ void run(ros::NodeHandle platoon) {
 
 // No rosout: one publisher per vehicle would cost more than the platoon.
 int main(int argc, char** argv) {
-  return platoon::run_node(argc, argv, {"follower", ros::init_options::NoRosout}, run);
+  return platoon::run_node(
+      argc, argv,
+      {"follower",
+       "One follower; platoon.launch and followers.launch start it. Parameters: _index:=I, 1 or more; _kept, whether it is to\n"
+       "outlive launches (true).",
+       ros::init_options::NoRosout},
+      run);
 }

@@ -14,5 +14,6 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, {"leader"}, run);
+  return platoon::run_component(argc, argv,
+                                {"leader", "Vehicle 0, the only clock of the platoon. platoon.launch starts it."}, run);
 }

@@ -12,5 +12,6 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, {"markers"}, run);
+  return platoon::run_component(argc, argv,
+                                {"markers", "Draws the platoon in RViz: platoon.launch rviz:=true starts it."}, run);
 }

@@ -16,5 +16,9 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, {"monitor"}, run);
+  return platoon::run_component(
+      argc, argv,
+      {"monitor",
+       "Computes and writes the statistics of a run, and names the node that blocks it. platoon.launch starts it."},
+      run);
 }

@@ -18,5 +18,7 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, {"platoon", 0, 0}, run);
+  return platoon::run_component(
+      argc, argv, {"platoon", "The whole platoon in one process. platoon.launch hosting:=one_process starts it.", 0, 0},
+      run);
 }

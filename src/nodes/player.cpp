@@ -22,5 +22,9 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, {"player"}, run);
+  return platoon::run_component(
+      argc, argv,
+      {"player",
+       "Plays bags into a monitor; replay.launch starts it. Parameters: _bags:='FILE ...', _unverified, _rate, _start, _pause."},
+      run);
 }

@@ -56,5 +56,6 @@ void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, p
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv, {"until_complete"}, run);
+  return platoon::run_component(
+      argc, argv, {"until_complete", "Ends its launch when the run is complete. platoon.launch starts it."}, run);
 }

@@ -35,5 +35,10 @@ void run(const ros::NodeHandle& platoon) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_node(argc, argv, {"vehicle_replay"}, run);
+  return platoon::run_node(
+      argc, argv,
+      {"vehicle_replay",
+       "Replays bags to one live follower and compares its answers; replay.launch drive:=vehicle_I starts it.\n"
+       "Parameters: _bags:='FILE ...', _vehicle:=I, _external, _patience [s], _unverified."},
+      run);
 }

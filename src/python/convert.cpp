@@ -51,10 +51,10 @@ py::object object_of(const nlohmann::json& value, bool with_arrays) {
     case nlohmann::json::value_t::number_float:
       return py::float_(value.get<double>());
     case nlohmann::json::value_t::string:
-      return py::str(value.get<std::string>());
+      return py::cast(value.get<std::string>());
     case nlohmann::json::value_t::object: {
       py::dict object;
-      for (const auto& [key, element] : value.items()) object[py::str(key)] = object_of(element, with_arrays);
+      for (const auto& [key, element] : value.items()) object[py::cast(key)] = object_of(element, with_arrays);
       return std::move(object);
     }
     default:
@@ -67,8 +67,7 @@ py::object object_of(const nlohmann::json& value, bool with_arrays) {
   }
   if (with_arrays && is_matrix(value)) {
     for (const nlohmann::json& row : value) append(row, values);
-    const auto rows = static_cast<py::ssize_t>(value.size());
-    return array_of(std::move(values)).reshape({rows, py::ssize_t{-1}});
+    return array_of(std::move(values), {value.size(), value.front().size()});
   }
   py::list list;
   for (const nlohmann::json& element : value) list.append(object_of(element, with_arrays));
@@ -88,7 +87,8 @@ py::object plain_object_of(const nlohmann::json& value) {
 py::dict dict_of(CsvTable table) {
   py::dict columns;
   for (std::size_t j = 0; j < table.names.size(); ++j) {
-    const py::str name(table.names[j]);
+    // Not py::str, which raises RuntimeError in pybind11 2.6 if the name is not UTF-8; this is a ValueError.
+    const py::object name = py::cast(table.names[j]);
     if (auto* numbers = std::get_if<std::vector<double>>(&table.columns[j])) {
       columns[name] = array_of(std::move(*numbers));
     } else {
@@ -100,13 +100,13 @@ py::dict dict_of(CsvTable table) {
 
 py::dict dict_of(std::map<std::string, CsvTable> tables) {
   py::dict named;
-  for (auto& entry : tables) named[py::str(entry.first)] = dict_of(std::move(entry.second));
+  for (auto& entry : tables) named[py::cast(entry.first)] = dict_of(std::move(entry.second));
   return named;
 }
 
 void register_exceptions() {
   // NOLINTNEXTLINE(performance-unnecessary-value-param): the signature is that of pybind11.
-  py::register_local_exception_translator([](std::exception_ptr raised) {
+  py::register_exception_translator([](std::exception_ptr raised) {
     try {
       if (raised) std::rethrow_exception(raised);
     } catch (const ConfigurationError& error) {

@@ -15,12 +15,19 @@ namespace platoon::python {
 
 namespace py = pybind11;
 
-/// The values as an array of one dimension that owns them, without a copy.
+/// The values, in the order of the rows, as an array of this shape that owns them, without a copy.
 template <typename T>
-py::array_t<T> array_of(std::vector<T> values) {
+py::array_t<T> array_of(std::vector<T> values, py::array::ShapeContainer shape) {
   auto* kept = new std::vector<T>(std::move(values));
   const py::capsule owner(kept, [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); });
-  return py::array_t<T>(static_cast<py::ssize_t>(kept->size()), kept->data(), owner);
+  return py::array_t<T>(std::move(shape), kept->data(), owner);
+}
+
+/// The same with one dimension.
+template <typename T>
+py::array_t<T> array_of(std::vector<T> values) {
+  const std::size_t size = values.size();
+  return array_of(std::move(values), {size});
 }
 
 /// A JSON value in Python: lists of numbers, of one or two dimensions, become arrays of float with NaN for null; all
@@ -37,7 +44,8 @@ py::dict dict_of(CsvTable table);
 py::dict dict_of(std::map<std::string, CsvTable> tables);
 
 /// Raises the Python exceptions that correspond to this package's, with the same texts: ValueError for invalid
-/// arguments, FileNotFoundError and OSError for files.
+/// arguments, FileNotFoundError and OSError for files. pybind11 2.4 has no translators of one module alone: the OSError
+/// for std::system_error holds for all its modules in this process.
 void register_exceptions();
 
 }  // namespace platoon::python

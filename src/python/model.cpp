@@ -1,13 +1,13 @@
 #include "python/model.hpp"
 
 #include <cerrno>
-#include <filesystem>
 #include <system_error>
 #include <utility>
 
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 
 namespace platoon::python {
 
@@ -40,8 +40,12 @@ YAML::Node value_of(const std::string& name, const std::string& text) {
 
 Model Model::load(const std::string& file) {
   const std::string found = shipped_file(file, "config");
-  if (!std::filesystem::exists(found)) throw std::system_error(ENOENT, std::generic_category(), "model: " + file);
-  return Model(load_model(found));
+  try {
+    return Model(load_model(found));
+  } catch (const ConfigurationError& error) {
+    if (may_exist(found)) throw;
+    throw std::system_error(ENOENT, std::generic_category(), error.what());
+  }
 }
 
 Model Model::parse(const std::string& text) {

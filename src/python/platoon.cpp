@@ -8,10 +8,12 @@
 #include <thread>
 
 #include "python/convert.hpp"
+#include "python/interruption.hpp"
 #include "python/model.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/analysis.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
@@ -25,13 +27,6 @@ namespace platoon::python {
 namespace {
 
 using Settings = std::map<std::string, std::string>;
-
-/// The result of a computation without Python objects; other threads may use the interpreter meanwhile.
-template <typename Computation>
-auto unlocked(const Computation& compute) {
-  const py::gil_scoped_release release;
-  return compute();
-}
 
 py::tuple analyze_model(const Model& model, const Settings& settings, const std::string& signals,
                         const std::string& collision_probability) {
@@ -75,38 +70,45 @@ py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads
     }
   };
   how.stop = [&] { return raised != nullptr; };
+  how.stop_seconds = 0.3;
   how.warn = [&](const std::string& text) {
     const py::gil_scoped_acquire lock;
     warn(text);
   };
-  std::string text;
+  if (!configuration.run.output.empty()) require_writable_folder(configuration.run.output);
+  std::string text, unsaved;
   ResultTables tables;
-  {
-    const py::gil_scoped_release unlocked;
+  unlocked([&] {
     const WholeRun run = compute_run(configuration, how);
-    if (!raised) {
-      const auto files = result_files(configuration, run.prediction, run.result);
-      tables = parse_results([&](const std::string& name) { return files.at(name); }, "monte_carlo");
-      text = report(configuration, run.prediction, run.result);
-    }
-  }
+    unsaved = run.unsaved;
+    if (raised) return;
+    const auto files = result_files(configuration, run.prediction, run.result);
+    tables = parse_results([&](const std::string& name) { return files.at(name); }, "monte_carlo");
+    text = report(configuration, run.prediction, run.result);
+  });
   if (raised) std::rethrow_exception(raised);
-  return py::make_tuple(plain_object_of(tables.summary), dict_of(std::move(tables.tables)), text);
+  return py::make_tuple(plain_object_of(tables.summary), dict_of(std::move(tables.tables)), text, unsaved);
 }
 
-py::dict trajectories_of(const Model& model, const Settings& settings, std::uint64_t realization) {
+// (seconds of the steps, {quantity: positions of vehicles 0, 1, ... in turn, step by step}).
+py::tuple trajectories_of(const Model& model, const Settings& settings, std::uint64_t realization) {
   const Configuration configuration = model.configuration(settings);
-  return dict_of(unlocked([&] { return parse_csv(trajectories_csv(configuration, realization), "trajectories"); }));
+  auto found = unlocked([&] { return trajectory_columns(configuration, realization); });
+  py::dict quantities;
+  for (auto& [name, values] : found.quantities) quantities[py::cast(name)] = array_of(std::move(values));
+  return py::make_tuple(array_of(std::move(found.seconds)), quantities);
 }
 
 py::object json_of(const std::string& file) {
   // The conversion to Python objects is recursive.
   constexpr int kDeepest = 100;
   const auto require_shallow = [&file](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    check_interruption();
     if (depth > kDeepest) throw std::invalid_argument(file + ": nested too deep: must be at most 100 levels");
     return true;
   };
-  const nlohmann::json document = nlohmann::json::parse(read_file(file), require_shallow, false);
+  const nlohmann::json document =
+      unlocked([&] { return nlohmann::json::parse(read_file(file, kMostWrittenBytes), require_shallow, false); });
   if (document.is_discarded()) throw std::invalid_argument(file + ": not JSON");
   if (!document.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
   return object_of(document);
@@ -130,7 +132,9 @@ py::dict vehicle_of(const Model& model, std::size_t index) {
 PYBIND11_MODULE(_platoon, module) {
   register_exceptions();
   module.attr("version") = kVersion;
-  module.def("shipped_file", &shipped_file, py::arg("name"), py::arg("folder"));
+  module.def(
+      "shipped_file", [](const std::string& name, const std::string& folder) { return shipped_file(name, folder); },
+      py::arg("name"), py::arg("folder"));
 
   py::class_<Model>(module, "Model")
       .def_static("load", &Model::load, py::arg("file"))
@@ -153,11 +157,15 @@ PYBIND11_MODULE(_platoon, module) {
              py::arg("checkpoint_seconds"), py::arg("progress"), py::arg("warn"));
   module.def("trajectories", &trajectories_of, py::arg("model"), py::arg("settings"), py::arg("realization"));
   module.def("read_results", [](const std::string& folder) {
-    ResultTables results =
-        parse_results([&](const std::string& name) { return read_file(folder + "/" + name); }, folder);
+    ResultTables results = unlocked([&] {
+      const auto read = [&](const std::string& name) { return read_file(folder + "/" + name, kMostWrittenBytes); };
+      return parse_results(read, folder);
+    });
     return py::make_tuple(plain_object_of(results.summary), dict_of(std::move(results.tables)));
   });
-  module.def("read_table", [](const std::string& file) { return dict_of(parse_csv(read_file(file), file)); });
+  module.def("read_table", [](const std::string& file) {
+    return dict_of(unlocked([&] { return parse_csv(read_file(file, kMostWrittenBytes), file); }));
+  });
   module.def("read_json", &json_of, py::arg("file"));
 }
 

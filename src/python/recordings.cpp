@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "python/convert.hpp"
+#include "python/interruption.hpp"
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
@@ -41,8 +42,8 @@ public:
   }
 
   py::array_t<double> array() {
-    const auto rows = static_cast<py::ssize_t>(rows_);
-    return array_of(std::move(values_)).reshape({rows, py::ssize_t{-1}});
+    const std::size_t columns = values_.size() / rows_;
+    return array_of(std::move(values_), {rows_, columns});
   }
 
 private:
@@ -52,8 +53,7 @@ private:
 };
 
 // `stream`: position, predecessor_position, input or predecessor_input.
-py::array_t<double> values_of(const BagSource& source, const std::string& stream, std::size_t vehicle) {
-  const py::gil_scoped_release unlocked;
+StreamTable table_of(const BagSource& source, const std::string& stream, std::size_t vehicle) {
   const RunOptions run = recorded_platoon(source).configuration.run;
   const std::size_t first = stream == "predecessor_position" || stream == "predecessor_input" ? 1 : 0;
   if (vehicle < first || vehicle > run.followers) {
@@ -72,16 +72,14 @@ py::array_t<double> values_of(const BagSource& source, const std::string& stream
   if (is_empty) {
     throw std::out_of_range("stream: " + stream + " of " + vehicle_name(vehicle) + ": is not in the recording");
   }
-  const py::gil_scoped_acquire locked;
-  return table.array();
+  return table;
 }
 
 py::tuple results_of(const BagSource& source, const std::optional<std::vector<std::string>>& signals) {
   ResultTables tables;
   std::string text;
   std::vector<std::string> findings;
-  {
-    const py::gil_scoped_release unlocked;
+  unlocked([&] {
     BagStatistics statistics = statistics_of_bags(source, nullptr, signals);
     if (statistics.result.realizations == 0)
       throw BagError(source.files.front() + ": holds no whole batch: there are no statistics");
@@ -93,7 +91,7 @@ py::tuple results_of(const BagSource& source, const std::optional<std::vector<st
     tables = parse_results([&](const std::string& name) { return files.at(name); }, source.files.front());
     text = report(configuration, prediction, statistics.result);
     findings = statistics.findings;
-  }
+  });
   return py::make_tuple(plain_object_of(tables.summary), dict_of(std::move(tables.tables)), text, findings);
 }
 
@@ -101,12 +99,18 @@ py::tuple results_of(const BagSource& source, const std::optional<std::vector<st
 
 PYBIND11_MODULE(_recordings, module) {
   register_exceptions();
-  py::register_local_exception<BagError>(module, "RecordingError", PyExc_ValueError);
+  py::register_exception<BagError>(module, "RecordingError", PyExc_ValueError);
   py::class_<BagSource>(module, "Source")
       .def(py::init(&source_of), py::arg("files"), py::arg("partial"), py::arg("unverified"));
-  module.def("configuration",
-             [](const BagSource& source) { return to_json(recorded_platoon(source).configuration).dump(); });
-  module.def("values", &values_of, py::arg("source"), py::arg("stream"), py::arg("vehicle"));
+  module.def("configuration", [](const BagSource& source) {
+    return unlocked([&] { return to_json(recorded_platoon(source).configuration).dump(); });
+  });
+  module.def(
+      "values",
+      [](const BagSource& source, const std::string& stream, std::size_t vehicle) {
+        return unlocked([&] { return table_of(source, stream, vehicle); }).array();
+      },
+      py::arg("source"), py::arg("stream"), py::arg("vehicle"));
   module.def("results", &results_of, py::arg("source"), py::arg("signals"));
 }
 

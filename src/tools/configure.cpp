@@ -76,15 +76,20 @@ void require_free_recording(const platoon::RunOptions& run) {
   if (stem.empty() || stem + ".bag" != run.record) {
     throw platoon::ConfigurationError({"record: " + run.record + ": must be a file name that ends in .bag"});
   }
-  for (const std::string& name : {run.record, stem + "_0.bag"}) {
-    const std::string left = platoon::left_recording(name);
-    if (!left.empty()) throw platoon::ConfigurationError({"record: " + left + ": exists: must be a new file"});
-  }
   try {
     platoon::require_writable_folder(std::filesystem::path(run.record).parent_path().string());
   } catch (const std::runtime_error& error) {
     throw platoon::ConfigurationError(
         {std::string("record: ") + error.what() + ": must be in a folder that can be written"});
+  }
+  for (const std::string& name : {run.record, stem + "_0.bag"}) {
+    try {
+      const std::string left = platoon::left_recording(name);
+      if (!left.empty()) throw platoon::ConfigurationError({"record: " + left + ": exists: must be a new file"});
+    } catch (const std::filesystem::filesystem_error& error) {
+      throw platoon::ConfigurationError(
+          {"record: " + error.path1().string() + ": " + error.code().message() + ": must be a new file"});
+    }
   }
 }
 
@@ -144,6 +149,17 @@ bool is_true(const std::string& text) {
   return text == "true" || text == "True" || text == "1";
 }
 
+// Throws ConfigurationError unless the recording holds what the argument `drive` of a replay names.
+void require_drive(const std::string& drive, const platoon::RunOptions& recorded) {
+  if (drive.empty() || drive == "leader") return;
+  for (std::size_t i = 1; i <= recorded.followers; ++i) {
+    if (drive == platoon::vehicle_name(i)) return;
+  }
+  throw platoon::ConfigurationError({"drive: " + drive + ": must be leader, or one of vehicle_1 to " +
+                                     platoon::vehicle_name(recorded.followers) +
+                                     ", the recorded followers; empty: all positions into the monitor"});
+}
+
 // The recorded configuration for another run, without its record, resume, rate and first_realization.
 platoon::Configuration recorded(const platoon::BagSource& bags) {
   platoon::Configuration configuration = platoon::recorded_platoon(bags).configuration;
@@ -165,6 +181,8 @@ int main(int argc, char** argv) {
        all_settings,
        {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
         {"ns", "namespace of the platoon, which must be free"},
+        {"drive",
+         "of a replay, which needs --bag: what the recording drives, leader or a vehicle as vehicle_3; empty: the monitor"},
         {"first", "first vehicle that the launch starts"},
         {"last", "last vehicle that the launch starts"},
         {"own", "renamed: external (rejected when given)"},
@@ -183,7 +201,10 @@ int main(int argc, char** argv) {
         platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch");
     if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);
     require_log_folder();
+    if (line.has("drive") && line["bag"].find_first_not_of(' ') == std::string::npos)
+      throw platoon::ConfigurationError({"bag: missing: must be a recording to replay, as in bag:=/tmp/run.bag"});
     const platoon::BagSource bags{platoon::bag_files(line["bag"]), platoon::Accept::whole, is_true(line["unverified"])};
+    if (line.has("drive")) require_drive(line["drive"], recorded(bags).run);
     std::map<std::string, std::string> settings = line.settings;
     if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);

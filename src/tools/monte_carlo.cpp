@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <csignal>
-#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -15,6 +14,7 @@
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
@@ -56,9 +56,11 @@ bool run_whole(const platoon::Configuration& configuration, platoon::ShardSettin
   const platoon::WholeRun run = platoon::compute_run(configuration, settings);
   display.finish();
   if (run.result.realizations > 0) {
-    std::cout << platoon::report(configuration, run.prediction, run.result) << "Results: " << configuration.run.output
-              << "/statistics.csv and summary.json\n";
+    std::cout << platoon::report(configuration, run.prediction, run.result);
   }
+  if (!run.unsaved.empty()) throw std::runtime_error(run.unsaved);
+  if (run.result.realizations > 0)
+    std::cout << "Results: " << configuration.run.output << "/statistics.csv and summary.json\n";
   return reported("monte_carlo", run.result.realizations, configuration.run.realizations);
 }
 
@@ -73,8 +75,9 @@ bool run_shard(platoon::Configuration configuration, const std::string& text, pl
   const platoon::RealizationRange range = shard.range();
   platoon::ProgressDisplay display = display_of(options, range.size());
   settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
-  const auto [checkpoint, computed] = platoon::compute_shard({configuration, shard.shard}, settings);
+  const auto [checkpoint, computed, unsaved] = platoon::compute_shard({configuration, shard.shard}, settings);
   display.finish();
+  if (!unsaved.empty()) throw std::runtime_error(unsaved);
   const std::uint64_t done = checkpoint.totals.count();
   if (done == range.size()) {
     std::cout << name << ": complete: realizations " << range.first << " to " << range.end - 1 << " of "
@@ -123,7 +126,7 @@ void write_trajectories(const platoon::Configuration& configuration, const std::
   const std::string text = platoon::trajectories_csv(configuration, realization),
                     file = configuration.run.output + "/trajectories.csv";
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-  if (std::filesystem::exists(file))
+  if (platoon::may_exist(file))
     throw platoon::ConfigurationError(
         {"output: " + file + ": exists and is never overwritten: must be another folder"});
   platoon::write_atomically(file, text);

@@ -2,7 +2,6 @@
 // as an array of a cluster's scheduler.
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 
 #include "stochastic_platoon/run/configuration/single_number.hpp"
@@ -29,7 +28,7 @@ std::unique_ptr<platoon::FolderLock> lock_folder(const std::string& output) {
   run.launch_id = "sweep";  // a restarted sweep takes its folder again at once
   std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(run);
   platoon::require_no_results(output);
-  std::filesystem::create_directories(output + "/points");
+  platoon::require_writable_folder(output + "/points");
   return lock;
 }
 
@@ -65,9 +64,10 @@ void run_task(const platoon::Sweep& sweep, const std::string& text, const platoo
   how.threads = settings.threads;
   how.warn = warn;
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(part.configuration.run);
-  const std::uint64_t computed = platoon::compute_shard(part, how).computed;
+  const platoon::ShardResult result = platoon::compute_shard(part, how);
+  if (!result.unsaved.empty()) throw std::runtime_error(result.unsaved);
   std::cout << "task " << task << ": point " << point << " (" << sweep.name_of(point) << "), "
-            << platoon::name_of(shard) << ": complete, " << computed << " realizations computed now\n";
+            << platoon::name_of(shard) << ": complete, " << result.computed << " realizations computed now\n";
 }
 
 }  // namespace

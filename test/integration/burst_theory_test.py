@@ -14,26 +14,37 @@ PREDICTORS = ("hold", "hold", "extrapolate", [1.2, -0.3, 0.1])
 
 
 def chain_of(loss):
-    """Transitions from the row's mode to the column's, 0 arrived and 1 lost, and the stationary probabilities."""
+    """Transitions from the row's mode to the column's, the stationary probabilities, and which modes are lost: those of a
+    chain of states are arrived in each state and lost in each."""
+    if "markov" in loss:
+        p, lost = np.array(loss["markov"]["transition"], float), np.array(loss["markov"]["probability"], float)
+        pi = link_reference.stationary(p)
+        return (np.vstack([np.hstack([p * (1.0 - lost), p * lost])] * 2), np.concatenate([pi * (1.0 - lost), pi * lost]),
+                np.repeat([False, True], len(p)))
     q = loss["probability"]
     b = loss.get("mean_burst", 1.0 / (1.0 - q))
-    return np.array([[1.0 - q / (1.0 - q) / b, q / (1.0 - q) / b], [1.0 / b, 1.0 - 1.0 / b]]), np.array([1.0 - q, q])
+    return (np.array([[1.0 - q / (1.0 - q) / b, q / (1.0 - q) / b], [1.0 / b, 1.0 - 1.0 / b]]), np.array([1.0 - q, q]),
+            np.array([False, True]))
 
 
 def registers_of(loss):
-    """A_0 and A_1 of the registers r(k), r(k-1), ..."""
+    """A_c of the registers r(k), r(k-1), ... in each mode of the chain."""
     c = np.array(link_reference.predictor_of(loss), float)
     arrived = np.eye(len(c), k=-1)
     lost = arrived.copy()
     lost[0] = c
-    return arrived, lost
+    return [lost if is_lost else arrived for is_lost in chain_of(loss)[2]]
+
+
+def blocks(p, a, of):
+    """The block matrix of p_ij of(a_j), from mode i to mode j."""
+    modes = range(len(p))
+    return np.block([[p[i, j] * of(a[j]) for i in modes] for j in modes])
 
 
 def growth(loss):
     """Spectral radius of the second moments of the registers."""
-    p, _ = chain_of(loss)
-    a = registers_of(loss)
-    return np.abs(np.linalg.eigvals(np.block([[p[i, j] * np.kron(a[j], a[j]) for i in range(2)] for j in range(2)]))).max()
+    return np.abs(np.linalg.eigvals(blocks(chain_of(loss)[0], registers_of(loss), lambda a: np.kron(a, a)))).max()
 
 
 def random_loss(random):
@@ -42,6 +53,15 @@ def random_loss(random):
         least = max(1.0, q / (1.0 - q))
         loss = {"probability": q, "mean_burst": least * random.uniform(1.05, 3.0), "on_loss": PREDICTORS[random.integers(4)]}
         if growth(loss) < 0.9:
+            return loss
+
+
+def random_chain(random, states):
+    while True:
+        p = random.dirichlet(np.full(states, 0.7), states)
+        loss = {"markov": {"transition": p.tolist(), "probability": random.uniform(0.0, 0.9, states).tolist()},
+                "on_loss": PREDICTORS[random.integers(4)]}
+        if growth(loss) < 0.9 and max(abs(np.linalg.eigvals(p) - 1.0)) > 0.0 and np.sort(abs(np.linalg.eigvals(p)))[-2] < 0.97:
             return loss
 
 
@@ -71,15 +91,17 @@ def dense_moments(model, followers, steps):
     numbers small."""
     system = link_reference.System(model, followers)
     chains = [chain_of(vehicle["channel"]["loss"]) for vehicle in link_reference.vehicles_of(model, followers)]
-    modes = list(itertools.product((0, 1), repeat=followers))
-    stationary = np.array([np.prod([pi[c] for (_, pi), c in zip(chains, mode)]) for mode in modes])
-    step = np.array([[np.prod([p[a, c] for (p, _), a, c in zip(chains, before, after)]) for after in modes] for before in modes])
+    modes = list(itertools.product(*(range(len(pi)) for _, pi, _ in chains)))
+    stationary = np.array([np.prod([pi[c] for (_, pi, _), c in zip(chains, mode)]) for mode in modes])
+    step = np.array([[np.prod([p[a, c] for (p, _, _), a, c in zip(chains, before, after)]) for after in modes] for before in modes])
     maps = []
     for mode in modes:
         m = system.m.copy()
-        for lost, part, gain, innovation in zip(mode, system.parts, system.gains, system.innovations):
-            m += ((0.0 if lost else 1.0) - (1.0 - part.q)) * np.outer(gain, innovation)
+        for (_, _, lost), c, part, gain, innovation in zip(chains, mode, system.parts, system.gains, system.innovations):
+            m += ((0.0 if lost[c] else 1.0) - (1.0 - part.q)) * np.outer(gain, innovation)
         maps.append(m)
+    without_losses = system.m + sum(part.q * np.outer(gain, innovation)
+                                    for part, gain, innovation in zip(system.parts, system.gains, system.innovations))
     n = system.size
     path, covariance = system.start()
     first = np.zeros((len(modes), n))
@@ -94,44 +116,44 @@ def dense_moments(model, followers, steps):
             variances[i, k] = error[:n] @ spread @ error[:n]
         before, squares = step.T @ first, np.einsum("ac,aij->cij", step, second)
         for c, (m, probability) in enumerate(zip(maps, stationary)):
-            drive = (m - maps[0]) @ whole
+            drive = (m - without_losses) @ whole
             cross = np.outer(m[:, :n] @ before[c], drive)
             second[c] = m[:, :n] @ squares[c] @ m[:, :n].T + cross + cross.T + probability * (
                 np.outer(drive, drive) + m[:, n + 1:] @ m[:, n + 1:].T)
             first[c] = m[:, :n] @ before[c] + probability * drive
-        path = maps[0] @ whole
+        path = without_losses @ whole
     return means, variances
 
 
 def kernel(loss, points):
     """T_L at the points w of a grid, and g(w, nu) for all pairs: registers driven by e^{j nu k}, divided by it."""
     w = 2.0 * np.pi * (np.arange(points) + 0.5) / points
-    p, pi = chain_of(loss)
+    p, pi, lost = chain_of(loss)
     a = registers_of(loss)
-    n = len(a[0])
-    e = np.eye(n)[0]
-    second = np.eye(2 * n * n) - np.block([[p[i, j] * np.kron(a[j], a[j]) for i in range(2)] for j in range(2)])
-    both = np.block([[p[i, j] * a[j] for i in range(2)] for j in range(2)])
-    output = np.concatenate([e, e])
+    n, count = len(a[0]), len(p)
+    e, entering = np.eye(n)[0], np.where(lost, 0.0, pi)
+    second = np.eye(count * n * n) - blocks(p, a, lambda a: np.kron(a, a))
+    both = blocks(p, a, lambda a: a)
+    output = np.tile(e, count)
     passed, g = np.zeros(points, complex), np.zeros((points, points))
     for column, nu in enumerate(w):
         back = np.exp(-1j * nu)
-        mean = np.linalg.solve(np.eye(2 * n) - back * both, np.concatenate([pi[0] * e, 0.0 * e]))
-        q = mean.reshape(2, n)
-        drive = np.zeros((2, n, n), complex)
-        cross = back * np.outer(a[0] @ (p[0, 0] * q[0] + p[1, 0] * q[1]), e)
-        drive[0] = cross + cross.conj().T + pi[0] * np.outer(e, e)
-        squares = np.linalg.solve(second, drive.reshape(-1)).reshape(2, n, n)
+        mean = np.linalg.solve(np.eye(count * n) - back * both, np.kron(entering, e))
+        q = mean.reshape(count, n)
+        drive = np.zeros((count, n, n), complex)
+        for c in np.flatnonzero(~lost):
+            cross = back * np.outer(a[c] @ (p[:, c] @ q), e)
+            drive[c] = cross + cross.conj().T + pi[c] * np.outer(e, e)
+        squares = np.linalg.solve(second, drive.reshape(-1)).reshape(count, n, n)
         t = output @ mean
         v = (squares[:, :, 0] - q * np.conj(t)).reshape(-1)
-        arrived = np.conj(q[0, 0]) - pi[0] * np.conj(t)  # E[1{arrived} conj(r - E r)]
+        modes = np.conj(q[:, 0]) - pi * np.conj(t)  # E[1{mode c} conj(r - E r)]
         g[:, column] = -(output @ v).real
         for lag in range(100000):
             g[:, column] += 2.0 * (np.exp(1j * (nu - w) * lag) * (output @ v)).real
-            arrived *= p[1, 1] - p[0, 1]
-            v = back * (both @ v)
-            v[0] += arrived
-            if np.abs(v).max() < 1e-15 and abs(arrived) < 1e-15:
+            modes = modes @ p
+            v = back * (both @ v) + np.kron(np.where(lost, 0.0, modes), e)
+            if np.abs(v).max() < 1e-15 and np.abs(modes).max() < 1e-15:
                 break
         passed[column] = t
     return w, passed, g
@@ -167,10 +189,26 @@ class Analyze(AnalyzeTest):
                 np.testing.assert_allclose(theory["stationary_variance"], variances[:, -1], rtol=1e-10)
                 np.testing.assert_allclose(theory["stationary_mean"], means[:, -1], rtol=1e-10, atol=1e-9)
 
+    def test_chains_of_states_are_those_of_the_whole_state(self):
+        for seed in range(8):
+            random = np.random.default_rng(100 + seed)
+            model = model_of(int(random.integers(2, 4)), {"loss": random_chain(random, 2 + seed % 4), "delay": int(random.integers(3))},
+                             time_headway=random.uniform(2.6, 4.0))
+            with self.subTest(seed=seed, model=model):
+                followers = 2 if seed % 4 < 2 else 1
+                theory = self.analyze(model, followers, 300)
+                means, variances = dense_moments(model, followers, 300)
+                np.testing.assert_allclose(theory["mean"], means, rtol=1e-10, atol=1e-10)
+                np.testing.assert_allclose(theory["variance"], variances, rtol=1e-10, atol=1e-13 * variances.max())
+                np.testing.assert_allclose(theory["stationary_variance"], variances[:, -1], rtol=1e-10)
+
     def test_loss_gain_is_that_of_the_dense_operator(self):
         for loss in ({"probability": 0.2, "mean_burst": 3.0, "on_loss": "hold"},
                      {"probability": 0.6, "mean_burst": 1.7, "on_loss": "hold"},
-                     {"probability": 0.1, "mean_burst": 1.5, "on_loss": "extrapolate"}):
+                     {"probability": 0.1, "mean_burst": 1.5, "on_loss": "extrapolate"},
+                     {"markov": {"transition": [[0.9, 0.1], [0.3, 0.7]], "probability": [0.02, 0.7]}, "on_loss": "hold"},
+                     {"markov": {"transition": [[0.2, 0.7, 0.1], [0.1, 0.2, 0.7], [0.7, 0.2, 0.1]], "probability": [0.0, 0.5, 1.0]},
+                      "on_loss": "hold"}):
             model = model_of(3, {"loss": loss})
             self.assertAlmostEqual(self.analyze(model, 1, 2)["loss_gain"] / loss_gain(model, 128)[1], 1.0, delta=1e-10)
 

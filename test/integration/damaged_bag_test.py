@@ -71,7 +71,10 @@ class Damaged(SmallBagTest):
         rosbag.Bag(empty, "w").close()
         self.rejected(empty, "empty.bag: holds no topic \"configuration\": it is no recording of a platoon")
         self.rejected(self.write("nothing.bag", ""), "nothing.bag: is damaged or no bag")
-        self.rejected(self.path("missing.bag"), "missing.bag: must be a bag file that can be read")
+        self.rejected(self.path("missing.bag"), "missing.bag: must be a bag, a regular file that can be read")
+        os.mkfifo(self.path("fifo"))
+        self.rejected(self.path("fifo"), "fifo: must be a bag, a regular file that can be read")
+        self.rejected("/dev/zero", "/dev/zero: must be a bag, a regular file that can be read")
         self.rejected(__file__, "damaged_bag_test.py: is damaged or no bag")
 
     def test_the_file_of_a_killed_recorder_is_rejected_and_used_with_partial(self):

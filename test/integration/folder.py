@@ -1,10 +1,17 @@
-"""A temporary folder for each test, and processes that end with it."""
+"""A temporary folder for each test, and processes that end with it. A test that imports this module runs contained: see contained.py."""
 
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
+
+sys.path.append(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+
+import contained  # noqa: E402: test/contained.py
+
+contained.contain_this_script()
 
 
 def temporary_folder(cleanup):

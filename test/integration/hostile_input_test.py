@@ -86,6 +86,8 @@ REPLACED = [
      "plant, controller: order 29: the closed loop must have at most 20 poles"),
     ("[1.0, -2.0, 1.0]", "[1.0, -1.5, 0.5]", "no double integral action: G(z) K(z) must have two poles at z = 1"),
     ("[1.35, 0.0]", "[1.35, 0.0, 0.0, 0.0]", "plant, controller: relative degree 0: T must be strictly proper (more poles than zeros)"),
+    ("controller:\n  numerator: [1.35, 0.0]\n  denominator: [1.0, 0.89]\n  divide_by_one_plus_headway: true", "controller: {kp: 0,2, kd: 0.7}",
+     "model/controller/kp: 0,2: must be one number, with a decimal point in place of the comma"),
     ("[1.35, 0.0]", "[13.5, 0.0]", "the closed loop is unstable: rho(A) = "),
     ("divide_by_one_plus_headway: true", "divide_by_one_plus_headway: 1",
      "model/controller/divide_by_one_plus_headway: 1: must be true or false"),
@@ -172,11 +174,19 @@ ARGUMENTS = [
     ("headway", "-1", "model/time_headway: -1: " + POSITIVE),
     ("headway", "abc", "model/time_headway: abc: " + POSITIVE),
     ("noise_variance", "-1", "model/noise_variance: -1: " + NOT_NEGATIVE),
-    ("model", "/no/such/file", "model: /no/such/file: must be a file of at most 256 MB that can be read"),
-    ("model", "/proc", "model: /proc: must be a file of at most 256 MB that can be read (Is a directory)"),
-    ("model", "/proc/self/mem", "model: /proc/self/mem: must be a file of at most 256 MB that can be read"),
-    ("model", "/dev/zero", "model: /dev/zero: must be a file of at most 256 MB that can be read (File too large)"),
-    ("model", "", "model: : must be a file of at most 256 MB that can be read"),
+    ("headway", "3,2", "model/time_headway: 3,2: " + POSITIVE + ", with a decimal point in place of the comma"),
+    ("model", "/no/such/file", "model: /no/such/file: no such file: must be a model file, or one of the shipped acc.yaml, "),
+    ("model", "cac.yaml", "model: cac.yaml: no such file: must be a model file, or one of the shipped acc.yaml, "),
+    ("model", "/proc", "model: /proc: must be a regular file of at most 256 MB that can be read (a folder)"),
+    ("model", "/proc/self/mem", "model: /proc/self/mem: must be a regular file of at most 256 MB that can be read"),
+    ("model", "/dev/zero", "model: /dev/zero: must be a regular file of at most 256 MB that can be read (a device)"),
+    ("model", "", "model: (empty): no such file: must be a model file"),
+    ("model", "a" * 300, "must be a regular file of at most 256 MB that can be read (File name too long)"),
+    ("leader", "cit.csv", "leader/file: cit.csv: no such file: must be a table of a drive, or one of the shipped city.csv, motorway.csv"),
+    ("leader", "/dev/zero", "leader/file: /dev/zero: must be a regular file of at most 256 MB that can be read (a device)"),
+    ("leader", "a" * 300, "must be a regular file of at most 256 MB that can be read (File name too long)"),
+    ("record", "/tmp/" + "a" * 300 + ".bag", ".bag: File name too long: must be a new file"),
+    ("output", "/tmp/" + "a" * 300, ": cannot be made: File name too long"),
     ("output", "/proc/run", "output: /proc/run: cannot be made: "),
     ("output", "/dev/null", "output: /dev/null: cannot be made: "),
 ]
@@ -214,6 +224,20 @@ class Rejected(FolderTest):
     def test_a_model_file_that_is_none(self):
         for text, said in FILES:
             self.check_model(text, said)
+
+    def test_names_that_lead_to_no_regular_file(self):
+        """A FIFO without a writer would hang for ever; a link to itself ends in an error of the system."""
+        os.mkfifo(self.path("fifo"))
+        os.symlink("loop", self.path("loop"))
+        for argument in ("model", "leader"):
+            for name, reason in (("fifo", "a FIFO"), ("loop", "Too many levels of symbolic links")):
+                self.check("{}: must be a regular file of at most 256 MB that can be read ({})".format(self.path(name), reason),
+                           **{argument: self.path(name)})
+        self.check("loop.bag: Too many levels of symbolic links: must be a new file", record=self.link("loop.bag"))
+
+    def link(self, name):
+        os.symlink(name, self.path(name))
+        return self.path(name)
 
     def test_a_launch_argument_that_is_wrong(self):
         for name, value, said in ARGUMENTS:

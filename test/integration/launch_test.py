@@ -30,7 +30,18 @@ class BadInput(LaunchTest):
         self.assertFalse(os.path.exists(self.output))
 
     def test_a_model_file_that_is_missing_is_named(self):
-        self.rejected("model: /nowhere/model.yaml: must be a file of at most 256 MB that can be read", model="/nowhere/model.yaml")
+        self.rejected("model: /nowhere/model.yaml: no such file: must be a model file, or one of the shipped acc.yaml", model="/nowhere/model.yaml")
+
+    def test_an_argument_that_a_launch_file_needs_is_named(self):
+        self.rejected("bag: missing: must be a recording to replay", file="replay.launch")
+        self.rejected("bag: missing: must be a recording to replay", file="replay.launch", drive="leader")
+        self.rejected("arg 'first' is not defined", file="followers.launch", output=None)
+
+    def test_a_replay_of_a_vehicle_that_is_not_recorded_is_rejected(self):
+        small = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data", "small.bag")
+        for drive in ("vehicle_33", "vehicle_0", "vehicle_x", "follower"):
+            self.rejected("drive: {}: must be leader, or one of vehicle_1 to vehicle_2, the recorded followers".format(drive),
+                          file="replay.launch", bag=small, drive=drive, unverified=True)
 
     def test_unknown_and_missing_keys_are_named(self):
         model = self.model_with(time_headwya=3.2, time_headway=None)

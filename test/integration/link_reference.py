@@ -53,6 +53,19 @@ def predictor_of(loss):
         loss["on_loss"], str) else loss["on_loss"]
 
 
+def stationary(transition):
+    """The stationary probabilities of a chain: pi P = pi."""
+    p = np.array(transition, float)
+    system = np.vstack([p.T - np.eye(len(p)), np.ones(len(p))])
+    return np.linalg.lstsq(system, np.append(np.zeros(len(p)), 1.0), rcond=None)[0]
+
+
+def loss_probability(loss):
+    if "markov" not in loss:
+        return loss["probability"]
+    return float(stationary(loss["markov"]["transition"]) @ np.array(loss["markov"]["probability"]))
+
+
 class Part:
     """One follower and its link: indices into the state, and matrices."""
 
@@ -65,7 +78,7 @@ class Part:
         self.wa, self.wb, self.wc, self.wd = state_space(numerator / denominator[0], denominator / denominator[0])
         self.delay = link.get("delay", 0)
         loss = link.get("loss", {"probability": 0.0, "on_loss": [1.0]})
-        self.q, self.predictor = loss["probability"], np.array(predictor_of(loss), float)
+        self.q, self.predictor = loss_probability(loss), np.array(predictor_of(loss), float)
         self.noise, self.dither = vehicle["noise_variance"], link.get("quantisation_step", 0.0) ** 2 / 12.0
         self.initial = vehicle["initial_position"]
         sizes = [len(self.b), len(self.wb), self.delay, len(self.predictor), 1]  # x, filter, delay, used, y(k-1)

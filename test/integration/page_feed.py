@@ -31,6 +31,7 @@ class Fed(unittest.TestCase):
         thread.start()
         for undo in (thread.join, self.server.server_close, self.server.shutdown, self.server.closing.set):
             self.addCleanup(undo)
+        self.addCleanup(self.browser.open, "about:blank")  # before the server ends: a page without server complains in the next test
         self.browser.complaints()
 
     def open(self):

@@ -66,13 +66,19 @@ class Models(ModuleTest):
     def test_bad_models_raise_with_the_texts_of_the_tools(self):
         model = sp.Model.load()
         self.assertRaisesText(FileNotFoundError, "nowhere.yaml", sp.Model.load, "nowhere.yaml")
-        self.assertRaisesText(ValueError, "must be a file of at most 256 MB that can be read (Is a directory)", sp.Model.load, self.folder)
+        self.assertRaisesText(ValueError, "must be a regular file of at most 256 MB that can be read (a folder)", sp.Model.load, self.folder)
         self.assertRaisesText(ValueError, "time_headway: -1", model.replace, time_headway=-1)
         self.assertRaisesText(ValueError, "time_heedway: unknown key", model.replace, time_heedway=1)
         self.assertRaisesText(ValueError, "seed: belongs to a run", model.replace, seed=2)
         self.assertRaisesText(ValueError, "must be YAML", sp.Model.parse, "a: [1")
         for function in (sp.analyze, sp.monte_carlo, sp.stability_map):
             self.assertRaisesText(TypeError, "model: 'paper.yaml': must be a Model", function, "paper.yaml")
+        self.assertRaisesText(FileNotFoundError, "cac.yaml: no such file: must be a model file, or one of the shipped acc.yaml", sp.Model.load, "cac.yaml")
+        for bad in (object(), [object()], {(1, 2): 3}, b"3"):
+            self.assertRaisesText(ValueError, "headway: ", model.replace, headway=bad)
+        self.assertRaisesText(ValueError, "signals: 5: must be names", sp.analyze, model, signals=5)
+        self.assertRaisesText(ValueError, "collision_probability: <object", sp.analyze, model, collision_probability=object())
+        self.assertRaisesText(ValueError, "loss: [None]: must be a list of numbers", sp.stability_map, model, loss=[None])
         document = model.to_dict()
         document["noise_variance"] = -0.5
         with open(self.path("bad.yaml"), "w") as file:

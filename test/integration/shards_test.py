@@ -204,7 +204,7 @@ class Sweeps(ShardsTest):
         output = ["--output", self.path("run")]
         self.rejected("sweep FILE --output DIR: must be given one file", *output)
         self.rejected("output: (empty): must be a folder", self.file)
-        self.rejected("sweep: /nowhere: must be a file of at most 256 MB that can be read (No such file or directory)", "/nowhere", *output)
+        self.rejected("sweep: /nowhere: must be a regular file of at most 256 MB that can be read (No such file or directory)", "/nowhere", *output)
         self.rejected("task: 20: must be a whole number from 0 to 19", self.file, "--task", "20", *output)
         self.rejected("task: all: must be a whole number", self.file, "--task", "all", *output)
         self.rejected("1000000 x 1000000 = 1e+12 points: must be at most 100000",

@@ -4,7 +4,7 @@ import random
 from dataclasses import dataclass, field
 
 SIGNALS = ("SIGKILL", "SIGSTOP", "SIGTERM")
-MODELS = ("paper.yaml", "lossy.yaml", "mixed.yaml")  # in config
+MODELS, RADIOS = ("paper.yaml", "lossy.yaml", "mixed.yaml", "by_distance.yaml"), ("cacc.yaml", )  # in config
 BURN_IN = 50
 
 
@@ -81,7 +81,7 @@ class Scale:
 
 
 LONG = Scale(followers=20, seconds=(4.0, 12.0), gap=(0.2, 2.0), hold=3.0, kept_share=0.3, many_kills=200, launch={})
-SHORT = Scale(followers=6, seconds=(0.7, 1.2), gap=(0.1, 0.5), hold=0.6, kept_share=0.1, many_kills=0,
+SHORT = Scale(followers=6, seconds=(0.7, 1.2), gap=(0.1, 0.5), hold=0.6, kept_share=0.25, many_kills=0,
               launch=dict(stall_timeout=0.5))
 
 
@@ -170,11 +170,11 @@ def draw_size(rng, run, followers, hosting, seconds):
     run.arguments.update(batch=0 if not paced and rng.random() < 0.2 else batch, rate=rate)
 
 
-def draw_run(rng, case, scale, endless_share=0.1):
+def draw_run(rng, case, scale, models=None, endless_share=0.1):
     hosting = "processes" if case.kept or rng.random() < 0.6 else "one_process"
     seconds = rng.uniform(*scale.seconds)
     endless = rng.random() < endless_share
-    run = Run(dict(followers=case.followers, headway=draw_headway(rng), seed=rng.randrange(1, 2 ** 31), model=rng.choice(MODELS)),
+    run = Run(dict(followers=case.followers, headway=draw_headway(rng), seed=rng.randrange(1, 2 ** 31), model=rng.choice(models or MODELS + RADIOS)),
               dict(scale.launch, hosting=hosting), not endless and rng.random() < 0.35, [])
     if endless:
         run.settings.update(steps=0, realizations=1)
@@ -208,6 +208,8 @@ def draw_case(seed, number, scale):
         return case
     if rng.random() < scale.kept_share:
         case.kept = rng.randint(2, case.followers)
-    for _ in range(rng.randint(2, 3) if case.kept else 1):
-        case.runs.append(draw_run(rng, case, scale))
+    # On kept followers, models with radios in turn with others.
+    first = rng.randrange(2)
+    for number in range(rng.randint(2, 4) if case.kept else 1):
+        case.runs.append(draw_run(rng, case, scale, (MODELS, RADIOS)[(first + number) % 2] if case.kept else None))
     return case

@@ -81,11 +81,15 @@ class Wire(unittest.TestCase):
                 publishers[0].publish(position)
             reporter.publish(Progress(receiver="monitor", run=now.run, attempt=LAST_ATTEMPT, step=-2))
             reporter.publish(Progress(receiver="no\x1b[2J one", run=now.run, attempt=now.attempt, step=2**62))
+            for forged in ("vehicle_2", "vehicle_3", "channel", "no\x1b[2J one"):
+                reporter.publish(Progress(receiver=forged, run=now.run, attempt=now.attempt, step=-2, notice=Progress.MISSED))
             wanted = ["/platoon/vehicle_2/position has two publishers: {}, which counts in this run, and {}, whose messages are dropped".format(
                           cls.node("vehicle_2"), rospy.get_name()),
                       "/platoon/progress of monitor has two publishers: {}, which counts in this run, and {}, whose messages are dropped".format(
                           cls.node("monitor"), rospy.get_name()),
-                      'progress: ignored a report from "no\\x1b[2J one": it is no receiver of this run']
+                      'progress: ignored a report from "no\\x1b[2J one": it is no receiver of this run',
+                      'progress: ignored a notice of "vehicle_2" from the node {}, which is not the publisher of /platoon/vehicle_2/position'.format(
+                          rospy.get_name())]
             return all(words in cls.said for words in wanted)
 
         live_platoon.wait_for(all_said, "the second publishers to be named")

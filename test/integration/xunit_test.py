@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""test/xunit.py, which runs each program test: its JUnit file, and that no process outlives an interrupted test."""
+"""test/xunit.py, which runs each program test: its JUnit file; and test/contained.py: no process outlives a test, whatever its end."""
 
 import os
 import signal
@@ -10,9 +10,11 @@ import xml.etree.ElementTree
 
 import live_platoon
 from folder import FolderTest
-from processes import processes_with
+from processes import processes_with, words_of
 
-XUNIT = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "xunit.py")
+HERE = os.path.dirname(os.path.abspath(__file__))
+TEST = os.path.dirname(HERE)
+XUNIT = os.path.join(TEST, "xunit.py")
 # A test that starts a master, and a process in a session of its own.
 LAUNCHING = """
 import subprocess, sys, tempfile, time
@@ -57,12 +59,43 @@ class Xunit(FolderTest):
     def test_no_process_outlives_an_interrupted_test(self):
         for number in (signal.SIGINT, signal.SIGTERM):
             with self.subTest(signal=number):
-                process = self.start(sys.executable, "-c", LAUNCHING, os.path.dirname(os.path.abspath(__file__)))
+                process = self.start(sys.executable, "-c", LAUNCHING, HERE)
                 self.assertEqual(process.stdout.readline(), "both run\n")
                 self.assertGreater(len(processes_with("MARK=" + self.folder)), 4)  # xunit.py, the test, sleep, roscore, rosmaster, rosout
                 os.killpg(process.pid, number)
                 self.assertEqual(process.wait(timeout=live_platoon.DEADLINE), 130)
                 self.assertEqual(processes_with("MARK=" + self.folder), [])
+
+
+class Contained(FolderTest):
+    def start(self, *command):
+        environment = {name: value for name, value in os.environ.items() if name != "PLATOON_CONTAINED"}
+        return self.background(*command, env=dict(environment, MARK=self.folder, TMPDIR=self.folder), start_new_session=True,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def running(self):
+        return processes_with("MARK=" + self.folder)
+
+    def test_no_process_outlives_a_program_that_ends_or_fails(self):
+        for status in (0, 3):
+            program = self.start(os.path.join(TEST, "contained.py"), "bash", "-c", "sleep 1000 & setsid sleep 1000 & exit {}".format(status))
+            self.assertEqual(program.wait(timeout=live_platoon.DEADLINE), status)
+            self.assertEqual(self.running(), [])
+
+    def test_no_node_outlives_a_test_that_is_started_by_hand_and_interrupted(self):
+        for number, *command in ((signal.SIGTERM, os.path.join(HERE, "kept_followers_test.py"), "ChangingModels"),
+                                 (signal.SIGINT, os.path.join(TEST, "soak"), "1", "3"), (signal.SIGHUP, os.path.join(TEST, "flips"), "10")):
+            with self.subTest(signal=number):
+                program = self.start(*command)
+                live_platoon.wait_for(lambda: any("/roslaunch" in word for process in self.running() for word in words_of(process)), "a launch")
+                os.kill(program.pid, number)
+                self.assertEqual(program.wait(timeout=live_platoon.DEADLINE), 130)
+                self.assertEqual(self.running(), [])
+
+    def test_no_process_outlives_an_interrupted_bash_script(self):
+        for script in ("architectures", "benchmark/run", "compilers", "fuzz/run", "run", "sanitize", "tidy"):
+            with open(os.path.join(TEST, script)) as file:
+                self.assertIn('|| exec "$source_folder/test/contained.py" "$0" "$@"\n', "".join(file.readlines()[:20]), script)
 
 
 if __name__ == "__main__":

@@ -4,10 +4,11 @@
 import ast
 import collections
 import glob
+import importlib.util
 import os
 import re
 import subprocess
-import sys
+import sysconfig
 import unittest
 import xml.etree.ElementTree
 
@@ -19,6 +20,24 @@ NAMED_FILE = re.compile(r"(?<![\w/.*-])((?:src|launch|config|msg|test)/[\w/.-]+\
 # A constant, an alias or a type at the level of a namespace, as clang-format lays it out.
 GLOBAL_NAME = re.compile(r"^(?:constexpr [\w:<>, ]+[ >](?P<constant>k\w+)(?:\[\])? ?[={]|using (?P<alias>\w+) = (?P<meaning>[^;]*);|"
                          r"(?:struct|class|enum class) (?P<type>\w+)\b[^;\n]*{)", re.M)
+
+# What ROS Noetic's compiler, libraries and Python do not have yet; Debian 11, which test/distributions tries, has some of it.
+TOO_NEW = {
+    ("cpp", "hpp"): {
+        r"\.(?:expm1|logistic|rint|cbrt)\(\)|\.reshaped\b|\bEigen::(?:seqN?|all|last|lastN|fix)\b|\.(?:col|row)wise\(\)\.(?:begin|end)\(": "Eigen 3.4",
+        r"\bregister_local_\w+|\)\.reshape\(|\bpy::(?:module_|kw_only|pos_only|is_final|type|prepend|custom_type_setup)\b": "pybind11 2.6 or 2.8",
+        r"\bordered_json\b|\bNLOHMANN_DEFINE_\w+|\bpatch_inplace\b|\bas_base_class\b": "nlohmann-json 3.9",
+        r"#include <(?:bit|concepts|format|numbers|ranges|source_location|span|syncstream)>|\bstd::(?:ssize|erase_if|to_chars)\b": "C++20 or GCC 11",
+    },
+    ("py",): {
+        r"\bsys\.stdlib_\w+|\bzip\([^\n]*strict=|\.bit_count\(|\bpairwise\(|\broot_dir=": "Python 3.10",
+        r"\.remove(?:prefix|suffix)\(|\bfunctools\.cache\b|\bmath\.(?:lcm|nextafter|ulp)\b|\bast\.unparse\b|\brandbytes\(|\b(?:graphlib|zoneinfo|tomllib)\b": "Python 3.9",
+        r"\benter(?:Class|Module)?Context\(|\bassertNoLogs\(|\bprocess_group=|\bfile_digest\(": "Python 3.10 or 3.11",
+    },
+    ("txt", "cmake"): {
+        r"\b(?:cmake_path|cmake_language)\(|\bCOMMAND_ERROR_IS_FATAL\b|\bfile\(REAL_PATH\b|\bblock\(": "CMake 3.18 or later",
+    },
+}
 
 
 def text_of(name):
@@ -46,6 +65,12 @@ def imported(name):
             yield node.module.split(".")[0]
 
 
+def is_standard(module):
+    """Whether Python's own library has the module; only Python 3.10 and later list them."""
+    found = importlib.util.find_spec(module)
+    return found is not None and (found.origin in ("built-in", "frozen") or (found.origin or "").startswith(sysconfig.get_path("stdlib") + "/"))
+
+
 class Package(unittest.TestCase):
     def test_imports_of_the_installed_programs_are_declared(self):
         manifest = xml.etree.ElementTree.fromstring(text_of("package.xml"))
@@ -53,10 +78,23 @@ class Package(unittest.TestCase):
         found = 0
         for name in source_files():
             if name.startswith(("src", "launch")) and is_python(name):
-                foreign = set(imported(name)) - OURS - set(sys.stdlib_module_names)
+                foreign = {module for module in set(imported(name)) - OURS if not is_standard(module)}
                 found += len(foreign)
                 self.assertEqual(foreign - declared, set(), name + ": missing in package.xml")
         self.assertGreater(found, 20)
+
+    def test_nothing_is_newer_than_noetic_has(self):
+        """CMake 3.16, Eigen 3.3.7, GCC 9, nlohmann-json 3.7.3, pybind11 2.4.3, Python 3.8."""
+        read = 0
+        for name in source_files():
+            kind = "py" if is_python(name) else name.rpartition(".")[2]
+            if kind == "py":
+                ast.parse(text_of(name), name, feature_version=(3, 8))
+            for pattern, version in next((table for kinds, table in TOO_NEW.items() if kind in kinds), {}).items():
+                read += 1
+                found = name != os.path.relpath(__file__, PACKAGE) and re.search(pattern, text_of(name))
+                self.assertFalse(found, "{}: {} needs {}".format(name, found and found[0], version))
+        self.assertGreater(read, 1500)
 
     def test_the_files_that_are_named_exist(self):
         found = 0

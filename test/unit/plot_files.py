@@ -73,7 +73,8 @@ class PlotTest(unittest.TestCase):
         self.write("\n".join([heading] + rows) + "\n", name, "statistics.csv")
         summary = {"complete": True, "followers": followers, "steps": steps, "time_average": False,
                    "realizations": COUNT, "seed": 7, "theory": {"spectral_radius": 0.5, "string_stable": True},
-                   "standard_error_of_variance": [0.25 * i for i in range(1, followers + 1)]}
+                   "standard_error_of_variance": [0.25 * i for i in range(1, followers + 1)],
+                   "largest_standard_error_of_variance": [0.5 * i for i in range(1, followers + 1)]}
         summary.update(changes)
         return self.write_summary(name, summary)
 

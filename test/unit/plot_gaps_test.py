@@ -207,7 +207,7 @@ class Trajectories(GapTest):
         self.assertTrue({233, 234} <= set(shown) and len(shown) <= 19)
 
     def test_rejects_an_invalid_realization(self):
-        self.assert_rejects("trajectories", self.path("none.csv"), saying=["none.csv: No such file"])
+        self.assert_rejects("trajectories", self.path("none.csv"), saying=["none.csv: must be a regular file", "(No such file or directory)"])
         path = self.make_trajectories()
         self.assert_rejects("trajectories", path, "--around", "30", saying=["--around: 30: must be a step of", "from -1 to 29"])
         lines = self.lines("trajectories.csv")

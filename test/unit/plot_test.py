@@ -147,7 +147,8 @@ class Numbers(PlotTest):
         self.assertAlmostEqual(case.mean.measured[0], np.sqrt(square))
         self.assertAlmostEqual(case.variance.measured[0], 2.3)
         # 2.4977: the normal quantile of 1 - 0.05 / (2 * 4), simultaneous for all four steps
-        self.assertAlmostEqual(case.variance.half_width[0], 2.4977 * 2.3 * np.sqrt(2.0 / (COUNT - 1)), 4)
+        for i in (1, 2, 3):
+            self.assertAlmostEqual(case.variance.half_width[i - 1], 2.4977 * 0.5 * i, 4)
         self.assertAlmostEqual(case.mean.own[0], np.sqrt(0.14))
 
     def test_error_bars_of_the_string_are_two_standard_errors(self):

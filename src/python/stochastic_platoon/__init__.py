@@ -15,13 +15,13 @@ from ._platoon import version as __version__
 from .model import Configuration, Model, Vehicle, shipped_file
 from .recording import Recording
 from .results import Results
-from .simulation import Trajectories, monte_carlo, trajectories
+from .simulation import Trajectories, UnsavedResults, monte_carlo, trajectories
 from .sweeps import Sweep
 from .tables import Ages, Amplification, Gaps, Moments
 from .theory import Analysis, StabilityMap, analyze, stability_map
 
 __all__ = [
     "__version__", "Ages", "Amplification", "Analysis", "Configuration", "Gaps", "Model", "Moments", "Recording", "Results",
-    "StabilityMap", "Sweep", "Trajectories", "Vehicle", "analyze", "monte_carlo", "shipped_file", "stability_map",
+    "StabilityMap", "Sweep", "Trajectories", "UnsavedResults", "Vehicle", "analyze", "monte_carlo", "shipped_file", "stability_map",
     "trajectories",
 ]

@@ -16,9 +16,13 @@ if TYPE_CHECKING:
 PathLike = Union[str, "os.PathLike[str]"]
 
 
-def _as_json(value: Any) -> str:
-    """The value as JSON; arrays and numbers of NumPy become lists and numbers."""
-    return json.dumps(value, default=lambda other: other.tolist())
+def _as_json(value: Any, name: str = "model") -> str:
+    """The value as JSON; arrays and numbers of NumPy become lists and numbers. Raises ValueError for anything else."""
+    try:
+        return json.dumps(value, default=lambda other: other.tolist())
+    except (AttributeError, TypeError, ValueError, RecursionError):
+        raise ValueError("{}: {:.80}: must be a number, a text, true or false, a list or a mapping of these".format(
+            name, repr(value))) from None
 
 
 def checked_vehicle(index: int) -> int:
@@ -73,7 +77,7 @@ class Model:
         The short names of launch arguments work, too: headway, loss, mean_burst, delay, leader. Raises ValueError with all
         problems.
         """
-        named = {name: _as_json(value) for name, value in {**(changes or {}), **keys}.items()}
+        named = {name: _as_json(value, name) for name, value in {**(changes or {}), **keys}.items()}
         return Model(self._handle.replaced(named))
 
     def to_dict(self) -> Dict[str, Any]:

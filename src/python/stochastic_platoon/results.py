@@ -117,6 +117,11 @@ class Results:
         return np.array(self._value("standard_error_of_variance"), dtype=float)
 
     @property
+    def largest_standard_error_of_variance(self) -> NDArray[np.float64]:
+        """The largest of the standard errors of every follower's variance over all steps [m^2]; NaN where it is unknown."""
+        return np.array(self._value("largest_standard_error_of_variance"), dtype=float)
+
+    @property
     def spectral_radius(self) -> float:
         """rho(A); NaN without a theory."""
         return self._number("theory.spectral_radius")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Dict, List, Optional, Tuple, Type, TypeVar, Union
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 Column = Union["NDArray[np.float64]", List[str]]
 Columns = Dict[str, Column]
 T = TypeVar("T", bound="Table")
+NUMBER = re.compile(r"([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf))?", re.ASCII)  # or empty, as the C++ library reads it
 
 
 class Table:
@@ -47,10 +49,8 @@ class Table:
         if isinstance(column, np.ndarray):
             return column
         for line, cell in enumerate(column, 2):
-            try:
-                float(cell or "nan")
-            except ValueError:
-                raise ValueError("{}: line {}: {}: {}: must be a number".format(self.path, line, name, cell)) from None
+            if not NUMBER.fullmatch(cell):
+                raise ValueError("{}: line {}: {}: {:.80}: must be a number".format(self.path, line, name, cell))
         return np.array([float(cell or "nan") for cell in column])
 
     def texts(self, name: str) -> List[str]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Mapping, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 import numpy as np
 
 from . import _platoon
 from .model import Model, PathLike, handle_of
-from .simulation import listed, run_settings
+from .simulation import listed, positive, run_settings
 from .tables import Table
 
 if TYPE_CHECKING:
@@ -135,8 +135,8 @@ def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, s
     satisfies it. `burn_in`: steps that the amplification leaves out. Raises ValueError with all problems of the settings.
     """
     settings = run_settings(followers=followers, steps=steps, burn_in=burn_in)
-    document, report = _platoon.analyze(handle_of(model), settings, listed(signals),
-                                        "" if collision_probability is None else repr(float(collision_probability)))
+    probability = "" if collision_probability is None else repr(positive("collision_probability", collision_probability))
+    document, report = _platoon.analyze(handle_of(model), settings, listed(signals), probability)
     return Analysis(document, "analysis", report)
 
 
@@ -179,8 +179,16 @@ class StabilityMap:
         return cls(over, xs, up, ys, **{name: value[order].reshape(ys.size, xs.size) for name, value in values.items()}, path=table.path)
 
 
+def numbers_of(name: str, values: Iterable[float]) -> List[float]:
+    """The numbers as a list. Raises ValueError for anything else. Internal."""
+    try:
+        return [float(value) for value in values]
+    except (TypeError, ValueError):
+        raise ValueError("{}: {!r}: must be a list of numbers".format(name, values)) from None
+
+
 def stability_map(model: Model, *, headway: Iterable[float] = (), gain: Iterable[float] = (), loss: Iterable[float] = (),
                   mean_burst: Iterable[float] = ()) -> StabilityMap:
     """String stability over a grid of two of these parameters of the default vehicle. Raises ValueError."""
-    axes = [[float(value) for value in values] for values in (headway, gain, loss, mean_burst)]
+    axes = [numbers_of(name, values) for name, values in zip(StabilityMap.AXES, (headway, gain, loss, mean_burst))]
     return StabilityMap._of(Table(_platoon.stability_map(handle_of(model), *axes), "map"))

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from plotting import style
-from plotting.values import LARGEST, Array, drawable_errors, drawable_numbers, require_same_platoon
+from plotting.values import LARGEST, Array, drawable, drawable_errors, drawable_numbers, require_same_platoon
 
 CONFIDENCE = 0.95  # probability that the variances of all steps of a follower lie within their intervals
 SETTLED = 0.01  # relative; if a run's own theory differs more from the analysis, it is drawn as well
@@ -57,7 +57,7 @@ def case_of_run(run: sp.Results) -> Case:
     errors = drawable_errors(run)
     return Case(run.name, style.verdict(run.string_stable), run.followers,
                 Norm(measured_l2_norm(errors), own=l2_norm(errors.theoretical_mean)),
-                Norm(supremum(errors.variance), half_width(errors), supremum(errors.theoretical_variance)))
+                Norm(supremum(errors.variance), half_width(run), supremum(errors.theoretical_variance)))
 
 
 def case_of_analysis(analysis: sp.Analysis) -> Case:
@@ -91,13 +91,13 @@ def measured_l2_norm(errors: sp.Moments) -> Array:
     return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
 
-def half_width(errors: sp.Moments) -> Array:
+def half_width(run: sp.Results) -> Array:
     """The half width of the confidence interval of the largest variance.
 
     The largest of many estimates is biased upwards; the interval covers all steps of a follower at once (Bonferroni).
     """
-    quantile = NormalDist().inv_cdf(1.0 - 0.5 * (1.0 - CONFIDENCE) / errors.variance.shape[1])
-    return np.asarray(quantile * supremum(style.standard_error_of_variance(errors.variance, errors.count)))
+    quantile = NormalDist().inv_cdf(1.0 - 0.5 * (1.0 - CONFIDENCE) / run.steps.size)
+    return np.asarray(quantile * drawable(run.largest_standard_error_of_variance))
 
 
 def draw(cases: Sequence[Case], titles: Sequence[str]) -> Figure:

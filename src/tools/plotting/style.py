@@ -165,11 +165,6 @@ def thinned(size: int, most: int) -> Indices:
     return indices
 
 
-def standard_error_of_variance(variance: Array, count: Array) -> Array:
-    """The standard error of the unbiased variance of `count` independent Gaussian samples."""
-    return np.asarray(variance * np.sqrt(2.0 / np.maximum(count - 1.0, 1.0)))
-
-
 def legend_entry(**line: Any) -> Line2D:
     return Line2D([], [], **line)
 

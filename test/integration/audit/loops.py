@@ -47,6 +47,15 @@ class Loop:
             return None
         return least > 0
 
+    def peak(self):
+        """The largest |T| on the unit circle."""
+        n, d = squared_modulus(self.n), squared_modulus(self.d)
+        turns = plus(times(slope(n), d), [-a for a in times(n, slope(d))])
+        largest = max(abs(a) for a in turns)
+        turns = trimmed([a if abs(a) > mpf(10) ** -90 * largest else mpf(0) for a in turns])
+        points = [mpf(-1), mpf(1)] + [x.real for x in zeros(turns) if abs(x.imag) < mpf(10) ** -40 and -1 < x.real < 1]
+        return mp.sqrt(max(value(n, x) / value(d, x) for x in points))
+
     def filtered(self, u):
         """The response T u from zero state."""
         lead = len(self.d) - len(self.n)
@@ -149,6 +158,15 @@ def given_loop(vehicle):
     def cleaned(p):
         return [x if abs(x) > mpf(10) ** -100 * max(abs(y) for y in p) else mpf(0) for x in p]
     return Loop(cleaned(n), cleaned(d), vehicle["time_headway"])
+
+
+def roundings_decide(vehicle, draw, draws=20, size=100):
+    """Whether A, B and C with other roundings, `size` times as large as those to double, have another verdict."""
+    def moved(x):
+        return [moved(y) for y in x] if isinstance(x, list) else mpf(x) * (1 + size * draw.uniform(-1, 1) * mpf(2) ** -53)
+    verdicts = {given_loop(dict(vehicle, closed_loop={key: moved(x) for key, x in vehicle["closed_loop"].items()}))
+                .is_string_stable() for _ in range(draws)}
+    return len(verdicts) > 1
 
 
 def loop_of(vehicle):

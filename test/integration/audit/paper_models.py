@@ -109,7 +109,7 @@ def turning(draw, size):
 def skewed(draw):
     """T = N / D with double integral action by choice of N, in coordinates with a random condition number."""
     h = draw.uniform(0.5, 10)
-    poles, size = [], draw.randrange(1, 7)
+    poles, size = [], draw.randrange(1, 9)
     while size - len(poles) > 1 and draw.random() < 0.5:
         z = mp.expj(draw.uniform(0.05, 3)) * draw.uniform(0.1, 0.95)
         poles += [z, z.conjugate()]
@@ -132,7 +132,7 @@ def skewed(draw):
             canonical[i, i + 1] = 1
     column = [mpf(0)] * (size - len(n)) + n
     turn = [turning(draw, size) for _ in range(2)]
-    condition = 10 ** draw.uniform(0, 5)
+    condition = 10 ** draw.uniform(0, 8)
     stretch = mp.diag([mpf(condition) ** (mpf(i) / max(size - 1, 1)) for i in range(size)])
     basis = turn[0] * stretch * turn[1]
     inverse = basis ** -1

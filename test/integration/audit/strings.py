@@ -169,7 +169,8 @@ def check_losses(name, model, found, draw, findings, undecided):
 
 def check_bursts(name, model, found, findings, undecided):
     critical, (_, changed) = found["critical_mean_burst"], loss_of(model)
-    if critical is not None and "plant" in model and len(model.get("string", [])) <= MOST_BURSTY:
+    designed = "closed_loop" not in model  # the reference of bursts forms T from plant and controller
+    if critical is not None and designed and len(model.get("string", [])) <= MOST_BURSTY:
         for side in (-1, 1):
             x = critical * (1 + side * BORDER)
             probe(name, "mean burst", changed({"mean_burst": x}), x, side < 0, findings, undecided)

@@ -38,4 +38,26 @@ inline void add_human_drivers(PlatoonModel& model) {
   model.string = {0, 0, 1};
 }
 
+/// Adds trucks with a radio and without one, whose plants differ from the default one. A lag of 0 gives the sampled
+/// plant a zero at z = -1.
+inline void add_trucks(PlatoonModel& model, double lag, double input_delay, double gain = 1.0) {
+  const double period = model.sample_period;
+  LoopDesign design{{car_with_actuator_lag(lag, input_delay), period}, {ControllerGains{0.3, 0.8, 0.0}, period}};
+  design.headway_filter = true;
+  design.in_radio_string = true;
+  VehicleType truck{"truck", model.default_vehicle(), {}};
+  truck.vehicle.design = design;
+  truck.vehicle.headway = 120.0;
+  truck.vehicle.loop = close_loop(design, truck.vehicle.headway);
+  truck.vehicle.feed_forward->gain = gain;
+  VehicleType old_truck = truck;
+  old_truck.name = "old_truck";
+  old_truck.vehicle.feed_forward.reset();
+  old_truck.vehicle.headway = 350.0;
+  old_truck.vehicle.loop = close_loop(design, old_truck.vehicle.headway);
+  model.types.push_back(truck);
+  model.types.push_back(old_truck);
+  model.string = {0, 1, 1, 0, 2};
+}
+
 }  // namespace platoon

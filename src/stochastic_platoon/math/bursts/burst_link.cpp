@@ -4,8 +4,8 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <stdexcept>
-#include <unsupported/Eigen/KroneckerProduct>
 
+#include "stochastic_platoon/math/numerics/resolvent_terms.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
@@ -18,11 +18,11 @@ using DoubleComplex = std::complex<double>;
   throw std::invalid_argument("on_loss: variance of the predictions grows: must settle");
 }
 
-void require_theory(const LossModel& loss, double memory) {
+void require_theory(const LossModel& loss) {
   if (!(loss.probability > 0.0 && loss.probability < 1.0))
     throw std::invalid_argument(formatted("loss probability: %g: must be above 0 and below 1", loss.probability));
   if (loss.predictor.empty()) throw std::invalid_argument("on_loss: zero: must be a predictor of positions");
-  if (!(memory > -1.0))
+  if (loss.alternates())
     throw std::invalid_argument(
         formatted("mean_burst: %g: must be above 1 for a probability of 0.5, as losses then alternate with arrivals",
                   *loss.mean_burst));
@@ -40,71 +40,103 @@ std::vector<std::complex<long double>> shifted_eigenvalues(const Eigen::MatrixXd
 
 }  // namespace
 
-BurstLink::BurstLink(const LossModel& loss)
-    : arrival_(1.0 - loss.probability),
-      memory_(loss.after_loss() - loss.after_arrival()),
-      n_(static_cast<Eigen::Index>(loss.predictor.size())),
-      predictor_(Eigen::Map<const Eigen::VectorXd>(loss.predictor.data(), n_)) {
-  require_theory(loss, memory_);
-  for (Eigen::Index j = 0; j < n_; ++j) slope_ += static_cast<double>(j + 1) * predictor_(j);
-  Eigen::MatrixXd arrived = Eigen::MatrixXd::Zero(n_, n_);
-  arrived.diagonal(-1).setOnes();
-  Eigen::MatrixXd lost = arrived;
-  lost.row(0) = predictor_.transpose();
-  const double to_loss = loss.after_arrival(), stays_lost = loss.after_loss();
-  transition_.resize(2 * n_, 2 * n_);
-  transition_ << (1.0 - to_loss) * arrived, (1.0 - stays_lost) * arrived, to_loss * lost, stays_lost * lost;
+BurstLink::BurstLink(const LossModel& loss) : chain_(loss) {
+  require_theory(loss);
+  const Eigen::Index m = chain_.registers(), modes = chain_.modes(), arrived = chain_.arrived(), lost = chain_.lost();
+  for (Eigen::Index j = 0; j < m; ++j) slope_ += static_cast<double>(j + 1) * chain_.predictor()(j);
+  transition_ = chain_.first_moments();
 
-  const Eigen::Index squares = n_ * n_;
-  const Eigen::MatrixXd of_arrived = Eigen::kroneckerProduct(arrived, arrived).eval(),
-                        of_lost = Eigen::kroneckerProduct(lost, lost).eval();
-  Eigen::MatrixXd second(2 * squares, 2 * squares);
-  second << (1.0 - to_loss) * of_arrived, (1.0 - stays_lost) * of_arrived, to_loss * of_lost, stays_lost * of_lost;
-  Eigen::MatrixXd drives = Eigen::MatrixXd::Zero(2 * squares, 2 * n_);  // (row, column) of Q_1 is at column n + row
-  for (Eigen::Index i = 0; i < n_; ++i) {
-    drives(squares + i, i) += 1.0;
-    drives(squares + i * n_, i) += 1.0;
-    drives(squares + i, n_ + i) += 1.0;
-    drives(squares + i * n_, n_ + i) -= 1.0;
+  // Q of each drive; the row or column of Q_c next to e is at place (i, c) of a drive.
+  const Eigen::Index squares = m * m, drives = lost * m;
+  Eigen::MatrixXd driven = Eigen::MatrixXd::Zero(modes * squares, 2 * drives);
+  for (Eigen::Index c = 0; c < lost; ++c) {
+    const Eigen::Index square = (arrived + c) * squares;
+    for (Eigen::Index i = 0; i < m; ++i) {
+      driven(square + i, c * m + i) += 1.0;
+      driven(square + i * m, c * m + i) += 1.0;
+      driven(square + i, drives + c * m + i) += 1.0;
+      driven(square + i * m, drives + c * m + i) -= 1.0;
+    }
   }
-  const Eigen::MatrixXd solved =
-      (Eigen::MatrixXd::Identity(2 * squares, 2 * squares) - second).partialPivLu().solve(drives);
-  even_ = solved.block(squares, 0, n_, n_);
-  odd_ = solved.block(squares, n_, n_, n_);
-  own_ = 0.5 * even_.col(0);
-  if (!(own_(0) > 0.0)) reject_growth();  // a radius of 1 that rounds to less has this effect
+  const Eigen::MatrixXd solved = (Eigen::MatrixXd::Identity(modes * squares, modes * squares) - chain_.second_moments())
+                                     .partialPivLu()
+                                     .solve(driven);
+  even_.resize(drives, drives);
+  odd_.resize(drives, drives);
+  own_ = Eigen::VectorXd::Zero(drives);
+  for (Eigen::Index c = 0; c < lost; ++c) {
+    even_.middleRows(c * m, m) = solved.block((arrived + c) * squares, 0, m, drives);
+    odd_.middleRows(c * m, m) = solved.block((arrived + c) * squares, drives, m, drives);
+  }
+  for (Eigen::Index c = 0; c < lost; ++c) own_ += 0.5 * chain_.stationary()(arrived + c) * even_.col(c * m);
+  itself_ = Eigen::RowVectorXd::Zero(modes * m);
+  for (Eigen::Index c = arrived; c < modes; ++c) itself_(block(c)) = 1.0;
+  // A radius of 1 that rounds to less has this effect.
+  for (Eigen::Index c = 0; c < lost; ++c) {
+    if (!(own_(c * m) > 0.0)) reject_growth();
+  }
 
   factor_.poles = shifted_eigenvalues(transition_);
+  // The mean of r is zero if s takes away what the registers give.
+  Eigen::RowVectorXd given = Eigen::RowVectorXd::Zero(modes * m);
+  for (Eigen::Index c = 0; c < modes; ++c) given += transition_.row(block(c));
+  const Eigen::VectorXd arrivals = chain_.stationary().head(arrived);
   Eigen::MatrixXd inverse = transition_;
-  inverse.row(0) -= transition_.row(0) + transition_.row(n_);
+  for (Eigen::Index c = 0; c < arrived; ++c) inverse.row(block(c)) -= arrivals(c) / arrivals.sum() * given;
   factor_.zeros = shifted_eigenvalues(inverse);
+  find_memories();
+}
+
+void BurstLink::find_memories() {
+  const Eigen::Index modes = chain_.modes();
+  for (const ResolventTerm& term : memory_terms(chain_.transition().transpose())) {
+    for (Eigen::Index k = 0; k < term.left.cols(); ++k) {
+      memories_.push_back(term.eigenvalue);
+      right_.conservativeResize(modes, right_.cols() + 1);
+      right_.rightCols(1) = term.left.col(k);
+      left_.conservativeResize(left_.rows() + 1, modes);
+      left_.bottomRows(1) = term.right.row(k);
+    }
+  }
 }
 
 BurstLink::Value BurstLink::at(double frequency) const {
+  const Eigen::Index m = chain_.registers(), size = transition_.rows(), modes = chain_.modes(), drives = even_.rows();
   const DoubleComplex back = std::polar(1.0, -frequency);
-  const Eigen::PartialPivLU<Eigen::MatrixXcd> inverse(Eigen::MatrixXcd::Identity(2 * n_, 2 * n_) - back * transition_);
-  Eigen::VectorXcd output = Eigen::VectorXcd::Zero(2 * n_);
-  output(0) = output(n_) = 1.0;
+  const Eigen::PartialPivLU<Eigen::MatrixXcd> inverse(Eigen::MatrixXcd::Identity(size, size) - back * transition_);
+  Eigen::VectorXcd output = Eigen::VectorXcd::Zero(size), drive = Eigen::VectorXcd::Zero(size);
+  for (Eigen::Index c = 0; c < modes; ++c) output(block(c)) = 1.0;
+  for (Eigen::Index c = chain_.arrived(); c < modes; ++c) drive(block(c)) = chain_.stationary()(c);
   Value value;
   value.surprise = 0.0;
-  for (Eigen::Index j = 0; j < n_; ++j) {  // 1 - e^{-j x} = 2 sin(x/2) (sin(x/2) + j cos(x/2))
+  for (Eigen::Index j = 0; j < m; ++j) {  // 1 - e^{-j x} = 2 sin(x/2) (sin(x/2) + j cos(x/2))
     const double half = 0.5 * static_cast<double>(j + 1) * frequency, sine = std::sin(half);
-    value.surprise += 2.0 * predictor_(j) * sine * DoubleComplex(sine, std::cos(half));
+    value.surprise += 2.0 * chain_.predictor()(j) * sine * DoubleComplex(sine, std::cos(half));
   }
-  const Eigen::VectorXcd d = inverse.solve((1.0 - arrival_) * Eigen::VectorXcd::Unit(2 * n_, n_));
-  value.deviation = d(0) + d(n_);
+  const Eigen::VectorXcd d = inverse.solve(drive);
+  value.deviation = output.cwiseProduct(d).sum();
   value.outward = inverse.transpose().solve(output);
-  const Eigen::VectorXcd drive = back * (transition_.bottomRows(n_) * d);
+  const Eigen::VectorXcd crossed = back * (transition_.bottomRows(drives) * d);
   value.scattered = -std::conj(value.deviation) * d;
-  value.scattered.tail(n_) +=
-      even_ * drive.real() + DoubleComplex(0.0, 1.0) * (odd_ * drive.imag()) + (1.0 - arrival_) * own_;
+  value.scattered.tail(drives) += even_ * crossed.real() + DoubleComplex(0.0, 1.0) * (odd_ * crossed.imag()) + own_;
+  Eigen::VectorXcd lost = Eigen::VectorXcd::Zero(modes), innovation(modes);
+  for (Eigen::Index c = 0; c < modes; ++c) {
+    if (c >= chain_.arrived()) lost(c) = value.outward(block(c));
+    innovation(c) = std::conj(d(block(c))) - chain_.stationary()(c) * std::conj(value.deviation);
+  }
+  value.recalling = right_.transpose() * lost;
+  value.remembered = left_ * innovation;
+  value.mirrored = left_ * innovation.conjugate();
   return value;
 }
 
 double BurstLink::kernel(const Value& outward, double w, const Value& inward, double nu) const {
-  const DoubleComplex y = memory_ * std::polar(1.0, nu - w);
-  const DoubleComplex remembered = odds() * outward.deviation * std::conj(inward.deviation) * y / (1.0 - y);
-  return 2.0 * (outward.outward.cwiseProduct(inward.scattered).sum() + remembered).real() - inward.scattered(n_).real();
+  DoubleComplex sum = outward.outward.cwiseProduct(inward.scattered).sum();
+  for (std::size_t m = 0; m < memories_.size(); ++m) {
+    const auto i = static_cast<Eigen::Index>(m);
+    const DoubleComplex y = memories_[m] * std::polar(1.0, nu - w);
+    sum += outward.recalling(i) * inward.remembered(i) * y / (1.0 - y);
+  }
+  return 2.0 * sum.real() - (itself_ * inward.scattered.real()).value();
 }
-
 }  // namespace platoon

@@ -2,43 +2,48 @@
 
 #include <Eigen/Dense>
 #include <complex>
+#include <vector>
 
-#include "stochastic_platoon/math/model/link_model.hpp"
+#include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/response/attenuation.hpp"
 
 namespace platoon {
 
-/// Losses of one link in bursts, as a filter on the unit circle.
+/// Losses of one link by a Markov chain (LossChain), as a filter on the unit circle. The chain is independent of the
+/// sent values s.
 ///
-/// theta(k) is a two-state Markov chain (0 arrived, 1 lost) with transitions Pi and stationary pi = (p, q), independent
-/// of the sent values. With n the length of the predictor, x(k) = (r(k), ..., r(k-n+1)) obeys x(k) = A_theta x(k-1) +
-/// B_theta s(k): an arrival shifts s(k) in, a loss shifts the prediction c' x(k-1) in. Relative to s, a sent e^{j nu k}
-/// drives the registers at losses alone, by -u, u = 1 - L(e^{j nu}). Per unit of this drive,
+/// Relative to s, a sent e^{j nu k} drives the registers x of the prediction at losses alone, by -u, u = 1 - L(e^{j
+/// nu}). Per unit of this drive, with e = (1, 0, ..., 0)', 1_c = 1 for a lost mode c and 0 for an arrived one,
 ///
-///     d_c = sum_a Pi_ac e^{-j nu} A_c d_a + pi_c 1{c = 1} e,
-///     Q_c = A_c sum_a Pi_ac Q_a A_c' + 1{c = 1} (e^{-j nu} A_1 m e' + its adjoint + q e e'),
-///     d_a = E[x 1{theta = a}],   Q_a = E[x x* 1{theta = a}],
+///     d_c = e^{-j nu} A_c sum_a Pi_ac d_a + pi_c 1_c e,
+///     Q_c = A_c sum_a Pi_ac Q_a A_c' + 1_c (b_c e' + e b_c* + pi_c e e'),   b_c = e^{-j nu} A_c sum_a Pi_ac d_a,
+///     d_c = E[x 1{theta = c}],   Q_c = E[x x* 1{theta = c}],
 ///
-/// with e = (1, 0, ..., 0)' and m = sum_a Pi_a1 d_a. The link passes T_L = 1 - u D on average, D = e' (d_0 + d_1), and
-/// scatters a sent spectrum Phi into < g(w, nu) |u(nu)|^2 Phi(nu) >_nu, uncorrelated with the sent signal, with
+/// the link passes T_L = 1 - u D on average, D = e' sum_c d_c, and scatters a sent spectrum Phi into
+/// < g(w, nu) |u(nu)|^2 Phi(nu) >_nu, uncorrelated with the sent signal, with
 ///
-///     g(w, nu) = 2 Re[ l(w) V(nu) + (p/q) D(w) conj(D(nu)) y / (1 - y) ] - e' (V_0 + V_1),
-///     V_a = Q_a e - d_a conj(D),   l(w) = [e' e'] (I - e^{-jw} [Pi_ac A_c])^{-1},
-///     y = lambda e^{j (nu - w)},   lambda = Pi_11 - Pi_01.
+///     g(w, nu) = 2 Re[ l(w) V(nu) + sum_m a_m(w) b_m(nu) y_m / (1 - y_m) ] - e' sum_c V_c,
+///     V_c = Q_c e - d_c conj(D),   l(w) = [e' ... e'] (I - e^{-jw} [Pi_ac A_c])^{-1},
+///     I_c = conj(e' d_c) - pi_c conj(D),   y_m = lambda_m e^{j (nu - w)},
+///     a_m = sum_c 1_c l_c e v_mc,   b_m = u_m' I,
 ///
-/// Independent losses have lambda = 0. A platoon that moves v metres per step drives the registers by -v (c_1 + 2 c_2 +
-/// ...) at every loss, which acts like a drive at frequency 0.
+/// for the eigenvalues lambda_m of Pi' other than 1, with right and left eigenvectors v_m and u_m, u_m' v_m = 1: the
+/// memory of the chain. A platoon that moves v metres per step drives the registers by -v (c_1 + 2 c_2 + ...) at every
+/// loss, which acts like a drive at frequency 0.
 class BurstLink {
 public:
-  /// Throws std::invalid_argument for a loss without predictor, a loss probability of 0, losses that strictly alternate
-  /// with arrivals (lambda = -1), and predictions whose variance does not settle.
+  /// Throws std::invalid_argument for a loss without predictor, a loss probability of 0, losses that alternate with
+  /// arrivals (lambda = -1), and predictions whose variance does not settle.
   explicit BurstLink(const LossModel& loss);
 
   struct Value {
     std::complex<double> surprise;   ///< u
     std::complex<double> deviation;  ///< D
-    Eigen::VectorXcd outward;        ///< l, 2 n entries
-    Eigen::VectorXcd scattered;      ///< V, 2 n entries; e' V_0 = 0
+    Eigen::VectorXcd outward;        ///< l, m entries for each mode
+    Eigen::VectorXcd scattered;      ///< V, the same; e' V_c = 0 for arrived modes
+    Eigen::VectorXcd recalling;      ///< a, one entry per memory
+    Eigen::VectorXcd remembered;     ///< b at nu
+    Eigen::VectorXcd mirrored;       ///< b at -nu
 
     /// T_L, and 1 - |T_L|^2 without cancellation.
     std::complex<double> passed() const { return 1.0 - surprise * deviation; }
@@ -49,9 +54,10 @@ public:
   /// g of the values at w and nu.
   double kernel(const Value& outward, double w, const Value& inward, double nu) const;
 
-  Eigen::Index registers() const { return n_; }
-  double memory() const { return memory_; }                    ///< lambda
-  double odds() const { return arrival_ / (1.0 - arrival_); }  ///< p / q
+  /// Row with e' sum_c V_c = itself() V.
+  const Eigen::RowVectorXd& itself() const { return itself_; }
+
+  const std::vector<std::complex<double>>& memories() const { return memories_; }  ///< lambda_m
 
   /// c_1 + 2 c_2 + ...
   double slope() const { return slope_; }
@@ -63,12 +69,17 @@ public:
   const GainFactor& factor() const { return factor_; }
 
 private:
-  double arrival_, memory_, slope_ = 0.0;
-  Eigen::Index n_;
-  Eigen::VectorXd predictor_;
-  Eigen::MatrixXd transition_;  ///< [Pi_ac A_c], 2n x 2n
-  Eigen::MatrixXd even_, odd_;  ///< from b to Q_1 e for the drives b e' + e b' and b e' - e b', n x n each
-  Eigen::VectorXd own_;         ///< Q_1 e for the drive e e'
+  void find_memories();
+  Eigen::Index block(Eigen::Index mode) const { return mode * chain_.registers(); }
+
+  LossChain chain_;
+  double slope_ = 0.0;
+  Eigen::MatrixXd transition_;  ///< [Pi_ac A_c]
+  Eigen::MatrixXd even_, odd_;  ///< from b to Q e for the drives b e' + e b' and b e' - e b', of all lost modes
+  Eigen::VectorXd own_;         ///< Q e for the drives pi_c e e'
+  Eigen::RowVectorXd itself_;
+  std::vector<std::complex<double>> memories_;
+  Eigen::MatrixXcd right_, left_;  ///< v_m in columns, u_m' in rows
   GainFactor factor_;
 };
 

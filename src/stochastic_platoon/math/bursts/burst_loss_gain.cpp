@@ -16,8 +16,13 @@ namespace platoon {
 namespace {
 
 constexpr std::size_t kFewestNodes = 128, kMostNodes = std::size_t{1} << 18;
-constexpr std::size_t kMostKernelNodes = 2400;
+constexpr std::size_t kMostKernelNodes = 3000;
+constexpr double kManyNodes = 4096.0;  // equally spaced
 using SpectralValues = std::function<std::vector<double>(const BurstSpectra&)>;
+
+std::vector<std::complex<double>> memories_of(const BurstVehicle& vehicle) {
+  return vehicle.losses() == nullptr ? std::vector<std::complex<double>>() : vehicle.losses()->memories();
+}
 
 // Enough nodes for the oscillation of the longest delay.
 std::size_t first_nodes(const BurstPattern& pattern) {
@@ -28,15 +33,30 @@ std::size_t first_nodes(const BurstPattern& pattern) {
   return nodes;
 }
 
-/// A quadrature that resolves the vehicles and the margin of the pattern.
-Quadrature resolving_quadrature(const BurstPattern& pattern, int refinement) {
-  std::vector<std::complex<double>> singular = pattern.gain().margin_frequencies();
+/// A quadrature that resolves the vehicles and either the margin of the pattern or the peaks of the gain, which narrow
+/// along the string, of this number of followers.
+Quadrature resolving_quadrature(const BurstPattern& pattern, std::optional<std::size_t> followers, int refinement) {
+  const PatternGain gain = pattern.gain();
+  std::vector<std::complex<double>> singular;
+  std::vector<double> peaks;
+  if (followers) {
+    peaks = gain.maxima();
+    peaks.push_back(0.0);
+  } else {
+    singular = gain.margin_frequencies();
+  }
   for (const BurstVehicle& vehicle : pattern.types) {
     for (const std::complex<double>& w : vehicle.plain().pole_frequencies()) singular.push_back(w);
     if (!vehicle.losses()) continue;
     for (const std::complex<double>& w : frequencies_of(vehicle.losses()->factor().poles)) singular.push_back(w);
+    // A chain that nearly returns to its modes scatters a constant motion into a line at the argument of its memory,
+    // and that line back to 0.
+    for (const std::complex<double>& memory : memories_of(vehicle)) {
+      for (const double line : {0.0, std::abs(std::arg(memory))})
+        singular.emplace_back(line, -std::log(std::abs(memory)));
+    }
   }
-  return half_circle_quadrature(singular, {}, refinement);
+  return half_circle_quadrature(singular, peaks, refinement, followers);
 }
 
 /// Distance of the vehicles' and chains' poles from the unit circle.
@@ -44,24 +64,26 @@ double least_decay(const BurstPattern& pattern) {
   double width = 1.0;
   for (const BurstVehicle& vehicle : pattern.types) {
     double radius = std::max(vehicle.spectral_radius(), std::sqrt(vehicle.loss_feedback()));
-    if (vehicle.losses()) radius = std::max(radius, std::abs(vehicle.losses()->memory()));
+    for (const std::complex<double>& memory : memories_of(vehicle)) radius = std::max(radius, std::abs(memory));
     width = std::min(width, 1.0 - radius);
   }
   return width;
 }
 
-/// Number of equally spaced nodes that resolve every vehicle, chain and peak to the last digit.
-double resolving_nodes(const BurstPattern& pattern) {
+/// Number of equally spaced nodes that resolve every vehicle and chain to the last digit, and the margin of an endless
+/// string.
+double resolving_nodes(const BurstPattern& pattern, bool endless) {
   constexpr double kDigits = 40.0;  // -ln of the last digit
   double width = least_decay(pattern);
+  if (!endless) return kDigits / width;
   for (const std::complex<double>& w : pattern.gain().margin_frequencies()) width = std::min(width, std::abs(w.imag()));
   return kDigits / width;
 }
 
-/// Whether twice as many nodes gain nothing. Beyond the resolving nodes a change is rounding, which near the border of
-/// stability is magnified.
+/// Whether twice as many nodes gain nothing. On resolving nodes a change is rounding, which long bursts and the border
+/// of stability magnify.
 bool has_settled(double change, double before, bool resolved) {
-  return change <= 1e-12 || is_converged(change, before) || (resolved && change <= 1e-6 && change >= 0.1 * before);
+  return change <= 1e-12 || is_converged(change, before) || (resolved && change <= 1e-4 && change >= 0.1 * before);
 }
 
 /// The loss gain, on the correct side of 1; near 1 to kShare of its distance from 1.
@@ -93,7 +115,7 @@ double loss_gain_for_sign(const BurstPattern& pattern) {
   constexpr double kDoubt = 1e-7;  // of a quadrature without refinement, mostly below 1e-11
   if (const std::optional<double> found = by_equal_nodes(pattern, 2 * first_nodes(pattern))) return *found;
   for (const int refinement : {0, 1}) {
-    const Quadrature rule = resolving_quadrature(pattern, refinement);
+    const Quadrature rule = resolving_quadrature(pattern, std::nullopt, refinement);
     if (rule.node.size() > kMostKernelNodes) break;
     const double found = near_root(BurstSpectra(pattern, rule));
     if (refinement > 0 || std::abs(found - 1.0) > kDoubt) return found;
@@ -102,14 +124,20 @@ double loss_gain_for_sign(const BurstPattern& pattern) {
 }
 
 /// values(spectra) on the nodes of a quadrature, refined until they settle; none if that takes too many nodes.
-std::optional<std::vector<double>> settled_on_few(const BurstPattern& pattern, const SpectralValues& values) {
+std::optional<std::vector<double>> settled_on_few(const BurstPattern& pattern, std::optional<std::size_t> followers,
+                                                  const SpectralValues& values) {
+  constexpr double kRounding = 1e-4;  // as in has_settled(): the first nodes resolve every pole
   std::vector<double> coarse;
+  double before = kInfinity;
   for (int refinement = 0;; ++refinement) {
-    const Quadrature rule = resolving_quadrature(pattern, refinement);
+    const Quadrature rule = resolving_quadrature(pattern, followers, refinement);
+    if (rule.node.size() > kMostKernelNodes && before <= kRounding) return coarse;
     if (rule.node.size() > kMostKernelNodes) return std::nullopt;
     std::vector<double> fine = values(BurstSpectra(pattern, rule));
-    if (refinement > 0 && largest_change(coarse, fine) <= 1e-12) return fine;
+    const double change = refinement > 0 ? largest_change(coarse, fine) : kInfinity;
+    if (refinement > 0 && has_settled(change, before, true)) return fine;
     coarse.swap(fine);
+    before = change;
   }
 }
 
@@ -159,9 +187,13 @@ Eigen::VectorXd LossOperator::operator()(const Eigen::VectorXd& given) const {
   return drives(added);
 }
 
-std::vector<double> settled_values(const BurstPattern& pattern, const SpectralValues& values) {
+std::vector<double> settled_values(const BurstPattern& pattern, std::optional<std::size_t> followers,
+                                   const SpectralValues& values) {
+  const double resolving = resolving_nodes(pattern, !followers);
+  if (resolving > kManyNodes) {
+    if (const std::optional<std::vector<double>> found = settled_on_few(pattern, followers, values)) return *found;
+  }
   std::size_t nodes = first_nodes(pattern);
-  const double resolving = resolving_nodes(pattern);
   std::vector<double> coarse = values(BurstSpectra(pattern, nodes));
   for (double before = kInfinity; nodes < kMostNodes;) {
     nodes *= 2;
@@ -174,21 +206,13 @@ std::vector<double> settled_values(const BurstPattern& pattern, const SpectralVa
   return coarse;
 }
 
-std::vector<double> settled_values_of_endless(const BurstPattern& pattern, const SpectralValues& values) {
-  constexpr double kManyNodes = 4096.0;
-  if (resolving_nodes(pattern) > kManyNodes) {
-    if (const std::optional<std::vector<double>> found = settled_on_few(pattern, values)) return *found;
-  }
-  return settled_values(pattern, values);
-}
-
 double loss_gain(const BurstPattern& pattern) {
   if (!pattern.has_losses()) return 0.0;
   const auto root = [](const BurstSpectra& spectra) {
     const LossOperator losses(spectra);
     return std::vector<double>{perron_root(losses, losses.dimensions())};
   };
-  return settled_values_of_endless(pattern, root).front();
+  return settled_values(pattern, std::nullopt, root).front();
 }
 
 double loss_margin(const BurstPattern& pattern) {

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "stochastic_platoon/math/bursts/burst_spectra.hpp"
@@ -33,14 +34,11 @@ private:
   std::vector<Eigen::Index> drive_;  ///< of each place in the pattern, -1 without losses
 };
 
-/// values(spectra), with the number of nodes increased until they settle.
-std::vector<double> settled_values(const BurstPattern& pattern,
+/// values(spectra) of this number of followers, or of an endless string if there is none, with the number of nodes
+/// increased until they settle: equally spaced nodes, or the few of a quadrature where slow vehicles, long bursts or
+/// the border of stability would take thousands.
+std::vector<double> settled_values(const BurstPattern& pattern, std::optional<std::size_t> followers,
                                    const std::function<std::vector<double>(const BurstSpectra&)>& values);
-
-/// The same for values of an endless string (limits, loss gain): few nodes resolve them near the border of stability,
-/// too.
-std::vector<double> settled_values_of_endless(const BurstPattern& pattern,
-                                              const std::function<std::vector<double>(const BurstSpectra&)>& values);
 
 /// The loss gain of an endless string: the spectral radius of the operator from the drives f_l = |u_l|^2 Phi of the
 /// losses at every place l of the pattern to those that they cause at every place, over all repetitions; 0 without

@@ -1,11 +1,15 @@
 #include "stochastic_platoon/math/bursts/burst_moments.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/model/loss_chain.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
 
@@ -27,46 +31,58 @@ struct Received {
   Matrix with_sent;
 };
 
-/// The recursion over the steps of one link with losses. A state has n entries of mode 0 and n of mode 1.
+/// The recursion over the steps of one link with losses. A state has n entries for each mode of the chain.
 class LossRecursion {
 public:
   explicit LossRecursion(const LossModel& loss)
-      : n_(static_cast<Eigen::Index>(loss.predictor.size())),
-        p_(1.0L - static_cast<long double>(loss.probability)),
-        q_(loss.probability),
-        to_loss_(loss.after_arrival()),
-        stays_lost_(loss.after_loss()),
-        predictor_(n_) {
-    for (Eigen::Index j = 0; j < n_; ++j) predictor_(j) = loss.predictor[static_cast<std::size_t>(j)];
-  }
+      : chain_(loss),
+        n_(chain_.registers()),
+        modes_(chain_.modes()),
+        arrived_(chain_.arrived()),
+        transition_(chain_.transition().cast<long double>()),
+        stationary_(chain_.stationary().cast<long double>()),
+        predictor_(chain_.predictor().cast<long double>()),
+        before_(static_cast<std::size_t>(modes_ * n_)) {}
 
   /// From the moments of the arriving positions, and their covariance with the sent ones.
   Received operator()(const SequenceMoments& arriving, const Matrix& with_sent) const {
     const Eigen::Index count = arriving.mean.size();
     const Vector innovation = innovations(arriving.mean);
-    Matrix mean = Matrix::Zero(2 * n_, 1);
+    const std::vector<Matrix> later_modes = powers(count);
+    Matrix mean = Matrix::Zero(modes_ * n_, 1);
     Vector received_mean = Vector::Zero(count);
     Matrix cross = started(arriving.covariance.row(0)), sent = started(with_sent.row(0));
-    Matrix of_arrived = Matrix::Constant(n_, n_, p_ * arriving.covariance(0, 0)),
-           of_lost = Matrix::Constant(n_, n_, q_ * arriving.covariance(0, 0));
+    std::vector<Matrix> squares;
+    for (Eigen::Index c = 0; c < modes_; ++c)
+      squares.push_back(Matrix::Constant(n_, n_, stationary_(c) * arriving.covariance(0, 0)));
     Received received{{arriving.mean, Matrix(count, count)}, Matrix::Zero(count, count)};
     for (Eigen::Index k = 0; k < count; ++k) {
+      check_interruption();
       if (k > 0) {
         advance(cross, k);
         advance(sent, k);
         advance(mean, 0);
-        advance_squares(of_arrived, of_lost);
-        add_driven(cross.col(k).head(n_), p_ * arriving.covariance(k, k), of_arrived);
-        add_driven(-innovation(k) * mean.col(0).tail(n_), q_ * innovation(k) * innovation(k), of_lost);
-        mean(n_) -= q_ * innovation(k);
-        cross.row(0) += p_ * arriving.covariance.row(k);
-        sent.row(0) += p_ * with_sent.row(k);
+        advance_squares(squares);
+        for (Eigen::Index c = 0; c < modes_; ++c) {
+          Matrix& square = squares[static_cast<std::size_t>(c)];
+          const Eigen::Index first = c * n_;
+          if (c < arrived_) {
+            add_driven(cross.col(k).segment(first, n_), stationary_(c) * arriving.covariance(k, k), square);
+            cross.row(first) += stationary_(c) * arriving.covariance.row(k);
+            sent.row(first) += stationary_(c) * with_sent.row(k);
+          } else {
+            add_driven(-innovation(k) * mean.col(0).segment(first, n_), stationary_(c) * innovation(k) * innovation(k),
+                       square);
+            mean(first) -= stationary_(c) * innovation(k);
+          }
+        }
       }
-      received_mean(k) = mean(0) + mean(n_);
-      received.with_sent.row(k).tail(count - k) = (sent.row(0) + sent.row(n_)).tail(count - k);
-      Matrix later(2 * n_, 1);
-      later << of_arrived.col(0), of_lost.col(0);
-      add_later(k, later, mean, cross, innovation, received.own.covariance);
+      received_mean(k) = received_of(mean.col(0));
+      for (Eigen::Index l = k; l < count; ++l) received.with_sent(k, l) = received_of(sent.col(l));
+      Matrix later(modes_ * n_, 1);
+      for (Eigen::Index c = 0; c < modes_; ++c)
+        later.middleRows(c * n_, n_) = squares[static_cast<std::size_t>(c)].col(0);
+      add_later(k, later, mean, cross, innovation, later_modes, received.own.covariance);
     }
     received.own.covariance -= (received_mean * received_mean.transpose()).eval();
     received.own.mean += received_mean;
@@ -83,43 +99,64 @@ private:
     return innovation;
   }
 
-  // At step -1 all registers hold the position of step -1, in either mode.
+  // The powers of Pi, column by column: the modes l steps later.
+  std::vector<Matrix> powers(Eigen::Index count) const {
+    std::vector<Matrix> result{Matrix::Identity(modes_, modes_)};
+    while (static_cast<Eigen::Index>(result.size()) < count) result.emplace_back(result.back() * transition_);
+    return result;
+  }
+
+  // At step -1 all registers hold the position of step -1, in any mode.
   Matrix started(const Matrix& covariance) const {
-    Matrix state(2 * n_, covariance.cols());
-    state << covariance.replicate(n_, 1) * p_, covariance.replicate(n_, 1) * q_;
+    Matrix state(modes_ * n_, covariance.cols());
+    for (Eigen::Index c = 0; c < modes_; ++c)
+      state.middleRows(c * n_, n_) = covariance.replicate(n_, 1) * stationary_(c);
     return state;
+  }
+
+  // The sum over the modes of the latest register.
+  template <class State>
+  long double received_of(const State& state) const {
+    long double sum = 0.0L;
+    for (Eigen::Index c = 0; c < modes_; ++c) sum += state(c * n_);
+    return sum;
   }
 
   // The states in columns `from` and later, one step of the chain later: A_c sum_a Pi_ac state_a.
   void advance(Matrix& states, Eigen::Index from) const {
-    for (Eigen::Index c = from; c < states.cols(); ++c) {
-      long double* const state = states.col(c).data();
-      long double predicted = 0.0L;
-      for (Eigen::Index j = n_ - 1; j >= 0; --j) {
-        const long double arriving = (1.0L - to_loss_) * state[j] + (1.0L - stays_lost_) * state[n_ + j];
-        const long double lost = to_loss_ * state[j] + stays_lost_ * state[n_ + j];
-        predicted += predictor_(j) * lost;
-        if (j + 1 == n_) continue;
-        state[j + 1] = arriving;
-        state[n_ + j + 1] = lost;
+    for (Eigen::Index column = from; column < states.cols(); ++column) {
+      std::copy_n(states.col(column).data(), before_.size(), before_.begin());
+      for (Eigen::Index c = 0; c < modes_; ++c) {
+        long double* const state = states.col(column).data() + c * n_;
+        long double predicted = 0.0L;
+        for (Eigen::Index j = n_ - 1; j >= 0; --j) {
+          long double moved = 0.0L;
+          for (Eigen::Index a = 0; a < modes_; ++a)
+            moved += transition_(a, c) * before_[static_cast<std::size_t>(a * n_ + j)];
+          predicted += predictor_(j) * moved;
+          if (j + 1 < n_) state[j + 1] = moved;
+        }
+        state[0] = c < arrived_ ? 0.0L : predicted;
       }
-      state[0] = 0.0L;
-      state[n_] = predicted;
     }
   }
 
-  // A_c sum_a Pi_ac Q_a A_c' for both modes.
-  void advance_squares(Matrix& of_arrived, Matrix& of_lost) const {
-    const Matrix arriving = (1.0L - to_loss_) * of_arrived + (1.0L - stays_lost_) * of_lost;
-    const Matrix lost = to_loss_ * of_arrived + stays_lost_ * of_lost;
+  // A_c sum_a Pi_ac Q_a A_c' for all modes.
+  void advance_squares(std::vector<Matrix>& squares) const {
+    const std::vector<Matrix> before = squares;
     const Eigen::Index kept = n_ - 1;
-    of_arrived.setZero();
-    of_arrived.bottomRightCorner(kept, kept) = arriving.topLeftCorner(kept, kept);
-    const Vector predicted = lost * predictor_;
-    of_lost.bottomRightCorner(kept, kept) = lost.topLeftCorner(kept, kept);
-    of_lost.col(0).tail(kept) = predicted.head(kept);
-    of_lost.row(0).tail(kept) = predicted.head(kept).transpose();
-    of_lost(0, 0) = predictor_.dot(predicted);
+    for (Eigen::Index c = 0; c < modes_; ++c) {
+      Matrix moved = Matrix::Zero(n_, n_), &square = squares[static_cast<std::size_t>(c)];
+      for (Eigen::Index a = 0; a < modes_; ++a)
+        moved.noalias() += transition_(a, c) * before[static_cast<std::size_t>(a)];
+      square.setZero();
+      square.bottomRightCorner(kept, kept) = moved.topLeftCorner(kept, kept);
+      if (c < arrived_) continue;
+      const Vector predicted = moved * predictor_;
+      square.col(0).tail(kept) = predicted.head(kept);
+      square.row(0).tail(kept) = predicted.head(kept).transpose();
+      square(0, 0) = predictor_.dot(predicted);
+    }
   }
 
   void add_driven(const Vector& drive, long double squared, Matrix& square) const {
@@ -130,24 +167,28 @@ private:
 
   // Row and column k of E r~(l) r~(k), l >= k. `state`: the Y of step k.
   void add_later(Eigen::Index k, Matrix state, const Matrix& mean, const Matrix& cross, const Vector& innovation,
-                 Matrix& second) const {
-    const long double memory = stays_lost_ - to_loss_;
-    const long double of_mean = mean(0) + mean(n_), mean_by_mode = p_ * mean(n_) - q_ * mean(0);
-    second(k, k) = state(0) + state(n_);
-    long double power = 1.0L;
+                 const std::vector<Matrix>& later_modes, Matrix& second) const {
+    second(k, k) = received_of(state.col(0));
     for (Eigen::Index l = k + 1; l < second.rows(); ++l) {
-      power *= memory;
+      check_interruption();
       advance(state, 0);
-      state(0) += p_ * (cross(0, l) + cross(n_, l)) + power * (q_ * cross(0, l) - p_ * cross(n_, l));
-      state(n_) -= innovation(l) * (q_ * of_mean + power * mean_by_mode);
-      second(l, k) = state(0) + state(n_);
+      const Matrix& modes = later_modes[static_cast<std::size_t>(l - k)];
+      for (Eigen::Index c = 0; c < modes_; ++c) {
+        long double expected = 0.0L;  // E[s~(l) or 1, mode c at l, r~(k)]
+        for (Eigen::Index a = 0; a < modes_; ++a)
+          expected += modes(a, c) * (c < arrived_ ? cross(a * n_, l) : mean(a * n_, 0));
+        state(c * n_) += c < arrived_ ? expected : -innovation(l) * expected;
+      }
+      second(l, k) = received_of(state.col(0));
       second(k, l) = second(l, k);
     }
   }
 
-  Eigen::Index n_;
-  long double p_, q_, to_loss_, stays_lost_;
-  Vector predictor_;
+  LossChain chain_;
+  Eigen::Index n_, modes_, arrived_;
+  Matrix transition_;
+  Vector stationary_, predictor_;
+  mutable std::vector<long double> before_;  ///< a state, while advance() changes it
 };
 
 /// One follower and its link.
@@ -162,6 +203,7 @@ public:
     const Vector colour = filled(filtered_impulse(vehicle.link.noise_filter, steps));
     const long double variance = vehicle.noise_variance, step = vehicle.link.quantisation_step;
     for (Eigen::Index a = 1; a < count_; ++a) {
+      check_interruption();
       for (Eigen::Index b = 1; b <= a; ++b) {
         noise_(a, b) = noise_(a - 1, b - 1) + variance * colour(a) * colour(b);
         noise_(b, a) = noise_(a, b);
@@ -175,6 +217,7 @@ public:
     SequenceMoments arriving{Vector(count_), Matrix(count_, count_)};
     Matrix with_sent(count_, count_);
     for (Eigen::Index a = 0; a < count_; ++a) {
+      check_interruption();
       arriving.mean(a) = sent.mean(before(a));
       with_sent.row(a) = sent.covariance.row(before(a));
       for (Eigen::Index b = 0; b < count_; ++b)

@@ -11,15 +11,16 @@ namespace platoon {
 /// S their covariance including the noise of the link, x the registers relative to m (see BurstLink), u(k) = m(k) - c_1
 /// m(k-1) - ..., e = (1, 0, ..., 0)' and r~ = e' x,
 ///
-///     mu_c(k) = A_c sum_a Pi_ac mu_a(k-1) - 1{c = 1} q u(k) e,
-///     X_c(k, l) = A_c sum_a Pi_ac X_a(k-1, l) + 1{c = 0} p S(k, l) e  for all l,
-///     Q_c(k) = A_c sum_a Pi_ac Q_a(k-1) A_c' + sym(b_c e') + e e' (p S(k, k) or q u(k)^2),
+///     mu_c(k) = A_c sum_a Pi_ac mu_a(k-1) - (0 or pi_c u(k)) e,
+///     X_c(k, l) = A_c sum_a Pi_ac X_a(k-1, l) + (pi_c S(k, l) or 0) e  for all l,
+///     Q_c(k) = A_c sum_a Pi_ac Q_a(k-1) A_c' + sym(b_c e') + e e' pi_c (S(k, k) or u(k)^2),
 ///     mu_c = E[x 1{theta = c}],   X_c = E[x(k) 1{theta(k) = c} s~(l)],   sym(M) = M + M',
-///     b_0 = A_0 sum_a Pi_a0 X_a(k-1, k),   b_1 = -u(k) A_1 sum_a Pi_a1 mu_a(k-1),
+///     b_c = A_c sum_a Pi_ac (X_a(k-1, k) or -u(k) mu_a(k-1)),
 ///
-/// and Y_c(l) = E[x(l) 1{theta(l) = c} r~(k)], l > k, from Q_c(k) e on by
+/// with the first of two values for an arrived mode c and the second for a lost one, and Y_c(l) = E[x(l) 1{theta(l) =
+/// c} r~(k)], l > k, from Q_c(k) e on by
 ///
-///     Y_c(l) = A_c sum_a Pi_ac Y_a(l-1) + e (E[s~(l) 1{theta(l) = 0} r~(k)] or -u(l) E[1{theta(l) = 1} r~(k)]),
+///     Y_c(l) = A_c sum_a Pi_ac Y_a(l-1) + e (E[s~(l) 1{theta(l) = c} r~(k)] or -u(l) E[1{theta(l) = c} r~(k)]),
 ///
 /// both expectations by the powers of Pi. Their sum over c gives the covariance of the positions that the vehicle uses;
 /// its closed loop filters it, and the initial position adds its own.

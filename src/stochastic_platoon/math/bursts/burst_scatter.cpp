@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/memory_weights.hpp"
 
 namespace platoon {
@@ -13,7 +14,11 @@ namespace {
 
 using DoubleComplex = std::complex<double>;
 
-/// Re(a b) without the checks of std::complex for infinities.
+/// a b, and its real part, without the checks of std::complex for infinities.
+DoubleComplex product(DoubleComplex a, DoubleComplex b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
 double real_product(DoubleComplex a, DoubleComplex b) {
   return a.real() * b.real() - a.imag() * b.imag();
 }
@@ -26,12 +31,13 @@ BurstScatter::BurstScatter(const BurstLink& link, const Eigen::ArrayXd& node, co
       margin(node.size()),
       surprise(node.size()),
       moving(node.size()),
-      memory_(link.memory()),
-      odds_(link.odds()),
+      memories_(link.memories()),
       weight_(weight),
-      deviation_(node.size()),
-      outward_(node.size(), 2 * link.registers()),
-      scattered_(2 * link.registers(), node.size()) {
+      itself_(link.itself()) {
+  const auto memories = static_cast<Eigen::Index>(memories_.size());
+  for (Eigen::MatrixXcd* values : {&recalling_, &remembered_, &mirrored_}) values->resize(node.size(), memories);
+  outward_.resize(node.size(), itself_.size());
+  scattered_.resize(itself_.size(), node.size());
   const BurstLink::Value constant = link.at(0.0);
   for (Eigen::Index k = 0; k < node.size(); ++k) {
     const BurstLink::Value value = link.at(node(k));
@@ -39,46 +45,58 @@ BurstScatter::BurstScatter(const BurstLink& link, const Eigen::ArrayXd& node, co
     margin(k) = value.margin();
     surprise(k) = std::norm(value.surprise);
     moving(k) = link.slope() * link.slope() * link.kernel(value, node(k), constant, 0.0);
-    deviation_(k) = value.deviation;
+    recalling_.row(k) = value.recalling.transpose();
+    remembered_.row(k) = value.remembered.transpose();
+    mirrored_.row(k) = value.mirrored.transpose();
     outward_.row(k) = 2.0 * value.outward.real().transpose();
     scattered_.col(k) = value.scattered.real();
   }
-  itself_ = Eigen::RowVectorXd::Unit(scattered_.rows(), link.registers());
-  if (rule != nullptr && memory_ != 0.0) add_kernel(node, *rule);
+  if (rule != nullptr && !memories_.empty()) add_kernel(node, *rule);
 }
 
 void BurstScatter::add_kernel(const Eigen::ArrayXd& node, const Quadrature& rule) {
-  const MemoryWeights memory(rule, memory_);
-  const Eigen::Index count = node.size();
-  kernel_.resize(count, count);
-  for (Eigen::Index r = 0; r < count; ++r) {
-    const std::vector<DoubleComplex> ahead = memory.at(node(r)), behind = memory.at(-node(r));
-    for (Eigen::Index c = 0; c < count; ++c) {
-      const auto k = static_cast<std::size_t>(c);
-      const DoubleComplex a = ahead[k], b = behind[k], d = deviation_(c);
-      // conj(d) a + d conj(b)
-      const DoubleComplex sum(d.real() * (a.real() + b.real()) + d.imag() * (a.imag() + b.imag()),
-                              d.real() * (a.imag() - b.imag()) - d.imag() * (a.real() - b.real()));
-      kernel_(c, r) = odds_ * real_product(deviation_(r), sum);
+  const Eigen::Index count = node.size(), terms = recalling_.cols();
+  kernel_ = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index first = 0, end = 0; first < terms; first = end) {  // terms of one lambda share its weights
+    const DoubleComplex value = memories_[static_cast<std::size_t>(first)];
+    while (end < terms && memories_[static_cast<std::size_t>(end)] == value) ++end;
+    const MemoryWeights memory(rule, value), mirrored(rule, std::conj(value));
+    for (Eigen::Index r = 0; r < count; ++r) {
+      const std::vector<DoubleComplex> ahead = memory.at(node(r)), behind = mirrored.at(-node(r));
+      for (Eigen::Index c = 0; c < count; ++c) {
+        DoubleComplex at_node = 0.0, at_mirror = 0.0;
+        for (Eigen::Index m = first; m < end; ++m) {
+          at_node += product(recalling_(r, m), remembered_(c, m));
+          at_mirror += product(recalling_(r, m), mirrored_(c, m));
+        }
+        const auto k = static_cast<std::size_t>(c);
+        kernel_(c, r) += real_product(at_node, ahead[k]) + real_product(at_mirror, std::conj(behind[k]));
+      }
     }
   }
 }
 
-// < conj(D(nu)) driven(nu) y / (1 - y) >_nu: on equally spaced nodes a circular convolution with the powers of lambda.
-Eigen::ArrayXd BurstScatter::remembered(const Eigen::ArrayXd& driven) const {
+// < b_m(nu) driven(nu) y_m / (1 - y_m) >_nu: on equally spaced nodes a circular convolution with the powers of
+// lambda_m.
+Eigen::ArrayXd BurstScatter::recalled(const Eigen::ArrayXd& driven) const {
   const Eigen::Index half = driven.size(), n = 2 * half;
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(half);
   Eigen::VectorXcd values(n), lags(n);
-  values.head(half) = (deviation_.conjugate() * driven).matrix();
-  values.tail(half) = values.head(half).reverse().conjugate();
-  fft_.inv(lags, values);
-  double power = std::pow(memory_, static_cast<double>(n));
-  const double all = 1.0 - power;
-  for (Eigen::Index t = 0; t < n; ++t) {
-    lags(t) *= power / all;
-    power = t == 0 ? memory_ : power * memory_;
+  for (std::size_t m = 0; m < memories_.size(); ++m) {
+    const auto column = static_cast<Eigen::Index>(m);
+    values.head(half) = (remembered_.col(column).array() * driven).matrix();
+    values.tail(half) = (mirrored_.col(column).array() * driven).matrix().reverse();
+    fft_.inv(lags, values);
+    DoubleComplex power = std::pow(memories_[m], static_cast<double>(n));
+    const DoubleComplex all = 1.0 - power;
+    for (Eigen::Index t = 0; t < n; ++t) {
+      lags(t) *= power / all;
+      power = t == 0 ? memories_[m] : power * memories_[m];
+    }
+    fft_.fwd(values, lags);
+    sum += 2.0 * (recalling_.col(column).array() * values.head(half).array()).real();
   }
-  fft_.fwd(values, lags);
-  return 2.0 * odds_ * (deviation_ * values.head(half).array()).real();
+  return sum;
 }
 
 Eigen::MatrixXd BurstScatter::operator()(const Eigen::Ref<const Eigen::MatrixXd>& driven) const {
@@ -87,8 +105,8 @@ Eigen::MatrixXd BurstScatter::operator()(const Eigen::Ref<const Eigen::MatrixXd>
   result.rowwise() -= itself_ * inward;
   if (kernel_.size() > 0) {
     result.noalias() += kernel_.transpose() * weighted;
-  } else if (memory_ != 0.0) {
-    for (Eigen::Index j = 0; j < driven.cols(); ++j) result.col(j) += remembered(driven.col(j)).matrix();
+  } else if (!memories_.empty()) {
+    for (Eigen::Index j = 0; j < driven.cols(); ++j) result.col(j) += recalled(driven.col(j)).matrix();
   }
   return result;
 }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <complex>
 #include <unsupported/Eigen/FFT>
+#include <vector>
 
 #include "stochastic_platoon/math/bursts/burst_link.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
@@ -25,15 +27,15 @@ public:
 
 private:
   void add_kernel(const Eigen::ArrayXd& node, const Quadrature& rule);
-  Eigen::ArrayXd remembered(const Eigen::ArrayXd& driven) const;
+  Eigen::ArrayXd recalled(const Eigen::ArrayXd& driven) const;
 
-  double memory_, odds_;
+  std::vector<std::complex<double>> memories_;
   Eigen::ArrayXd weight_;
-  Eigen::ArrayXcd deviation_;  ///< D
-  Eigen::MatrixXd outward_;    ///< 2 Re l, one row per node
-  Eigen::MatrixXd scattered_;  ///< Re V, one column per node
-  Eigen::RowVectorXd itself_;  ///< Re e' V_1
-  /// Mean over +-nu of 2 p/q Re[D(w) conj(D(nu)) y / (1 - y)], one column per w; empty without rule.
+  Eigen::MatrixXcd recalling_, remembered_, mirrored_;  ///< a, b and b at -nu, one row per node
+  Eigen::MatrixXd outward_;                             ///< 2 Re l, one row per node
+  Eigen::MatrixXd scattered_;                           ///< Re V, one column per node
+  Eigen::RowVectorXd itself_;                           ///< e' sum_c V_c = itself V
+  /// Mean over +-nu of 2 Re sum_m a_m(w) b_m(nu) y_m / (1 - y_m), one column per w; empty without rule.
   Eigen::MatrixXd kernel_;
   mutable Eigen::FFT<double> fft_;  ///< keeps its plan
 };

@@ -6,6 +6,8 @@
 #include <complex>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+
 namespace platoon {
 
 namespace {
@@ -48,6 +50,7 @@ void BurstSpectra::add(const BurstVehicle& vehicle, std::shared_ptr<const BurstS
     values->setZero(nodes());
   const auto delay = static_cast<double>(vehicle.vehicle().link.delay);
   for (Eigen::Index k = 0; k < nodes(); ++k) {
+    check_interruption();
     const double w = node_(k);
     const LinkedVehicleValue plain = vehicle.plain().at(w);
     DoubleComplex mean = plain.undelayed * std::polar(1.0, -std::remainder(delay * w, 2.0 * pi));  // H T^

@@ -43,11 +43,12 @@ std::vector<double> limits_by(const BurstSpectra& spectra, double speed) {
 }  // namespace
 
 std::vector<double> stationary_variances(const BurstPattern& pattern, double speed, std::size_t followers) {
-  return settled_values(pattern, [&](const BurstSpectra& spectra) { return variances_by(spectra, speed, followers); });
+  return settled_values(pattern, followers,
+                        [&](const BurstSpectra& spectra) { return variances_by(spectra, speed, followers); });
 }
 
 std::vector<double> limit_variances(const BurstPattern& pattern, double speed) {
-  return settled_values_of_endless(pattern, [&](const BurstSpectra& spectra) { return limits_by(spectra, speed); });
+  return settled_values(pattern, std::nullopt, [&](const BurstSpectra& spectra) { return limits_by(spectra, speed); });
 }
 
 }  // namespace platoon

@@ -12,10 +12,14 @@ namespace platoon {
 /// value of step -1 always arrives. A delay of the link adds to the age. In the stationary state of random losses,
 /// independent or in bursts, with q = probability, a = after_arrival() and b = after_loss(),
 /// \f[ P(0) = 1 - q, \qquad P(n) = (1 - q) a b^{n-1}. \f]
-/// The mean is q times the mean burst. `loss` must have neither a trace nor losses by the distance, which have no such
-/// distribution.
-std::vector<double> age_probabilities(const LossModel& loss);  ///< P(0), P(1), ..., until less than 1e-12 is left
-double mean_age(const LossModel& loss);                        ///< [steps]
+/// The mean is q times the mean burst. With the lost modes l of any LossChain, P(n) = pi_a Pi_al Pi_ll^(n-1) (1, ...,
+/// 1)', and q b^n becomes pi_l Pi_ll^n (1, ..., 1)'. `loss` must have neither a trace nor losses by the distance, which
+/// have no such distribution. P(0), P(1), ..., until less than 1e-12 is left, at most 100,000 of them.
+std::vector<double> age_probabilities(const LossModel& loss);
+double mean_age(const LossModel& loss);  ///< [steps]
+
+/// The smallest age n that is exceeded with probability q b^n <= rest, 0 < rest < 1 [steps].
+double age_exceeded_with(const LossModel& loss, double rest);
 
 /// Expected share of age n among steps 0 .. K - 1, K = steps, with step -1 as the last arrival before the start:
 /// \f[ [(K - n) P(n) + q b^{n-1}] / K, \qquad 1 \le n \le K. \f]

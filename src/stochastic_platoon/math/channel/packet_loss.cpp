@@ -53,18 +53,45 @@ void lose_as_recorded(const LossTrace& trace, const double* predicted, std::size
 
 }  // namespace
 
+ModeChances::ModeChances(const LossChain& chain) : arrived_(static_cast<std::size_t>(chain.arrived())) {
+  const auto shares = [&chain](const Eigen::VectorXd& probabilities) {
+    std::vector<Share> result;
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < chain.modes(); ++i) {
+      const Eigen::Index mode = i < chain.lost() ? chain.arrived() + i : i - chain.lost();
+      sum += probabilities(mode);
+      if (probabilities(mode) > 0.0) result.push_back({sum, static_cast<std::uint8_t>(mode)});
+    }
+    result.back().upto = 1.0;
+    return result;
+  };
+  for (Eigen::Index mode = 0; mode < chain.modes(); ++mode)
+    modes_.push_back(shares(chain.transition().row(mode).transpose()));
+  modes_.push_back(shares(chain.stationary()));
+}
+
+std::uint8_t ModeChances::after(std::size_t mode, double uniform) const {
+  const std::vector<Share>& shares = modes_[mode];
+  auto found = shares.begin();
+  while (!(uniform < found->upto) && found + 1 != shares.end()) ++found;
+  return found->mode;
+}
+
 PacketLoss::PacketLoss(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver)
     : loss_(loss), draws_(seed), receiver_(receiver), used_(loss.predictor.size()) {
   if (!(loss.probability >= 0.0 && loss.probability < 1.0)) {
     throw std::invalid_argument("loss probability: " + std::to_string(loss.probability) +
                                 ": must be from 0 to below 1");
   }
+  if (loss.markov) modes_.emplace(LossChain(loss));
 }
 
 void PacketLoss::start(std::uint64_t first_realization, std::size_t count, const double* positions) {
   for (AlignedValues& used : used_) used.assign(positions, positions + count);
   chance_.assign(count, loss_.probability);
   newest_ = 0;
+  begun_ = false;
+  mode_.assign(modes_ ? count : 0, 0);
   if (!loss_.trace) return;
   const auto entries = static_cast<double>(loss_.trace->size());
   draws_.fill_uniform({receiver_, -1, Purpose::loss}, first_realization, count, chance_.data());
@@ -95,6 +122,8 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
     }
     if (loss_.trace) {
       lose_as_recorded(*loss_.trace, guess, size, &entry_[r], positions + r);
+    } else if (modes_) {
+      lose_by_modes(uniforms.data(), guess, size, &mode_[r], positions + r);
     } else if (loss_.mean_burst || loss_.by_distance) {
       detail::lose(uniforms.data(), guess, loss_.after_loss(), loss_.after_arrival(), size, &chance_[r], positions + r);
     } else {
@@ -103,6 +132,15 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
     if (n > 0) std::copy_n(positions + r, size, &used_[oldest][r]);
   }
   newest_ = oldest;
+  begun_ = true;
+}
+
+void PacketLoss::lose_by_modes(const double* uniforms, const double* predicted, std::size_t size, std::uint8_t* mode,
+                               double* positions) const {
+  for (std::size_t r = 0; r < size; ++r) {
+    mode[r] = begun_ ? modes_->after(mode[r], uniforms[r]) : modes_->first(uniforms[r]);
+    if (modes_->is_lost(mode[r])) positions[r] = predicted[r];
+  }
 }
 
 }  // namespace platoon

@@ -10,6 +10,7 @@
 
 #include "stochastic_platoon/math/links/linked_responses.hpp"
 #include "stochastic_platoon/math/numerics/causal_convolution.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
 
@@ -206,6 +207,7 @@ private:
       while (reach > 1 && own[reach - 1] <= negligible) --reach;
       Values& squared = innovation_[i][link];
       for (std::size_t k = 0; k < steps_; ++k) {
+        check_interruption();
         double returned = 0.0;
         for (std::size_t t = 1; t < reach && t <= k; ++t) returned += own[t] * variance[k - t];
         squared[k] += returned;

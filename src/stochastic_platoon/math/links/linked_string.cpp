@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "stochastic_platoon/math/links/pattern_spectra.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
@@ -57,6 +58,7 @@ void pass_along(const PatternSpectra& spectra, const LinkedPattern& pattern, dou
   }
   Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.weight.size());
   for (std::size_t i = 0; i < followers; ++i) {
+    check_interruption();
     const std::size_t type = pattern.type(i);
     for (std::size_t link = 0; link < added[type].size() && pattern[i].has_losses(); ++link) {
       const PatternSpectra::Input& of = spectra.input[type][link];

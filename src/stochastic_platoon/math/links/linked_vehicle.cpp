@@ -42,11 +42,12 @@ InputValue input_value(const LinkFilter& link, const LinkFilter::Value& value, C
 
 }  // namespace
 
-LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known)
+LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known, const VehicleModel* before)
     : vehicle_(vehicle), links_(filters_of(vehicle)), spectral_radius_(platoon::spectral_radius(vehicle.loop)) {
   if (vehicle.loop.parts)
-    designed_.emplace(*vehicle.design, vehicle.headway, vehicle.feed_forward ? vehicle.feed_forward->gain : 0.0);
-  factor_ = designed_ ? designed_factor(known) : rated_factor(vehicle.loop);
+    designed_.emplace(*vehicle.design, vehicle.headway, vehicle.feed_forward ? vehicle.feed_forward->gain : 0.0,
+                      before != nullptr ? before->design->plant : vehicle.design->plant);
+  factor_ = designed_ ? designed_factor(known, before != nullptr) : rated_factor(vehicle.loop);
   for (const LinkFilter& link : links_) {
     if (!link.has_losses() || link.loss().predictor.empty()) continue;
     for (const std::complex<long double>& s : zeros(link.registers())) factor_.factor.poles.push_back(s);
@@ -63,12 +64,13 @@ LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* k
 }
 
 // The poles of T^ are those of T. The zeros do not depend on the headway unless the controller does.
-RatedFactor LinkedVehicle::designed_factor(const LinkedVehicle* known) const {
+RatedFactor LinkedVehicle::designed_factor(const LinkedVehicle* known, bool behind_other) const {
   const bool has_radio = vehicle_.feed_forward.has_value();
   if (known != nullptr && !vehicle_.design->divide_by_one_plus_headway &&
       known->vehicle_.feed_forward == vehicle_.feed_forward && (!has_radio || known->vehicle_.link == vehicle_.link))
     return {{poles_of(vehicle_.loop), known->factor_.factor.zeros}, {}};
-  if (!has_radio) return rated_factor(vehicle_.loop);
+  if (!has_radio && !behind_other) return rated_factor(vehicle_.loop);
+  if (!has_radio) return {{poles_of(vehicle_.loop), designed_->zeros({}, {}, 1.0L, 0.0L, {})}, {}};
   const auto registers = [](const LinkFilter& link) {
     if (!link.has_losses()) return ExactPolynomial{Exact(1)};
     ExactPolynomial p;
@@ -177,11 +179,12 @@ ZerosAtZero LinkedVehicle::zeros_at_zero() const {
   return zeros;
 }
 
-// Multiplicity of z = 1 as a zero of 1 - F z^-m p F_l, the part of the predecessor's input that feed-forward leaves.
+// Multiplicity of z = 1 as a zero of 1 - F z^-m p F_l G / G_before, the part of the predecessor's input that
+// feed-forward leaves.
 int LinkedVehicle::feed_forward_zeros() const {
   const LinkFilter& input = links_.back();
   const bool is_held = !input.has_losses() || !input.loss().predictor.empty();
-  return vehicle_.feed_forward->gain == 1.0 && is_held ? 1 : 0;
+  return is_held ? designed_->zeros_of_difference() : 0;
 }
 
 std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
@@ -191,7 +194,7 @@ std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
   }
   if (!vehicle_.feed_forward) return found;
   // The difference of the delays rotates T^; a panel may cover two radians.
-  const auto turns = static_cast<double>(std::max(links_[0].delay(), links_[1].delay()));
+  const auto turns = static_cast<double>(std::max(links_[0].delay(), links_[1].delay()) + designed_->plant_turns());
   for (int k = 0; k <= boost::math::double_constants::pi * turns; ++k) found.emplace_back(k / turns, 1.0 / turns);
   return found;
 }

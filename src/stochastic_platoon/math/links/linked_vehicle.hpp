@@ -23,8 +23,8 @@ struct InputValue {
 };
 
 /// Gains of one follower and the links into it at one frequency, with H = (1 + h) - h / z. T^ leads from the
-/// predecessor's position to the mean of the own: p F z^-m T for one input; with feed-forward Gamma = (G K + F z^-m) /
-/// (H (1 + G K)), each input with the mean effect of its link.
+/// predecessor's position to the mean of the own: p F z^-m T for one input; with feed-forward Gamma = (G K + F z^-m G /
+/// G_before) / (H (1 + G K)), each input with the mean effect of its link, G_before the plant of the predecessor.
 struct LinkedVehicleValue {
   double gain;                      ///< |T^|^2
   double margin;                    ///< 1 - |T^|^2, given that T^(1) = 1 exactly
@@ -41,13 +41,15 @@ struct LinkedVehicleValue {
 class LinkedVehicle {
 public:
   /// `known`: the same vehicle with another headway or other links; it saves the search for zeros that do not depend on
-  /// the headway. Throws std::invalid_argument for losses in bursts.
-  explicit LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known = nullptr);
+  /// the headway. `before`: its predecessor, if another plant sends the input; null: the same plant. Throws
+  /// std::invalid_argument for losses in bursts.
+  explicit LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known = nullptr,
+                         const VehicleModel* before = nullptr);
 
   LinkedVehicleValue at(const CirclePoint& point) const;
   LinkedVehicleValue at(double frequency) const { return at(CirclePoint(frequency)); }
 
-  /// |T^|^2 as a factor of the pattern's.
+  /// |T^|^2 as a factor of the pattern's, without |G / G_before|^2, which cancels in it.
   const RatedFactor& factor() const { return factor_; }
 
   /// The complex frequencies at which any of the above is singular, plus as many as resolve the delays of a radio.
@@ -75,7 +77,7 @@ private:
   struct Half {
     CirclePolynomial numerator, denominator;
   };
-  RatedFactor designed_factor(const LinkedVehicle* known) const;
+  RatedFactor designed_factor(const LinkedVehicle* known, bool behind_other) const;
   std::complex<long double> designed_response(const CirclePoint& point,
                                               const std::array<LinkFilter::Value, 2>& of_links,
                                               LinkedVehicleValue& value) const;

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+
 namespace platoon {
 
 MeanVehicle::MeanVehicle(const VehicleModel& vehicle) : vehicle_(vehicle), headway_(vehicle.headway) {
@@ -30,6 +32,7 @@ MeanVehicle::Passed MeanVehicle::over_link(std::size_t link, const Sequence& sen
 }
 
 MeanVehicle::Passed MeanVehicle::of_loss(std::size_t link, std::size_t steps) const {
+  check_interruption();
   Passed passed;
   Sequence received{0.0L};
   for (std::size_t k = 0; k < steps; ++k) {
@@ -44,6 +47,7 @@ MeanVehicle::Passed MeanVehicle::of_loss(std::size_t link, std::size_t steps) co
 }
 
 MeanVehicle::Sequence MeanVehicle::error(const Sequence& predecessor, const Sequence& own) const {
+  check_interruption();
   Sequence errors;
   for (std::size_t a = 1; a < own.size(); ++a)
     errors.push_back(predecessor[a] - own[a] - headway_ * (own[a] - own[a - 1]));
@@ -69,6 +73,7 @@ long double MeanVehicle::MeanLink::prediction(const Sequence& received) const {
 }
 
 MeanVehicle::Sequence MeanVehicle::MeanLink::pass(const Sequence& sent, Sequence& innovation) const {
+  check_interruption();
   const long double arrival = 1.0L - static_cast<long double>(loss.probability);
   Sequence received{sent.front()};
   for (std::size_t a = 1; a < sent.size(); ++a) {

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "stochastic_platoon/math/numerics/exp_minus_one.hpp"
+
 namespace platoon {
 
 /// Gains of one pattern's vehicles at the nodes of a quadrature over the circle. Spectra have one row per node.
@@ -32,7 +34,7 @@ struct PatternFactors {
       const auto count = static_cast<double>(std::count(order.begin(), order.end(), t));
       log += count * (margin[t] < 0.5).select((-margin[t]).log1p(), gain[t].log());
     }
-    return -log.expm1();
+    return -exp_minus_one(log);
   }
 
   /// The spectrum in front of vehicle 0 of an endless string in which vehicle l adds added[l] to the spectrum. The

@@ -4,6 +4,7 @@
 #include <complex>
 #include <cstdint>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
 
 namespace platoon {
@@ -48,6 +49,7 @@ PatternSpectra::PatternSpectra(const LinkedPattern& pattern, const PatternGain& 
     const auto delay = static_cast<double>(vehicle.vehicle().link.delay);
     const OscillatingWeights oscillating(rule, delay);
     for (Eigen::Index k = 0; k < count; ++k) {
+      check_interruption();
       const auto node = static_cast<std::size_t>(k);
       const LinkedVehicleValue value = vehicle.at(points[node]);
       gain.back()(k) = value.gain;

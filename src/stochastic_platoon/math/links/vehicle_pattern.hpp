@@ -12,8 +12,9 @@
 
 namespace platoon {
 
-/// One pattern of the string: its vehicle types, each once, and their order. Vehicle is LinkedVehicle, for links with
-/// independent losses or none, or BurstVehicle, for losses in bursts.
+/// One pattern of the string: its vehicle types, each once, and their order. In a string with radios, a type behind
+/// unlike plants counts once for each of them. Vehicle is LinkedVehicle, for links with independent losses or none, or
+/// BurstVehicle, for losses in bursts.
 template <class Vehicle>
 struct VehiclePattern {
   std::vector<Vehicle> types;
@@ -24,13 +25,18 @@ struct VehiclePattern {
   /// The pattern of a platoon. `known`: pattern of the same platoon with other headways and links; its unchanged
   /// vehicles are reused. Throws as Vehicle does.
   explicit VehiclePattern(const PlatoonModel& model, const VehiclePattern& known = {}) {
-    std::map<std::size_t, std::size_t> place;  // model type -> index in types
-    for (const std::size_t type : type_order(model)) {
-      const auto inserted = place.emplace(type, types.size());
+    std::map<std::pair<std::size_t, std::size_t>, std::size_t> place;  // (model type, that of the predecessor)
+    const std::vector<std::size_t> model_types = type_order(model);
+    const bool sends = has_feed_forward(model);
+    for (std::size_t j = 0, before = model_types.back(); j < model_types.size(); before = model_types[j++]) {
+      const VehicleModel &vehicle = model.types[model_types[j]].vehicle, &predecessor = model.types[before].vehicle;
+      const bool unlike = sends && !(predecessor.design->plant == vehicle.design->plant);
+      const auto inserted =
+          place.emplace(std::make_pair(model_types[j], unlike ? before : model_types[j]), types.size());
       if (inserted.second) {
-        const VehicleModel& vehicle = model.types[type].vehicle;
-        const Vehicle* const before = types.size() < known.types.size() ? &known.types[types.size()] : nullptr;
-        types.push_back(before != nullptr && before->is_of(vehicle) ? *before : Vehicle(vehicle, before));
+        const Vehicle* const same = types.size() < known.types.size() ? &known.types[types.size()] : nullptr;
+        types.push_back(
+            same != nullptr && same->is_of(vehicle) ? *same : Vehicle(vehicle, same, unlike ? &predecessor : nullptr));
       }
       order.push_back(inserted.first->second);
     }

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
-#include "stochastic_platoon/math/numerics/delayed_zeros.hpp"
+#include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+#include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
+#include "stochastic_platoon/math/numerics/zeros.hpp"
 
 namespace platoon {
 
@@ -101,7 +103,27 @@ ClosedLoop form_loop(const LoopDesign& design, double headway) {
   ClosedLoop loop{t.minimal, observable_canonical(t.minimal), roots(t.common_factor), integrators, {}};
   if (unstable_hidden_modes(loop).empty())
     loop.exact = std::make_shared<const ExactFraction>(DesignedLoop(design, headway).transfer());
+  loop.poles = poles_of(loop);
   return loop;
+}
+
+/// T without the leading coefficients of N that are zero to the rounding of A, B and C: the first C A^k B that are
+/// below what small relative changes of all entries can make of them.
+TransferFunction of_determined_degree(const TransferFunction& t, const StateSpace& system) {
+  const auto sizes = [](const ExactMatrix& m) -> Eigen::MatrixXd { return m.cast<double>().cwiseAbs(); };
+  const ExactMatrix a = system.a().cast<Exact>();
+  std::vector<ExactMatrix> left{system.c().cast<Exact>()}, right{system.b().cast<Exact>()};  // C A^k, A^k B
+  Polynomial n = t.numerator();
+  for (std::size_t k = 0; n.size() > 1; ++k) {
+    double sum = (sizes(left[0]) * sizes(right[k]) + sizes(left[k]) * sizes(right[0])).value();
+    for (std::size_t j = 0; j < k; ++j) sum += (sizes(left[j]) * sizes(a) * sizes(right[k - 1 - j])).value();
+    const double coefficient = (left[0] * right[k]).value().convert_to<double>();
+    if (std::abs(coefficient) > kCoefficientRounding * sum) break;
+    if (n.size() == system.order() - static_cast<Eigen::Index>(k)) n = n.tail(n.size() - 1).eval();
+    left.emplace_back(left[k] * a);
+    right.emplace_back(a * right[k]);
+  }
+  return {n, t.denominator()};
 }
 
 }  // namespace
@@ -117,7 +139,11 @@ DeltaFraction delta_fraction(const ClosedLoop& loop) {
 }
 
 std::vector<std::complex<long double>> poles_of(const ClosedLoop& loop) {
-  return loop.poles.empty() ? zeros(delta_fraction(loop).denominator) : loop.poles;
+  return loop.poles.empty() ? zeros(exact_fraction(loop).denominator) : loop.poles;
+}
+
+std::vector<std::complex<long double>> zeros_of(const ClosedLoop& loop) {
+  return loop.zeros.empty() ? zeros(exact_fraction(loop).numerator) : loop.zeros;
 }
 
 std::vector<std::complex<double>> unstable_hidden_modes(const ClosedLoop& loop) {
@@ -128,7 +154,7 @@ std::vector<std::complex<double>> unstable_hidden_modes(const ClosedLoop& loop) 
 }
 
 double spectral_radius(const ClosedLoop& loop) {
-  if (!loop.exact) return spectral_radius(delta_form(loop.transfer.denominator()));
+  if (!loop.exact) return spectral_radius(poles_of(loop));
   // Factors cancelled in T remain in `exact` and are no modes of A; zeros at z = 0 are cancelled in both.
   std::vector<std::complex<long double>> poles = poles_of(loop);
   for (const std::complex<double>& mode : loop.hidden_modes) {
@@ -139,9 +165,7 @@ double spectral_radius(const ClosedLoop& loop) {
     poles.erase(std::min_element(poles.begin(), poles.end(),
                                  [&](const auto& a, const auto& b) { return distance(a) < distance(b); }));
   }
-  long double excess = -1.0L;
-  for (const std::complex<long double>& s : poles) excess = std::max(excess, modulus_minus_one(s));
-  return static_cast<double>(1.0L + excess);
+  return spectral_radius(poles);
 }
 
 ClosedLoop close_loop(const LoopDesign& design, double headway, const ClosedLoop* before) {
@@ -150,9 +174,13 @@ ClosedLoop close_loop(const LoopDesign& design, double headway, const ClosedLoop
 
 ClosedLoop closed_loop_from(const StateSpace& realization) {
   require_order(realization.order());
-  const Resolvent r = resolvent(realization);
-  const Reduction t = reduce(r.transfer);
-  return {t.minimal, realization, {}, {}, r.delta_transfer};
+  const auto r = std::make_shared<const Resolvent>(resolvent(realization));
+  const Reduction t = reduce(of_determined_degree(r->transfer, realization));
+  ClosedLoop loop{t.minimal, realization, {}, {}, r->delta_transfer};
+  loop.poles = poles_of(loop);
+  loop.zeros = zeros_of(loop);
+  loop.given = r;
+  return loop;
 }
 
 }  // namespace platoon

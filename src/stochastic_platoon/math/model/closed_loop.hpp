@@ -33,6 +33,12 @@ struct ClosedLoop {
   /// The parts that compute the vehicle if its design is_by_parts(): `realization` is then theirs, and `transfer` is
   /// not reduced. Empty: `realization` computes the vehicle.
   std::optional<LoopParts> parts = {};
+
+  /// The resolvent of A, B and C that were given. Empty: the loop was formed from plant and controller.
+  std::shared_ptr<const Resolvent> given = {};
+
+  /// Zeros of T as s = z - 1. Empty: they follow from the coefficients.
+  std::vector<std::complex<long double>> zeros = {};
 };
 
 /// Largest number of poles of T without those of an input delay; a closed loop with more is rejected.
@@ -46,6 +52,9 @@ DeltaFraction delta_fraction(const ClosedLoop& loop);
 
 /// The poles of T as s = z - 1, with those that `transfer` has cancelled; see ClosedLoop::exact.
 std::vector<std::complex<long double>> poles_of(const ClosedLoop& loop);
+
+/// The zeros of T as s = z - 1, with those that `transfer` has cancelled.
+std::vector<std::complex<long double>> zeros_of(const ClosedLoop& loop);
 
 /// The hidden modes outside the open unit disk. They are computed as zeros of polynomials, so a mode within rounding of
 /// the unit circle counts as on it.
@@ -65,8 +74,9 @@ double spectral_radius(const ClosedLoop& loop);
 /// if a coefficient of T is not finite.
 ClosedLoop close_loop(const LoopDesign& design, double headway, const ClosedLoop* before = nullptr);
 
-/// The closed loop given by its own realization, which is kept unchanged. Throws std::invalid_argument if it has more
-/// than kHighestOrder states.
+/// The closed loop given by its own realization, which is kept unchanged. `transfer` has no leading coefficients of N
+/// that are zero to the rounding of the entries of A, B and C; `exact`, poles and zeros keep them as the entries give
+/// them. Throws std::invalid_argument if it has more than kHighestOrder states.
 ClosedLoop closed_loop_from(const StateSpace& realization);
 
 }  // namespace platoon

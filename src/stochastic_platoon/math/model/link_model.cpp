@@ -5,12 +5,13 @@
 #include <limits>
 #include <unsupported/Eigen/KroneckerProduct>
 
+#include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/numerics/eigenvalues.hpp"
 
 namespace platoon {
 
 bool LossModel::is_independent() const {
-  if ((trace || by_distance) && probability > 0.0) return false;
+  if ((trace || by_distance || markov) && probability > 0.0) return false;
   return !mean_burst || std::abs(after_loss() - after_arrival()) < 1e-15;
 }
 
@@ -38,16 +39,10 @@ Eigen::MatrixXd squared(const Eigen::MatrixXd& map) {
 
 double second_moment_radius(const LossModel& loss) {
   if (loss.predictor.empty()) return 0.0;
+  if (!loss.is_independent()) return spectral_radius(LossChain(loss).second_moments());
   const RegisterMaps maps(loss.predictor);
-  const Eigen::MatrixXd a = squared(maps.arrived), b = squared(maps.lost);
-  if (loss.is_independent()) {
-    const double q = loss.probability;
-    return spectral_radius((1.0 - q) * a + q * b);
-  }
-  Eigen::MatrixXd both(2 * a.rows(), 2 * a.rows());
-  both << (1.0 - loss.after_arrival()) * a, (1.0 - loss.after_loss()) * a, loss.after_arrival() * b,
-      loss.after_loss() * b;
-  return spectral_radius(both);
+  const double q = loss.probability;
+  return spectral_radius((1.0 - q) * squared(maps.arrived) + q * squared(maps.lost));
 }
 
 double loss_feedback(const LossModel& loss) {
@@ -100,7 +95,8 @@ bool same(const TransferFunction& one, const TransferFunction& other) {
 
 bool operator==(const LossModel& one, const LossModel& other) {
   const bool same_trace = one.trace == other.trace || (one.trace && other.trace && *one.trace == *other.trace);
-  return same_trace && one.by_distance == other.by_distance && one.probability == other.probability &&
+  const bool same_chain = one.markov == other.markov || (one.markov && other.markov && *one.markov == *other.markov);
+  return same_trace && same_chain && one.by_distance == other.by_distance && one.probability == other.probability &&
          one.mean_burst == other.mean_burst && one.predictor == other.predictor;
 }
 

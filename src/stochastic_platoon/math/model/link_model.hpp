@@ -8,6 +8,7 @@
 
 #include "stochastic_platoon/math/model/loss_by_distance.hpp"
 #include "stochastic_platoon/math/model/loss_trace.hpp"
+#include "stochastic_platoon/math/model/markov_losses.hpp"
 #include "stochastic_platoon/math/model/transfer_function.hpp"
 
 namespace platoon {
@@ -24,6 +25,8 @@ struct LossModel {
   /// Loss probability as a function of the gap one step earlier; `probability` is then its largest value. None: the gap
   /// has no effect.
   std::optional<LossByDistance> by_distance = {};
+  /// Losses by the states of a chain; probability and mean burst then only describe them.
+  std::shared_ptr<const MarkovLosses> markov = {};
 
   /// The b of independent losses: 1 / (1 - q).
   double independent_burst() const { return 1.0 / (1.0 - probability); }
@@ -36,9 +39,14 @@ struct LossModel {
   bool is_independent() const;
 
   /// Probability of a loss after a loss, 1 - 1 / b, and after an arrival, q / (b (1 - q)); both are q for independent
-  /// losses. The chain is stationary: a position is lost with probability q at every step.
+  /// losses. The chain is stationary: a position is lost with probability q at every step. Losses by the states of a
+  /// chain have more memory than these two (see LossChain).
   double after_loss() const { return mean_burst ? 1.0 - 1.0 / *mean_burst : probability; }
   double after_arrival() const { return mean_burst ? probability / (*mean_burst * (1.0 - probability)) : probability; }
+
+  /// Whether losses and arrivals alternate, to 1e-9 of the transition probabilities (q = 1/2 and mean burst 1): the
+  /// moments then do not settle.
+  bool alternates() const { return !markov && !(after_loss() - after_arrival() > -1.0 + 1e-9); }
 };
 
 /// Spectral radius of the second moments of the position r(k) that a follower uses, under losses alone. The variance of
@@ -46,9 +54,8 @@ struct LossModel {
 /// \f[ F = 1 / (1 - q L) \mbox{ is stable and } p q \|L F\|_2^2 < 1, \f]
 /// with L = c_1 z^-1 + c_2 z^-2 + ..., p = 1 - q.
 ///
-/// For modes 0 (arrived) and 1 (lost) of the chain and the matrices A_0, A_1 of the registers, it is the spectral
-/// radius of the block matrix of P(b | a) A_b (x) A_b (O. Costa, M. Fragoso, R. Marques, Discrete-Time Markov Jump
-/// Linear Systems, 2005, theorem 3.9).
+/// For any chain it is the spectral radius of its LossChain::second_moments() (O. Costa, M. Fragoso, R. Marques,
+/// Discrete-Time Markov Jump Linear Systems, 2005, theorem 3.9).
 double second_moment_radius(const LossModel& loss);
 
 /// p q ||L F||_2^2 of independent losses (see above); infinite if F is unstable.

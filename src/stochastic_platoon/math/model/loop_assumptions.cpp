@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <limits>
 #include <stdexcept>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -49,6 +50,15 @@ std::string rounded_away(const ClosedLoop& loop, double headway) {
       gain.value, gain.slope, headway);
 }
 
+/// The reason why the equilibrium of a loop with T(1) = 1 is not found: rounding, as that loop has no pole at z = 1.
+std::string rounded_equilibrium(const ClosedLoop& loop) {
+  long double nearest = std::numeric_limits<long double>::infinity();
+  for (const std::complex<long double>& s : poles_of(loop)) nearest = std::min(nearest, std::abs(s));
+  return formatted(
+      "the closed loop is too slow for its sample period: a pole lies %.3Lg beside z = 1, so close that A has an eigenvalue at 1 to the rounding of double, and the equilibrium in which the vehicles start is lost: increase sample_period, or the gain of the slow mode (ki)",
+      nearest);
+}
+
 }  // namespace
 
 double integral_defect(const ClosedLoop& loop, double headway) {
@@ -84,7 +94,7 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
   try {
     unit_equilibrium(loop.realization);
   } catch (const std::invalid_argument& error) {
-    found.emplace_back(error.what());
+    found.push_back(tracks_a_ramp(gain, headway) ? rounded_equilibrium(loop) : error.what());
   }
   return found;
 }

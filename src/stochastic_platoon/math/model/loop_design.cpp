@@ -58,6 +58,12 @@ Plant::Plant(const TransferFunction& sampled)
 Plant::Plant(const ContinuousPlant& continuous, double sample_period)
     : given_(continuous), exact_(held(continuous, sample_period)) {}
 
+bool Plant::operator==(const Plant& other) const {
+  return exact_ == other.exact_ ||
+         (exact_->delay == other.exact_->delay && exact_->numerator == other.exact_->numerator &&
+          exact_->denominator == other.exact_->denominator);
+}
+
 Controller::Controller(const TransferFunction& sampled)
     : given_(sampled), exact_(std::make_shared<const ExactTransfer>(exact_transfer(sampled))) {}
 

@@ -46,6 +46,9 @@ public:
   const std::variant<TransferFunction, ContinuousPlant>& given() const { return given_; }
   const ExactTransfer& exact() const { return *exact_; }
 
+  /// Whether G(z) is the same to the last digit.
+  bool operator==(const Plant& other) const;
+
 private:
   std::variant<TransferFunction, ContinuousPlant> given_;
   std::shared_ptr<const ExactTransfer> exact_;

@@ -70,6 +70,7 @@ PlatoonModel with_loss(PlatoonModel model, double probability) {
     loss.mean_burst.reset();
     loss.trace.reset();
     loss.by_distance.reset();
+    loss.markov.reset();
   }
   return model;
 }

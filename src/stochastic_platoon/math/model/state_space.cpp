@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
+#include "stochastic_platoon/math/numerics/zeros.hpp"
 
 namespace platoon {
 
@@ -28,7 +29,7 @@ StateSpace::StateSpace(Eigen::MatrixXd a, Eigen::VectorXd b, Eigen::RowVectorXd 
 }
 
 double spectral_radius(const StateSpace& system) {
-  return spectral_radius(resolvent(system).delta_denominator);
+  return spectral_radius(zeros(resolvent(system).delta_transfer->denominator));
 }
 
 Eigen::VectorXd unit_equilibrium(const StateSpace& system) {
@@ -58,15 +59,24 @@ StateSpace observable_canonical(const TransferFunction& transfer) {
 }
 
 Resolvent resolvent(const StateSpace& system) {
-  const ExactResolvent exact = exact_resolvent(system.a().cast<Exact>(), system.c().cast<Exact>());
-  const ExactPolynomial transfer = exact.numerator(system.b().cast<Exact>());
+  const ExactMatrix a = system.a().cast<Exact>(), b = system.b().cast<Exact>();
+  const ExactResolvent exact = exact_resolvent(a, system.c().cast<Exact>());
+  const ExactPolynomial transfer = exact.numerator(b);
   const ExactFraction by_powers_of_s{shifted_to_one(transfer), shifted_to_one(exact.denominator)};
   Resolvent result{{},
+                   {},
                    rounded_delta(by_powers_of_s.denominator),
                    {rounded(transfer), rounded(exact.denominator)},
                    std::make_shared<const ExactFraction>(by_powers_of_s)};
   for (const ExactPolynomial& numerator : exact.numerators)
     result.delta_numerators.push_back(rounded_delta(shifted_to_one(numerator)));
+  std::vector<ExactPolynomial> states(exact.numerators.size());
+  ExactMatrix term = b;  // of adj(zI - A) B, by descending powers of z
+  for (std::size_t k = 1; k < exact.denominator.size(); ++k) {
+    for (std::size_t i = 0; i < states.size(); ++i) states[i].push_back(term(static_cast<Eigen::Index>(i), 0));
+    term = (a * term + b * exact.denominator[k]).eval();
+  }
+  for (const ExactPolynomial& state : states) result.delta_states.push_back(rounded_delta(shifted_to_one(state)));
   return result;
 }
 

@@ -41,12 +41,14 @@ Eigen::VectorXd unit_equilibrium(const StateSpace& system);
 /// lowest terms. Throws std::invalid_argument if the fraction is not strictly proper.
 StateSpace observable_canonical(const TransferFunction& transfer);
 
-/// R(z) = C (zI - A)^-1, 1 x n, from the states of one vehicle to its output, and T = R B.
+/// R(z) = C (zI - A)^-1, 1 x n, from the states of one vehicle to its output, (zI - A)^-1 B, n x 1, from its input to
+/// its states, and T = R B.
 ///
 /// Computed by the Faddeev-LeVerrier recursion in a hundred digits, as it loses up to kappa^n in coordinates of
 /// condition kappa. Every coefficient is that of the given A, B and C, rounded once.
 struct Resolvent {
   std::vector<DeltaPolynomial> delta_numerators;  ///< of the n entries, those of C adj(zI - A), by powers of s = z - 1
+  std::vector<DeltaPolynomial> delta_states;      ///< of the n entries, those of adj(zI - A) B
   DeltaPolynomial delta_denominator;              ///< det(zI - A), by powers of s
   TransferFunction transfer;                      ///< T, not reduced
   std::shared_ptr<const ExactFraction> delta_transfer;  ///< T by powers of s, to a hundred digits

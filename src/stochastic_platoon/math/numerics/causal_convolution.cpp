@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+
 namespace platoon {
 
 namespace {
@@ -62,6 +64,7 @@ void CausalConvolution::add_tilted(const std::vector<Product>& products, int til
   std::vector<std::complex<double>> sum(length_ / 2 + 1, 0.0);
   double doubt = 0.0;
   for (const Product& product : products) {
+    check_interruption();
     const Prepared::Transform &a = transform(product.a, tilt), &b = transform(product.b, tilt);
     for (std::size_t f = 0; f < sum.size(); ++f) sum[f] += a.spectrum[f] * b.spectrum[f];
     doubt += kTransformError * a.size * b.size;
@@ -96,6 +99,7 @@ void CausalConvolution::add(const std::vector<Product>& products, Values& row) {
     if (of_direct < kTransformCost * static_cast<double>(length_)) break;
   }
   for (const std::size_t k : open) {
+    check_interruption();
     for (const Product& product : products) row[k] += direct(product, k);
   }
 }

@@ -26,12 +26,14 @@ DeltaPolynomial delta_form(const Polynomial& p);
 /// p by powers of z, rounded to double.
 Polynomial z_form(const DeltaPolynomial& p);
 
-/// The zeros of p in s, as accurate as the coefficients of p determine them; none for a constant. Simultaneous
-/// iteration (O. Aberth, Math. Comp. 27, 1973) from the eigenvalues of the companion matrix.
+/// The zeros of p in s, as accurate as the coefficients of p determine them (numerics/zeros.hpp); none for a constant.
 std::vector<std::complex<long double>> zeros(const DeltaPolynomial& p);
 
 /// The largest modulus of z = 1 + s over the zeros of p; 0 for a constant.
 double spectral_radius(const DeltaPolynomial& p);
+
+/// The same over given zeros s; 0 for none.
+double spectral_radius(const std::vector<std::complex<long double>>& places);
 
 /// |1 + s| - 1, without cancellation for small s.
 long double modulus_minus_one(std::complex<long double> s);

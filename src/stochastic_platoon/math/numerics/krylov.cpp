@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/numerics/eigenvalues.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
 
@@ -28,6 +29,7 @@ public:
 
   /// Adds one dimension. False if the space is invariant or has its maximum dimension.
   bool extend() {
+    check_interruption();
     Eigen::VectorXd next = map_(basis_.col(dimensions_));
     const double size = next.norm();
     for (int pass = 0; pass < 2; ++pass) {  // two passes give orthogonality to rounding
@@ -56,7 +58,10 @@ private:
 
 Eigen::MatrixXd written_out(const NonnegativeMap& map, Eigen::Index size) {
   Eigen::MatrixXd matrix(size, size);
-  for (Eigen::Index j = 0; j < size; ++j) matrix.col(j) = map(Eigen::VectorXd::Unit(size, j));
+  for (Eigen::Index j = 0; j < size; ++j) {
+    check_interruption();
+    matrix.col(j) = map(Eigen::VectorXd::Unit(size, j));
+  }
   return matrix;
 }
 
@@ -90,6 +95,7 @@ Eigen::VectorXd units_of_powers(const NonnegativeMap& map, Eigen::Index size) {
   std::vector<Eigen::VectorXd> images{Eigen::VectorXd::Ones(size)};
   std::vector<double> logarithms{0.0};  // of the factors that the images were divided by
   for (int k = 0; k < kPowers; ++k) {
+    check_interruption();
     const Eigen::VectorXd next = map(images.back());
     const double largest = next.maxCoeff();
     if (!(largest > 0.0)) break;

@@ -80,22 +80,20 @@ DoubleComplex beside_pole(DoubleComplex u) {
 
 }  // namespace
 
-MemoryWeights::MemoryWeights(const Quadrature& rule, double memory)
-    : rule_(rule), turn_(memory < 0.0 ? pi : 0.0), decay_(-std::log(std::abs(memory))) {
-  for (const double nu : rule.node) remembered_.push_back(std::polar(1.0, nu) * memory);
+MemoryWeights::MemoryWeights(const Quadrature& rule, DoubleComplex memory)
+    : rule_(rule), turn_(std::arg(memory)), decay_(-std::log(std::abs(memory))) {
+  for (const double nu : rule.node) remembered_.push_back(product(std::polar(1.0, nu), memory));
 }
 
-// y / (1 - y) = 1 / (e^u - 1) with u = decay - j (nu - w), whose pole 1 / u is integrated exactly.
+// y / (1 - y) = 1 / (e^u - 1) with u = decay - j (nu - w + turn), whose pole 1 / u is integrated exactly.
 std::vector<DoubleComplex> MemoryWeights::at(double w) const {
   static const auto legendre = legendre_values();
   const DoubleComplex back = std::polar(1.0, -w);
   std::vector<DoubleComplex> factors;
   factors.reserve(remembered_.size());
   for (std::size_t panel = 0; panel < rule_.middle.size(); ++panel) {
-    const double half = rule_.half_length[panel], from = rule_.middle[panel] - w - turn_,
-                 offset = from > pi    ? from - 2.0 * pi
-                          : from < -pi ? from + 2.0 * pi
-                                       : from;
+    const double half = rule_.half_length[panel], from = rule_.middle[panel] - w + turn_,
+                 offset = from - 2.0 * pi * std::round(from / (2.0 * pi));
     if (offset * offset + decay_ * decay_ > kFar * kFar * half * half) {
       for (std::size_t k = 0; k < kNodes; ++k) {
         const DoubleComplex y = product(remembered_[panel * kNodes + k], back);

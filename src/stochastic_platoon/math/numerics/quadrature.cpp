@@ -16,7 +16,7 @@ namespace {
 
 using boost::math::double_constants::pi;
 
-constexpr int kHalvings = 26;
+constexpr int kMostHalvings = 26;
 constexpr double kShortest = 1e-13;  // panel length; shorter panels have nodes that nearly coincide
 
 struct Panel {
@@ -59,22 +59,23 @@ void add_resolved(std::vector<Panel>& panels, const Panel& panel, const std::vec
   add_resolved(panels, {middle, panel.to}, singular);
 }
 
-/// Cuts of [0, pi] whose spacing halves towards every peak from both sides.
-std::vector<double> graded_cuts(const std::vector<double>& peaks) {
-  std::vector<double> cuts{0.0, pi};
-  for (const double peak : peaks) {
-    if (peak < 0.0 || peak > pi) continue;
-    cuts.push_back(peak);
-    for (int j = 0; j <= kHalvings; ++j) {
-      const double offset = std::ldexp(1.0, -j);
-      if (peak - offset > 0.0) cuts.push_back(peak - offset);
-      if (peak + offset < pi) cuts.push_back(peak + offset);
-    }
+/// Number of halvings towards a peak of a product of this number of factors with these singularities.
+int halvings_towards(double peak, const std::vector<std::complex<double>>& singular, std::size_t factors) {
+  double distance = 1.0;
+  for (const std::complex<double>& w : singular) distance = std::min(distance, std::abs(w - peak));
+  const double narrowest = 0.25 * distance / std::sqrt(static_cast<double>(factors));
+  return std::min(kMostHalvings, static_cast<int>(std::ceil(-std::log2(narrowest))));
+}
+
+/// Adds cuts of [0, pi] whose spacing halves towards the peak from both sides.
+void add_graded_cuts(double peak, int halvings, std::vector<double>& cuts) {
+  if (peak < 0.0 || peak > pi) return;
+  cuts.push_back(peak);
+  for (int j = 0; j <= halvings; ++j) {
+    const double offset = std::ldexp(1.0, -j);
+    if (peak - offset > 0.0) cuts.push_back(peak - offset);
+    if (peak + offset < pi) cuts.push_back(peak + offset);
   }
-  std::sort(cuts.begin(), cuts.end());
-  const auto close = [](double a, double b) { return b - a < 1e-14; };
-  cuts.erase(std::unique(cuts.begin(), cuts.end(), close), cuts.end());
-  return cuts;
 }
 
 /// The nodes as zeros of the Legendre polynomial P_n, by Newton's method.
@@ -136,10 +137,15 @@ OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
 }
 
 Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular, const std::vector<double>& peaks,
-                                  int refinement) {
+                                  int refinement, std::optional<std::size_t> factors) {
   const Quadrature& gauss = gauss_legendre();
   const std::vector<std::complex<double>> around = images(singular);
-  const std::vector<double> cuts = graded_cuts(peaks);
+  std::vector<double> cuts{0.0, pi};
+  for (const double peak : peaks)
+    add_graded_cuts(peak, factors ? halvings_towards(peak, around, *factors) : kMostHalvings, cuts);
+  std::sort(cuts.begin(), cuts.end());
+  const auto close = [](double a, double b) { return b - a < 1e-14; };
+  cuts.erase(std::unique(cuts.begin(), cuts.end(), close), cuts.end());
   std::vector<Panel> panels;
   for (std::size_t i = 1; i < cuts.size(); ++i) add_resolved(panels, {cuts[i - 1], cuts[i]}, around);
   Quadrature rule;

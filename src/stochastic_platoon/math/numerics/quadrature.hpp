@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace platoon {
@@ -47,17 +48,18 @@ bool is_converged(double change, double change_before);
 ///
 /// Panels have kGaussNodes nodes. A panel is at most twice as long as its distance to the nearest complex frequency in
 /// `singular` (or its mirror images), so convergence is geometric however close to the real axis that frequency lies.
-/// Towards the real frequencies in `peaks` the panels halve 26 times, for functions that narrow there. Every panel is
-/// then cut into 2^refinement pieces. Throws std::invalid_argument for a singular frequency on the real axis.
+/// Towards the real frequencies in `peaks` the panels halve 26 times, for functions that narrow there, or as often as
+/// resolves a product of this number of `factors`, whose peaks narrow like its square root. Every panel is then cut
+/// into 2^refinement pieces. Throws std::invalid_argument for a singular frequency on the real axis.
 Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular, const std::vector<double>& peaks,
-                                  int refinement = 0);
+                                  int refinement = 0, std::optional<std::size_t> factors = {});
 
 /// The largest relative change from a to b, ignoring entries of b that are 0 or not finite.
 inline double largest_change(const std::vector<double>& a, const std::vector<double>& b) {
   double largest = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (!std::isfinite(b[i]) || b[i] == 0.0) continue;
-    const double change = std::abs(a[i] - b[i]) / b[i];
+    const double change = std::abs((a[i] - b[i]) / b[i]);
     largest = std::isnan(change) ? std::numeric_limits<double>::infinity() : std::max(largest, change);
   }
   return largest;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "stochastic_platoon/math/numerics/eigenvalues.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
 
@@ -66,6 +67,7 @@ ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t f
   ErrorMoments moments{steps, followers, std::vector<double>(followers * count),
                        std::vector<double>(followers * count)};
   for (std::size_t k = 0; k < count; ++k) {
+    check_interruption();
     const Eigen::VectorXd errors = string.c * mean;
     const Eigen::MatrixXd error_covariance = string.c * covariance * string.c.transpose();
     for (std::size_t i = 0; i < followers; ++i) {

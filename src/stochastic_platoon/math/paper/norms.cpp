@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+
 namespace platoon {
 
 double sequence_norm(const double* values, std::size_t count, NormOrder order) {
@@ -21,6 +23,7 @@ ErrorNorms error_norms(const ErrorMoments& moments, NormOrder p, NormOrder q) {
   const auto steps = static_cast<std::size_t>(moments.steps);
   ErrorNorms norms;
   for (std::size_t i = 0; i < moments.followers; ++i) {
+    check_interruption();
     norms.mean.push_back(sequence_norm(moments.mean.data() + i * steps, steps, p));
     norms.variance.push_back(sequence_norm(moments.variance.data() + i * steps, steps, q));
   }

@@ -11,6 +11,7 @@
 #include "stochastic_platoon/math/numerics/delta_form.hpp"
 #include "stochastic_platoon/math/numerics/exact.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
+#include "stochastic_platoon/math/numerics/zeros.hpp"
 
 namespace platoon {
 
@@ -18,7 +19,7 @@ namespace {
 
 Resolvent stable_resolvent(const StateSpace& system) {
   Resolvent r = resolvent(system);
-  for (const std::complex<long double>& s : zeros(r.delta_denominator)) {
+  for (const std::complex<long double>& s : zeros(r.delta_transfer->denominator)) {
     const long double excess = modulus_minus_one(s);
     if (!(excess < 0.0L)) {
       throw std::invalid_argument("rho(A): " + std::to_string(static_cast<double>(1.0L + excess)) + ": must be < 1");
@@ -80,7 +81,7 @@ double resolvent_energy(const StateSpace& system, std::size_t followers) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   const Resolvent r = stable_resolvent(system);
   const ResolventHalf near(r, Centre::kOne), far(r, Centre::kMinusOne);
-  const Quadrature rule = half_circle_quadrature(frequencies_of(zeros(r.delta_denominator)), {0.0});
+  const Quadrature rule = half_circle_quadrature(frequencies_of(zeros(r.delta_transfer->denominator)), {0.0});
   long double energy = 0.0L;
   for (std::size_t k = 0; k < rule.node.size(); ++k) {
     const ResolventHalf& half = rule.node[k] < 1.5707963267948966 ? near : far;

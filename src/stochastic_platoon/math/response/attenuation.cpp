@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+
 namespace platoon {
 
 namespace {
@@ -232,6 +234,7 @@ Attenuation::Minimum Attenuation::least(int order, long double accuracy, int mos
     if (value < best.value) best = {t, value, true};
   };
   for (int count = 0; !pieces.empty() && count < most_pieces; ++count) {
+    check_interruption();
     const Piece piece = pieces.back();
     pieces.pop_back();
     const int power = piece.centre > 1.0L ? 0 : order;

@@ -45,6 +45,9 @@ public:
   /// Coefficient of t^power, power >= 1, in the series of a about t = 0.
   long double coefficient(int power) const { return series_.at(static_cast<std::size_t>(power)); }
 
+  /// The series converges fast for smaller t.
+  long double series_end() const { return series_end_; }
+
   /// Whether every factor has modulus 1 at every frequency.
   bool is_zero() const { return terms_.empty(); }
 

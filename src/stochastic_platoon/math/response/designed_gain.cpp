@@ -1,11 +1,12 @@
 #include "stochastic_platoon/math/response/designed_gain.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
-#include "stochastic_platoon/math/numerics/delayed_zeros.hpp"
+#include "stochastic_platoon/math/numerics/zeros.hpp"
 
 namespace platoon {
 
@@ -29,27 +30,43 @@ Complex one_minus_power(double frequency, std::int64_t n) {
   return Complex(0.0L, -2.0L * std::sin(half)) * std::polar(1.0L, half);
 }
 
+std::size_t leading_zeros_of(const ExactPolynomial& p) {
+  return static_cast<std::size_t>(
+      std::find_if(p.begin(), p.end(), [](const Exact& coefficient) { return coefficient != 0; }) - p.begin());
+}
+
 }  // namespace
 
-DesignedGain::DesignedGain(const LoopDesign& design, double headway, double feed_forward)
+DesignedGain::DesignedGain(const LoopDesign& design, double headway, double feed_forward, const Plant& before)
     : delay_(design.plant.exact().delay + design.controller.exact().delay),
+      ahead_delay_(before.exact().delay + design.controller.exact().delay),
       controller_delay_(design.controller.exact().delay),
       filtered_(design.headway_filter),
       sends_(design.in_radio_string),
       headway_(headway),
       feed_forward_(feed_forward) {
-  const ExactTransfer &plant = design.plant.exact(), &controller = design.controller.exact();
+  const ExactTransfer &plant = design.plant.exact(), &ahead = before.exact(), &controller = design.controller.exact();
   ExactPolynomial of_controller = controller.denominator;
   if (design.divide_by_one_plus_headway) {
     for (Exact& coefficient : of_controller) coefficient *= Exact(1) + Exact(headway);
   }
-  open_numerator_ = multiply(plant.numerator, controller.numerator);
-  open_denominator_ = multiply(plant.denominator, of_controller);
-  numerator_ = rounded_delta(open_numerator_);
-  denominator_ = rounded_delta(open_denominator_);
+  ahead_numerator_ = multiply(ahead.numerator, controller.numerator);
+  ahead_denominator_ = multiply(ahead.denominator, of_controller);
+  numerator_ = rounded_delta(multiply(plant.numerator, controller.numerator));
+  denominator_ = rounded_delta(multiply(plant.denominator, of_controller));
   plant_numerator_ = rounded_delta(plant.numerator);
   plant_denominator_ = rounded_delta(plant.denominator);
   controller_denominator_ = rounded_delta(of_controller);
+  if (before == design.plant) return;
+  ExactPolynomial numerator = multiply(plant.numerator, ahead.denominator),
+                  denominator = multiply(plant.denominator, ahead.numerator);
+  const auto shared = static_cast<std::ptrdiff_t>(std::min(leading_zeros_of(numerator), leading_zeros_of(denominator)));
+  numerator.erase(numerator.begin(), numerator.begin() + shared);
+  denominator.erase(denominator.begin(), denominator.begin() + shared);
+  quotient_numerator_ = rounded_delta(numerator);
+  quotient_denominator_ = rounded_delta(denominator);
+  for (Exact& coefficient : numerator) coefficient = -coefficient;
+  quotient_difference_ = rounded_delta(add(denominator, numerator));
 }
 
 DesignedGain::Value DesignedGain::at(const CirclePoint& point, const Links& links) const {
@@ -65,12 +82,20 @@ DesignedGain::Value DesignedGain::at(const CirclePoint& point, const Links& link
   if (feed_forward_ != 0.0L) {
     const Complex plant = evaluate(plant_numerator_, s);
     value.input = feed_forward_ * plant * evaluate(controller_denominator_, s) * turned(z, controller_delay_) / closed;
-    const Complex difference = one_minus_power(point.frequency, links.position_delay - links.input_delay),
-                  turn = feed_forward_ * turned(z, links.position_delay - links.input_delay), x = links.position_excess,
-                  y = links.input_excess;
+    const std::int64_t turns = links.position_delay - links.input_delay - (delay_ - ahead_delay_);
+    Complex quotient = 1.0L, one_minus_quotient = 0.0L;
+    if (!quotient_difference_.empty()) {
+      const Complex over = evaluate(quotient_denominator_, s);
+      quotient = evaluate(quotient_numerator_, s) / over;
+      one_minus_quotient = evaluate(quotient_difference_, s) / over;
+    }
+    const Complex difference = one_minus_power(point.frequency, turns), turned_gain = feed_forward_ * turned(z, turns),
+                  turn = turned_gain * quotient, x = links.position_excess, y = links.input_excess;
     value.through_input = turn * d / closed;
     ratio = turn * (1.0L + x) / (1.0L + y);
-    one_minus_ratio = (y - turn * x + (1.0L - feed_forward_) + feed_forward_ * difference) / (1.0L + y);
+    one_minus_ratio =
+        (y - turn * x + (1.0L - feed_forward_) + feed_forward_ * difference + turned_gain * one_minus_quotient) /
+        (1.0L + y);
   }
   if (sends_) value.sent = std::norm(evaluate(plant_denominator_, s)) / std::norm(evaluate(plant_numerator_, s));
   if (std::norm(n) == 0.0L) return value;
@@ -92,20 +117,34 @@ std::vector<std::complex<long double>> DesignedGain::zeros(const ExactPolynomial
                                                            const ExactPolynomial& input_registers,
                                                            long double position_arrival, long double input_arrival,
                                                            const Links& links) const {
-  // p R_input z^n n z^(-q - m) + p' R_position z^n' F d z^-m', without the powers of z that both terms share.
+  // T^ G_before / G = (p F_l z^-m G_before K + p' F_l' z^-m' F) / (H (1 + G K)): with G_before K = n / d z^-q the
+  // numerator p R_input z^n n z^(-q - m) + p' R_position z^n' F d z^-m', without the powers of z that both terms share.
   const auto scaled = [](ExactPolynomial p, const Exact& factor) {
     for (Exact& coefficient : p) coefficient *= factor;
     return p;
   };
   const auto position_registers_count = static_cast<std::ptrdiff_t>(position_registers.size()) - 1,
              input_registers_count = static_cast<std::ptrdiff_t>(input_registers.size()) - 1;
-  const ExactPolynomial of_position = scaled(multiply(open_numerator_, input_registers), Exact(position_arrival)),
-                        of_input = scaled(multiply(open_denominator_, position_registers),
+  const ExactPolynomial of_position = scaled(multiply(ahead_numerator_, input_registers), Exact(position_arrival)),
+                        of_input = scaled(multiply(ahead_denominator_, position_registers),
                                           Exact(feed_forward_) * Exact(input_arrival));
-  const std::ptrdiff_t behind = static_cast<std::ptrdiff_t>(links.position_delay - links.input_delay) + delay_ +
+  if (feed_forward_ == 0.0L) return platoon::zeros(ahead_numerator_);
+  const std::ptrdiff_t behind = static_cast<std::ptrdiff_t>(links.position_delay - links.input_delay) + ahead_delay_ +
                                 input_registers_count - position_registers_count;
   return behind >= 0 ? zeros_behind_delay(of_input, static_cast<std::size_t>(behind), of_position)
                      : zeros_behind_delay(of_position, static_cast<std::size_t>(-behind), of_input);
+}
+
+int DesignedGain::zeros_of_difference() const {
+  constexpr long double kRounding = 1e-15L;  // of plants that are given in double
+  if (quotient_difference_.empty()) return feed_forward_ == 1.0L ? 1 : 0;
+  if (quotient_denominator_.front() == 0.0L) {
+    const auto first = std::find_if(quotient_denominator_.begin(), quotient_denominator_.end(),
+                                    [](long double coefficient) { return coefficient != 0.0L; });
+    return -static_cast<int>(first - quotient_denominator_.begin());
+  }
+  const long double gain = feed_forward_ * quotient_numerator_.front() / quotient_denominator_.front();
+  return std::abs(1.0L - gain) <= kRounding ? 1 : 0;
 }
 
 }  // namespace platoon

@@ -3,6 +3,7 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 #include "stochastic_platoon/math/model/loop_design.hpp"
@@ -17,12 +18,14 @@ namespace platoon {
 ///     N_position = 1 / (H (1 + W)),   N_input = F G W / (H (1 + W))    behind a headway filter,
 ///     N_position = 1 / (H + W),       N_input = F G W / (H + W)        without one (paper, section 3).
 ///
+/// The received input is that of the predecessor, u = y / G_before, whose plant G_before may be another one.
+///
 /// Coefficients of T by powers of z - 1 lose a digit for every two or three steps of input delay; here the delay stays
 /// a power of z, and the double integrators of G K make W small where |T| is near 1.
 class DesignedGain {
 public:
-  /// feed_forward: F, 0 without a radio.
-  DesignedGain(const LoopDesign& design, double headway, double feed_forward);
+  /// feed_forward: F, 0 without a radio. before: the plant G_before.
+  DesignedGain(const LoopDesign& design, double headway, double feed_forward, const Plant& before);
 
   /// The mean effect of the links: 1 / (p F_l) - 1 of each and their delays (see LinkFilter).
   struct Links {
@@ -33,7 +36,8 @@ public:
   struct Value {
     std::complex<long double> position;  ///< N_position
     std::complex<long double> input;     ///< N_input
-    /// N_input / G z^(m_position - m_input): from the predecessor's position, by its input, without the links' losses
+    /// N_input / G_before z^(m_position - m_input): from the predecessor's position, by its input, without the links'
+    /// losses
     std::complex<long double> through_input;
     long double sent;  ///< 1 / |G|^2: from the spectrum of y to that of u, infinite where G = 0; 0 without radios
     /// 1 / |T^|^2 - 1, without cancellation near w = 0, with T^ from the predecessor's position to the mean of the own;
@@ -42,17 +46,25 @@ public:
   };
   Value at(const CirclePoint& point, const Links& links) const;
 
-  /// The zeros s = z - 1 of T^ of a vehicle with feed-forward, apart from those at z = 0; the registers z^n / F_l and
-  /// the p of both links as in LinkFilter.
+  /// The zeros s = z - 1 of T^ G_before / G, apart from those at z = 0; the registers z^n / F_l and the p of both links
+  /// as in LinkFilter. Along a string the factors G / G_before cancel.
   std::vector<std::complex<long double>> zeros(const ExactPolynomial& position_registers,
                                                const ExactPolynomial& input_registers, long double position_arrival,
                                                long double input_arrival, const Links& links) const;
 
+  /// Difference of the delays of G and G_before [steps].
+  std::int64_t plant_turns() const { return std::abs(delay_ - ahead_delay_); }
+
+  /// Multiplicity of z = 1 as a zero of 1 - F G / G_before, negative for a pole.
+  int zeros_of_difference() const;
+
 private:
-  ExactPolynomial open_numerator_, open_denominator_;  ///< G K = numerator / denominator z^-delay
-  CirclePolynomial numerator_, denominator_;           ///< the same, rounded
+  ExactPolynomial ahead_numerator_, ahead_denominator_;  ///< G_before K = numerator / denominator z^-ahead_delay
+  CirclePolynomial numerator_, denominator_;             ///< G K = numerator / denominator z^-delay
   CirclePolynomial plant_numerator_, plant_denominator_, controller_denominator_;
-  std::ptrdiff_t delay_, controller_delay_;
+  /// G / G_before = numerator / denominator z^-(delay - ahead_delay), difference = denominator - numerator; empty: 1.
+  CirclePolynomial quotient_numerator_, quotient_denominator_, quotient_difference_;
+  std::ptrdiff_t delay_, ahead_delay_, controller_delay_;
   bool filtered_, sends_;
   long double headway_, feed_forward_;
 };

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+
 namespace platoon {
 
 namespace {
@@ -41,6 +43,7 @@ double LoopFilter::output(const std::vector<double>& state) const {
 }
 
 std::vector<double> LoopFilter::operator()(const std::vector<double>& input) const {
+  check_interruption();
   std::vector<double> state(row_end_.size(), 0.0);
   std::vector<double> next(row_end_.size());
   std::vector<double> response(input.size());
@@ -52,6 +55,7 @@ std::vector<double> LoopFilter::operator()(const std::vector<double>& input) con
 }
 
 std::vector<double> LoopFilter::free_response(const Eigen::VectorXd& initial, std::size_t count) const {
+  check_interruption();
   std::vector<double> state(initial.data(), initial.data() + initial.size());
   std::vector<double> next(state.size());
   std::vector<double> response(count);

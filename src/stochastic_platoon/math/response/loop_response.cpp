@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/exact.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
 
@@ -126,6 +127,7 @@ LoopResponse::Sequence LoopResponse::operator()(const Sequence& input) const {
   Sequence state(numerator_.size(), 0.0L);
   Sequence response(input.size());
   for (std::size_t k = 0; k < input.size(); ++k) {
+    check_interruption();
     response[k] = state.front();
     advance(state, input[k]);
   }
@@ -136,6 +138,7 @@ LoopResponse::Sequence LoopResponse::free_response(std::size_t count) const {
   Sequence state = equilibrium_;
   Sequence response(count);
   for (std::size_t k = 0; k < count; ++k) {
+    check_interruption();
     response[k] = state.front();
     advance(state, 0.0L);
   }

@@ -38,31 +38,52 @@ double frequency_of(long double t) {
 }  // namespace
 
 RatedFactor rated_factor(const ClosedLoop& loop) {
+  RatedFactor result{{poles_of(loop), zeros_of(loop)}, {}};
+  if (loop.parts) return result;
   const DeltaFraction transfer = delta_fraction(loop);
-  RatedFactor result{{poles_of(loop), zeros(transfer.numerator)}, {}};
-  if (!loop.parts) result.rounded = {z_form(transfer.denominator), z_form(transfer.numerator)};
+  if (loop.given) {
+    result.given = std::make_shared<const RealizationRounding>(loop.realization, *loop.given);
+    result.gain_at_one = std::abs(transfer.numerator.front() / transfer.denominator.front());
+  } else {
+    result.rounded = {z_form(transfer.denominator), z_form(transfer.numerator)};
+  }
   return result;
 }
 
+// A coefficient that the rounding of given A, B and C could make zero counts as zero if it is small beside its terms:
+// by design, as it hardly is by chance. Otherwise it leaves the sign of the margin open.
 PatternGain::PatternGain(std::vector<RatedFactor> factors)
     : factors_(std::move(factors)), attenuation_(plain(factors_)) {
-  while (zeros_ < kMostZeros && std::abs(attenuation_.coefficient(zeros_)) <= doubt(0.0)) ++zeros_;
+  constexpr double kByDesign = 1e-12;
+  const auto counts_as_zero = [this](long double coefficient) {
+    const double open = std::min(rounding_of_entries(0.0), kByDesign * spread_of_places(0.0));
+    return std::abs(coefficient) <= rounding(0.0) + open;
+  };
+  while (zeros_ < kMostZeros && counts_as_zero(attenuation_.coefficient(zeros_))) ++zeros_;
 }
 
-double PatternGain::doubt(double frequency) const {
+double PatternGain::spread_of_places(double frequency) const {
+  const auto t = static_cast<double>(circle_coordinate(frequency, Centre::kOne));
+  const int order = nearest(frequency) == Centre::kOne ? zeros_ : 0;
+  double sum = 0.0;
+  for (const RatedFactor& factor : factors_) {
+    double spread_of_factor = 0.0;
+    for (const auto* places : {&factor.factor.poles, &factor.factor.zeros}) {
+      for (const std::complex<long double>& s : *places) spread_of_factor += spread(std::complex<double>(s), t, order);
+    }
+    sum += static_cast<double>(factor.factor.count) * spread_of_factor;
+  }
+  return sum;
+}
+
+double PatternGain::rounding(double frequency) const {
   // A change of a coefficient c_k that keeps T(1) = 1 moves the polynomial by c_k (z^k - 1 - ...), bounded by powers of
   // k t and by 1.
   const std::complex<double> z = std::polar(1.0, frequency);
   const auto t = static_cast<double>(circle_coordinate(frequency, Centre::kOne));
   const bool near = nearest(frequency) == Centre::kOne;
-  double sum = 0.0;
+  double sum = spread_of_places(frequency);
   for (const RatedFactor& factor : factors_) {
-    double spread_of_places = 0.0;
-    for (const auto* places : {&factor.factor.poles, &factor.factor.zeros}) {
-      for (const std::complex<long double>& s : *places)
-        spread_of_places += spread(std::complex<double>(s), t, near ? zeros_ : 0);
-    }
-    sum += static_cast<double>(factor.factor.count) * spread_of_places;
     for (const Polynomial& p : factor.rounded) {
       double spread = 0.0;
       for (Eigen::Index i = 0; i < p.size(); ++i) {
@@ -74,6 +95,18 @@ double PatternGain::doubt(double frequency) const {
     }
   }
   return kCoefficientRounding * sum;
+}
+
+double PatternGain::rounding_of_entries(double frequency) const {
+  const bool near = nearest(frequency) == Centre::kOne;
+  // The quotient hardly changes where the series converges fast, but its terms cancel at w = 0.
+  const long double t = std::max(circle_coordinate(frequency, Centre::kOne), attenuation_.series_end());
+  const CirclePoint point(near ? frequency_at(t, Centre::kOne) : frequency);
+  double sum = 0.0;
+  for (const RatedFactor& factor : factors_) {
+    if (factor.given) sum += static_cast<double>(factor.factor.count) * factor.given->at(point);
+  }
+  return near ? 2.0 * sum / std::pow(static_cast<double>(t), zeros_) : sum;
 }
 
 LeastMargin PatternGain::least(double accuracy) const {
@@ -91,7 +124,10 @@ PatternGain::Peak PatternGain::peak() const {
   if (attenuation_.is_zero()) return {0.0, 0.0};
   const Attenuation::Minimum found = attenuation_.least(0);
   if (!(found.value < 0.0L)) return {0.0, 0.0};
-  return {static_cast<double>(std::expm1(-found.value / 2.0L)), frequency_of(found.t)};
+  long double logarithm = -found.value / 2.0L;
+  for (const RatedFactor& factor : factors_) logarithm += factor.factor.count * std::log(factor.gain_at_one);
+  if (!(logarithm > 0.0L)) logarithm = -found.value / 2.0L;
+  return {static_cast<double>(std::expm1(logarithm)), frequency_of(found.t)};
 }
 
 std::vector<double> PatternGain::maxima() const {

@@ -5,6 +5,7 @@
 #include <future>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
 
 namespace platoon {
@@ -71,12 +72,20 @@ bool EnsembleRun::work() {
   PlatoonString string(model_, ensemble_.seed, ensemble_.followers, steps_before(signals.front()));
   EnsembleTotals own(cells_);
   double handed_over = now();
-  do {
-    BatchTotals totals(batch.first, batch.size(), cells_);
+  const auto run = [&](BatchTotals& totals) {
     string.run(batch.first, batch.size(), ensemble_.steps,
                [&](std::size_t follower, std::int64_t step, const SignalPositions& positions) {
+                 if (abandoned_.load(std::memory_order_relaxed)) throw Interrupted();
                  totals.add(follower, step, signals[follower - 1], positions);
                });
+  };
+  do {
+    BatchTotals totals(batch.first, batch.size(), cells_);
+    try {
+      run(totals);
+    } catch (const Interrupted&) {
+      return hand_over(own);
+    }
     totals.finish();
     own.add(std::move(totals));
     done_ += batch.size();
@@ -93,6 +102,11 @@ void EnsembleRun::stop() {
   const std::lock_guard<std::mutex> lock(mutex_);
   waiting_.clear();
   all_begun_ = true;
+}
+
+void EnsembleRun::abandon() {
+  stop();
+  abandoned_ = true;
 }
 
 bool EnsembleRun::is_complete() const {

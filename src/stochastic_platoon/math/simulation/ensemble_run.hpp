@@ -40,6 +40,9 @@ public:
   /// incomplete.
   void stop();
 
+  /// Stops, and the threads also leave the batches that they have started, whose realizations are then missing.
+  void abandon();
+
   /// Whether all batches have started, or the run was stopped.
   bool all_begun() const { return all_begun_; }
 
@@ -69,7 +72,7 @@ private:
   EnsembleTotals totals_;
 
   std::atomic<std::uint64_t> done_{0};
-  std::atomic<bool> all_begun_{false};
+  std::atomic<bool> all_begun_{false}, abandoned_{false};
 };
 
 /// Completes a run, unless it is stopped, with this many threads. Calls `tick` from the calling thread every tenth of a

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
 
@@ -17,6 +19,7 @@ Trajectory of_leader(const PlatoonModel& model, std::size_t steps, bool is_heard
   of.position.push_back(leader.start());
   if (is_heard) of.input.push_back(0.0);
   for (std::size_t k = 0; k < steps; ++k) {
+    check_interruption();
     of.position.push_back(leader.step());
     if (is_heard) of.input.push_back(leader.input());
   }
@@ -26,6 +29,7 @@ Trajectory of_leader(const PlatoonModel& model, std::size_t steps, bool is_heard
 std::vector<double> values_of(const Signal& signal, const Trajectory& predecessor, const Trajectory& of) {
   std::vector<double> values;
   for (std::size_t k = 1; k < of.position.size(); ++k) {
+    check_interruption();
     Signal::Own<double> own{};
     for (std::size_t j = 0; j < own.size(); ++j) own[j] = of.position[k - std::min(j, k)];
     values.push_back(signal(predecessor.position[k], own));
@@ -35,13 +39,13 @@ std::vector<double> values_of(const Signal& signal, const Trajectory& predecesso
 
 }  // namespace
 
-std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t seed, std::size_t followers,
-                                     std::int64_t steps, std::uint64_t realization,
-                                     const std::vector<std::string>& signals) {
+void for_each_trajectory(const PlatoonModel& model, std::uint64_t seed, std::size_t followers, std::int64_t steps,
+                         std::uint64_t realization, const std::vector<std::string>& signals,
+                         const std::function<void(const Trajectory&)>& take) {
   const auto count = static_cast<std::size_t>(steps);
-  std::vector<Trajectory> all{of_leader(model, count, sends_input(model, 0, followers))};
+  Trajectory predecessor = of_leader(model, count, sends_input(model, 0, followers));
+  take(predecessor);
   for (std::uint32_t i = 1; i <= followers; ++i) {
-    const Trajectory& predecessor = all.back();
     const bool hears = !predecessor.input.empty(), is_heard = sends_input(model, i, followers);
     FollowerVehicle follower(model, seed, i);
     Link link(model, seed, i);
@@ -52,6 +56,7 @@ std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t se
     follower.start(realization, 1, of.position);
     if (is_heard) of.input.push_back(0.0);
     for (std::size_t k = 0; k < count; ++k) {
+      check_interruption();
       const std::int64_t sent_at = static_cast<std::int64_t>(k) - 1;
       double received, heard = 0.0, position, input = 0.0;
       const LinkEnds before = k > 0 ? LinkEnds{&predecessor.position[k - 1], &of.position[k - 1]} : LinkEnds{};
@@ -66,9 +71,9 @@ std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t se
     const FollowerSignals computed = signals_of(model, signals, i);
     of.signals.push_back(values_of(computed.error, predecessor, of));
     for (const Signal& signal : computed.requested) of.signals.push_back(values_of(signal, predecessor, of));
-    all.push_back(std::move(of));
+    take(of);
+    predecessor = std::move(of);
   }
-  return all;
 }
 
 }  // namespace platoon

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,10 @@ struct Trajectory {
   std::vector<std::vector<double>> signals;
 };
 
-/// Vehicles 0 .. followers in one realization of a run, bit for bit. `signals`: see signal_kinds().
-std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t seed, std::size_t followers,
-                                     std::int64_t steps, std::uint64_t realization,
-                                     const std::vector<std::string>& signals);
+/// Calls `take` with vehicles 0 .. followers, in turn, in one realization of a run, bit for bit. `signals`: see
+/// signal_kinds().
+void for_each_trajectory(const PlatoonModel& model, std::uint64_t seed, std::size_t followers, std::int64_t steps,
+                         std::uint64_t realization, const std::vector<std::string>& signals,
+                         const std::function<void(const Trajectory&)>& take);
 
 }  // namespace platoon

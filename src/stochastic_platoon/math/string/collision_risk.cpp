@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/statistics/normal_crossing.hpp"
 
 namespace platoon {
@@ -14,6 +15,7 @@ double bound_over(const SignalMoments& table, std::size_t first, std::size_t ste
   const auto law = [&table](std::size_t cell) { return NormalLaw{table.mean[cell], table.variance[cell]}; };
   double sum = probability_below_zero(law(first));
   for (std::size_t cell = first + 1; cell < first + steps && sum < 1.0; ++cell) {
+    check_interruption();
     const double change = table.variance[cell - 1] + table.variance[cell] - 2.0 * table.covariance_with_previous[cell];
     sum += probability_of_crossing(law(cell - 1), law(cell), change);
   }

@@ -26,7 +26,9 @@ double least_burst(const PlatoonModel& model) {
 
 std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model) {
   const std::vector<std::string> types = types_with_default(model, &Inherited::mean_burst);
-  if (!model.default_vehicle().link.loses() || types.empty() || has_feed_forward(model)) return std::nullopt;
+  if (!model.default_vehicle().link.loses() || model.default_vehicle().link.loss->markov || types.empty() ||
+      has_feed_forward(model))
+    return std::nullopt;
   const double least = least_burst(model);
   CriticalBurst found{least, std::max(kLongest, 2.0 * least), {}, true, types};
   const VariedMargins margins =

@@ -33,7 +33,7 @@ PlatoonModel with_loss_in_bursts(PlatoonModel model, double probability) {
   return model;
 }
 
-// b / (1 + b) of the shortest mean burst, and less where arrivals and losses would strictly alternate.
+// b / (1 + b) of the shortest mean burst, and less where arrivals and losses would alternate.
 double largest_probability(const PlatoonModel& model) {
   double largest = 0.99;
   for (const VehicleType& type : model.types) {
@@ -47,6 +47,8 @@ double largest_probability(const PlatoonModel& model) {
 }  // namespace
 
 std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
+  const std::optional<LossModel>& own_loss = varied_link(given.default_vehicle()).loss;
+  if (own_loss && own_loss->markov) return std::nullopt;
   const PlatoonModel model = with_loss_stage(given);
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;
@@ -58,6 +60,8 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   samples.push_back(largest);
   StableLosses losses{{}, {}, types, largest};
   const double own = varied_link(model.default_vehicle()).loss->probability;
+  const auto place = std::lower_bound(samples.begin(), samples.end(), own);
+  if (place != samples.end() && *place != own) samples.insert(place, own);
   const VariedMargins margins = varied_margins(
       model,
       [&](double probability) {

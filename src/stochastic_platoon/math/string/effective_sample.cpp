@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/linked_vehicle.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 
 namespace platoon {
@@ -32,6 +33,7 @@ public:
       Type& type = types_.back();
       for (auto* values : {&type.gain, &type.complement, &type.added, &type.of_added}) values->resize(count);
       for (Eigen::Index f = 0; f < count; ++f) {
+        check_interruption();
         const LinkedVehicleValue value =
             vehicle.at(2.0 * boost::math::double_constants::pi * static_cast<double>(f) / static_cast<double>(length));
         type.gain(f) = value.gain;
@@ -48,6 +50,7 @@ public:
   void pass(std::size_t followers, const Visit& visit) const {
     Eigen::ArrayXd position = Eigen::ArrayXd::Zero(types_.front().gain.size()), error;
     for (std::size_t i = 0; i < followers; ++i) {
+      check_interruption();
       if (pattern_[i].has_losses()) return;
       const Type& type = types_[pattern_.type(i)];
       error = type.complement * position + type.of_added;

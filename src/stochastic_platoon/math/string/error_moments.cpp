@@ -10,6 +10,7 @@
 #include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
 #include "stochastic_platoon/math/links/linked_moments.hpp"
 #include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/response/loop_filter.hpp"
 
 namespace platoon {
@@ -71,6 +72,7 @@ public:
     moments.mean.reserve(followers * count);
     moments.variance.reserve(followers * count);
     for (std::size_t m = 0; m < followers; ++m) {
+      check_interruption();
       leader = filter_(leader);
       double energy = 0.0;
       for (std::size_t k = 0; k < count; ++k) {
@@ -106,6 +108,7 @@ private:
     DoubleSequence error(zero_);
     double lag_before = 0.0;
     for (std::size_t k = 1; k < error.size(); ++k) {
+      check_interruption();
       const auto step = static_cast<std::int64_t>(k);
       const double moved = model_.sample_period * model_.leader.speed(step - 1);  // r_0(k) - r_0(k-1)
       g = loop.a() * g - equilibrium * moved;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/numerics/delta_form.hpp"
 
 namespace platoon {
@@ -20,9 +21,9 @@ double predictor_radius(const LossModel& loss) {
   return spectral_radius(delta_form(p));
 }
 
-/// A bound of the same for losses in bursts, and the memory of their chain.
+/// A bound of the same for losses with memory, and the memory of their chain.
 double burst_radius(const LossModel& loss) {
-  return std::max(std::sqrt(second_moment_radius(loss)), std::abs(loss.after_loss() - loss.after_arrival()));
+  return std::max(std::sqrt(second_moment_radius(loss)), LossChain(loss).memory());
 }
 
 double slowest_radius(const VehicleModel& vehicle) {

@@ -14,7 +14,7 @@ namespace platoon {
 /// the quantile of a sum of N exponential delays with the slowest decay (B. Laurent and P. Massart, Ann. Statist. 28,
 /// 2000, lemma 1). rho is the largest modulus of a pole of the closed loops, predictors and noise filters in the
 /// string, n_i the order of loop i, m_i the delay of link i. For losses in bursts it is at least the square root of
-/// their second_moment_radius() and the memory |P(lost | lost) - P(lost | arrived)| of their chain.
+/// their second_moment_radius() and the memory of their LossChain.
 std::optional<std::int64_t> settling_steps(const PlatoonModel& model, std::size_t followers);
 
 }  // namespace platoon

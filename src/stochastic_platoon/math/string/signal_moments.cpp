@@ -7,6 +7,7 @@
 #include "stochastic_platoon/math/links/linked_responses.hpp"
 #include "stochastic_platoon/math/links/mean_vehicle.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
 
@@ -17,6 +18,7 @@ using Sequence = MeanVehicle::Sequence;
 /// y_{i-1} - y_i (of relative signals only) plus factor D^order y_i; from step -1 on, without offsets.
 Sequence signal_values(const Signal& signal, const Sequence& predecessor, const Sequence& own) {
   Sequence values(own.size(), 0.0L);
+  check_interruption();
   if (signal.order > 0) {
     values = own;
     for (int n = 0; n < signal.order; ++n) {
@@ -36,6 +38,7 @@ struct Share {
   Sequence variance, covariance;
 
   explicit Share(const Sequence& response, bool is_noise) {
+    check_interruption();
     for (std::size_t a = 1; a < response.size(); ++a) {
       variance.push_back(response[a] * response[a]);
       covariance.push_back(response[a - 1] * response[a]);

@@ -7,9 +7,9 @@
 
 namespace platoon {
 
-/// visit(pattern) for the pattern of a platoon: a BurstPattern if its links lose in bursts, else a LinkedPattern. This
-/// is the only place that chooses between the two theories. Throws std::invalid_argument for losses in bursts without
-/// theory: see no_burst_theory().
+/// visit(pattern) for the pattern of a platoon: a BurstPattern if its links lose in bursts, else a LinkedPattern. Only
+/// this function and varied_margins() choose between the two theories. Throws std::invalid_argument for losses in
+/// bursts without theory: see no_burst_theory().
 template <class Visit>
 auto with_pattern(const PlatoonModel& model, const Visit& visit) {
   if (!has_bursts(model)) return visit(LinkedPattern(model));

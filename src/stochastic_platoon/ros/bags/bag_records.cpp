@@ -98,11 +98,12 @@ Fields take_header(std::string_view& bytes) {
   return header;
 }
 
-BagBytes::BagBytes(const std::string& file) : stream_(file, std::ios::binary) {
+BagBytes::BagBytes(const std::string& file) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error) || !stream_)
-    throw BagError(file + ": must be a bag file that can be read");
-  size_ = std::filesystem::file_size(file);
+  // Opening a FIFO would wait for its writer.
+  if (std::filesystem::is_regular_file(file, error)) stream_.open(file, std::ios::binary);
+  if (stream_.is_open()) size_ = std::filesystem::file_size(file, error);
+  if (!stream_.is_open() || error) throw BagError(file + ": must be a bag, a regular file that can be read");
   std::string line;
   if (size_ < kVersionLine.size() || take(kVersionLine.size(), line) != kVersionLine)
     throw BagError(file + ": is damaged or no bag: must begin with \"#ROSBAG V2.0\"");

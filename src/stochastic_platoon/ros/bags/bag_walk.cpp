@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/ros/messages/serialized.hpp"
 
 namespace platoon {
@@ -87,6 +88,7 @@ std::size_t BagWalk::skip_to_last_chunks(std::size_t count) {
 
 std::optional<RawMessage> BagWalk::next() {
   while (true) {
+    check_interruption();
     if (in_chunk_) {
       if (const std::optional<RawMessage> message = take_from_chunk()) return message;
       continue;

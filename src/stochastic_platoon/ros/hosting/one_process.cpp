@@ -78,7 +78,7 @@ OneProcess::OneProcess(const ros::NodeHandle& platoon, const Configuration& conf
     channels_.push_back(
         std::make_unique<Channel>(worker.node(), configuration, i, i, worker.messages(), received, superseded));
     if (configuration.run.is_external(i)) continue;
-    followers_.push_back(std::make_unique<Follower>(worker.at_once(), configuration, i, worker.messages()));
+    followers_.push_back(std::make_unique<Follower>(worker.at_once(), configuration, i, false, worker.messages()));
   }
   leader_ = std::make_unique<Leader>(workers_.front()->node(), configuration, superseded);
   diagnostics_ = std::make_unique<Diagnostics>(last);

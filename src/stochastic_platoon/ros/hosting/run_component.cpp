@@ -11,15 +11,19 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "stochastic_platoon/ros/transport/kept_topics.hpp"
 #include "stochastic_platoon/ros/transport/publishers.hpp"
+#include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 
@@ -51,9 +55,32 @@ void require_other_address(const std::string& before, const std::vector<char*>& 
   throw std::runtime_error("cannot be started again");
 }
 
+// Answers arguments other than roscpp's name:=value. Returns the exit status; none if there are no others.
+std::optional<int> answered(int argc, char** argv, const NodeTraits& traits) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--help" || argument == "-h") {
+      std::printf("rosrun stochastic_platoon %s [--help | --version | name:=value ...]\n%s\n", traits.name,
+                  traits.purpose);
+      return 0;
+    }
+    if (argument == "--version") {
+      std::printf("stochastic_platoon %s\n", kVersion);
+      return 0;
+    }
+    if (argument.find(":=") != std::string::npos) continue;
+    std::fprintf(stderr,
+                 "%s: %s: unknown argument: must be name:=value (_name:=value for a parameter), --help or --version\n",
+                 traits.name, printable(argument).c_str());
+    return 2;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 int run_node(int argc, char** argv, const NodeTraits& traits, const std::function<void(const ros::NodeHandle&)>& run) {
+  if (const std::optional<int> status = answered(argc, argv, traits)) return *status;
   if (traits.arenas > 0) mallopt(M_ARENA_MAX, traits.arenas);
   std::vector<char*> arguments(argv, argv + argc);  // before roscpp removes its own
   arguments.push_back(nullptr);

@@ -14,6 +14,7 @@ namespace platoon {
 /// Settings of a node's process.
 struct NodeTraits {
   const char* name;                ///< default name of the node
+  const char* purpose;             ///< what the node does, and its parameters: the help
   std::uint32_t init_options = 0;  ///< options of ros::init
   /// Malloc arenas. With 1, all threads of a process reuse the same freed memory. 0: malloc's default, for a process
   /// whose threads would block each other in malloc.
@@ -21,7 +22,8 @@ struct NodeTraits {
 };
 
 /// The main of a node: `run` builds its component and spins. An error ends the process with status 1 and a
-/// FATAL line.
+/// FATAL line. Prints the help for --help and the version for --version; any argument that is no name:=value ends the
+/// process with status 2 and the reason. Neither needs a master.
 int run_node(int argc, char** argv, const NodeTraits& traits,
              const std::function<void(const ros::NodeHandle& platoon)>& run);
 

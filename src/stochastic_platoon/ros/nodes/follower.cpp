@@ -11,10 +11,11 @@ namespace platoon {
 
 using stochastic_platoon::Position;
 
-Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index,
+Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index, bool kept,
                    const MessagePool& messages, Joined joined)
     : platoon_(platoon),
       index_(index),
+      kept_(kept),
       joined_(std::move(joined)),
       membership_(platoon, vehicle_name(index), 0,
                   [this](const Configuration& configuration) {
@@ -25,8 +26,10 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
       position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)),
       input_(membership_, platoon, predecessor_position_topic(index)),
       radio_input_(membership_, platoon, predecessor_input_topic(index)) {
+  if (kept_) advertise_input();
   if (present) membership_.join(*present);
   // Last: the receiving thread may call back before the constructor returns.
+  if (kept_) subscribe_to_input();
   input_.subscribe([this](const PositionEvent& event) { receive_position(event); });
 }
 
@@ -43,10 +46,17 @@ void Follower::begin(const Configuration& configuration) {
                               platoon_period(configuration.model.sample_period),
                               FollowerVehicle(configuration.model, configuration.run.seed, index_),
                               MessageOrder(schedule), MessageOrder(schedule)});
-  if (run_state_->sends_input && !own_input_)
-    own_input_ = platoon_.advertise<Position>(input_topic(index_), kUnboundedQueue);
-  if (run_state_->has_radio) radio_input_.subscribe([this](const PositionEvent& event) { receive_input(event); });
+  if (run_state_->sends_input && !own_input_) advertise_input();
+  if (run_state_->has_radio && !kept_) subscribe_to_input();
   if (joined_) joined_(configuration);
+}
+
+void Follower::advertise_input() {
+  own_input_ = platoon_.advertise<Position>(input_topic(index_), kUnboundedQueue);
+}
+
+void Follower::subscribe_to_input() {
+  radio_input_.subscribe([this](const PositionEvent& event) { receive_input(event); });
 }
 
 // While nodes come up, the predecessor reaches step i - 2 at most.

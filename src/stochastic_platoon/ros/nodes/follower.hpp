@@ -24,19 +24,21 @@ namespace platoon {
 /// publishes_ahead().
 ///
 /// It may outlive runs: its links stay up, and on the first message of another run it starts over with that run's
-/// configuration.
+/// configuration. A kept follower, one that is to outlive launches, has the topics of a radio from the start: a link
+/// that comes up with the run's first message has lost that message.
 ///
 /// With a radio it waits for the predecessor's input of the same step, too. Its own input u(k) is part of step k + 1.
 ///
-/// Subscribes: `vehicle_<i>/predecessor_position`; with a radio `vehicle_<i>/predecessor_input`. Publishes:
-/// `vehicle_<i>/position`; to a follower with a radio `vehicle_<i>/input`. All stochastic_platoon/Position.
+/// Subscribes: `vehicle_<i>/predecessor_position`; with a radio, or if kept, `vehicle_<i>/predecessor_input`.
+/// Publishes: `vehicle_<i>/position`; to a follower with a radio `vehicle_<i>/input`, which a kept one always
+/// advertises. All stochastic_platoon/Position.
 class Follower {
 public:
   using Joined = std::function<void(const Configuration&)>;
 
   /// Joins the run of `present`, if given. `joined` is called with the configuration of every run that the follower
   /// joins. Throws ConfigurationError if the run has no vehicle of this index.
-  Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index,
+  Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index, bool kept,
            const MessagePool& messages, Joined joined = {});
 
   /// Messages taken and dropped.
@@ -61,6 +63,8 @@ private:
     MessagePairs<Message::ConstPtr> pairs = {};  ///< with a radio
   };
   void begin(const Configuration& configuration);
+  void advertise_input();
+  void subscribe_to_input();
   void receive_position(const PositionEvent& event);
   void receive_input(const PositionEvent& event);
   bool takes(PositionInput& input, MessageOrder& order, const PositionEvent& event);
@@ -71,13 +75,14 @@ private:
 
   ros::NodeHandle platoon_;
   std::uint32_t index_;
+  bool kept_;
   Joined joined_;
   RunMembership membership_;
   std::optional<RunState> run_state_;
   MessagePool messages_;
   ros::Publisher position_;
-  std::optional<ros::Publisher> own_input_;  ///< from the first run on in which its follower has a radio
-  PositionInput input_, radio_input_;        ///< the latter subscribes in the first run in which it has a radio
+  std::optional<ros::Publisher> own_input_;  ///< if not kept, from the first run on in which its follower has a radio
+  PositionInput input_, radio_input_;        ///< the latter, if not kept, from the first run on in which it has a radio
 };
 
 }  // namespace platoon

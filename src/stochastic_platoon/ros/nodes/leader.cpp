@@ -40,6 +40,7 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunM
       paced_(run_.rate > 0.0),
       superseded_(std::move(superseded)),
       membership_(platoon, "vehicle_0", 0, [this](const Configuration& joined) { return begin(joined); }),
+      notice_senders_(platoon),
       published_(platoon.resolveName(position_topic(0))),
       position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
       orders_(platoon, [this]() -> Manoeuvre& { return manoeuvre(); }) {
@@ -80,36 +81,26 @@ Manoeuvre& Leader::manoeuvre() {
   return run_state_->vehicle.manoeuvre();
 }
 
-void Leader::receive(const ros::MessageEvent<const Progress>& event) {
+void Leader::receive(const ProgressEvent& event) {
   const Progress::ConstPtr message = event.getMessage();
   if (!membership_.admits(message->run) || membership_.is_over()) return;
   const Acknowledgement report{message->attempt, message->first_realization, message->step};
   const auto reporter = run_state_->reporters.find(message->receiver);
-  if (reporter != run_state_->reporters.end()) {
-    if (!reporter->second.admits(event.getConnectionHeaderPtr(), message->run)) return;
-    if (!may_be_reported(schedule_, report)) {
-      ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report of \""
-                                        << reporter->first << "\" beyond this run: attempt " << report.attempt
-                                        << ", realizations from " << report.first_realization << ", step "
-                                        << report.step);
-      return;
-    }
-  }
-  if (!run_state_->credit.acknowledge(message->receiver, report, now(), message->messages)) {
-    if (message->notice == Progress::MISSED) {
-      run_state_->credit.give_up(message->attempt, now());
-      return publish_allowed();
-    }
-    if (message->notice != Progress::NONE) return;  // the monitor reports it
-    ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report from \"" << printable(shortened(message->receiver))
-                                                                       << "\": it is no receiver of this run");
+  if (reporter == run_state_->reporters.end()) return receive_notice(event);
+  if (!reporter->second.admits(event.getConnectionHeaderPtr(), message->run)) return;
+  if (!may_be_reported(schedule_, report)) {
+    ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report of \""
+                                      << reporter->first << "\" beyond this run: attempt " << report.attempt
+                                      << ", realizations from " << report.first_realization << ", step "
+                                      << report.step);
     return;
   }
-  if (message->notice == Progress::BLOCKED) {
+  if (message->notice == Progress::BLOCKED) {  // it gives no credit
     run_state_->holding.insert(message->receiver);
-  } else {
-    run_state_->holding.erase(message->receiver);
+    return;
   }
+  run_state_->credit.acknowledge(message->receiver, report, now(), message->messages);
+  run_state_->holding.erase(message->receiver);
   if (run_state_->waits_for_observers && run_state_->credit.attempt() == 0 && message->attempt == 0 &&
       !run_state_->begin)
     run_state_->begin = now() + kObserverTime;
@@ -119,6 +110,21 @@ void Leader::receive(const ros::MessageEvent<const Progress>& event) {
     for (std::int64_t step = 0; step <= run_.window; ++step) seen = later(seen, run_state_->period);
     run_state_->stamp = std::max(run_state_->stamp, seen);
   }
+  publish_allowed();
+}
+
+// From a component that is no receiver.
+void Leader::receive_notice(const ProgressEvent& event) {
+  const Progress& notice = *event.getConstMessage();
+  if (notice.notice == Progress::NONE) {
+    ROS_WARN_STREAM_THROTTLE(1.0, "progress: ignored a report from \"" << printable(shortened(notice.receiver))
+                                                                       << "\": it is no receiver of this run");
+  }
+  if (notice.notice != Progress::MISSED) return;  // the monitor reports the others
+  if (!run_state_->credit.may_give_up(notice.attempt, now()) || !notice_senders_.admits(event)) return;
+  run_state_->credit.give_up(notice.attempt, now());
+  ROS_INFO_STREAM(notice.receiver << " has missed messages of attempt " << notice.attempt << ": attempt "
+                                  << run_state_->credit.attempt() << " begins");
   publish_allowed();
 }
 

@@ -13,6 +13,7 @@
 #include "stochastic_platoon/ros/messages/message_pool.hpp"
 #include "stochastic_platoon/ros/observation/diagnostics.hpp"
 #include "stochastic_platoon/ros/orders/leader_orders.hpp"
+#include "stochastic_platoon/ros/transport/notice_senders.hpp"
 #include "stochastic_platoon/ros/transport/run_membership.hpp"
 #include "stochastic_platoon/ros/transport/sole_publisher.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
@@ -40,7 +41,9 @@ public:
 private:
   bool begin(const Configuration& configuration);
   Manoeuvre& manoeuvre();
-  void receive(const ros::MessageEvent<const stochastic_platoon::Progress>& event);
+  using ProgressEvent = ros::MessageEvent<const stochastic_platoon::Progress>;
+  void receive(const ProgressEvent& event);
+  void receive_notice(const ProgressEvent& event);
   void watch();
   void publish_allowed();
   bool publish_one();
@@ -65,6 +68,7 @@ private:
   RunMembership::Join superseded_;
   RunMembership membership_;
   std::optional<RunState> run_state_;
+  NoticeSenders notice_senders_;
   MessagePool messages_;
   MessageCounter published_;
   RelaxedAtomic<std::int64_t> window_, unacknowledged_;  ///< steps

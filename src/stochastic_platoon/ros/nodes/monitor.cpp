@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
+#include <set>
 #include <utility>
 
 #include "stochastic_platoon/ros/messages/position.hpp"
@@ -104,6 +106,9 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
 
 void Monitor::receive_notice(const Progress::ConstPtr& message) {
   if (message->receiver == "monitor" || message->run != membership_.run()) return;
+  const std::vector<std::string> receivers = configuration_.run.receivers();
+  const bool is_receiver = std::find(receivers.begin(), receivers.end(), message->receiver) != receivers.end();
+  if (message->notice == Progress::BLOCKED && !is_receiver) return;
   const Locked lock(lock_);
   stall_.receive(message->receiver, {message->notice, message->attempt, printable(message->note)});
 }
@@ -118,7 +123,7 @@ void Monitor::tick() {
   {
     const Locked lock(lock_);
     began = began_.has_value();
-    if (reports_.is_linked(inputs_)) reports_.report(statistics_.arrivals());
+    if (reports_.is_linked([this] { return missing_vehicles().empty(); })) reports_.report(statistics_.arrivals());
     complete = statistics_.arrivals().complete();
     committed = statistics_.arrivals().committed();
     recorder = stall_.text_of("recorder");
@@ -171,12 +176,17 @@ void Monitor::finish() {
 }
 
 void Monitor::stop() {
-  const Locked lock(lock_);
-  if (finished_ || statistics_.averages().empty()) return;
+  std::optional<Checkpoint> checkpoint;
+  RunResult partial;
+  {
+    const Locked lock(lock_);
+    if (finished_ || statistics_.averages().empty()) return;
+    if (endless() && began_) statistics_.set_wall_seconds(wall_seconds_before_ + now() - *began_);
+    checkpoint = statistics_.checkpoint();
+    partial = statistics_.result(false);
+  }
   display_.finish();
-  if (endless() && began_) statistics_.set_wall_seconds(wall_seconds_before_ + now() - *began_);
-  const RunResult partial = statistics_.result(false);
-  store_.stop(statistics_.checkpoint(), prediction_, partial);
+  store_.stop(*checkpoint, prediction_, partial);
   std::printf("%s", report(configuration_, prediction_, partial).c_str());
   if (!endless()) {
     std::printf("Stopped after %llu of %llu realizations. ", static_cast<unsigned long long>(partial.realizations),
@@ -193,7 +203,7 @@ void Monitor::check_for_stall(double present) {
     const Locked lock(lock_);
     change = stall_.look({statistics_.arrivals(), began_.has_value(), [this] { return missing_vehicles(); },
                           [this](std::size_t vehicle) { return inputs_[vehicle].counter().latest_breach(); },
-                          [this] { return mute_vehicles(); }},
+                          [this, present] { return mute_vehicles(present); }},
                          present);
   }
   if (!change.stalled.empty()) ROS_WARN_STREAM("run stalled: " << change.stalled);
@@ -208,13 +218,21 @@ std::vector<std::size_t> Monitor::missing_vehicles() const {
   return missing;
 }
 
-std::vector<std::size_t> Monitor::mute_vehicles() const {
-  std::vector<std::size_t> mute;
-  for (const std::size_t i : configuration_.run.external) {
-    const bool heard = sends_input(configuration_.model, i, configuration_.run.followers);
-    if (heard && registered_publishers(ros::names::resolve(input_topic(i))).empty()) mute.push_back(i);
+// Asks the master, at most once a second.
+const std::vector<std::size_t>& Monitor::mute_vehicles(double present) {
+  if (present < ask_again_) return mute_;
+  ask_again_ = present + 1.0;
+  std::vector<std::size_t> heard;
+  for (std::size_t i = 0; i <= configuration_.run.followers; ++i) {
+    if (sends_input(configuration_.model, i, configuration_.run.followers)) heard.push_back(i);
   }
-  return mute;
+  mute_.clear();
+  if (heard.empty()) return mute_;
+  const std::set<std::string> published = published_topics();
+  if (published.empty()) return mute_;  // the master does not answer
+  std::copy_if(heard.begin(), heard.end(), std::back_inserter(mute_),
+               [&published](std::size_t i) { return published.count(ros::names::resolve(input_topic(i))) == 0; });
+  return mute_;
 }
 
 Diagnostics::Fill Monitor::status() {

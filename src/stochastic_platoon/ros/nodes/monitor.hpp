@@ -34,7 +34,8 @@ namespace platoon {
 /// monitor writes the results. If the run stalls, it names the node that blocks it.
 ///
 /// Several threads may receive positions: a message is checked and counted under a lock, its errors are computed
-/// without it (see RunStatistics). Only the timer's thread accesses files and the terminal, and never under the lock.
+/// without it (see RunStatistics). Files and the terminal are accessed by the timer's thread and, after the callbacks
+/// have ended, by stop(); never under the lock.
 ///
 /// Subscribes: `vehicle_<i>/position` (stochastic_platoon/Position), i = 0 .. N; progress (stochastic_platoon/Progress,
 /// of other components). Publishes: progress, snapshot (stochastic_platoon/Snapshot), and the topics of
@@ -68,7 +69,7 @@ private:
   void tick();
   void check_for_stall(double present);
   std::vector<std::size_t> missing_vehicles() const;
-  std::vector<std::size_t> mute_vehicles() const;
+  const std::vector<std::size_t>& mute_vehicles(double present);
   void show_start(double present);
   void show_manoeuvre(bool departs);
   void finish();
@@ -90,7 +91,9 @@ private:
 
   ProgressDisplay display_;
   bool finished_ = false;
-  bool departs_ = false;  ///< whether the leader manoeuvres, as last logged
+  std::vector<std::size_t> mute_;  ///< vehicles without an input that their follower receives
+  double ask_again_ = 0.0;         ///< [s] earliest time at which the master is asked for them
+  bool departs_ = false;           ///< whether the leader manoeuvres, as last logged
 
   StatisticsPublisher publisher_;
   std::vector<PositionInput> inputs_;  ///< per vehicle, used by the thread that receives from it

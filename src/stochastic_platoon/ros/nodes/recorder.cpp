@@ -18,6 +18,9 @@ namespace {
 // Bytes written that prove success: more than a file's own buffers hold.
 constexpr std::uint64_t kBytesOfSuccess = 2u << 20;
 
+// [s] that the first report waits for the publisher of an input while all other topics have theirs.
+constexpr double kLateInput = 1.0;
+
 std::string parent_of(const std::string& name) {
   return name.substr(0, name.rfind('/'));
 }
@@ -132,8 +135,24 @@ void Recorder::finish() {
 
 void Recorder::tick() {
   if (!recording_ && pause_.is_due(now())) begin();
-  if (reports_.is_linked(inputs_, error_statistics_.getNumPublishers() > 0) || (recording_ && recording_->finished()))
-    report();
+  std::optional<std::string> awaited;
+  const auto connected = [&] { return !(awaited = awaited_topic()); };
+  if ((recording_ && recording_->finished()) || reports_.is_linked(connected)) return report();
+  reports_.set_blocked("no publisher of " + *awaited);
+  reports_.report(recording_ ? recording_->arrivals() : reported_);
+}
+
+// A topic without a publisher for which the first report waits.
+std::optional<std::string> Recorder::awaited_topic() {
+  std::optional<std::string> input;
+  for (std::size_t s = 0; s < topics_.size(); ++s) {
+    if (inputs_[s].is_connected()) continue;
+    if (parse_topic(topics_[s])->kind != PlatoonTopic::Kind::input) return topics_[s];
+    if (!input) input = topics_[s];
+  }
+  if (error_statistics_.getNumPublishers() == 0) return error_statistics_.getTopic();
+  if (!heard_) heard_ = now();
+  return now() - *heard_ < kLateInput ? input : std::nullopt;
 }
 
 // Without a recording the latest report is repeated. The first report of a new recording is then lower, and the leader

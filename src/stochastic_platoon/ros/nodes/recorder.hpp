@@ -21,6 +21,9 @@ namespace platoon {
 /// Records a platoon to a bag as one more acknowledging receiver: the leader never runs ahead of it, so
 /// nothing is lost at any speed.
 ///
+/// The first report waits for the publishers of all topics, but not for ever for an input: a vehicle may advertise it
+/// as late as with the run's first message, and the leader then repeats what was lost.
+///
 /// Write errors pause the recording, and the platoon with it. The recorder logs this once, retries after growing
 /// pauses, and continues after the whole batches of the file, as a restarted recorder does.
 ///
@@ -45,6 +48,7 @@ private:
   void receive(std::size_t stream, const PositionEvent& event);
   void receive_statistics(const stochastic_platoon::ErrorStatistics::ConstPtr& message);
   void tick();
+  std::optional<std::string> awaited_topic();
   void finish();
   void report();
   template <typename Work>
@@ -60,6 +64,7 @@ private:
   std::uint64_t tried_at_ = 0;   ///< bytes in the file when it was last opened
   std::string write_error_;      ///< the latest write error
   std::optional<double> began_;  ///< [s] first message
+  std::optional<double> heard_;  ///< [s] since when all topics but inputs have a publisher
   ProgressReports reports_;
   std::vector<PositionInput> inputs_;  ///< per stream
   ros::Subscriber error_statistics_;

@@ -9,7 +9,6 @@
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
 #include "stochastic_platoon/run/delivery/pipeline.hpp"
-#include "stochastic_platoon/run/delivery/stall_diagnosis.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_contract.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
 
@@ -62,20 +61,19 @@ StallReporter::Change StallReporter::look(const Observation& seen, double presen
   const StallWatch::Change change = watch_.look(present, 0.75 * patience + pace + start);
   if (change == StallWatch::Change::moving) {
     const std::string moving = formatted(", after %.1f s and %u retries", present - since_, retries(seen.arrivals));
-    culprit_.clear();
+    culprit_.reset();
     notices_.clear();
     return {"", moving};
   }
   if (change == StallWatch::Change::stalled) {
-    culprit_ = reason(seen);
+    culprit_ = diagnose(seen);
     since_ = *watch_.last_arrival();
     first_attempt_ = seen.arrivals.attempt();
-    return {culprit_, ""};
+    return {culprit_->text, ""};
   }
   if (!watch_.stalled() || present - last_message_ <= kSettled) return {};
-  const std::string before = std::exchange(culprit_, reason(seen));
-  const auto name = [](const std::string& text) { return text.substr(0, text.find(';')); };
-  return {name(before) == name(culprit_) ? "" : culprit_, ""};
+  const std::optional<StallDiagnosis> before = std::exchange(culprit_, diagnose(seen));
+  return {before && culprit_->is_that_of(*before) ? "" : culprit_->text, ""};
 }
 
 std::string StallReporter::start(const std::vector<std::size_t>& missing, const Arrivals& arrivals) const {
@@ -90,34 +88,50 @@ std::string StallReporter::start(const std::vector<std::size_t>& missing, const 
   return formatted("first step: %.0f %%", 100.0 * std::min(share, 1.0));
 }
 
-std::string StallReporter::reason(const Observation& seen) const {
-  for (const auto& [component, notice] : notices_) {
-    if (notice.kind == Progress::BLOCKED) return component + " blocks the run: " + notice.text;
-  }
+StallDiagnosis StallReporter::diagnose(const Observation& seen) const {
   const std::vector<std::size_t> missing = seen.missing();
-  if (!missing.empty()) return reason_of_missing(missing);
+  if (!missing.empty()) return of_missing(missing);
   const std::vector<std::size_t> mute = seen.mute();
-  if (!mute.empty()) {
-    const std::string name = vehicle_name(mute.front());
-    const std::string follower = vehicle_name(mute.front() + 1);
-    return name + " is external and publishes no " + name + "/input, which " + follower +
-           " receives by radio: it must publish its control input, or " + follower + " must have no radio";
-  }
-  const StallDiagnosis diagnosis = diagnose_stall(seen.arrivals.latest(), run_.schedule(), run_.pipeline_depth(),
-                                                  run_.external, seen.arrivals.latest_of_any_attempt());
-  if (!diagnosis.vehicle) return diagnosis.text;
-  return diagnosis.text + explanation_of(*diagnosis.vehicle, seen.arrivals) + breach_of(*diagnosis.vehicle, seen);
+  if (!mute.empty()) return of_mute(mute.front());
+  if (const std::optional<StallDiagnosis> receiver = of_receivers(seen.arrivals)) return *receiver;
+  StallDiagnosis found = diagnose_stall(seen.arrivals.latest(), run_.schedule(), run_.pipeline_depth(), run_.external,
+                                        seen.arrivals.latest_of_any_attempt());
+  if (found.vehicle) found.text += explanation_of(*found.vehicle, seen.arrivals) + breach_of(*found.vehicle, seen);
+  return found;
 }
 
-std::string StallReporter::reason_of_missing(const std::vector<std::size_t>& missing) const {
+StallDiagnosis StallReporter::of_missing(const std::vector<std::size_t>& missing) const {
   const std::string name = vehicle_name(missing.front());
-  if (missing.size() > 1) {
-    return std::to_string(missing.size()) + " of " + std::to_string(run_.followers + 1) +
-           " vehicles are not running, the first of them " + name;
+  const bool external = run_.is_external(missing.front());
+  const std::string text =
+      missing.size() > 1 ? std::to_string(missing.size()) + " of " + std::to_string(run_.followers + 1) +
+                               " vehicles are not running, the first of them " + name
+                         : name + (external ? " is external and not running: start its node; " : " is not running: ") +
+                               "no publisher of " + topics_.at(missing.front());
+  return {StallCause::not_running, missing.front(), text};
+}
+
+StallDiagnosis StallReporter::of_mute(std::size_t vehicle) const {
+  const std::string name = vehicle_name(vehicle), follower = vehicle_name(vehicle + 1);
+  return {StallCause::no_input, vehicle,
+          name + (run_.is_external(vehicle) ? " is external and" : "") + " publishes no " + name + "/input, which " +
+              follower + " receives by radio: it must publish its control input, or " + follower +
+              " must have no radio"};
+}
+
+// The receivers beside the monitor. The leader sends nothing before the first report of each.
+std::optional<StallDiagnosis> StallReporter::of_receivers(const Arrivals& arrivals) const {
+  for (const auto& [component, notice] : notices_) {
+    if (notice.kind == Progress::BLOCKED)
+      return StallDiagnosis{StallCause::blocked_receiver, {}, component + " blocks the run: " + notice.text};
   }
-  return name +
-         (run_.is_external(missing.front()) ? " is external and not running: start its node; " : " is not running: ") +
-         "no publisher of " + topics_.at(missing.front());
+  if (arrivals.latest_of_any_attempt().front()) return std::nullopt;
+  for (const std::string& receiver : run_.receivers()) {
+    if (receiver != "monitor" && notices_.count(receiver) == 0)
+      return StallDiagnosis{
+          StallCause::silent_receiver, {}, receiver + " has not reported, and the leader waits for it"};
+  }
+  return std::nullopt;
 }
 
 // The vehicle's notice, if it refers to this run as a whole or to the present attempt.

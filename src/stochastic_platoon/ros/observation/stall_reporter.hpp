@@ -12,6 +12,7 @@
 #include "stochastic_platoon/run/configuration/run_options.hpp"
 #include "stochastic_platoon/run/delivery/arrivals.hpp"
 #include "stochastic_platoon/run/delivery/message_order.hpp"
+#include "stochastic_platoon/run/delivery/stall_diagnosis.hpp"
 #include "stochastic_platoon/run/delivery/stall_watch.hpp"
 
 namespace platoon {
@@ -34,14 +35,14 @@ public:
     std::function<std::vector<std::size_t>()> missing;
     /// The latest contract violation of an external vehicle. Called during a stall only.
     std::function<std::optional<DropReason>(std::size_t vehicle)> breach;
-    /// External vehicles, ascending, that do not publish the control input that their follower expects by radio. Called
-    /// during a stall only.
+    /// Vehicles, ascending, that do not publish the control input that their follower expects by radio. Called during a
+    /// stall only.
     std::function<std::vector<std::size_t>()> mute;
   };
 
   /// Empty strings: nothing to log.
   struct Change {
-    std::string stalled;  ///< the reason; also when another reason is found
+    std::string stalled;  ///< the reason; also when another cause or vehicle is found
     std::string moving;   ///< ", after 3.1 s and 2 retries"
   };
 
@@ -61,15 +62,17 @@ public:
   bool stalled() const { return watch_.stalled(); }
 
   /// The reason of the present stall, empty while the platoon moves, and the attempts since it began.
-  const std::string& culprit() const { return culprit_; }
+  std::string culprit() const { return culprit_ ? culprit_->text : ""; }
   std::uint32_t retries(const Arrivals& arrivals) const { return arrivals.attempt() - first_attempt_; }
 
   /// The state of a run whose first step is not complete.
   std::string start(const std::vector<std::size_t>& missing, const Arrivals& arrivals) const;
 
 private:
-  std::string reason(const Observation& seen) const;
-  std::string reason_of_missing(const std::vector<std::size_t>& missing) const;
+  StallDiagnosis diagnose(const Observation& seen) const;
+  StallDiagnosis of_missing(const std::vector<std::size_t>& missing) const;
+  StallDiagnosis of_mute(std::size_t vehicle) const;
+  std::optional<StallDiagnosis> of_receivers(const Arrivals& arrivals) const;
   std::string explanation_of(std::size_t vehicle, const Arrivals& arrivals) const;
   std::string breach_of(std::size_t vehicle, const Observation& seen) const;
 
@@ -77,7 +80,7 @@ private:
   std::vector<std::string> topics_;
   std::map<std::string, Notice> notices_;  ///< the latest of each component
   StallWatch watch_;
-  std::string culprit_;
+  std::optional<StallDiagnosis> culprit_;
   double since_ = 0.0;                           ///< [s] of the present stall
   std::uint32_t first_attempt_ = 0;              ///< of the present stall
   double last_message_ = 0.0;                    ///< [s]

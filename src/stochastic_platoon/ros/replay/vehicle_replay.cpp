@@ -63,7 +63,13 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
       vehicle_(vehicle),
       credit_(limits_of(configuration.run)),
       publisher_(platoon.resolveName(position_topic(vehicle)), external ? its_clause(Clause::one_publisher) : ""),
+      notice_senders_(platoon),
       counter_(platoon.resolveName(position_topic(vehicle)), external ? name_ : "") {
+  if (vehicle < 1 || vehicle > configuration.run.followers) {
+    throw std::invalid_argument("vehicle: " + std::to_string(vehicle) +
+                                ": must be a follower of the recording, from 1 to " +
+                                std::to_string(configuration.run.followers));
+  }
   const auto add = [&](PlatoonTopic::Kind kind, const std::string& topic) {
     sent_.push_back({kind, platoon.advertise<Position>(topic, kUnboundedQueue)});
   };
@@ -72,9 +78,9 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
     add(PlatoonTopic::Kind::predecessor_input, predecessor_input_topic(vehicle));
   if (!(patience > 0.0)) throw std::invalid_argument("patience: " + std::to_string(patience) + ": must be above 0 [s]");
   open();
-  done_ = !expected_;
+  if (!expected_) throw std::runtime_error("bags: hold no position of " + name_);
   position_ = platoon.subscribe(position_topic(vehicle), kUnboundedQueue, &VehicleReplay::receive, this, no_delay());
-  progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &VehicleReplay::receive_note, this);
+  progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &VehicleReplay::receive_notice, this);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(0.02), [this](const auto&) { play(); });
 }
 
@@ -192,10 +198,11 @@ void VehicleReplay::drop(DropReason reason, const Position& live) {
   counter_.drop(reason, id_of(live), live.position.size());
 }
 
-void VehicleReplay::receive_note(const Progress::ConstPtr& message) {
-  const bool missed = message->receiver == name_ && message->run == run_ && message->attempt == last_attempt_ &&
-                      message->notice == Progress::MISSED;
-  if (!missed || done_) return;
+void VehicleReplay::receive_notice(const ros::MessageEvent<const Progress>& event) {
+  const Progress& notice = *event.getConstMessage();
+  const bool missed = notice.receiver == name_ && notice.run == run_ && notice.attempt == last_attempt_ &&
+                      notice.notice == Progress::MISSED;
+  if (!missed || done_ || !notice_senders_.admits(event)) return;
   if (credit_.give_up(now())) begin_again();
   send_allowed();
 }

@@ -10,6 +10,7 @@
 
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/transport/message_counter.hpp"
+#include "stochastic_platoon/ros/transport/notice_senders.hpp"
 #include "stochastic_platoon/ros/transport/sole_publisher.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
@@ -30,7 +31,8 @@ namespace platoon {
 /// `vehicle_<i>/predecessor_input` (stochastic_platoon/Position).
 class VehicleReplay {
 public:
-  /// `patience` [s] > 0.
+  /// `patience` [s] > 0. Throws std::invalid_argument if the run has no follower of this number, and std::runtime_error
+  /// if the bags hold no position of it.
   VehicleReplay(ros::NodeHandle platoon, const Configuration& configuration, const BagSource& bags, std::size_t vehicle,
                 bool external, double patience);
 
@@ -51,7 +53,7 @@ private:
   bool is_linked();
   void check_patience();
   void receive(const PositionEvent& event);
-  void receive_note(const stochastic_platoon::Progress::ConstPtr& message);
+  void receive_notice(const ros::MessageEvent<const stochastic_platoon::Progress>& event);
   void judge(const stochastic_platoon::Position& live);
   void drop(DropReason reason, const stochastic_platoon::Position& live);
   void compare(const stochastic_platoon::Position& live, const stochastic_platoon::Position& recorded);
@@ -87,6 +89,7 @@ private:
   bool waiting_ = false;         ///< for the vehicle, as last logged
   std::optional<double> began_;  ///< [s] first check of the links
   SolePublisher publisher_;
+  NoticeSenders notice_senders_;
   MessageCounter counter_;
   ros::Subscriber position_;
   ros::Subscriber progress_;

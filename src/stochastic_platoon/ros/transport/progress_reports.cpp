@@ -18,12 +18,6 @@ ProgressReports::ProgressReports(ros::NodeHandle platoon, const std::string& rec
   message_.run = run_identity(configuration);
 }
 
-bool ProgressReports::is_linked(const std::vector<PositionInput>& positions, bool others) {
-  linked_ = linked_ || (others && std::all_of(positions.begin(), positions.end(),
-                                              [](const PositionInput& input) { return input.is_connected(); }));
-  return linked_;
-}
-
 void ProgressReports::saw(std::uint64_t platoon_time) {
   message_.header.stamp = std::max(message_.header.stamp, platoon::platoon_time(platoon_time));
 }

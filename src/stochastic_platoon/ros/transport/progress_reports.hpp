@@ -4,10 +4,9 @@
 #include <stochastic_platoon/Progress.h>
 
 #include <cstdint>
+#include <functional>
 #include <string>
-#include <vector>
 
-#include "stochastic_platoon/ros/transport/position_input.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/delivery/arrivals.hpp"
 #include "stochastic_platoon/run/delivery/report_pace.hpp"
@@ -23,8 +22,8 @@ class ProgressReports {
 public:
   ProgressReports(ros::NodeHandle platoon, const std::string& receiver, const Configuration& configuration);
 
-  /// Whether all positions are connected, and the receiver's other topics (`others`), or once were.
-  bool is_linked(const std::vector<PositionInput>& positions, bool others = true);
+  /// Whether all of the receiver's topics are connected, or once were; `connected` is called until they are.
+  bool is_linked(const std::function<bool()>& connected) { return linked_ = linked_ || connected(); }
 
   /// Reports carry the latest platoon time seen [ns].
   void saw(std::uint64_t platoon_time);

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 namespace platoon {
 
@@ -61,6 +60,12 @@ std::vector<std::string> registered_publishers(const std::string& topic) {
   std::vector<std::string> names = registered()[topic];
   std::sort(names.begin(), names.end());
   return names;
+}
+
+std::set<std::string> published_topics() {
+  std::set<std::string> topics;
+  for (const auto& entry : registered()) topics.insert(entry.first);
+  return topics;
 }
 
 std::optional<TopicPublisher> live_publisher(const std::function<bool(const std::string& topic)>& selected) {

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@ std::string address_of(const std::string& node);
 /// The names of the nodes registered with the master as publishers of a topic, sorted, connected or not; empty if the
 /// master does not answer.
 std::vector<std::string> registered_publishers(const std::string& topic);
+
+/// The topics that have a publisher registered with the master; empty if the master does not answer.
+std::set<std::string> published_topics();
 
 /// A node that publishes a topic.
 struct TopicPublisher {

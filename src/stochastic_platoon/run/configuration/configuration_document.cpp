@@ -11,6 +11,7 @@
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 
 namespace platoon {
 
@@ -104,15 +105,10 @@ YAML::Node value_at(const YAML::Node& node, const char* key) {
   return node.IsMap() && node[key] ? node[key] : YAML::Node();
 }
 
-// Paths of tables in a model are relative to the folder of its file.
-void resolve_table(const std::filesystem::path& folder, const YAML::Node& section, const char* key) {
-  YAML::Node file = value_at(section, key);
-  if (file.IsScalar()) file = (folder / file.Scalar()).string();
-}
-
-void resolve_traces(const std::filesystem::path& folder, const YAML::Node& vehicle) {
+void resolve_traces(const std::string& folder, const YAML::Node& vehicle) {
   const auto of_link = [&](const YAML::Node& input) {
-    resolve_table(folder, value_at(value_at(input, "channel"), "loss"), "trace");
+    YAML::Node file = value_at(value_at(value_at(input, "channel"), "loss"), "trace");
+    if (file.IsScalar()) file = (std::filesystem::path(folder) / file.Scalar()).string();
   };
   of_link(vehicle);
   for (const YAML::Node& input : value_at(vehicle, "inputs")) of_link(input);
@@ -133,12 +129,21 @@ YAML::Node document_of(const YAML::Node& model, const std::map<std::string, std:
 }  // namespace
 
 YAML::Node load_model(const std::string& file) {
+  if (!may_exist(file)) {
+    throw ConfigurationError({"model: " + (file.empty() ? "(empty)" : file) +
+                              ": no such file: must be a model file, or one of the shipped " +
+                              shipped_names("config")});
+  }
   YAML::Node model = load_yaml(file);
-  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
-  resolve_table(folder, value_at(model, "leader"), "file");
+  resolve_tables(model, std::filesystem::absolute(file).parent_path().string());
+  return model;
+}
+
+void resolve_tables(const YAML::Node& model, const std::string& folder) {
+  YAML::Node drive = value_at(value_at(model, "leader"), "file");
+  if (drive.IsScalar()) drive = shipped_file(drive.Scalar(), "config/leaders", folder);
   resolve_traces(folder, model);
   for (const auto& type : value_at(model, "vehicle_types")) resolve_traces(folder, type.second);
-  return model;
 }
 
 YAML::Node configuration_document(const std::map<std::string, std::string>& given) {

@@ -17,9 +17,12 @@ YAML::Node configuration_document(const std::map<std::string, std::string>& give
 /// The same for the model of a document (see load_model()); `model` is then not a setting.
 YAML::Node configuration_document(const YAML::Node& model, const std::map<std::string, std::string>& given);
 
-/// The document of a model file, with the paths of the tables that it names. Throws ConfigurationError if it cannot be
-/// read.
+/// The document of a model file, after resolve_tables() for its folder. Throws ConfigurationError if it cannot be read.
 YAML::Node load_model(const std::string& file);
+
+/// Makes the paths of the tables that a model names (recorded drives and losses) relative to `folder`; a drive of a
+/// bare name may be a shipped one.
+void resolve_tables(const YAML::Node& model, const std::string& folder);
 
 /// The document of a configuration with the given settings changed; a non-empty `model` names another model file.
 /// Throws as above.

@@ -35,6 +35,7 @@ FeedForward read_radio(Section& input, bool allow_unstable) {
 GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unstable) {
   GivenInputs given;
   vehicle.feed_forward.reset();
+  vehicle.link = LinkModel();
   std::size_t positions = 0, inputs = 0;
   for (Section& input : section.sections("inputs")) {
     const std::size_t before = input.problems();

@@ -13,12 +13,13 @@ struct GivenInputs {
   bool channel = false;         ///< of the position
 };
 
-/// Reads the key `inputs` of a vehicle, which replaces the inputs of `vehicle`:
+/// Reads the key `inputs` of a vehicle, which replaces the radio and the link of the position of `vehicle`:
 ///
 ///     - {signal: position, from: predecessor, noise_variance, channel}
 ///     - {signal: input, from: predecessor, gain, noise_variance, channel: {delay, ...}}
 ///
-/// The first is required; its noise_variance and channel may stand at the vehicle instead. Reports all problems.
+/// The first is required; its noise_variance and channel may stand at the vehicle instead. Keys that both omit have
+/// their defaults; only the noise variance, which has none, stays that of `vehicle`. Reports all problems.
 GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unstable);
 
 /// JSON for read_inputs(), with the noise_variance and the channel of the position at the vehicle.

@@ -28,7 +28,7 @@ std::string without_comments(std::string text) {
 void add_declared(const std::filesystem::path& file, const std::string& folder, std::set<std::string>& names) {
   static const std::regex argument(R"re(<arg\s+name="([^"]+)")re"), include(R"re(<include\s[^>]*>)re"),
       included(R"re(file="[^"]*/([^"/]+)")re");
-  const std::string text = without_comments(read_file(file.string()));
+  const std::string text = without_comments(read_file(file.string(), kMostGivenBytes));
   for (std::sregex_iterator found(text.begin(), text.end(), argument), end; found != end; ++found)
     names.insert((*found)[1]);
   for (std::sregex_iterator found(text.begin(), text.end(), include), end; found != end; ++found) {
@@ -37,7 +37,7 @@ void add_declared(const std::filesystem::path& file, const std::string& folder, 
     if (element.find("pass_all_args=\"true\"") == std::string::npos || !std::regex_search(element, name, included))
       continue;
     const std::filesystem::path next = std::filesystem::path(folder) / name[1].str();
-    if (std::filesystem::exists(next) && next.filename() != file.filename()) add_declared(next, folder, names);
+    if (may_exist(next.string()) && next.filename() != file.filename()) add_declared(next, folder, names);
   }
 }
 
@@ -48,9 +48,9 @@ std::optional<std::filesystem::path> launch_file(const std::string& word, const 
   if (extension != ".launch" && extension != ".xml") return std::nullopt;
   if (before == kPackage) {
     const std::filesystem::path shipped = std::filesystem::path(folder) / word;
-    if (std::filesystem::exists(shipped)) return shipped;
+    if (may_exist(shipped.string())) return shipped;
   }
-  if (std::filesystem::exists(word)) return std::filesystem::path(word);
+  if (may_exist(word)) return std::filesystem::path(word);
   return std::nullopt;
 }
 

@@ -5,6 +5,9 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/run/configuration/recorded_drive.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 
 namespace platoon {
 
@@ -50,6 +53,11 @@ std::vector<double> read_drive(Section& section, double sample_period) {
   if (section.has("skip_rows")) drive.skip_rows = section.integer("skip_rows", 0, 1000000);
   if (section.has("from_second")) drive.from_second = section.number("from_second", kNotNegative);
   if (section.problems() > before) return {};
+  if (!may_exist(drive.file)) {
+    section.reject("file", printable(drive.file) + ": no such file",
+                   "a table of a drive, or one of the shipped " + shipped_names("config/leaders"));
+    return {};
+  }
   try {
     return positions_of(drive, sample_period);
   } catch (const std::invalid_argument& error) {

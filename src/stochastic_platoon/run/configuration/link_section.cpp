@@ -50,7 +50,11 @@ std::vector<double> read_predictor(Section& section, LinkedSignal signal) {
 }
 
 void check_burst(Section& section, const LossModel& loss) {
+  constexpr double kLongestBurst = 1e6;
   const double q = loss.probability, least = loss.least_burst();
+  if (*loss.mean_burst > kLongestBurst)
+    section.reject("mean_burst", formatted("%g", *loss.mean_burst),
+                   formatted("at most %.0f steps: the theory keeps too few digits of longer bursts", kLongestBurst));
   if (*loss.mean_burst >= least) return;
   section.reject(
       "mean_burst", formatted("%g", *loss.mean_burst),
@@ -82,7 +86,7 @@ void require_alone(Section& section, const std::string& key, const std::vector<s
 }
 
 void read_by_distance(Section& section, LossModel& loss) {
-  require_alone(section, "by_distance", {"probability", "trace", "runs"});
+  require_alone(section, "by_distance", {"probability", "trace", "runs", "markov"});
   const std::size_t before = section.problems();
   const Eigen::MatrixXd table = section.matrix("by_distance");
   if (section.problems() > before) return;
@@ -104,8 +108,9 @@ void read_trace(Section& section, LossModel& loss) {
   const bool is_file = section.has("trace");
   const std::string key = is_file ? "trace" : "runs", text = section.text(key);
   const std::string column = section.has("column") ? section.text("column") : "received";
-  require_alone(section, key, {"probability", "mean_burst", "runs"});
+  require_alone(section, key, {"probability", "mean_burst", "runs", "markov"});
   loss.by_distance.reset();
+  loss.markov.reset();
   try {
     loss.trace = std::make_shared<LossTrace>(is_file ? trace_of(text, column) : LossTrace::of_runs(text));
   } catch (const std::invalid_argument& error) {
@@ -115,6 +120,25 @@ void read_trace(Section& section, LossModel& loss) {
   loss.probability = loss.trace->probability();
   loss.mean_burst.reset();
   if (loss.probability > 0.0) loss.mean_burst = loss.trace->mean_burst();
+}
+
+// Reads losses by the states of a chain, their probability and their mean burst.
+void read_markov(Section& section, LossModel& loss) {
+  require_alone(section, "markov", {"probability", "mean_burst", "trace", "runs", "by_distance"});
+  Section given = section.section("markov");
+  if (!given.is_mapping()) return;
+  const std::size_t before = section.problems();
+  const Eigen::MatrixXd transition = given.matrix("transition");
+  const Eigen::VectorXd probability = given.numbers("probability");
+  given.reject_unknown_keys();
+  if (section.problems() > before) return;
+  try {
+    loss = LossModel{0.0, {}, loss.predictor, {}, {}, std::make_shared<MarkovLosses>(transition, probability)};
+  } catch (const std::invalid_argument& error) {
+    return given.report(error.what());
+  }
+  loss.probability = loss.markov->loss_probability();
+  if (loss.probability > 0.0) loss.mean_burst = loss.markov->mean_burst();
 }
 
 void check_trace_growth(Section& section, const LossModel& loss) {
@@ -145,16 +169,19 @@ LossModel read_loss(Section section, const std::optional<LossModel>& base, bool 
     read_by_distance(section, loss);
   } else if (section.has("trace") || section.has("runs")) {
     read_trace(section, loss);
+  } else if (section.has("markov")) {
+    read_markov(section, loss);
   } else if (!base || section.has("probability")) {
     loss.probability = section.number("probability", kLossProbability);
-    if (loss.trace) loss.mean_burst.reset();
+    if (loss.trace || loss.markov) loss.mean_burst.reset();
     loss.trace.reset();
     loss.by_distance.reset();
+    loss.markov.reset();
   }
   if (loss.by_distance && section.has("mean_burst")) require_alone(section, "by_distance", {"mean_burst"});
-  if (!loss.trace && !loss.by_distance && section.has("mean_burst"))
+  if (!loss.trace && !loss.by_distance && !loss.markov && section.has("mean_burst"))
     loss.mean_burst = section.number("mean_burst", kPositive);
-  if (!loss.trace && loss.mean_burst && section.problems() == before) check_burst(section, loss);
+  if (!loss.trace && !loss.markov && loss.mean_burst && section.problems() == before) check_burst(section, loss);
   if (section.has("on_loss")) loss.predictor = read_predictor(section, signal);
   section.reject_unknown_keys();
   if (section.problems() > before) return LossModel();
@@ -171,6 +198,16 @@ nlohmann::json to_json(const LossModel& loss) {
   }
   if (loss.by_distance) {
     document["by_distance"] = loss.by_distance->points();
+    return document;
+  }
+  if (loss.markov) {
+    const Eigen::MatrixXd& p = loss.markov->given();
+    std::vector<std::vector<double>> rows(static_cast<std::size_t>(p.rows()));
+    for (Eigen::Index i = 0; i < p.rows(); ++i) {
+      for (Eigen::Index j = 0; j < p.cols(); ++j) rows[static_cast<std::size_t>(i)].push_back(p(i, j));
+    }
+    const Eigen::VectorXd& l = loss.markov->probability();
+    document["markov"] = {{"transition", rows}, {"probability", std::vector<double>(l.data(), l.data() + l.size())}};
     return document;
   }
   document["probability"] = loss.probability;

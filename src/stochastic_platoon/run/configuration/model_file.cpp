@@ -108,7 +108,7 @@ Inherited inherited_by(Section& type, const VehicleModel& base) {
   Section channel = type.section("channel");
   if (!channel.has("loss")) return inherited;
   Section loss = channel.section("loss");
-  const bool has_own = loss.has("trace") || loss.has("runs") || loss.has("by_distance");
+  const bool has_own = loss.has("trace") || loss.has("runs") || loss.has("by_distance") || loss.has("markov");
   inherited.loss_probability = !has_own && !loss.has("probability");
   inherited.mean_burst = !has_own && !loss.has("mean_burst");
   return inherited;
@@ -212,13 +212,12 @@ nlohmann::json to_json(const VehicleModel& vehicle) {
   return document;
 }
 
-// A type inherits omitted keys, so all link keys that may differ are written.
-nlohmann::json full_link(const LinkModel& link, const LinkModel& base) {
+// A type inherits omitted keys, so all link keys that may differ are written. Only `inputs` can take away a loss.
+nlohmann::json full_link(const LinkModel& link) {
   nlohmann::json document = to_json(link);
   document["noise_filter"] = to_json(link.noise_filter);
   document["quantisation_step"] = link.quantisation_step;
   document["delay"] = link.delay;
-  if (!link.loss && base.loss) throw std::logic_error("a type cannot take away a loss");
   return document;
 }
 
@@ -243,14 +242,15 @@ nlohmann::json to_json(const PlatoonModel& model) {
   for (std::size_t i = 1; i < model.types.size(); ++i) {
     const VehicleType& type = model.types[i];
     nlohmann::json& written = document["vehicle_types"][type.name] = to_json(type.vehicle);
-    written["channel"] = full_link(type.vehicle.link, base);
+    written["channel"] = full_link(type.vehicle.link);
     if (type.vehicle.length != model.default_vehicle().length) written["vehicle_length"] = type.vehicle.length;
     // Inherited values stay inherited in every copy of the model.
     if (type.inherited.headway) written.erase("time_headway");
     if (type.inherited.plant) written.erase("plant");
     if (type.inherited.controller) written.erase("controller");
     if (type.inherited.plant && type.inherited.controller) written.erase("closed_loop");
-    if (!(type.vehicle.feed_forward == model.default_vehicle().feed_forward)) {
+    if (!(type.vehicle.feed_forward == model.default_vehicle().feed_forward) ||
+        (base.loss && !type.vehicle.link.loss)) {
       written["inputs"] = inputs_json(type.vehicle);
       continue;
     }

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 #include <cmath>
-#include <cstdlib>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/io/printable.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 
 namespace platoon {
 
@@ -32,8 +33,12 @@ std::vector<std::string> cells_of(const std::string& line, char separator) {
 }  // namespace
 
 NumberTable::NumberTable(const std::string& file, std::int64_t skip_rows, std::vector<std::string> columns)
-    : file_(file), columns_(std::move(columns)), stream_(file) {
-  if (!stream_) fail("must be a file that can be read");
+    : file_(file), columns_(std::move(columns)) {
+  try {
+    text_ = read_file(file, kMostGivenBytes);
+  } catch (const UnreadableFile& error) {
+    throw std::invalid_argument(printable(error.what()));
+  }
   for (std::int64_t skipped = 0; skipped < skip_rows; ++skipped) next_line();
   if (!next_line()) fail("holds no row of column names");
   for (const char separator : {'\t', ';', ','}) {
@@ -42,11 +47,16 @@ NumberTable::NumberTable(const std::string& file, std::int64_t skip_rows, std::v
     break;
   }
   const std::vector<std::string> names = cells_of(line_, separator_);
+  width_ = names.size();
   for (const std::string& column : columns_) {
     const auto found = std::find(names.begin(), names.end(), column);
     if (found == names.end())
       fail("no column " + printable(column) + ": must be one of " +
            printable(shortened(boost::algorithm::join(names, ", "))));
+    const auto again = std::find(found + 1, names.end(), column);
+    if (again != names.end())
+      fail_row(formatted("columns %td and %td are ", found - names.begin() + 1, again - names.begin() + 1) +
+               printable(column) + ": must be one");
     places_.push_back(static_cast<std::size_t>(found - names.begin()));
   }
 }
@@ -55,33 +65,30 @@ bool NumberTable::next() {
   do {
     if (!next_line()) return false;
   } while (line_.find_first_not_of(" \t\r\"") == std::string::npos);
+  cells_ = cells_of(line_, separator_);
+  while (cells_.size() > width_ && cells_.back().empty()) cells_.pop_back();  // behind a trailing separator
+  if (cells_.size() > width_)
+    fail_row(formatted("%zu cells: must be at most %zu, the number of columns", cells_.size(), width_));
   return true;
 }
 
 bool NumberTable::next_line() {
   ++row_;
-  return static_cast<bool>(std::getline(stream_, line_));
-}
-
-// Empty behind the last cell of the row.
-std::string NumberTable::cell(std::size_t place) const {
-  std::size_t begin = 0;
-  for (; place > 0; --place) {
-    begin = line_.find(separator_, begin);
-    if (begin == std::string::npos) return "";
-    ++begin;
-  }
-  return trimmed(line_.substr(begin, line_.find(separator_, begin) - begin));
+  if (at_ == text_.size()) return false;
+  const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+  line_ = text_.substr(at_, end - at_);
+  at_ = std::min(end + 1, text_.size());
+  return true;
 }
 
 double NumberTable::number(std::size_t j, double most) const {
-  const std::string text = cell(places_.at(j));
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !(std::abs(value) <= most))
+  const std::size_t place = places_.at(j);
+  const std::string text = place < cells_.size() ? cells_[place] : "";
+  const std::optional<double> value = number_in(text);
+  if (!value || !(std::abs(*value) <= most))
     fail_row(printable(columns_[j]) + ": " + (text.empty() ? "(empty)" : printable(shortened(text))) +
              ": must be a finite number");
-  return value;
+  return *value;
 }
 
 void NumberTable::fail(const std::string& reason) const {

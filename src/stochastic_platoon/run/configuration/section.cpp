@@ -14,7 +14,7 @@ namespace platoon {
 
 namespace {
 
-constexpr char kUtf8[] = "UTF-8";
+constexpr char kUtf8[] = "UTF-8 without a zero byte";
 
 std::string whole_text(const YAML::Node& node) {
   if (!node || node.IsNull()) return "(nothing)";
@@ -73,14 +73,29 @@ std::optional<Eigen::VectorXd> parsed_numbers(const YAML::Node& node) {
   return values;
 }
 
-// Texts become part of JSON, which must be UTF-8.
-bool is_utf8(const std::string& text) {
+// Texts become part of JSON, which must be UTF-8, and of names of files.
+bool is_text(const std::string& text) {
+  if (text.find('\0') != std::string::npos) return false;  // the system ends names there
   try {
     nlohmann::json(text).dump();
     return true;
   } catch (const nlohmann::json::type_error&) {
     return false;
   }
+}
+
+bool is_digits(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+constexpr char kDecimalPoint[] = ", with a decimal point in place of the comma",
+               kWholeWithPoint[] = "one number, with a decimal point in place of the comma";
+
+bool has_decimal_comma(const YAML::Node& node) {
+  std::string text = node.IsScalar() ? node.Scalar() : "";
+  const std::size_t comma = text.find(',');
+  if (comma != std::string::npos) text[comma] = '.';
+  return comma != std::string::npos && number_in(text);
 }
 
 std::string at_most(double most) {
@@ -127,7 +142,7 @@ double Section::number(const std::string& key, const Allowed& allowed) {
   if (node.IsNull()) return 1.0;
   const std::optional<double> value = parsed_number(node);
   if (!value || *value < allowed.least || *value >= allowed.below) {
-    reject(key, shown(node), allowed.text);
+    reject(key, shown(node), allowed.text + (has_decimal_comma(node) ? kDecimalPoint : ""));
     return 1.0;
   }
   if (std::abs(*value) > allowed.most) {
@@ -165,7 +180,7 @@ std::string Section::text(const std::string& key) {
     reject(key, shown(node), "a text");
     return "";
   }
-  if (!is_utf8(node.Scalar())) reject(key, shown(node), kUtf8);
+  if (!is_text(node.Scalar())) reject(key, shown(node), kUtf8);
   return node.Scalar();
 }
 
@@ -233,7 +248,7 @@ std::vector<std::string> Section::texts(const std::string& key) {
       break;
     }
     values.push_back(node[i].Scalar());
-    if (is_utf8(values.back())) continue;
+    if (is_text(values.back())) continue;
     reject(key, shown(node), kUtf8);
     return {};
   }
@@ -246,7 +261,7 @@ std::vector<std::string> Section::keys() {
   if (!node_.IsMap()) return found;
   for (const auto& entry : node_) {
     if (!entry.first.IsScalar()) continue;
-    if (!is_utf8(entry.first.Scalar())) {
+    if (!is_text(entry.first.Scalar())) {
       known_.insert(entry.first.Scalar());
       problems_.push_back(name(shown(entry.first)) + ": must be " + kUtf8);
     } else if (known_.insert(entry.first.Scalar()).second) {
@@ -281,8 +296,18 @@ void Section::reject_unknown_keys() {
   if (!node_.IsMap()) return;
   const std::string allowed = boost::algorithm::join(known_, ", ");
   std::set<std::string> seen;
-  for (const auto& entry : node_) {
+  YAML::const_iterator before = node_.end();
+  for (auto at = node_.begin(); at != node_.end(); before = at++) {
+    const auto& entry = *at;
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
+    // In {kp: 0,2} the comma begins the key 2.
+    if (known_.count(key) == 0 && is_digits(key) && entry.second.IsNull() && before != node_.end()) {
+      const YAML::Node& number = before->second;
+      if (number.IsScalar() && is_digits(number.Scalar())) {
+        reject(shown(before->first), number.Scalar() + "," + key, kWholeWithPoint);
+        continue;
+      }
+    }
     if (known_.count(key) == 0) problems_.push_back(name(shown(entry.first)) + ": unknown key: allowed are " + allowed);
     if (!seen.insert(key).second) problems_.push_back(name(key) + ": given twice: must be given once");
   }

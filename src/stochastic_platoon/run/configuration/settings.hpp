@@ -6,8 +6,8 @@
 
 namespace platoon {
 
-/// One argument of platoon.launch, and an option of the tools that take it. The only definition of its name, default
-/// and meaning.
+/// One argument of platoon.launch, and an option of the tools that take it: its name, default and meaning.
+/// platoon.launch repeats them, because roslaunch cannot read them from here; settings_test compares both.
 struct Setting {
   const char* name;           ///< "noise_variance"; as an option --noise-variance
   const char* default_value;  ///< as text

@@ -8,9 +8,12 @@ namespace platoon {
 /// folder.
 std::string package_folder();
 
-/// The path of the shipped file `name` in `folder` ("config") of the package; `name` itself if it names a folder, if
-/// the working folder has such a file, or if the package has none.
-std::string shipped_file(const std::string& name, const std::string& folder);
+/// The file that a person means by `name`, relative to the folder `beside` (empty: the working folder). A name without
+/// a folder means the shipped file in `folder` ("config") of the package if there is one, and none of this name beside.
+std::string shipped_file(const std::string& name, const std::string& folder, const std::string& beside = "");
+
+/// The names of the shipped models ("config") or drives ("config/leaders"): "acc.yaml, cacc.yaml".
+std::string shipped_names(const std::string& folder);
 
 /// The paper's example.
 std::string paper_model_file();

@@ -1,7 +1,6 @@
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
 
 #include <sstream>
-#include <system_error>
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
@@ -9,8 +8,6 @@
 namespace platoon {
 
 namespace {
-
-constexpr std::size_t kMostBytes = 256000000;
 
 // Looks for separator lines, as yaml-cpp's own LoadAll does not terminate on some files.
 bool holds_several_documents(const std::string& text) {
@@ -30,14 +27,13 @@ bool holds_several_documents(const std::string& text) {
 YAML::Node load_yaml(const std::string& file, const std::string& what) {
   try {
     // yaml-cpp's own LoadFile leaks memory if reading fails midway, and never returns for an endless file.
-    const std::string text = read_file(file, kMostBytes);
+    const std::string text = read_file(file, kMostGivenBytes);
     const YAML::Node document = YAML::Load(text);
     if (holds_several_documents(text))
       throw ConfigurationError({what + ": " + file + ": several documents: must be one"});
     return document;
-  } catch (const std::system_error& error) {
-    throw ConfigurationError(
-        {what + ": " + file + ": must be a file of at most 256 MB that can be read (" + error.code().message() + ")"});
+  } catch (const UnreadableFile& error) {
+    throw ConfigurationError({what + ": " + error.what()});
   } catch (const YAML::Exception& error) {
     throw ConfigurationError({what + ": " + file + ": must be YAML: " + error.what()});
   }

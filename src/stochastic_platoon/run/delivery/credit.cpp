@@ -9,6 +9,8 @@ namespace platoon {
 namespace {
 constexpr double kGrowth = 1.5;
 constexpr double kLongestStart = 3.0;  // [s] limit of the growing first-step timeout, without a stall_timeout
+constexpr double kNoticePause = 0.1;   // [s] between repetitions by notices, at least
+constexpr double kQuietPauses = 10.0;  // without a notice until the pause is the shortest again
 
 }  // namespace
 
@@ -16,7 +18,8 @@ Credit::Credit(const BatchSchedule& schedule, const CreditLimits& limits, const 
     : schedule_(schedule),
       limits_(limits),
       first_step_patience_(limits.first_step_timeout),
-      patience_(limits.stall_timeout) {
+      patience_(limits.stall_timeout),
+      notice_pause_(kNoticePause) {
   for (const std::string& name : receivers) receivers_[name] = Receiver{};
 }
 
@@ -63,6 +66,7 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
     last_activity_ = now;
     first_step_patience_ = limits_.first_step_timeout;
     if (through_a_batch || now - attempt_began_ > patience_) patience_ = limits_.stall_timeout;
+    if (through_a_batch) notice_pause_ = kNoticePause;
   }
   return true;
 }
@@ -110,8 +114,17 @@ std::optional<MessageId> Credit::next(double now) {
   return id;
 }
 
-void Credit::give_up(std::uint32_t attempt, double now) {
-  if (attempt == attempt_ && attempt_ > 0 && acknowledged() > 0 && !complete() && may_begin()) begin_attempt(now);
+bool Credit::may_give_up(std::uint32_t attempt, double now) const {
+  return attempt == attempt_ && attempt_ > 0 && acknowledged() > 0 && !complete() && may_begin() && now >= next_notice_;
+}
+
+bool Credit::give_up(std::uint32_t attempt, double now) {
+  if (!may_give_up(attempt, now)) return false;
+  if (schedule_.endless() && now - next_notice_ > kQuietPauses * notice_pause_) notice_pause_ = kNoticePause;
+  next_notice_ = now + notice_pause_;
+  notice_pause_ *= kGrowth;
+  begin_attempt(now);
+  return true;
 }
 
 bool Credit::retry_if_stalled(double now) {

@@ -42,9 +42,14 @@ public:
   /// Begins a new attempt if the present one has stalled; true if it did.
   bool retry_if_stalled(double now);
 
-  /// Begins a new attempt at once if `attempt`, in which a vehicle has lost messages, is the present one and steps have
-  /// flowed in it. While nodes start, the timeout decides.
-  void give_up(std::uint32_t attempt, double now);
+  /// Whether a vehicle that has lost messages of `attempt` may have it repeated now: the attempt is the present one,
+  /// steps have flowed in it (while nodes start, the timeout decides), and the pause since the latest repetition of
+  /// this kind has passed: 0.1 s, and 1.5 times longer with each one until a batch completes, in an endless run until
+  /// ten pauses have passed. A flood of notices thus delays a batch but cannot prevent it.
+  bool may_give_up(std::uint32_t attempt, double now) const;
+
+  /// Begins a new attempt at once if may_give_up(); true if it did.
+  bool give_up(std::uint32_t attempt, double now);
 
   /// True if every receiver has every realization.
   bool complete() const;
@@ -78,6 +83,8 @@ private:
   double last_activity_ = 0.0;  ///< [s]
   double first_step_patience_;  ///< [s] grows while attempts get no acknowledgement
   double patience_;             ///< [s] grows while attempts stall before their first batch completes
+  double next_notice_ = 0.0;    ///< [s] earliest time of the next repetition by give_up()
+  double notice_pause_;         ///< [s] grows with these repetitions as patience_ does
 };
 
 }  // namespace platoon

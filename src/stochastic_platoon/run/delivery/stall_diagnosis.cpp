@@ -43,12 +43,14 @@ StallDiagnosis diagnose_stall(const std::vector<std::optional<MessageId>>& lates
         publishes_ahead(i, followers, pipeline_depth) && !std::binary_search(external.begin(), external.end(), i);
     if (latest[i - 1] && is_behind(latest[i], reachable(*latest[i - 1], ahead, schedule))) stuck.push_back(i);
   }
-  if (stuck.empty()) return {0, silence_of(0, "vehicle_0 (leader)")};
+  if (stuck.empty()) return {StallCause::silent_vehicle, 0, silence_of(0, "vehicle_0 (leader)")};
   const std::string first = silence_of(stuck.front(), vehicle_name(stuck.front()));
-  if (stuck.size() == 1) return {stuck.front(), first + (latest.size() == 2 ? ": it or the channel is down" : "")};
-  if (stuck.size() + 1 == latest.size())
-    return {std::nullopt, "channel has passed nothing on: all followers wait, " + first};
-  return {stuck.front(), first + "; the same holds for " + std::to_string(stuck.size() - 1) + " more"};
+  if (stuck.size() > 1 && stuck.size() == followers)
+    return {StallCause::silent_channel, std::nullopt, "channel has passed nothing on: all followers wait, " + first};
+  const std::string others =
+      stuck.size() > 1 ? "; the same holds for " + std::to_string(stuck.size() - 1) + " more" : std::string();
+  return {StallCause::silent_vehicle, stuck.front(),
+          first + (followers == 1 ? ": it or the channel is down" : "") + others};
 }
 
 }  // namespace platoon

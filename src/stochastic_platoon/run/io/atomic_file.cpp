@@ -1,13 +1,13 @@
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <stdexcept>
 #include <system_error>
 
 namespace platoon {
@@ -15,10 +15,25 @@ namespace platoon {
 namespace {
 
 [[noreturn]] void fail(const std::string& file) {
-  throw std::runtime_error(file + ": cannot be written: " + std::generic_category().message(errno));
+  throw std::system_error(errno, std::generic_category(), file + ": cannot be written");
 }
 
-// Throws std::runtime_error if the file cannot be opened or written; closes it at the end.
+// The folder of a file, by its absolute name if the working folder still exists.
+std::string folder_of(const std::string& file) {
+  std::error_code ignored;
+  const std::filesystem::path absolute = std::filesystem::absolute(file, ignored);
+  return (absolute.empty() ? std::filesystem::path("./" + file) : absolute).parent_path().string();
+}
+
+// A rename would put a file in the place of a device or of a link to one.
+void require_replaceable(const std::string& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0 || S_ISREG(status.st_mode)) return;
+  throw std::system_error(S_ISDIR(status.st_mode) ? EISDIR : EEXIST, std::generic_category(),
+                          file + ": must be a new file or a regular one");
+}
+
+// Throws std::system_error if the file cannot be opened or written; closes it at the end.
 class OpenFile {
 public:
   OpenFile(const std::string& file, int flags)
@@ -47,14 +62,16 @@ private:
 
 void rename_and_sync(const std::string& file, const std::string& name) {
   if (std::rename(file.c_str(), name.c_str()) != 0) fail(name);
-  const OpenFile folder(std::filesystem::absolute(name).parent_path().string(), O_RDONLY | O_DIRECTORY);
+  const OpenFile folder(folder_of(name), O_RDONLY | O_DIRECTORY);
   folder.sync();  // some file systems do not sync folders; the rename is valid regardless
 }
 
 }  // namespace
 
 void write_atomically(const std::string& file, const std::string& content) {
+  require_replaceable(file);
   const std::string beside = file + ".part";
+  require_replaceable(beside);
   const OpenFile written(beside, O_WRONLY | O_CREAT | O_TRUNC);
   try {
     written.write(content);
@@ -74,9 +91,9 @@ void sync_and_rename(const std::string& file, const std::string& name) {
 void require_writable_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(folder + ": cannot be made: " + error.message());
+  if (error) throw std::system_error(error, folder + ": cannot be made");
   const std::string probe = folder + "/.writable";
-  const int descriptor = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  const int descriptor = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_NONBLOCK | O_CLOEXEC, 0666);
   if (descriptor < 0) fail(folder);
   ::close(descriptor);
   ::unlink(probe.c_str());
@@ -88,7 +105,7 @@ void ignore_file_size_signal() {
 
 std::string free_space(const std::string& file) {
   std::error_code error;
-  const std::string folder = std::filesystem::absolute(file).parent_path().string();
+  const std::string folder = folder_of(file);
   const std::uintmax_t bytes = std::filesystem::space(folder, error).available;
   if (error) return "the free space of " + folder + " is unknown";
   return std::to_string(bytes / 1000000) + " MB are free there";

@@ -5,14 +5,14 @@
 namespace platoon {
 
 /// Writes content to a file atomically: at any moment, even after a power failure, the file has either the old or the
-/// new content. Writes a file beside it, syncs it and renames it. Throws std::runtime_error with the file and the
-/// system's reason.
+/// new content. Writes a file beside it, syncs it and renames it. Throws std::system_error with the file and the
+/// system's reason, also if the file exists and is no regular one: a rename would replace a device.
 void write_atomically(const std::string& file, const std::string& content);
 
 /// Gives a finished file its final name: syncs it, renames it, syncs its folder. Throws as above.
 void sync_and_rename(const std::string& file, const std::string& name);
 
-/// Creates the folder and its parents if necessary and tests that it is writable. Throws std::runtime_error as above.
+/// Creates the folder and its parents if necessary and tests that it is writable. Throws std::system_error as above.
 void require_writable_folder(const std::string& folder);
 
 /// Makes a file size limit (ulimit -f) a write error instead of a signal that ends the program.

@@ -1,19 +1,23 @@
 #include "stochastic_platoon/run/io/csv_table.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <deque>
 #include <limits>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
+
 namespace platoon {
 
 namespace {
 
-/// The cells of one row; each ends before a character that is no part of a number.
+/// The cells of one row.
 using Row = std::vector<std::string_view>;
 
 /// Reads a text row by row.
@@ -24,6 +28,7 @@ public:
   // Reads the next row, valid until the one after it; false at the end. Throws unless it has `width` cells, if that is
   // not 0.
   bool next(Row& row, std::size_t width) {
+    check_interruption();
     row.clear();
     quoted_.clear();
     if (at_ == text_.size()) return false;
@@ -67,11 +72,9 @@ private:
 
 // The number in a cell, NaN for an empty one; false for any other text.
 bool read_number(std::string_view cell, double& value) {
-  value = std::numeric_limits<double>::quiet_NaN();
-  if (cell.empty()) return true;
-  char* end = nullptr;
-  value = std::strtod(cell.data(), &end);
-  return end == cell.data() + cell.size();
+  const std::optional<double> number = cell.empty() ? std::numeric_limits<double>::quiet_NaN() : number_in(cell);
+  if (number) value = *number;
+  return number.has_value();
 }
 
 }  // namespace
@@ -83,8 +86,12 @@ CsvTable parse_csv(const std::string& text, const std::string& name) {
   if (!rows.next(row, 0)) throw std::invalid_argument(name + ": is empty");
   table.names.assign(row.begin(), row.end());
   const std::size_t width = table.names.size();
-  if (std::set<std::string>(table.names.begin(), table.names.end()).size() < width)
-    throw std::invalid_argument(name + ": has two columns of the same name");
+  std::set<std::string> seen;
+  for (std::size_t j = 0; j < width; ++j) {
+    if (!seen.insert(table.names[j]).second)
+      throw std::invalid_argument(name + ": line 1, column " + std::to_string(j + 1) + ": " +
+                                  printable(shortened(table.names[j])) + ": must be another name than those before");
+  }
 
   std::vector<std::vector<double>> numbers(width);
   std::vector<bool> are_numbers(width, true);

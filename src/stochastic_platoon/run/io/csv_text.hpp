@@ -4,6 +4,7 @@
 #include <string>
 #include <type_traits>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
@@ -28,7 +29,10 @@ public:
     ((text_ += (exist ? text_of(cells) : "") + ","), ...);
   }
 
-  void end_row() { text_.back() = '\n'; }
+  void end_row() {
+    check_interruption();
+    text_.back() = '\n';
+  }
 
   const std::string& text() const { return text_; }
 

@@ -28,12 +28,9 @@ std::string age_report(const PlatoonModel& model) {
     return false;
   });
   if (!oldest) return "";
-  double rest = oldest->probability;
-  std::size_t age = 0;
-  for (; rest > 1e-6 && age < 1000000; ++age) rest *= oldest->after_loss();
   return formatted(
-      "Age of information: %.6g steps since the last arrival on average, at most %zu in all but 1e-6 of the steps\n",
-      mean_age(*oldest), age);
+      "Age of information: %.6g steps since the last arrival on average, at most %.0f in all but 1e-6 of the steps\n",
+      mean_age(*oldest), age_exceeded_with(*oldest, 1e-6));
 }
 
 nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers) {

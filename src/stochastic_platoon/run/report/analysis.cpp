@@ -7,6 +7,7 @@
 #include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
 #include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/contradictions.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/run/report/age_analysis.hpp"
@@ -52,6 +53,8 @@ std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
 }
 
 std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
+  const std::optional<LossModel>& own_loss = varied_link(model.default_vehicle()).loss;
+  if (own_loss && own_loss->markov) return "Critical loss probability: none, as a chain of states loses\n";
   if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
   const std::optional<double> critical = analysis.losses->critical;
   const VehicleModel& own = model.default_vehicle();
@@ -112,6 +115,8 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if (has_feed_forward(model)) analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
   begins("mean and variance of every step");
   analysis.moments = error_moments(model, followers, steps);
+  analysis.contradictions =
+      contradictions(model, {analysis.stability, analysis.stationary_variance, analysis.moments.variance, steps});
   analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
   begins("bounds");
   if (is_papers(model)) {
@@ -165,6 +170,7 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
     text += formatted("Stationary mean: up to %.6g m, of follower %zu, caused by delay and loss at constant speed\n",
                       *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
   }
+  for (const std::string& contradiction : analysis.contradictions) text += contradiction_line(contradiction);
   text += report(configuration, analysis.signals);
   text += formatted(
       "Largest norms over %zu followers and %lld steps k (%s): ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
@@ -207,7 +213,6 @@ nlohmann::json pairs(const std::vector<StableInterval>& intervals) {
 
 nlohmann::json theory_to_json(const Configuration& configuration, const Analysis& analysis) {
   const PlatoonModel& model = configuration.model;
-  const StringStability& stability = analysis.stability;
   const VehicleModel& own = model.default_vehicle();
   const auto steps = static_cast<std::size_t>(configuration.run.steps);
   nlohmann::json headways, losses;
@@ -233,34 +238,30 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
               {"beta_2", number(analysis.bounds->beta_2)},
               {"stated_beta_2", number(analysis.bounds->stated_beta_2)}};
   }
-  return {{"sample_period", model.sample_period},
-          {"transfer",
-           {{"numerator", coefficients(own.loop.transfer.numerator())},
-            {"denominator", coefficients(own.loop.transfer.denominator())}}},
-          {"spectral_radius", stability.spectral_radius},
-          {"integral_defect", number(analysis.integral_defect)},
-          {"peak_gain", number(stability.peak_gain)},
-          {"peak_frequency", number(stability.peak_frequency)},
-          {"mean_square_stable", stability.mean_square_stable},
-          {"string_stable", truth(stability.decision())},
-          {"reason", stability.reason},
-          {"critical_headway", number(critical)},
-          {"critical_headway_seconds", critical ? nlohmann::json(*critical * model.sample_period) : nlohmann::json()},
-          {"stable_headways", headways},
-          {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
-          {"loss_gain", number(stability.loss_gain)},
-          {"critical_mean_burst", number(analysis.bursts ? analysis.bursts->critical : std::nullopt)},
-          {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
-          {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
-          {"stable_loss_probabilities", losses},
-          {"stationary_mean", numbers(analysis.stationary_mean)},
-          {"stationary_variance", numbers(analysis.stationary_variance)},
-          {"stationary_variance_by_input", by_input},
-          {"limit_variance", number(stability.limit_variance)},
-          {"mean", rows(analysis.moments.mean, steps)},
-          {"variance", rows(analysis.moments.variance, steps)},
-          {"norms", norms},
-          {"bounds", bounds}};
+  nlohmann::json document = to_json(analysis.stability);
+  document.update(
+      {{"sample_period", model.sample_period},
+       {"transfer",
+        {{"numerator", coefficients(own.loop.transfer.numerator())},
+         {"denominator", coefficients(own.loop.transfer.denominator())}}},
+       {"integral_defect", number(analysis.integral_defect)},
+       {"critical_headway", number(critical)},
+       {"critical_headway_seconds", critical ? nlohmann::json(*critical * model.sample_period) : nlohmann::json()},
+       {"stable_headways", headways},
+       {"critical_headway_types", analysis.headways ? nlohmann::json(analysis.headways->types) : nlohmann::json()},
+       {"critical_mean_burst", number(analysis.bursts ? analysis.bursts->critical : std::nullopt)},
+       {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
+       {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
+       {"stable_loss_probabilities", losses},
+       {"stationary_mean", numbers(analysis.stationary_mean)},
+       {"stationary_variance", numbers(analysis.stationary_variance)},
+       {"stationary_variance_by_input", by_input},
+       {"contradictions", analysis.contradictions},
+       {"mean", rows(analysis.moments.mean, steps)},
+       {"variance", rows(analysis.moments.variance, steps)},
+       {"norms", norms},
+       {"bounds", bounds}});
+  return document;
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ struct Analysis {
   std::optional<TheoremTwoBounds> bounds;  ///< none for an unstable loop, or for a platoon other than the paper's
   double rounding = 0.0;                   ///< [m] error of the vehicles' arithmetic in a position of 1 m
   double integral_defect = 0.0;  ///< deviation from T(1) = 1 and dT/dz(1) = -h: limits the accuracy of verdicts
-  SignalAnalysis signals = {};   ///< of the signals requested
+  std::vector<std::string> contradictions = {};  ///< see contradictions()
+  SignalAnalysis signals = {};                   ///< of the signals requested
 };
 
 /// The analysis of a configuration's platoon over its steps. Throws ConfigurationError for an endless run, for a

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+
 namespace platoon {
 
 /// The number, or null if there is none or it is not finite.
@@ -24,6 +26,7 @@ inline nlohmann::json numbers(const std::vector<double>& values) {
 inline nlohmann::json rows(const std::vector<double>& values, std::size_t length) {
   nlohmann::json list = nlohmann::json::array();
   for (auto row = values.begin(); row != values.end(); row += static_cast<std::ptrdiff_t>(length)) {
+    check_interruption();
     list.push_back(numbers({row, row + static_cast<std::ptrdiff_t>(length)}));
   }
   return list;

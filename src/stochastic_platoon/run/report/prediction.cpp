@@ -10,10 +10,12 @@
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/collision_risk.hpp"
+#include "stochastic_platoon/math/string/contradictions.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/run/report/json_value.hpp"
 
 namespace platoon {
 
@@ -82,6 +84,17 @@ void add_signals(const Configuration& configuration, Prediction& prediction) {
 
 }  // namespace
 
+nlohmann::json to_json(const StringStability& stability) {
+  return {{"spectral_radius", number(stability.spectral_radius)}, {"peak_gain", number(stability.peak_gain)},
+          {"peak_frequency", number(stability.peak_frequency)},   {"mean_square_stable", stability.mean_square_stable},
+          {"string_stable", truth(stability.decision())},         {"loss_gain", number(stability.loss_gain)},
+          {"limit_variance", number(stability.limit_variance)},   {"reason", stability.reason}};
+}
+
+std::string contradiction_line(const std::string& contradiction) {
+  return "ERROR: figures of the theory contradict each other: " + contradiction + "; do not use either\n";
+}
+
 Prediction predict(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   if (const auto reason = reason_without_theory(configuration.model)) return no_prediction(configuration, *reason);
@@ -113,6 +126,10 @@ Prediction predict(const Configuration& configuration) {
     prediction.variance.swap(moments.variance);
     add_signals(configuration, prediction);
   }
+  prediction.contradictions = contradictions(
+      configuration.model,
+      {prediction.stability, prediction.stationary_variance,
+       run.averaging() == Averaging::over_time ? std::vector<double>() : prediction.variance, run.steps});
   prediction.followers_with_theory = run.followers_before_external();
   if (!run.external.empty()) void_behind(run, prediction);
   return prediction;

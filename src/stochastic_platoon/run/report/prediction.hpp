@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,11 +38,18 @@ struct Prediction {
   /// The moments of each requested signal, one cell per follower and step; empty over time, and for errors that are not
   /// normal.
   std::vector<SignalMoments> signals = {};
-  std::vector<double> collision_bound = {};  ///< see collision_bounds(), one per follower; empty without the gap
+  std::vector<double> collision_bound = {};      ///< see collision_bounds(), one per follower; empty without the gap
+  std::vector<std::string> contradictions = {};  ///< see contradictions()
   std::string warning = {};  ///< the reason why a run with a theory is not compared with it; empty: none
 
   bool has_theory() const { return followers_with_theory > 0; }
 };
+
+/// A verdict with its figures, the same in all files: null where there is none, `string_stable` if it is undecided.
+nlohmann::json to_json(const StringStability& stability);
+
+/// The line of a report for figures that must agree and do not.
+std::string contradiction_line(const std::string& contradiction);
 
 Prediction predict(const Configuration& configuration);
 

@@ -50,6 +50,9 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
   }
   if (const auto reason = reason_without_theory(model))
     throw std::invalid_argument("mean_burst: no stability map without a theory: " + *reason);
+  const std::optional<LossModel>& own_loss = varied_link(model.default_vehicle()).loss;
+  if (own_loss && own_loss->markov && !(axes.losses.empty() && axes.bursts.empty()))
+    throw std::invalid_argument("markov: given: must be absent for a stability map over losses or mean bursts");
   const auto or_own = [](const std::vector<double>& values, double own) {
     return values.empty() ? std::vector<double>{own} : values;
   };
@@ -80,15 +83,12 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
 nlohmann::json to_json(const std::vector<MapPoint>& points) {
   nlohmann::json list = nlohmann::json::array();
   for (const MapPoint& point : points) {
-    list.push_back({{"headway", point.headway},
-                    {"gain", number(point.gain)},
-                    {"loss", number(point.loss)},
-                    {"mean_burst", number(point.burst)},
-                    {"loss_gain", number(point.stability.loss_gain)},
-                    {"spectral_radius", number(point.stability.spectral_radius)},
-                    {"peak_gain", number(point.stability.peak_gain)},
-                    {"string_stable", truth(point.stability.decision())},
-                    {"limit_variance", number(point.stability.limit_variance)}});
+    nlohmann::json document = to_json(point.stability);
+    document.update({{"headway", point.headway},
+                     {"gain", number(point.gain)},
+                     {"loss", number(point.loss)},
+                     {"mean_burst", number(point.burst)}});
+    list.push_back(std::move(document));
   }
   return list;
 }

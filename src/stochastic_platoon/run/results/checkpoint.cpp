@@ -144,9 +144,8 @@ std::string identity_differences(const nlohmann::json& there, const nlohmann::js
 }
 
 void require_no_results(const std::string& output) {
-  const auto holds = [](const std::string& file) { return std::filesystem::exists(file); };
-  const bool statistics = holds(output + "/statistics.csv") && !holds(unfinished_summary_file(output));
-  if (!statistics && !holds(output + "/summary.json")) return;
+  const bool statistics = may_exist(output + "/statistics.csv") && !may_exist(unfinished_summary_file(output));
+  if (!statistics && !may_exist(output + "/summary.json")) return;
   throw ConfigurationError(
       {"output: " + output +
        ": holds results already, which are never overwritten, and no checkpoint to continue from: must be another folder"});
@@ -182,7 +181,7 @@ void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
   const std::string content(bytes.begin(), bytes.end());
   const std::string file = checkpoint_file(output);
   // Between the rename and the write there is no latest file; the previous one is then read.
-  if (std::filesystem::exists(file)) std::filesystem::rename(file, previous_checkpoint_file(output));
+  if (may_exist(file)) std::filesystem::rename(file, previous_checkpoint_file(output));
   write_atomically(file, descriptor_of(content) + content);
 }
 
@@ -190,7 +189,7 @@ namespace {
 
 // Throws std::runtime_error with the file and the problem.
 Checkpoint checkpoint_in(const std::string& file) {
-  const std::string bytes = read_file(file);
+  const std::string bytes = read_file(file, kMostWrittenBytes);
   const std::string any_heading = descriptor_of("");
   try {
     if (bytes.compare(0, sizeof kFormat - 1, kFormat) != 0)
@@ -210,15 +209,15 @@ Checkpoint checkpoint_in(const std::string& file) {
 std::optional<Checkpoint> read_checkpoint(const std::string& output) {
   const std::string latest = checkpoint_file(output), previous = previous_checkpoint_file(output);
   std::string damage;
-  if (std::filesystem::exists(latest)) {
+  if (may_exist(latest)) {
     try {
       return checkpoint_in(latest);
     } catch (const std::runtime_error& error) {
-      if (!std::filesystem::exists(previous)) throw;
+      if (!may_exist(previous)) throw;
       damage = error.what();
     }
   }
-  if (!std::filesystem::exists(previous)) return std::nullopt;
+  if (!may_exist(previous)) return std::nullopt;
   Checkpoint checkpoint = checkpoint_in(previous);
   checkpoint.damage = damage;
   return checkpoint;

@@ -1,11 +1,13 @@
 #include "stochastic_platoon/run/results/result_files.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
@@ -21,13 +23,8 @@ namespace platoon {
 namespace {
 
 nlohmann::json theory_json(const Prediction& prediction) {
-  const StringStability& stability = prediction.stability;
-  nlohmann::json theory = {{"spectral_radius", number(stability.spectral_radius)},
-                           {"peak_gain", number(stability.peak_gain)},
-                           {"mean_square_stable", stability.mean_square_stable},
-                           {"string_stable", truth(stability.decision())},
-                           {"stationary_variance", numbers(prediction.stationary_variance)},
-                           {"limit_variance", number(stability.limit_variance)}};
+  nlohmann::json theory = to_json(prediction.stability);
+  theory["stationary_variance"] = numbers(prediction.stationary_variance);
   if (prediction.has_theory()) return theory;
   for (nlohmann::json& value : theory) value = nullptr;
   return theory;
@@ -43,6 +40,20 @@ nlohmann::json standard_errors_json(const RunOptions& run, const Prediction& pre
   nlohmann::json errors = nlohmann::json::array();
   for (const ResultCell& of : ResultCells(run, prediction, result).at(run.steps - 1))
     errors.push_back(standard_error_of_variance(of));
+  return errors;
+}
+
+// The largest of them over all steps.
+nlohmann::json largest_standard_errors_json(const RunOptions& run, const Prediction& prediction,
+                                            const RunResult& result) {
+  const ResultCells cells(run, prediction, result);
+  nlohmann::json errors = nlohmann::json::array();
+  for (std::size_t i = 1; i <= run.followers; ++i) {
+    double largest = kNaN;
+    for (std::int64_t k = 0; k < std::max<std::int64_t>(run.steps, 1); ++k)
+      largest = std::fmax(largest, standard_error_of_variance(cells.of(i, k)));
+    errors.push_back(largest);
+  }
   return errors;
 }
 
@@ -71,9 +82,11 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"wall_seconds", seconds},
           {"vehicle_steps_per_second", seconds > 0.0 ? vehicle_steps / seconds : 0.0},
           {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
+          {"largest_standard_error_of_variance", largest_standard_errors_json(run, prediction, result)},
           {"agreement", agreement_json(measured_agreement(run, prediction, result))},
           {"realizations_needed", number(needed)},
           {"theory", theory_json(prediction)},
+          {"contradictions", prediction.contradictions},
           {"warning", prediction.warning.empty() ? nlohmann::json() : nlohmann::json(prediction.warning)}};
 }
 

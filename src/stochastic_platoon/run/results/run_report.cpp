@@ -100,6 +100,9 @@ std::string report(const Configuration& configuration, const Prediction& predict
   text += signals_report(configuration, prediction, result);
   if (!prediction.warning.empty()) text += "Warning: " + prediction.warning + ".\n";
   text += "Theory: " + stability.reason + ".\n";
+  for (const std::string& contradiction : prediction.contradictions) text += contradiction_line(contradiction);
+  if (const std::optional<std::string> growth = measured_growth(configuration, prediction, result))
+    text += "MEASUREMENT AND VERDICT DISAGREE: " + *growth + "\n";
   if (stability.limit_variance) {
     text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);
   }

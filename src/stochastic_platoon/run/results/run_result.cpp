@@ -4,7 +4,10 @@
 #include <cmath>
 #include <cstddef>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/contradictions.hpp"
 
 namespace platoon {
 
@@ -73,6 +76,7 @@ ResultCells::ResultCells(const RunOptions& run, const Prediction& prediction, co
     : run_(run), prediction_(prediction), result_(result), fourth_moments_(fourth_moments(run, prediction, result)) {}
 
 ResultCell ResultCells::of(std::size_t follower, std::int64_t step) const {
+  check_interruption();
   const bool over_time = run_.averaging() == Averaging::over_time;
   const std::size_t c = over_time ? follower - 1 : cell(follower, step, run_.steps);
   // The vehicles of a stopped run are not all at the same step.
@@ -138,6 +142,28 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
     }
   }
   return scores.agreement();
+}
+
+std::optional<std::string> measured_growth(const Configuration& configuration, const Prediction& prediction,
+                                           const RunResult& result) {
+  constexpr double kScore = 6.0;
+  const RunOptions& run = configuration.run;
+  const std::optional<double> limit = prediction.stability.limit_variance;
+  if (!limit || result.moments.empty()) return std::nullopt;
+  const bool over_time = run.averaging() == Averaging::over_time;
+  if (over_time && !prediction.warning.empty()) return std::nullopt;
+  const std::size_t known = prediction.followers_with_theory,
+                    settled = over_time ? known : settled_followers(configuration.model, known, run.steps);
+  const ResultCells cells(run, prediction, result);
+  for (std::size_t i = 1; i <= settled; ++i) {
+    const ResultCell of = cells.of(i, run.steps - 1);
+    const double measured = of.measured.variance(), error = standard_error_of_variance(of);
+    if (!(measured - kScore * error > *limit)) continue;
+    return formatted(
+        "the measured variance of follower %zu is %.6g m^2 with a standard error of %.2g m^2, but the platoon is judged string stable with a limit of %.6g m^2",
+        i, measured, error, *limit);
+  }
+  return std::nullopt;
 }
 
 std::optional<double> realizations_needed(const RunOptions& run, const Prediction& prediction,

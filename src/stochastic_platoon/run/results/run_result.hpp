@@ -89,6 +89,11 @@ double standard_error_of_variance(const ResultCell& of);
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result);
 
+/// A sentence if a follower whose variance has settled is measured above the limit of a platoon that is judged string
+/// stable, by more than six standard errors; none otherwise.
+std::optional<std::string> measured_growth(const Configuration& configuration, const Prediction& prediction,
+                                           const RunResult& result);
+
 /// Number of realizations that measured_agreement() needs for errors that are not normal, estimated from this result:
 /// from all cells' fourth moments if packets are lost (infinite if one leaves the range of double), a thousand for
 /// quantised errors. None for normal errors, over time, or without a theory.

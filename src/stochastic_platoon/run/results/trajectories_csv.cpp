@@ -1,47 +1,67 @@
 #include "stochastic_platoon/run/results/trajectories_csv.hpp"
 
-#include <vector>
+#include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/simulation/trajectory.hpp"
 #include "stochastic_platoon/run/io/csv_text.hpp"
 
 namespace platoon {
 
-namespace {
-
-// None beyond the end.
-std::optional<double> value_at(const std::vector<double>& values, std::size_t index) {
-  return index < values.size() ? std::optional(values[index]) : std::nullopt;
-}
-
-}  // namespace
-
-std::string trajectories_csv(const Configuration& configuration, std::uint64_t realization) {
+TrajectoryColumns trajectory_columns(const Configuration& configuration, std::uint64_t realization) {
   const RunOptions& run = configuration.run;
   if (realization >= run.realizations) {
     throw ConfigurationError({"only: " + std::to_string(realization) + ": must be below the " +
                               std::to_string(run.realizations) + " realizations of the run"});
   }
+  const std::size_t steps = static_cast<std::size_t>(run.steps) + 1, size = (run.followers + 1) * steps;
+  TrajectoryColumns columns;
+  for (std::size_t a = 0; a < steps; ++a) {
+    check_interruption();
+    const double second = (static_cast<double>(a) - 1.0) * configuration.model.sample_period;
+    columns.seconds.push_back(*number_in(formatted("%.10g", second)));
+  }
   std::vector<std::string> names;
-  for (const SignalKind& kind : signal_kinds()) names.emplace_back(kind.name);
-  CsvText csv("vehicle,step,seconds,position,received_position,input,received_input,tracking_error");
-  for (const std::string& name : names) csv.add(name);
+  for (const char* name : {"position", "received_position", "input", "received_input", "tracking_error"})
+    columns.quantities.emplace_back(name, std::vector<double>(size, kNaN));
+  for (const SignalKind& kind : signal_kinds()) {
+    names.emplace_back(kind.name);
+    columns.quantities.emplace_back(kind.name, std::vector<double>(size, kNaN));
+  }
+  std::size_t begin = 0;
+  for_each_trajectory(configuration.model, run.seed, run.followers, run.steps, realization, names,
+                      [&](const Trajectory& of) {
+                        std::size_t quantity = 0;
+                        const auto add = [&](const std::vector<double>& values, std::size_t first) {
+                          std::vector<double>& column = columns.quantities[quantity++].second;
+                          std::copy(values.begin(), values.end(), &column[begin + first]);
+                        };
+                        for (const auto* values : {&of.position, &of.received, &of.input, &of.received_input})
+                          add(*values, 0);
+                        for (const std::vector<double>& signal : of.signals) add(signal, 1);  // from step 0 on
+                        begin += steps;
+                      });
+  return columns;
+}
+
+std::string trajectories_csv(const Configuration& configuration, std::uint64_t realization) {
+  const TrajectoryColumns columns = trajectory_columns(configuration, realization);
+  CsvText csv("vehicle,step,seconds");
+  for (const auto& quantity : columns.quantities) csv.add(quantity.first);
   csv.end_row();
-  const std::vector<Trajectory> all =
-      trajectories(configuration.model, run.seed, run.followers, run.steps, realization, names);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Trajectory& of = all[i];
-    for (std::size_t a = 0; a < of.position.size(); ++a) {
-      const std::int64_t step = static_cast<std::int64_t>(a) - 1;
-      csv.add(i, step, formatted("%.10g", static_cast<double>(step) * configuration.model.sample_period));
-      for (const auto* values : {&of.position, &of.received, &of.input, &of.received_input})
-        csv.add(value_at(*values, a));
-      for (std::size_t kind = 0; kind <= names.size(); ++kind)
-        csv.add(of.signals.empty() || a == 0 ? std::nullopt : value_at(of.signals[kind], a - 1));
-      csv.end_row();
+  const std::size_t steps = columns.seconds.size();
+  for (std::size_t row = 0; row < (configuration.run.followers + 1) * steps; ++row) {
+    csv.add(row / steps, static_cast<std::int64_t>(row % steps) - 1, formatted("%.10g", columns.seconds[row % steps]));
+    for (const auto& quantity : columns.quantities) {
+      const double value = quantity.second[row];
+      csv.add(std::isnan(value) ? std::nullopt : std::optional(value));
     }
+    csv.end_row();
   }
   return csv.text();
 }

@@ -1,15 +1,24 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 
 namespace platoon {
 
-/// The content of trajectories.csv: per vehicle and step of one realization its position, its predecessor's position as
-/// received, its control input, its predecessor's control input as received, tracking error and all signals. Values
-/// that do not exist are empty. Throws ConfigurationError unless the run has this realization.
+/// All vehicles of one realization of a run.
+struct TrajectoryColumns {
+  std::vector<double> seconds;  ///< of steps -1, 0, ..., to ten digits [s]
+  /// By name ("position", ..., "jerk"): vehicles 0, 1, ... in turn, each with a value per step; NaN where none exists.
+  std::vector<std::pair<std::string, std::vector<double>>> quantities;
+};
+
+/// One realization of a run. Throws ConfigurationError if the run has no such realization.
+TrajectoryColumns trajectory_columns(const Configuration& configuration, std::uint64_t realization);
+
+/// The content of trajectories.csv: the same, with a row per vehicle and step; values that do not exist are empty.
 std::string trajectories_csv(const Configuration& configuration, std::uint64_t realization);
 
 }  // namespace platoon

@@ -4,6 +4,7 @@
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "stochastic_platoon/math/noise/white_noise.hpp"
@@ -96,6 +97,13 @@ ShardRun shard_run_of(const nlohmann::json& record) {
   }
 }
 
+void StopRequest::obey(EnsembleRun& run) {
+  if (!settings_.stop()) return;
+  run.stop();
+  if (!since_) since_ = now();
+  if (now() - *since_ > settings_.stop_seconds) run.abandon();
+}
+
 Ensemble ensemble_of(const RunOptions& run) {
   return {run.seed, run.followers, run.steps, run.batch, run.signals};
 }
@@ -125,15 +133,20 @@ ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings) {
   double written = began;
   RetriedWrite retried(
       [&](const std::string& error) { settings.warn(error + ": the run continues without a checkpoint"); });
+  StopRequest stop(settings);
   complete(work, settings.threads, [&] {
     settings.progress(work.done());
-    if (settings.stop()) work.stop();
+    stop.obey(work);
     const double present = now();
     if (work.all_begun() || present - written < settings.checkpoint_seconds || !retried.is_due(present)) return;
     if (retried(present, [&] { work.read(write); })) written = now();
   });
   ShardResult result{checkpoint_of(work.release()), work.done() - held_before};
-  if (result.computed > 0) write_checkpoint(options.output, result.checkpoint);
+  try {
+    if (result.computed > 0) write_checkpoint(options.output, result.checkpoint);
+  } catch (const std::system_error& error) {
+    result.unsaved = error.what();
+  }
   return result;
 }
 

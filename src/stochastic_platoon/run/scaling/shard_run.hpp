@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
@@ -41,11 +43,24 @@ struct ShardSettings {
   unsigned threads = 1;
   double checkpoint_seconds = 10.0;  ///< between checkpoints; a kill costs at most twice as much
   std::function<void(std::uint64_t done)> progress = [](std::uint64_t) {};
-  /// Returns whether to stop: the shard is then incomplete, and its checkpoint holds every batch that was begun.
+  /// Returns whether to stop: the shard is then incomplete, and its checkpoint holds every batch that was begun and
+  /// that is complete within stop_seconds [s].
   std::function<bool()> stop = [] { return false; };
+  double stop_seconds = std::numeric_limits<double>::infinity();
   /// Receives problems that do not end the shard: slow noise, a damaged checkpoint, or one that cannot be written at
   /// the moment.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
+};
+
+/// Stops a run as its settings demand; to be called again and again.
+class StopRequest {
+public:
+  explicit StopRequest(const ShardSettings& settings) : settings_(settings) {}
+  void obey(EnsembleRun& run);
+
+private:
+  const ShardSettings& settings_;
+  std::optional<double> since_;  ///< [s]
 };
 
 /// The parameters of a run's computation.
@@ -55,11 +70,12 @@ Ensemble ensemble_of(const RunOptions& run);
 struct ShardResult {
   Checkpoint checkpoint;
   std::uint64_t computed;
+  std::string unsaved = {};  ///< the reason why the folder does not hold them; empty if it does
 };
 
 /// Computes the realizations of the shard that its folder, which the caller has locked, does not hold yet. Throws
-/// ConfigurationError if the folder belongs to another run or shard, has other content, or cannot be written;
-/// std::runtime_error if the complete shard cannot be written.
+/// ConfigurationError if the folder belongs to another run or shard, has other content, or cannot be written. If the
+/// shard cannot be written at the end, it is returned with the reason.
 ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings);
 
 }  // namespace platoon

@@ -9,6 +9,7 @@
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
 #include "stochastic_platoon/run/io/printable.hpp"
 
@@ -16,8 +17,9 @@ namespace platoon {
 
 namespace {
 
-const std::vector<std::string> kVarying = {"headway", "noise_variance", "loss",  "mean_burst", "delay",
-                                           "leader",  "followers",      "steps", "seed",       "realizations"};
+const std::vector<std::string> kVarying = {"headway",     "headway_seconds", "noise_variance", "loss",  "mean_burst",
+                                           "delay",       "leader",          "followers",      "steps", "seed",
+                                           "realizations"};
 
 bool is_among(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -34,12 +36,7 @@ bool is_setting(const std::string& name) {
   return std::any_of(all.begin(), all.end(), [&](const Setting& setting) { return name == setting.name; });
 }
 
-// Paths in a sweep file are relative to its folder.
-std::string beside(const std::string& sweep_file, const std::string& named) {
-  return (std::filesystem::path(sweep_file).parent_path() / named).string();
-}
-
-std::vector<SweepAxis> read_axes(const YAML::Node& node, const std::string& file, Section section) {
+std::vector<SweepAxis> read_axes(const YAML::Node& node, Section section) {
   std::vector<SweepAxis> axes;
   for (const std::string& name : section.keys()) {
     const YAML::Node value = node[name];
@@ -51,10 +48,7 @@ std::vector<SweepAxis> read_axes(const YAML::Node& node, const std::string& file
     }
     SweepAxis axis{name, {}};
     if (value.IsScalar()) axis.spaced = parse_spaced(value.Scalar());
-    for (std::size_t i = 0; value.IsSequence() && i < value.size(); ++i) {
-      const bool is_drive = name == "leader" && value[i].IsScalar();
-      axis.list.push_back(is_drive ? YAML::Node(beside(file, value[i].Scalar())) : value[i]);
-    }
+    for (std::size_t i = 0; value.IsSequence() && i < value.size(); ++i) axis.list.push_back(value[i]);
     if (axis.size() == 0) {
       section.reject(name, value.IsScalar() ? printable(shortened(value.Scalar())) : "no value",
                      "a list of values, or FROM:TO:COUNT");
@@ -62,6 +56,8 @@ std::vector<SweepAxis> read_axes(const YAML::Node& node, const std::string& file
     axes.push_back(axis);
   }
   section.reject_unknown_keys();
+  if (section.has("headway") && section.has("headway_seconds"))
+    section.reject("headway_seconds", "given", "absent beside headway: one of the two");
   if (axes.empty() && section.is_mapping()) section.report_whole("no axis: must name at least one varying parameter");
   return axes;
 }
@@ -150,6 +146,7 @@ Configuration Sweep::configuration(std::uint64_t point) const {
   YAML::Node document = YAML::Clone(shared);
   const std::vector<YAML::Node> found = values(point);
   for (std::size_t i = 0; i < axes.size(); ++i) override_value(document, axes[i].name, found[i]);
+  resolve_tables(document["model"], folder);
   Configuration configuration = parse_configuration(document);
   if (configuration.run.averaging() == Averaging::over_time)
     throw ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
@@ -181,19 +178,19 @@ Sweep read_sweep(const std::string& file, const std::map<std::string, std::strin
   std::vector<std::string> problems;
   Section document(node, "", problems);
   Sweep sweep;
+  sweep.folder = std::filesystem::absolute(file).parent_path().string();
   std::map<std::string, std::string> shared;
-  if (document.has("model")) shared["model"] = beside(file, document.text("model"));
+  if (document.has("model")) shared["model"] = shipped_file(document.text("model"), "config", sweep.folder);
   const auto share = [&](const std::string& name) {
     if (document.has(name)) shared[name] = document.text(name);
   };
   for (const std::string& name : kVarying) share(name);
-  share("batch");
-  if (shared.count("leader") > 0) shared["leader"] = beside(file, shared["leader"]);
+  for (const char* name : {"batch", "signals"}) share(name);
   for (const auto& entry : given) shared[entry.first] = entry.second;
   add_monte_carlo_batch(shared);
   const bool varies = document.has("vary") && node["vary"].IsMap();
   Section vary = document.section("vary");
-  if (varies) sweep.axes = read_axes(node["vary"], file, vary);
+  if (varies) sweep.axes = read_axes(node["vary"], vary);
   sweep.paired = document.has("combine") && document.choice("combine", {"grid", "paired"}) == "paired";
   if (document.has("shards")) sweep.shards = static_cast<std::uint64_t>(document.integer("shards", 1, kMostShards));
   if (document.has("keep")) {

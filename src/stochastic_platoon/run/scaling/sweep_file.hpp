@@ -26,6 +26,7 @@ struct SweepAxis {
 /// A sweep file (see config/sweeps/headway.yaml): the configuration that all points share, the axes, and the rows to
 /// keep.
 struct Sweep {
+  std::string folder;           ///< of the file; paths in it are relative to this
   YAML::Node shared;            ///< the document of the configuration that the axes change
   std::vector<SweepAxis> axes;  ///< the last varies fastest
   bool paired = false;          ///< value j of one axis goes with value j of every other; else all combinations

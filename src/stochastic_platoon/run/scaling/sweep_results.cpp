@@ -1,7 +1,6 @@
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
 
 #include <algorithm>
-#include <filesystem>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
@@ -116,8 +115,8 @@ std::string point_content(const Sweep& sweep, std::uint64_t point, const std::st
 std::optional<std::string> read_point(const Sweep& sweep, const std::string& output, std::uint64_t point,
                                       std::string* damage) {
   const std::string file = point_file(output, point);
-  if (!std::filesystem::exists(file)) return std::nullopt;
-  const std::string bytes = read_file(file);
+  if (!may_exist(file)) return std::nullopt;
+  const std::string bytes = read_file(file, kMostWrittenBytes);
   const std::string format = kPointFormat + std::string("\n"), any_line = line_of(0);
   const std::size_t heading = format.size() + any_line.size();
   const std::string content = bytes.size() < heading ? "" : bytes.substr(heading);

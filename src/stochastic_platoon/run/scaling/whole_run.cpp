@@ -1,6 +1,7 @@
 #include "stochastic_platoon/run/scaling/whole_run.hpp"
 
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
@@ -15,10 +16,12 @@ RunResult compute_in_memory(const Configuration& configuration, const ShardSetti
   const RunOptions& run = configuration.run;
   const double began = now();
   EnsembleRun work(configuration.model, ensemble_of(run), {0, run.realizations});
+  StopRequest stop(settings);
   complete(work, settings.threads, [&] {
     settings.progress(work.done());
-    if (settings.stop()) work.stop();
+    stop.obey(work);
   });
+  if (settings.stop()) return {};
   const EnsembleTotals totals = work.release();
   return result_of(configuration, totals, {positions_expected(run, totals.count()), 1, now() - began, 0});
 }
@@ -32,14 +35,22 @@ WholeRun compute_run(Configuration configuration, const ShardSettings& settings)
   configuration.run.launch_id = "monte_carlo";
   const std::unique_ptr<FolderLock> lock = lock_output(configuration.run);
   WholeRun run{predict(configuration), {}};
-  const Checkpoint found = compute_shard({configuration, {0, 1}}, settings).checkpoint;
+  const ShardResult computed = compute_shard({configuration, {0, 1}}, settings);
+  const Checkpoint& found = computed.checkpoint;
   run.result = result_of(configuration, found.totals, found.tally);
-  if (run.result.realizations == 0) return run;
+  run.unsaved = computed.unsaved;
+  if (run.result.realizations == 0 || !run.unsaved.empty()) return run;
   configuration.run.launch_id.clear();
-  write_results(configuration, run.prediction, run.result);
+  try {
+    write_results(configuration, run.prediction, run.result);
+  } catch (const std::system_error& error) {
+    run.unsaved = error.what();
+    return run;
+  }
   if (!run.result.complete) return run;  // its checkpoint stays beside the results
-  std::filesystem::remove(checkpoint_file(output));
-  std::filesystem::remove(previous_checkpoint_file(output));
+  std::error_code ignored;
+  std::filesystem::remove(checkpoint_file(output), ignored);
+  std::filesystem::remove(previous_checkpoint_file(output), ignored);
   return run;
 }
 

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/bursts/burst_moments.hpp"
 #include "stochastic_platoon/math/bursts/burst_spectra.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
@@ -66,14 +68,14 @@ TEST(BurstLink, ScattersASpectrumOfTheVarianceAtTheReceiver) {
         EXPECT_GT(density, -1e-12);
         sum += density / kNodes;
       }
-      EXPECT_NEAR(sum, sent.scattered(link.registers()).real(), 1e-12);
+      EXPECT_NEAR(sum, (link.itself() * sent.scattered.real()).value(), 1e-12);
     }
   }
 }
 
 TEST(BurstLink, RejectsLossesWithoutTheory) {
   EXPECT_THROW(BurstLink(LossModel{0.0, 2.0, {1.0}}), std::invalid_argument);
-  EXPECT_THROW(BurstLink(LossModel{0.5, 1.0, {1.0}}), std::invalid_argument);        // strictly alternating
+  EXPECT_THROW(BurstLink(LossModel{0.5, 1.0, {1.0}}), std::invalid_argument);        // alternating
   EXPECT_THROW(BurstLink(LossModel{0.4, 4.0, {2.0, -1.0}}), std::invalid_argument);  // predictions grow
   EXPECT_THROW(BurstLink(LossModel{0.1, 2.0, {}}), std::invalid_argument);
   EXPECT_NO_THROW(BurstLink(LossModel{0.5, 1.01, {1.0}}));
@@ -155,6 +157,80 @@ TEST(BurstString, GrowsAlongTheStringExactlyIfTheLossGainIsAboveOne) {
   const std::vector<double> settling = stationary_variances(lossy_platoon({0.1, 2.0, {2.0, -1.0}}), 500);
   EXPECT_LT(settling.back(), *stable.limit_variance);
   EXPECT_NEAR(settling.back() / *stable.limit_variance, 1.0, 1e-3);
+}
+
+// Reference: an independent program in extended precision, on panels that resolve the chain. The limit is the variance
+// of a string whose loss gain is within 2 / b of 1, which costs digits.
+TEST(BurstString, HasTheVariancesOfAnIndependentProgramForLongBurstsAndRareLosses) {
+  struct Case {
+    double probability, mean_burst, first, twentieth, limit, accuracy, accuracy_of_limit;
+  };
+  for (const Case& of : {Case{0.1, 4.0, 20.912510664101564, 41.89981508183751, 55.616383072922396, 1e-12, 1e-12},
+                         Case{0.5, 100.0, 31068.39944674002, 161940.8970417661, 3472670.1795682386, 1e-12, 1e-12},
+                         Case{0.5, 800.0, 1928544.654745849, 10413161.817278035, 1741703753.772201, 1e-12, 1e-10},
+                         Case{0.5, 2000.0, 12021360.312969036, 65108883.93627369, 27164997812.850403, 1e-12, 1e-9},
+                         Case{0.3, 3000.0, 18379224.549375176, 73090082.6093846, 47963763053.0281, 1e-12, 1e-9},
+                         Case{0.05, 1e4, 39010681.00325553, 64548682.807445005, 135812462471.87686, 1e-11, 1e-8},
+                         Case{0.5, 1e5, 30001067968.99732, 162815795015.4236, 3391607321373692.5, 1e-10, 1e-6},
+                         Case{0.1, 1e6, 760002135937.3197, 1684960424887.0007, 3.764004901325612e+17, 1e-9, 1e-5},
+                         Case{1e-16, 5.0, 1.3614450580560702, 2.2818242201173304, 2.2926766443893305, 1e-12, 1e-12},
+                         Case{1e-12, 5.0, 1.3614450583537856, 2.281824220583883, 2.2926766448756615, 1e-12, 1e-12}}) {
+    const PlatoonModel model = lossy_platoon({of.probability, of.mean_burst, {1.0}});
+    const std::vector<double> variances = stationary_variances(model, 20);
+    const StringStability verdict = string_stability(model);
+    EXPECT_NEAR(variances.front() / of.first, 1.0, of.accuracy) << of.probability << " " << of.mean_burst;
+    EXPECT_NEAR(variances.back() / of.twentieth, 1.0, of.accuracy) << of.probability << " " << of.mean_burst;
+    ASSERT_TRUE(verdict.string_stable) << of.mean_burst << ": " << verdict.reason;
+    EXPECT_NEAR(*verdict.limit_variance / of.limit, 1.0, of.accuracy_of_limit) << of.mean_burst;
+  }
+}
+
+// Losses that nearly alternate scatter a constant motion into a line at w = pi.
+TEST(BurstString, IsContinuousWhereLossesAlternate) {
+  const auto variance = [](double beyond) {
+    return stationary_variances(lossy_platoon({0.5, 1.0 + beyond, {1.0}}), 5).back();
+  };
+  const double slope = (variance(2e-5) - variance(1e-5)) / 1e-5, alternating = variance(1e-5) - slope * 1e-5;
+  EXPECT_NEAR(variance(1e-7) / (alternating + slope * 1e-7), 1.0, 1e-8);
+  EXPECT_NEAR(variance(1e-8) / (alternating + slope * 1e-8), 1.0, 1e-8);
+}
+
+LossModel by_states(const Eigen::MatrixXd& transition, const Eigen::VectorXd& probability,
+                    const std::vector<double>& predictor) {
+  LossModel loss{0.0, {}, predictor};
+  loss.markov = std::make_shared<MarkovLosses>(transition, probability);
+  loss.probability = loss.markov->loss_probability();
+  return loss;
+}
+
+// States that lose always or never are the chain of bursts.
+TEST(BurstString, OfStatesThatLoseAlwaysOrNeverEqualsThatOfBursts) {
+  const Eigen::Matrix2d transition = (Eigen::Matrix2d() << 1.0 - 1.0 / 36.0, 1.0 / 36.0, 0.25, 0.75).finished();
+  const PlatoonModel states = lossy_platoon(by_states(transition, Eigen::Vector2d(0.0, 1.0), {1.0})),
+                     bursts = lossy_platoon({0.1, 4.0, {1.0}});
+  EXPECT_NEAR(stationary_variances(states, 6).back() / stationary_variances(bursts, 6).back(), 1.0, 1e-12);
+  const StringStability verdict = string_stability(states);
+  ASSERT_TRUE(verdict.string_stable) << verdict.reason;
+  EXPECT_NEAR(*verdict.limit_variance / 55.616383072922396, 1.0, 1e-12);
+  EXPECT_NEAR(*verdict.loss_gain / 0.4294101216307342, 1.0, 1e-12);
+}
+
+// The tables pass covariances from step to step; the stationary variances come from spectra.
+TEST(BurstString, OfAnyChainIsWhatItsTablesSettleAt) {
+  Eigen::Matrix3d turning;
+  turning << 0.1, 0.8, 0.1, 0.1, 0.1, 0.8, 0.8, 0.1, 0.1;
+  Eigen::Matrix4d pairs;  // of independent bits: a memory without eigenvectors
+  pairs << 0.7, 0.3, 0.0, 0.0, 0.0, 0.0, 0.7, 0.3, 0.7, 0.3, 0.0, 0.0, 0.0, 0.0, 0.7, 0.3;
+  const Eigen::Matrix2d gilbert = (Eigen::Matrix2d() << 0.9, 0.1, 0.3, 0.7).finished();
+  for (const LossModel& loss : {by_states(gilbert, Eigen::Vector2d(0.02, 0.7), {1.0}),
+                                by_states(gilbert, Eigen::Vector2d(0.02, 0.4), {1.5, -0.8, 0.3}),
+                                by_states(turning, Eigen::Vector3d(0.02, 0.7, 0.2), {1.0}),
+                                by_states(pairs, Eigen::Vector4d(0.1, 0.5, 0.7, 0.9), {1.0})}) {
+    const PlatoonModel model = lossy_platoon(loss);
+    const std::vector<double> stationary = stationary_variances(model, 3);
+    const ErrorMoments moments = burst_error_moments(model, 3, 700);
+    for (std::size_t i = 1; i <= 3; ++i) EXPECT_NEAR(moments.variance_at(i, 699) / stationary[i - 1], 1.0, 1e-11) << i;
+  }
 }
 
 TEST(BurstString, HasNoStationaryVarianceIfPredictionsGrow) {

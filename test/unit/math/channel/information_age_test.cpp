@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace platoon {
 namespace {
@@ -100,6 +101,51 @@ TEST(InformationAge, FollowsATraceAndRejectsLossesByDistance) {
   by_distance.by_distance.emplace(std::vector<LossByDistance::Point>{{1.0, 0.1}});
   EXPECT_THROW(count_ages(by_distance, 1, 1, 1, 1), std::invalid_argument);
   EXPECT_THROW(mean_age(by_distance), std::invalid_argument);
+}
+
+TEST(InformationAge, IsExceededWithTheGivenProbabilityOnly) {
+  for (const auto& [q, b] :
+       {std::pair(0.5, 1e5), {0.1, 3.0}, {0.25, 1.0 / 0.75}, {0.001, 2.0}, {1e-7, 5.0}, {0.5, 1.0}}) {
+    const LossModel loss = losses(q, b);
+    for (const double rest : {1e-6, 1e-3}) {
+      const double n = age_exceeded_with(loss, rest);
+      const auto exceeded = [&](double age) { return q * std::pow(1.0 - 1.0 / b, age); };
+      EXPECT_LE(exceeded(n), rest * (1.0 + 1e-9)) << q << " " << b;
+      if (n > 0.0) {
+        EXPECT_GT(exceeded(n - 1.0), rest) << q << " " << b;
+      }
+    }
+  }
+  EXPECT_EQ(age_exceeded_with(losses(0.5, 1e5), 1e-6), 1312230.0);
+  EXPECT_EQ(age_exceeded_with(losses(0.1), 1e-6), 5.0) << "0.1 0.1^5 = 1e-6";
+}
+
+// A chain whose states lose always or never is that of bursts; one with more memory is compared with its own draws.
+TEST(InformationAge, OfAChainOfStates) {
+  LossModel loss;
+  loss.markov =
+      std::make_shared<MarkovLosses>((Eigen::Matrix2d() << 0.9, 0.1, 0.25, 0.75).finished(), Eigen::Vector2d(0.0, 1.0));
+  loss.probability = loss.markov->loss_probability();
+  const LossModel bursts{loss.probability, 4.0, {1.0}};
+  EXPECT_NEAR(mean_age(loss), mean_age(bursts), 1e-14);
+  EXPECT_EQ(age_exceeded_with(loss, 1e-6), age_exceeded_with(bursts, 1e-6));
+  for (std::int64_t n = 0; n < 30; ++n)
+    EXPECT_NEAR(expected_age_share(loss, n, 100), expected_age_share(bursts, n, 100), 1e-15) << n;
+
+  loss.markov =
+      std::make_shared<MarkovLosses>((Eigen::Matrix2d() << 0.9, 0.1, 0.3, 0.7).finished(), Eigen::Vector2d(0.02, 0.7));
+  loss.probability = loss.markov->loss_probability();
+  constexpr std::uint64_t kRealizations = 20000;
+  constexpr std::int64_t kSteps = 50;
+  const std::vector<std::uint64_t> counts = count_ages(loss, 11, 3, kRealizations, kSteps);
+  for (std::int64_t n = 0; n < 8; ++n) {
+    const double share = expected_age_share(loss, n, kSteps);
+    // Steps of one realization are dependent: at most fully.
+    const double error = std::sqrt(share * (1.0 - share) / static_cast<double>(kRealizations));
+    const double measured = static_cast<double>(counts[static_cast<std::size_t>(n)]) /
+                            static_cast<double>(kRealizations * static_cast<std::uint64_t>(kSteps));
+    EXPECT_NEAR(measured, share, 4.0 * error) << n;
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/math/links/linked_moments.hpp"
 #include "stochastic_platoon/math/links/linked_string.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/math/statistics/agreement.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
@@ -65,6 +66,49 @@ TEST(FeedForward, HasTheSameGammaByFactorsAndByFormula) {
       const LinkedVehicleValue value = vehicle.at(w);
       EXPECT_NEAR(value.gain / gain(w), 1.0, 1e-10) << delay << " " << w;
       EXPECT_NEAR(value.margin, 1.0 - value.gain, 1e-15 + 1e-12 * value.gain) << delay << " " << w;
+    }
+  }
+}
+
+// What a follower hears is the input of its predecessor, whose plant may be another one.
+TEST(FeedForward, HasTheSameGammaByFactorsAndByFormulaBehindUnlikePlants) {
+  for (const double lag : {0.0, 0.25}) {
+    for (const double delay : {0.0, 0.2, 0.333}) {
+      PlatoonModel model = radio_platoon(0.5, 0.01, 0.01, 3);
+      add_trucks(model, lag, delay, 0.7);
+      const LinkedPattern pattern(model);
+      EXPECT_EQ(pattern.types.size(), 5U);
+      for (const double w : {1e-4, 0.003, 0.05, 0.7, 2.0, 3.1}) {
+        const std::complex<long double> s(std::cos(static_cast<long double>(w)) - 1.0L,
+                                          std::sin(static_cast<long double>(w)));
+        long double by_factors = 1.0L, by_formula = 1.0L;
+        for (std::size_t j = 0; j < pattern.size(); ++j) {
+          const GainFactor& factor = pattern[j].factor().factor;
+          for (const auto& zero : factor.zeros) by_factors *= std::norm(s - zero) / std::norm(zero);
+          for (const auto& pole : factor.poles) by_factors *= std::norm(pole) / std::norm(s - pole);
+          const LinkedVehicleValue value = pattern[j].at(w);
+          by_formula *= value.gain;
+          EXPECT_NEAR(value.margin, 1.0 - value.gain, 1e-15 + 1e-12 * value.gain) << lag << " " << delay << " " << w;
+        }
+        EXPECT_NEAR(static_cast<double>(by_formula / by_factors), 1.0, 1e-10) << lag << " " << delay << " " << w;
+      }
+    }
+  }
+}
+
+TEST(FeedForward, SettlesAtTheStationaryVariancesBehindUnlikePlants) {
+  for (const double lag : {0.0, 0.25}) {
+    for (const double loss : {0.0, 0.2}) {
+      PlatoonModel model = radio_platoon(0.5, 0.01, 0.02);
+      add_trucks(model, lag, 0.213, 0.9);
+      if (loss > 0.0) lose_inputs(model, loss, {1.0});
+      constexpr std::size_t kFollowers = 7;
+      const std::vector<double> stationary = stationary_variances(model, kFollowers);
+      const ErrorMoments moments = error_moments(model, kFollowers, 6000);
+      for (std::size_t i = 1; i <= kFollowers; ++i)
+        EXPECT_NEAR(moments.variance_at(i, 5999) / stationary[i - 1], 1.0, 1e-9) << i << " " << lag << " " << loss;
+      const StringStability verdict = string_stability(model);
+      EXPECT_LE(stationary.back(), verdict.limit_variance.value_or(kInfinity));
     }
   }
 }

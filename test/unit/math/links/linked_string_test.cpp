@@ -125,6 +125,22 @@ TEST(LinkedString, HasALimitForAFlatGainBehindExtrapolation) {
   EXPECT_NEAR(variances[9999], 47.64, 0.01);
 }
 
+// The model's own probability is the largest stable one, but for rounding.
+TEST(StableLosses, ContainTheOwnOneOfAStringStableModelAtItsBorder) {
+  PlatoonModel model = paper_platoon(3.0);
+  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(5, 5);
+  shift.diagonal(1).setOnes();
+  Eigen::VectorXd b(5);
+  b << -0.01318359375, 0.16881066927792915, 0.6887458489441417, 0.16881066927792915, -0.01318359375;
+  model.default_vehicle().loop = closed_loop_from(StateSpace(shift, b, Eigen::VectorXd::Unit(5, 0).transpose()));
+  model.default_vehicle().link.loss = LossModel{0.10400390625, {}, {2.0, -1.0}};
+  ASSERT_TRUE(string_stability(model).string_stable);
+  const std::optional<StableLosses> losses = stable_losses(model);
+  ASSERT_TRUE(losses && losses->critical);
+  EXPECT_GE(*losses->critical, 0.10400390625);
+  EXPECT_NEAR(*losses->critical, 0.10400390625, 1e-12);
+}
+
 // Short delays agree with the table over time; a delay of a million steps takes no longer.
 TEST(LinkedString, MayHaveAnyDelay) {
   PlatoonModel model = lossy_platoon({0.2, {}, {1.0}});

@@ -111,6 +111,22 @@ TEST(ClosedLoop, KeepsAGivenRealization) {
   EXPECT_TRUE(violated_assumptions(loop, 3.2, false).empty());
 }
 
+// A turned realization of a loop with C B = C A B = 0.
+TEST(ClosedLoop, HasTheRelativeDegreeThatTheDigitsOfItsRealizationDetermine) {
+  std::mt19937 generator(8);
+  std::normal_distribution<double> draw;
+  for (const int order : {3, 4, 6}) {
+    const TransferFunction t = ramp_tracking(random_polynomial(order, generator), 3.0);
+    const StateSpace canonical = observable_canonical(t);
+    const Eigen::MatrixXd turn = Eigen::MatrixXd::NullaryExpr(order, order, [&] { return draw(generator); });
+    const Eigen::MatrixXd q = turn.householderQr().householderQ();
+    const ClosedLoop loop =
+        closed_loop_from({q * canonical.a() * q.transpose(), q * canonical.b(), canonical.c() * q.transpose()});
+    EXPECT_EQ(loop.transfer.relative_degree(), order - 1);
+    EXPECT_LT(distance(loop.transfer, t), 1e-12);
+  }
+}
+
 TEST(ClosedLoop, HasAMinimalTransferFunctionForAnyRealization) {
   const StateSpace paper = paper_loop(3.2).realization;
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(4, 4);

@@ -130,5 +130,15 @@ TEST(ViolatedAssumptions, NameALoopThatIsTooSlowForItsSamplePeriod) {
   EXPECT_TRUE(any_contains(violated_assumptions(loop, 1e15, false), "too slow for its sample period"));
 }
 
+// The pole of the integral lies 5e-13 beside z = 1, and the loop has an equilibrium: only its digits are lost.
+TEST(ViolatedAssumptions, NameThePrecisionAndNotAPoleAtOneOfASlowIntegral) {
+  const LoopDesign design{Plant(car_with_actuator_lag(0.1, 0.0), 1e-4),
+                          Controller(ControllerGains{0.2, 0.7, 1e-9}, 1e-4)};
+  const std::vector<std::string> found = violated_assumptions(close_loop(design, 35000.0), 35000.0, false);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(begins_with(found[0], "the closed loop is too slow for its sample period: a pole lies 5"));
+  EXPECT_TRUE(contains(found[0], "e-13 beside z = 1"));
+}
+
 }  // namespace
 }  // namespace platoon

@@ -40,7 +40,7 @@ TEST(DesignedGain, KeepsItsDigitsBehindAnyDelay) {
       for (const double ki : {0.0, 0.001}) {
         const LoopDesign design = car(delay, filter, ki);
         const ExactFraction exact = exact_fraction(close_loop(design, 350.0));
-        const DesignedGain gain(design, 350.0, 0.0);
+        const DesignedGain gain(design, 350.0, 0.0, design.plant);
         for (const double w : {1e-7, 1e-4, 0.003, 0.01, 0.3, 1.5, 1.6, 3.0, 3.14159}) {
           const Exact half = Exact(w) / 2, sine = sin(half), cosine = cos(half);
           const ExactComplex s{-2 * sine * sine, 2 * sine * cosine};
@@ -61,7 +61,7 @@ TEST(DesignedGain, KeepsItsDigitsBehindAnyDelay) {
 TEST(DesignedGain, EqualsTheGainOfAFollowerWithoutLosses) {
   VehicleModel vehicle{close_loop(car(0.2, true, 0.0), 350.0), 350.0};
   vehicle.design = car(0.2, true, 0.0);
-  const DesignedGain gain(*vehicle.design, vehicle.headway, 0.0);
+  const DesignedGain gain(*vehicle.design, vehicle.headway, 0.0, vehicle.design->plant);
   const LinkedVehicle linked(vehicle);
   for (const double w : {1e-6, 0.01, 1.0, 3.0}) {
     const DesignedGain::Value found = gain.at(CirclePoint(w), {});
@@ -76,7 +76,7 @@ TEST(DesignedGain, EqualsTheGainOfAFollowerWithoutLosses) {
 TEST(DesignedGain, IsZeroAtAZeroOfThePlant) {
   LoopDesign design{{ContinuousPlant{Polynomial::Constant(1, 1.0), Eigen::Vector3d(1.0, 0.0, 0.0), 0.0}, 0.1},
                     {ControllerGains{0.2, 0.7, 0.0}, 0.1}};
-  const DesignedGain gain(design, 30.0, 0.0);
+  const DesignedGain gain(design, 30.0, 0.0, design.plant);
   EXPECT_LT(std::abs(gain.at(CirclePoint(3.141592653589793), {}).position), 1e-15L);
 }
 

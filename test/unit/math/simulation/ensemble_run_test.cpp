@@ -166,5 +166,16 @@ TEST(EnsembleRun, IsCompletedByOneOfItsThreads) {
   }
 }
 
+TEST(EnsembleRun, LeavesItsBatchWhenItIsAbandoned) {
+  const Ensemble minutes{3, 2, 200000, 65536, {}};
+  EnsembleRun run(paper_platoon(), minutes, {0, minutes.batch});
+  std::thread worker([&run] { run.work(); });
+  while (!run.all_begun()) std::this_thread::yield();
+  run.abandon();
+  worker.join();
+  EXPECT_EQ(run.done(), 0u);
+  EXPECT_FALSE(run.is_complete());
+}
+
 }  // namespace
 }  // namespace platoon

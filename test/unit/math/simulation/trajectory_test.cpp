@@ -16,10 +16,18 @@ constexpr std::size_t kFollowers = 3;
 constexpr std::int64_t kSteps = 45;  // more than the string computes at once
 const std::vector<std::string> kSignals{"gap", "speed", "acceleration", "jerk"};
 
+std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t seed, std::size_t followers,
+                                     std::int64_t steps, std::uint64_t realization) {
+  std::vector<Trajectory> all;
+  for_each_trajectory(model, seed, followers, steps, realization, kSignals,
+                      [&](const Trajectory& of) { all.push_back(of); });
+  return all;
+}
+
 // Every signal of a realization has the bits of a batch of them.
 void expect_bits_of_the_string(const PlatoonModel& model) {
   constexpr std::uint64_t kFirst = 5, kPlace = 2;
-  const std::vector<Trajectory> found = trajectories(model, 3, kFollowers, kSteps, kFirst + kPlace, kSignals);
+  const std::vector<Trajectory> found = trajectories(model, 3, kFollowers, kSteps, kFirst + kPlace);
   ASSERT_EQ(found.size(), kFollowers + 1);
   std::size_t compared = 0;
   PlatoonString(model, 3, kFollowers, Signal::kHighestOrder)
@@ -41,14 +49,14 @@ TEST(Trajectories, HaveTheBitsOfARunWithRadios) {
   PlatoonModel model = radio_platoon(0.5, 0.01, 0.01);
   lose_inputs(model, 0.3, {1.0});
   expect_bits_of_the_string(model);
-  const std::vector<Trajectory> found = trajectories(model, 3, kFollowers, kSteps, 0, kSignals);
+  const std::vector<Trajectory> found = trajectories(model, 3, kFollowers, kSteps, 0);
   EXPECT_EQ(found[0].input.size(), static_cast<std::size_t>(kSteps) + 1);
   EXPECT_EQ(found[1].received_input.size(), static_cast<std::size_t>(kSteps));
   EXPECT_TRUE(found[kFollowers].input.empty()) << "the last vehicle sends to no follower";
 }
 
 TEST(Trajectories, AreAtRestBeforeTheFirstStep) {
-  const std::vector<Trajectory> found = trajectories(paper_platoon(), 1, 1, 3, 0, kSignals);
+  const std::vector<Trajectory> found = trajectories(paper_platoon(), 1, 1, 3, 0);
   const std::vector<double>& y = found[1].position;
   ASSERT_EQ(y.size(), 4u);
   EXPECT_EQ(found[1].signals[2][0], (y[1] - y[0]) / 0.1 * 1.0) << "speed";

@@ -99,6 +99,39 @@ TEST_F(StallReporterTest, NamesABlockedReceiverByItsKindOfNotice) {
   EXPECT_EQ(look(6.0).stalled, "recorder blocks the run: disk full");
 }
 
+// The cause and the vehicle decide, not the text: a vehicle that gets further within the stall is still the same one.
+TEST_F(StallReporterTest, LogsAStallOnceThoughItsTextChangesAndAgainForAnotherCauseOrVehicle) {
+  missing = {1, 2};
+  look(0.0);
+  EXPECT_EQ(look(9.0).stalled, "2 of 4 vehicles are not running, the first of them vehicle_1");
+  missing = {1};
+  EXPECT_EQ(look(10.0).stalled, "");
+  EXPECT_EQ(reporter.culprit(), "vehicle_1 is not running: no publisher of /p/vehicle_1/position");
+  missing = {2};
+  EXPECT_EQ(look(11.0).stalled, "vehicle_2 is not running: no publisher of /p/vehicle_2/position");
+  missing = {};
+  mute = {2};
+  EXPECT_EQ(
+      look(12.0).stalled,
+      "vehicle_2 publishes no vehicle_2/input, which vehicle_3 receives by radio: it must publish its control input, "
+      "or vehicle_3 must have no radio");
+}
+
+// Regression: the leader was named, which only waits.
+TEST_F(StallReporterTest, NamesAReceiverThatHasNotReportedBeforeTheFirstStep) {
+  run.record = "/tmp/run.bag";
+  StallReporter recorded(run, {});
+  const StallReporter::Observation seen{arrivals, false, [] { return std::vector<std::size_t>(); },
+                                        [](std::size_t) { return std::nullopt; },
+                                        [] { return std::vector<std::size_t>(); }};
+  recorded.look(seen, 0.0);
+  EXPECT_EQ(recorded.look(seen, 9.0).stalled, "recorder has not reported, and the leader waits for it");
+  recorded.receive("recorder", {Progress::BLOCKED, 0, "no publisher of /p/vehicle_3/input"});
+  EXPECT_EQ(recorded.look(seen, 10.0).stalled, "recorder blocks the run: no publisher of /p/vehicle_3/input");
+  recorded.receive("recorder", {Progress::NONE, 0, ""});
+  EXPECT_EQ(recorded.look(seen, 11.0).stalled, "vehicle_0 (leader) has sent nothing at all");
+}
+
 TEST_F(StallReporterTest, NamesMissingVehiclesWithoutAnyNotice) {
   EXPECT_EQ(reporter.text_of("recorder"), "");
   missing = {2};

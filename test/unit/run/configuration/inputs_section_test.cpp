@@ -61,6 +61,32 @@ TEST(InputsSection, IsReadBackToTheBit) {
   EXPECT_TRUE(with_loss(again, 0.2).types[2].vehicle.feed_forward->link.loss->probability == 0.2) << "inherited";
 }
 
+TEST(InputsSection, OfATypeReplaceTheChannelsOfTheDefaultVehicle) {
+  const std::string lossy = kCarText + "noise_variance: 0.3\nchannel: {delay: 4, loss: {probability: 0.2}}\n";
+  const PlatoonModel model =
+      model_of(lossy +
+               "vehicle_types:\n"
+               "  bare: {inputs: [{signal: position}]}\n"
+               "  inner: {inputs: [{signal: position, noise_variance: 0.1, channel: {loss: {probability: 0.1}}}]}\n"
+               "  outer: {inputs: [{signal: position}], channel: {delay: 1}}\n"
+               "  without: {time_headway: 360.0}\n"
+               "string: [bare, inner, outer, without]\n");
+  for (const PlatoonModel& of : {model, model_of(to_json(model).dump())}) {
+    const auto vehicle = [&of](std::size_t type) { return of.types.at(type).vehicle; };
+    EXPECT_EQ(of.types[1].name, "bare");
+    EXPECT_TRUE(vehicle(1).link == LinkModel());
+    EXPECT_EQ(vehicle(1).noise_variance, 0.3);
+    EXPECT_EQ(vehicle(2).link.delay, 0);
+    EXPECT_EQ(vehicle(2).link.loss->probability, 0.1);
+    EXPECT_EQ(vehicle(2).noise_variance, 0.1);
+    EXPECT_EQ(vehicle(3).link.delay, 1);
+    EXPECT_FALSE(vehicle(3).link.loss);
+    EXPECT_TRUE(vehicle(4).link == of.default_vehicle().link);
+    EXPECT_FALSE(with_loss(of, 0.4).types[1].vehicle.link.loss) << "not inherited";
+    EXPECT_EQ(with_loss(of, 0.4).types[4].vehicle.link.loss->probability, 0.4);
+  }
+}
+
 TEST(InputsSection, IsOverriddenInTheInputOfTheSetting) {
   const auto overridden = [](const std::string& model, const std::string& name, const std::string& value) {
     YAML::Node document;

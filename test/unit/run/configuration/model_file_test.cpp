@@ -198,7 +198,7 @@ TEST(LoadYaml, NamesAMissingFile) {
   EXPECT_EQ(
       problems_of([] { load_yaml("/no/such/model.yaml"); }),
       Problems{
-          "model: /no/such/model.yaml: must be a file of at most 256 MB that can be read (No such file or directory)"});
+          "model: /no/such/model.yaml: must be a regular file of at most 256 MB that can be read (No such file or directory)"});
 }
 
 TEST(LoadYaml, NamesAFileThatIsNotYaml) {

@@ -44,6 +44,10 @@ TEST_F(RecordedDriveTest, ColumnsUnitsRowsAndStartCanBeChosen) {
   EXPECT_EQ(positions_of(drive, 0.5), (std::vector<double>{0.0, 0.0, 0.25 * (20.0 + 10.0)}));
 }
 
+TEST_F(RecordedDriveTest, RowsMayEndWithSeparators) {
+  EXPECT_EQ(positions_of(with("time,speed,lap,lap\n0,0,1,\n0.5,1,,,,\n"), 0.5), (std::vector<double>{0.0, 0.0, 0.25}));
+}
+
 TEST_F(RecordedDriveTest, PositionsBeginAtTheFirst) {
   RecordedDrive drive = with("time\tx\n0\t10\n1\t12\n");
   drive.value = "x";
@@ -58,6 +62,11 @@ TEST_F(RecordedDriveTest, EveryFaultNamesItsRow) {
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,nan\n"), "row 3: speed: nan: must be a finite number");
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.5\n"), "row 3: speed: (empty): must be a finite number");
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,1x\n"), "row 3: speed: 1x: must be a finite number");
+  EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,0x10\n"), "row 3: speed: 0x10: must be a finite number");
+  EXPECT_EQ(problem_with(std::string("time,speed\n0,1\n0.5,1\0\n", 22)),
+            "row 3: speed: 1\\x00: must be a finite number");
+  EXPECT_EQ(problem_with("time,speed,speed\n0,1,2\n1,1,2\n"), "row 1: columns 2 and 3 are speed: must be one");
+  EXPECT_EQ(problem_with("time,speed\n0,1\n0,5,1\n"), "row 3: 3 cells: must be at most 2, the number of columns");
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,1\n0.5,1\n"), "row 4: time does not ascend");
   EXPECT_EQ(problem_with("time,speed\n0,1\n1.5,1\n"), "row 3: 1.5 s after the row before: must be at most 1 s");
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.4,1\n"),

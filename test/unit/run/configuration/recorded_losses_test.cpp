@@ -63,6 +63,19 @@ TEST_F(RecordedLosses, HaveATheoryOnlyIfNothingIsLost) {
   EXPECT_EQ(reason_without_theory(with("channel: {loss: {runs: 7 3}}\n").model),
             "losses follow a recorded trace, of loss probability 0.3 and mean burst 3 (random losses with these two "
             "have a theory)");
+  // Bursts have no theory in a string with radios, and strict alternation has none at all.
+  const std::string inputs =
+      "inputs:\n  - {signal: position, channel: {loss: {runs: 7 3}}}\n"
+      "  - {signal: input, noise_variance: 0.01, channel: {delay: 1}}\n";
+  const PlatoonModel with_radio = model_of(kCarText + "noise_variance: 0.1\n" + inputs);
+  EXPECT_EQ(reason_without_theory(with_radio),
+            "losses follow a recorded trace, of loss probability 0.3 and mean burst 3 (independent losses of this "
+            "probability have a theory)");
+  EXPECT_EQ(reason_without_theory(with("channel: {loss: {runs: 1 1}}\n").model),
+            "losses follow a recorded trace, of loss probability 0.5 and mean burst 1 (independent losses of this "
+            "probability have a theory)");
+  EXPECT_EQ(reason_without_theory(with("channel: {loss: {probability: 0.5, mean_burst: 1}}\n").model),
+            "losses and arrivals alternate (mean_burst: 1 at a probability of 0.5), so that no variance settles");
   const PlatoonModel ones = with("channel: {loss: {runs: '7'}}\n").model;
   EXPECT_FALSE(reason_without_theory(ones));
   EXPECT_TRUE(is_papers(ones));
@@ -80,7 +93,14 @@ TEST_F(RecordedLosses, AreRejectedWithKeyRowAndReason) {
   EXPECT_EQ(problem_of("{trace: none.csv}"), key + "trace: none.csv: no entries: must be at least 1");
   EXPECT_EQ(problem_of("{trace: lost.csv}"), key + "trace: lost.csv: nothing arrives: at least one entry must be 1");
   EXPECT_EQ(problem_of("{trace: nan.csv}"), key + "trace: nan.csv: row 2: received: nan: must be a finite number");
-  EXPECT_EQ(problem_of("{trace: away.csv}"), key + "trace: away.csv: must be a file that can be read");
+  folder_.file("zero.csv", std::string("received\n1\0\n", 12));
+  folder_.file("twice.csv", "received,received\n1,0\n");
+  EXPECT_EQ(problem_of("{trace: zero.csv}"), key + "trace: zero.csv: row 2: received: 1\\x00: must be a finite number");
+  EXPECT_EQ(problem_of("{trace: twice.csv}"),
+            key + "trace: twice.csv: row 1: columns 1 and 2 are received: must be one");
+  EXPECT_EQ(
+      problem_of("{trace: away.csv}"),
+      key + "trace: away.csv: must be a regular file of at most 256 MB that can be read (No such file or directory)");
   EXPECT_EQ(problem_of("{runs: 3 1, probability: 0.1}"), key + "probability: given: must be absent beside runs");
   EXPECT_EQ(problem_of("{runs: 3 1}", {{"mean_burst", "2"}}), key + "mean_burst: given: must be absent beside runs");
   EXPECT_EQ(problem_of("{runs: 1 2, on_loss: extrapolate}"),

@@ -68,9 +68,9 @@ TEST(Section, ReadsNumbersInEveryNotation) {
 }
 
 TEST(Section, RejectsAnInvalidNumber) {
-  expect_rejected({"nan", ".nan", "inf", ".inf", "-.inf", "1e400", "abc", "1,5", "1.5 m", "2.5.1", "0x10", "true",
-                   "[1.0]", "{a: 1}"},
-                  "a finite number", read_number);
+  expect_rejected(
+      {"nan", ".nan", "inf", ".inf", "-.inf", "1e400", "abc", "1.5 m", "2.5.1", "0x10", "true", "[1.0]", "{a: 1}"},
+      "a finite number", read_number);
   EXPECT_EQ(problems_with("x: ''", read_number), Problems{"x: (empty): must be a finite number"});
 }
 
@@ -108,11 +108,11 @@ TEST(Section, RejectsAnInvalidTextOrChoice) {
 // JSON cannot represent them.
 TEST(Section, RejectsTextsAndNamesThatAreNotUtf8) {
   EXPECT_EQ(problems_with("x: M\xfcnchen", [](Section& section) { section.text("x"); }),
-            Problems{"x: M\\xfcnchen: must be UTF-8"});
+            Problems{"x: M\\xfcnchen: must be UTF-8 without a zero byte"});
   EXPECT_EQ(problems_with("x: [car, \xce]", [](Section& section) { EXPECT_TRUE(section.texts("x").empty()); }),
-            Problems{"x: [car, \\xce]: must be UTF-8"});
+            Problems{"x: [car, \\xce]: must be UTF-8 without a zero byte"});
   EXPECT_EQ(problems_with("\xce: 1", [](Section& section) { EXPECT_TRUE(section.keys().empty()); }),
-            Problems{"\\xce: must be UTF-8"});
+            Problems{"\\xce: must be UTF-8 without a zero byte"});
   EXPECT_EQ(
       problems_with("x: M\xc3\xbcnchen", [](Section& section) { EXPECT_EQ(section.text("x"), "M\xc3\xbcnchen"); }),
       Problems{});
@@ -219,6 +219,24 @@ TEST(NumberOf, ReadsATextThatIsNoPartOfADocument) {
             Problems{"wait: (empty): must be a finite number > 0"});
   EXPECT_EQ(problems_of([] { integer_of("threads", "0", 1, 1024); }),
             Problems{"threads: 0: must be a whole number from 1 to 1024"});
+}
+
+TEST(Section, ExplainsADecimalComma) {
+  const auto both = [](Section& section) {
+    section.number("kp", kAnyFinite);
+    section.number("kd", kAnyFinite);
+    section.reject_unknown_keys();
+  };
+  const std::string point = ", with a decimal point in place of the comma";
+  EXPECT_EQ(problems_with("{kp: 0,2, kd: 1,2}", both),
+            (Problems{"kp: 0,2: must be one number" + point, "kd: 1,2: must be one number" + point}));
+  EXPECT_EQ(problems_with("{kp: '0,2', kd: 1}", both), Problems{"kp: 0,2: must be a finite number" + point});
+  EXPECT_EQ(problems_with("{kp: 0, 2: 5, kd: 1}", both), Problems{"2: unknown key: allowed are kd, kp"});
+}
+
+TEST(Section, RejectsAZeroByteInAText) {
+  EXPECT_EQ(problems_with("x: \"a\\0b\"", [](Section& section) { section.text("x"); }),
+            Problems{"x: a\\x00b: must be UTF-8 without a zero byte"});
 }
 
 }  // namespace

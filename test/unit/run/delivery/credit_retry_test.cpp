@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <deque>
 
 #include "unit/run/delivery/credit_fixture.hpp"
 
@@ -134,12 +135,34 @@ TEST(CreditRetry, StartsANewAttemptAtOnceIfAReceiverRestarts) {
 TEST(CreditRetry, StartsANewAttemptAtOnceIfAVehicleHasMissedMessages) {
   Credit credit = under_way();
   published(credit);
-  credit.give_up(1, 0.1);
+  EXPECT_TRUE(credit.give_up(1, 0.1));
   expect_published(published(credit, 0.1), {{2, 0, -1}});
-  credit.give_up(1, 0.2);  // a later report from another vehicle
+  EXPECT_FALSE(credit.give_up(1, 0.2)) << "a later report from another vehicle";
+  EXPECT_FALSE(credit.give_up(2, 0.3)) << "nothing has flowed yet";
   EXPECT_EQ(credit.attempt(), 2u);
-  credit.give_up(2, 0.3);
-  EXPECT_EQ(credit.attempt(), 2u) << "nothing has flowed yet";
+}
+
+// A step takes 3 s; notices come ten times as often as they may be followed.
+TEST(CreditRetry, CompletesASlowBatchBesideAFloodOfNotices) {
+  Credit credit = with_monitor();
+  double now = 0.0, stepped = 0.0;
+  std::deque<MessageId> waiting;
+  bool committed = false;
+  for (; !committed && now < 600.0; now += 0.01) {
+    const std::uint32_t before = credit.attempt();
+    credit.give_up(before, now);
+    if (credit.attempt() != before) waiting.clear();
+    for (const MessageId& id : published(credit, now)) waiting.push_back(id);
+    if (now - stepped < 3.0 || waiting.empty()) continue;
+    const MessageId id = waiting.front();
+    waiting.pop_front();
+    stepped = now;
+    committed = kSchedule.is_last_step(id.step);
+    credit.acknowledge(kMonitor, committed ? MessageId{id.attempt, 8, kNothingYet} : id, now);
+  }
+  EXPECT_TRUE(committed);
+  EXPECT_GT(credit.attempt(), 3u);
+  EXPECT_LT(credit.attempt(), 20u);
 }
 
 TEST(CreditRetry, StartsANewAttemptAtOnceIfAReceiverHasLostMessagesOfAStep) {

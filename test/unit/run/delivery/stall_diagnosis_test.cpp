@@ -20,7 +20,9 @@ std::string culprit(const std::vector<std::optional<MessageId>>& latest, const B
 TEST(StallDiagnosis, NamesTheVehicle) {
   EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 6), at(8, 2), at(8, 3)}, kSchedule, kAllAhead).vehicle, 2u);
   EXPECT_EQ(diagnose_stall({at(8, 5), at(8, 6), at(8, 7)}, kSchedule, kAllAhead).vehicle, 0u) << "the leader";
-  EXPECT_FALSE(diagnose_stall({at(8, 9), at(8, 7), at(8, 6)}, kSchedule, kAllAhead).vehicle) << "the channel";
+  const StallDiagnosis channel = diagnose_stall({at(8, 9), at(8, 7), at(8, 6)}, kSchedule, kAllAhead);
+  EXPECT_FALSE(channel.vehicle);
+  EXPECT_EQ(channel.cause, StallCause::silent_channel);
 }
 
 TEST(StallDiagnosis, NamesTheOnlyFollowerThatIsBehind) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
 #include <filesystem>
 #include <stdexcept>
 
@@ -112,6 +113,20 @@ TEST(RequireWritableFolder, NamesAPathAtOrBelowAFile) {
     EXPECT_TRUE(begins_with(error_of([&] { require_writable_folder(path); }), path + ": cannot be made: "));
   }
   EXPECT_EQ(content_of(file), "content");
+}
+
+TEST(WriteAtomically, ReplacesNothingButRegularFiles) {
+  const TemporaryFolder folder;
+  const std::string fifo = folder / "fifo", part = folder / "results.csv.part";
+  for (const std::string& name : {fifo, part}) ASSERT_EQ(::mkfifo(name.c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/null", folder / "null");
+  EXPECT_EQ(error_of([&] { write_atomically(fifo, "x"); }),
+            fifo + ": must be a new file or a regular one: File exists");
+  EXPECT_TRUE(
+      contains(error_of([&] { write_atomically(folder / "results.csv", "x"); }), part + ": must be a new file"));
+  EXPECT_TRUE(contains(error_of([&] { write_atomically(folder / "null", "x"); }), "must be a new file"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "null"));
+  EXPECT_TRUE(std::filesystem::is_fifo(fifo));
 }
 
 }  // namespace

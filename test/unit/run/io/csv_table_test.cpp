@@ -37,6 +37,13 @@ TEST(CsvTable, KeepsTheCellsOfColumnsWithATextAsWritten) {
   EXPECT_EQ(std::get<std::vector<std::string>>(table.columns[1]), (std::vector<std::string>{"x,y\nz", ""}));
 }
 
+TEST(CsvTable, TakesNoOtherTextForANumber) {
+  for (const std::string cell : {"0x10", "1 ", std::string("1\0", 2).c_str(), "1d5"}) {
+    const CsvTable table = parse_csv("a\n1\n" + (cell == "1" ? std::string("1\0", 2) : cell) + "\n", "table.csv");
+    EXPECT_TRUE(std::holds_alternative<std::vector<std::string>>(table.columns[0])) << cell;
+  }
+}
+
 TEST(CsvTable, MayEndWithoutANewline) {
   const CsvTable table = parse_csv("a,b\n1,2\n3,", "table.csv");
   EXPECT_EQ(std::get<std::vector<double>>(table.columns[0]), (std::vector<double>{1.0, 3.0}));
@@ -47,7 +54,7 @@ TEST(CsvTable, NamesFileAndLineOfAnError) {
   EXPECT_EQ(error_of("a,b\n"), "table.csv: holds no rows, only its heading");
   EXPECT_EQ(error_of("a,b\n1,2\n1,2,3\n"), "table.csv: line 3 has 3 values instead of 2");
   EXPECT_EQ(error_of("a,b\n1,2\n\n"), "table.csv: line 3 has 1 values instead of 2");
-  EXPECT_EQ(error_of("a,a\n1,2\n"), "table.csv: has two columns of the same name");
+  EXPECT_EQ(error_of("a,b,a\n1,2,3\n"), "table.csv: line 1, column 3: a: must be another name than those before");
 }
 
 TEST(CsvText, HasAllDigitsAndEmptyCellsForMissingNumbers) {

@@ -86,8 +86,8 @@ TEST_F(ResultFilesTest, TheSummaryHasEveryKey) {
   }
   EXPECT_EQ(keys_of(summary["agreement"]), (std::set<std::string>{"max_abs_z_mean", "max_abs_z_variance"}));
   EXPECT_EQ(keys_of(summary["theory"]),
-            (std::set<std::string>{"spectral_radius", "peak_gain", "mean_square_stable", "string_stable",
-                                   "stationary_variance", "limit_variance"}));
+            (std::set<std::string>{"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable",
+                                   "string_stable", "loss_gain", "limit_variance", "reason", "stationary_variance"}));
 }
 
 TEST_F(ResultFilesTest, TheSummaryHasTheFiguresOfTheRun) {
@@ -137,6 +137,14 @@ TEST_F(ResultFilesTest, TheSummaryHasTheStandardErrorsOfTheVariances) {
   const double own = summary(measured)["standard_error_of_variance"][1];
   EXPECT_EQ(own, standard_error_of_variance(last));
   EXPECT_GT(own, 1.5 * gaussian);
+  // The largest of follower 1 is that of another step than the last.
+  Moments& middle = measured.moments[cell(1, 1, 3)];
+  middle.cubed_deviations = 0.0;
+  middle.fourth_deviations = 100.0 * static_cast<double>(middle.count);
+  const nlohmann::json all = summary(measured);
+  EXPECT_EQ(all["largest_standard_error_of_variance"][0], standard_error_of_variance(middle));
+  EXPECT_GT(standard_error_of_variance(middle), all["standard_error_of_variance"][0].get<double>());
+  EXPECT_EQ(all["largest_standard_error_of_variance"][1], own);
 }
 
 TEST_F(ResultFilesTest, TheSummaryHasTheRealizationsThatAVerdictNeedsIfPacketsAreLost) {

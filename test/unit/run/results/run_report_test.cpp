@@ -34,6 +34,17 @@ protected:
     return report_of(result);
   }
 
+  /// The report of a run of the platoon whose verdict has this limit [m^2].
+  std::string report_with_limit(double limit) {
+    configuration_.run.steps = 200;
+    prediction_ = predict(configuration_);
+    prediction_.stability.limit_variance = limit;
+    RunResult result;
+    result.realizations = 2000;
+    result.moments = monte_carlo(configuration_.model, {7, 2, 200, 1000}, 2000).moments.totals();
+    return report_of(result);
+  }
+
   void make_lossy(double probability, double noise_variance, std::vector<double> predictor) {
     configuration_.run.steps = 20;
     configuration_.model.default_vehicle().noise_variance = noise_variance;
@@ -55,6 +66,19 @@ TEST_F(ReportTest, ReportsThatMeasurementAndTheoryDisagree) {
   only_variance.moments.back().squared_deviations *= 5.0;
   for (const RunResult& other : {result(5.0), result(-5.0), only_mean, only_variance})
     EXPECT_TRUE(contains(report_of(other), "MEASUREMENT AND LEMMA 1 DISAGREE"));
+}
+
+TEST_F(ReportTest, ReportsAMeasuredVarianceAboveTheLimitOfTheVerdict) {
+  EXPECT_EQ(report_with_limit(2.3).find("MEASUREMENT AND VERDICT DISAGREE"), std::string::npos);
+  const std::string text = report_with_limit(0.5);
+  EXPECT_NE(text.find("MEASUREMENT AND VERDICT DISAGREE: the measured variance of follower 1 is "), std::string::npos);
+}
+
+TEST_F(ReportTest, ReportsFiguresOfTheTheoryThatContradictEachOther) {
+  prediction_.contradictions = {"one is 1, but the other is 2"};
+  EXPECT_NE(
+      report_of(result()).find("ERROR: figures of the theory contradict each other: one is 1, but the other is 2"),
+      std::string::npos);
 }
 
 TEST_F(ReportTest, ReportsThatAnUndefinedMeanDisagrees) {

@@ -4,6 +4,7 @@
 
 #include "unit/messages.hpp"
 #include "unit/paper_platoon.hpp"
+#include "unit/run/configuration/model_text.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
@@ -90,6 +91,39 @@ TEST(SweepFile, FindsTheModelBesideIt) {
   EXPECT_TRUE(read_sweep(file, {}).configuration(0).model.allow_unstable);
 }
 
+TEST(SweepFile, FindsShippedModelsAndDrivesByTheirNames) {
+  const Sweep shared = sweep_of("model: acc_path.yaml\nleader: city.csv\nvary: {seed: [1]}\n");
+  EXPECT_EQ(shared.configuration(0).model.sample_period,
+            model_of(content_of(PLATOON_SOURCE_DIR "/config/acc_path.yaml")).sample_period);
+  EXPECT_GT(shared.configuration(0).model.recorded_leader.size(), 1000u);
+  const Sweep varied = sweep_of("vary: {leader: [city.csv, motorway.csv], seed: [1]}\nfollowers: 3\n");
+  EXPECT_NE(varied.configuration(0).model.recorded_leader, varied.configuration(1).model.recorded_leader);
+  EXPECT_EQ(varied.name_of(0), "leader = city.csv, seed = 1");
+  EXPECT_EQ(sweep_of("vary: {leader/file: [city.csv]}\n").configuration(0).model.recorded_leader,
+            varied.configuration(0).model.recorded_leader);
+  EXPECT_TRUE(
+      contains(rejection("vary: {leader: [cit.csv]}\n"),
+               "cit.csv: no such file: must be a table of a drive, or one of the shipped city.csv, motorway.csv"));
+}
+
+TEST(SweepFile, FindsTablesOfLossesBesideIt) {
+  const TemporaryFolder folder;
+  folder.file("log.csv", "received\n1\n0\n1\n");
+  const std::string file =
+      folder.file("sweep.yaml", "vary: {channel: [{loss: {trace: log.csv}}, {loss: {probability: 0.1}}]}\nsteps: 10\n");
+  EXPECT_EQ(read_sweep(file, {}).configuration(0).model.default_vehicle().link.loss->trace->runs(), "1 1 1");
+}
+
+TEST(SweepFile, HasTheHeadwayInSecondsAndTheSignals) {
+  const Sweep shared = sweep_of("headway_seconds: 0.3\nsignals: gap\nvary: {seed: [1]}\n");
+  EXPECT_DOUBLE_EQ(shared.configuration(0).model.default_vehicle().headway, 3.0);
+  EXPECT_EQ(shared.configuration(0).run.signals, std::vector<std::string>{"gap"});
+  const Sweep varied = sweep_of("headway_seconds: 0.3\nvary: {headway_seconds: [0.28, 0.4]}\n");
+  EXPECT_DOUBLE_EQ(varied.configuration(1).model.default_vehicle().headway, 4.0);
+  EXPECT_EQ(rejection("vary: {headway: [3], headway_seconds: [0.3]}\n"),
+            "vary/headway_seconds: given: must be absent beside headway: one of the two");
+}
+
 TEST(SweepFile, IsOverriddenByTheCommandLine) {
   const TemporaryFolder folder;
   const std::string file = folder.file("sweep.yaml", "vary: {headway: [3]}\nrealizations: 1e5\n");
@@ -106,15 +140,16 @@ TEST(SweepFile, IsRejectedIfItIsTooLarge) {
 }
 
 TEST(SweepFile, NamesAllErrorsAtOnce) {
-  EXPECT_EQ(rejection("vary: {headway: 4:2:3, output: [a], delay: []}\ncombine: all\nshard: 3\nkeep: {who: all}\n"),
-            "6 errors:\n  vary/headway: 4:2:3: must be a list of values, or FROM:TO:COUNT\n"
-            "  vary/output: given: must be headway, noise_variance, loss, mean_burst, delay, leader, followers, steps, "
-            "seed, realizations, or a key of the model file, as channel/delay\n"
-            "  vary/delay: no value: must be a list of values, or FROM:TO:COUNT\n"
-            "  combine: all: must be grid or paired\n"
-            "  keep/who: unknown key: allowed are followers, steps\n"
-            "  shard: unknown key: allowed are batch, combine, delay, followers, headway, keep, leader, loss, "
-            "mean_burst, model, noise_variance, realizations, seed, shards, steps, vary");
+  EXPECT_EQ(
+      rejection("vary: {headway: 4:2:3, output: [a], delay: []}\ncombine: all\nshard: 3\nkeep: {who: all}\n"),
+      "6 errors:\n  vary/headway: 4:2:3: must be a list of values, or FROM:TO:COUNT\n"
+      "  vary/output: given: must be headway, headway_seconds, noise_variance, loss, mean_burst, delay, leader, followers, steps, "
+      "seed, realizations, or a key of the model file, as channel/delay\n"
+      "  vary/delay: no value: must be a list of values, or FROM:TO:COUNT\n"
+      "  combine: all: must be grid or paired\n"
+      "  keep/who: unknown key: allowed are followers, steps\n"
+      "  shard: unknown key: allowed are batch, combine, delay, followers, headway, headway_seconds, keep, "
+      "leader, loss, mean_burst, model, noise_variance, realizations, seed, shards, signals, steps, vary");
   EXPECT_EQ(rejection("followers: 3\n"), "vary: missing: must be a mapping of keys");
   EXPECT_EQ(rejection("vary: {}\n"), "vary: no axis: must name at least one varying parameter");
 }

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <vector>
+
+#include "stochastic_platoon/math/model/link_model.hpp"
+
+namespace platoon {
+
+/// The losses of a link as a stationary Markov chain: n modes, each marked arrived or lost, with transitions Pi and
+/// stationary probabilities pi. Independent losses and bursts have two modes; losses by a chain of states s with loss
+/// probabilities l_s (E. N. Gilbert, 1960; E. O. Elliott, 1963) have the modes (s, arrived) and (s, lost), where
+/// Pi_{(s,a),(s',a')} is P_ss' times 1 - l_s' or l_s'. Arrived modes come first; modes that never occur are left out.
+///
+/// In mode c the registers x(k) = (r(k), ..., r(k-m+1)) of the prediction obey x(k) = A_c x(k-1) + B_c s(k): an arrival
+/// shifts the sent s(k) in, a loss shifts the prediction in.
+class LossChain {
+public:
+  /// Recorded losses and losses by the distance, which are no chain, count by their probability and mean burst.
+  explicit LossChain(const LossModel& loss);
+
+  Eigen::Index modes() const { return transition_.rows(); }
+  Eigen::Index arrived() const { return arrived_; }  ///< number of arrived modes
+  Eigen::Index lost() const { return modes() - arrived_; }
+  Eigen::Index registers() const { return predictor_.size(); }  ///< m
+
+  const Eigen::MatrixXd& transition() const { return transition_; }  ///< Pi, from row to column
+  const Eigen::VectorXd& stationary() const { return stationary_; }  ///< pi
+  const Eigen::VectorXd& predictor() const { return predictor_; }    ///< c_1, ..., c_m
+
+  /// [Pi_ac A_c]: the sums over x of each mode, one step later.
+  Eigen::MatrixXd first_moments() const;
+
+  /// [Pi_ac A_c (x) A_c]: the sums over x x' of each mode, one step later.
+  Eigen::MatrixXd second_moments() const;
+
+  /// The eigenvalues of Pi other than 1 and 0.
+  std::vector<std::complex<double>> memories() const;
+
+  /// The largest modulus among them; 0 without any.
+  double memory() const;
+
+private:
+  Eigen::MatrixXd map(bool lost) const;
+
+  Eigen::Index arrived_ = 1;
+  Eigen::MatrixXd transition_;
+  Eigen::VectorXd stationary_, predictor_;
+};
+
+}  // namespace platoon
