@@ -61,15 +61,11 @@ class Factors:
         return result
 
 
-@functools.lru_cache(maxsize=64)
-def _made(vehicle):
-    return Follower(json.loads(vehicle))
-
-
-def made(vehicle):
-    """The follower of a vehicle of link_reference.vehicles_of()."""
-    keys = ("plant", "controller", "closed_loop", "time_headway", "noise_variance", "channel", "sample_period")
-    return _made(json.dumps({key: vehicle[key] for key in keys if key in vehicle}, sort_keys=True))
+def once(kind, keys):
+    """A function that makes one object of this kind for all vehicles of link_reference.vehicles_of() with the same values at these
+    keys."""
+    made_of = functools.lru_cache(maxsize=64)(lambda vehicle: kind(json.loads(vehicle)))
+    return lambda vehicle: made_of(json.dumps({key: vehicle[key] for key in keys if key in vehicle}, sort_keys=True))
 
 
 class Follower:
@@ -222,3 +218,6 @@ class Follower:
             if t != 0:
                 found.append(complex(2 * mp.asin(mp.sqrt(mpf(1) * t / 2))))
         return found
+
+
+made = once(Follower, ("plant", "controller", "closed_loop", "time_headway", "noise_variance", "channel", "sample_period"))

@@ -2,14 +2,13 @@
 difference equations of vehicles and links, with the table of second_moments.py. A radio transmits at step k the input of step
 k - 1."""
 
-import numpy as np
 from mpmath import mp, mpf
 
 import link_reference
 from audit.loss_chains import Link
 from audit.receivers import controller_of, inputs_of, plant_of
 from audit.polynomials import times
-from audit.second_moments import BITS, Ring, Table, fixed, leader_positions
+from audit.second_moments import BITS, Ring, Table, fixed, leader_positions, place_at_start
 from audit.loops import loop_of
 
 ONE = 1 << BITS
@@ -110,13 +109,7 @@ def moments(model, followers, steps):
         parts.append(Follower(vehicle, start))
         start = parts[-1].end
     table = Table(start)
-    columns = [[mpf(0)] * start for _ in parts]
-    for i, part in enumerate(parts):
-        part.begin(columns[i], columns[i - 1] if i else [mpf(0)] * start)
-    for part, column in zip(parts, columns):
-        whole = np.array([fixed(x) for x in column], dtype=object)
-        table.means = table.means + (fixed(part.initial["mean"]) * whole >> BITS)
-        table.covariance += fixed(part.initial["variance"]) * (np.outer(whole, whole) >> BITS) >> BITS
+    place_at_start(parts, table)
     default = link_reference.merged(model, {})
     positions, inputs = leader_motion(default, model, steps)
     means, variances = [[] for _ in parts], [[] for _ in parts]

@@ -2,34 +2,24 @@
 the scattered spectrum of every link as an operator on the spectrum that it receives."""
 
 import functools
-import json
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse.linalg
 from mpmath import mp, mpf
 
-import link_reference
-from audit.followers import LONG, Circle, long
+from audit.followers import LONG, Circle, long, once
 from audit.integers import Points
 from audit.quadrature import PI, Panels, panels
 from audit.receivers import Pair, Receiver
-from audit.string_theory import UNDECIDED_GAIN, perron_root, refined
+from audit.string_theory import UNDECIDED_GAIN, pattern_of, perron_root, refined, speed_of
 
-UNDECIDED = 1e-11  # of the slope at w = 0, relative to the sum over the vehicles of (1 + h)^2
+UNDECIDED = 1e-11  # slope at w = 0 that counts as 0, relative to the sum over the vehicles of (1 + h)^2
 BORDER = 1e-9      # of poles and second moments
 MOST_PHASE = 12.0  # radians that a delay turns on one panel
 
 
-@functools.lru_cache(maxsize=64)
-def _made(vehicle):
-    return Receiver(json.loads(vehicle))
-
-
-def made(vehicle):
-    """The receiver of a vehicle of link_reference.vehicles_of()."""
-    keys = ("plant", "controller", "time_headway", "noise_variance", "channel", "inputs", "sample_period")
-    return _made(json.dumps({key: vehicle[key] for key in keys if key in vehicle}, sort_keys=True))
+made = once(Receiver, ("plant", "controller", "time_headway", "noise_variance", "channel", "inputs", "sample_period"))
 
 
 @functools.lru_cache(maxsize=256)
@@ -41,13 +31,10 @@ class String:
     """One pattern of a model's string."""
 
     def __init__(self, model):
-        names = model.get("string", ["default"])
-        vehicles = link_reference.vehicles_of(model, 1 if set(names) == {"default"} else len(names))
-        self.vehicles = [made(vehicle) for vehicle in vehicles]
+        self.vehicles = [made(vehicle) for vehicle in pattern_of(model)]
         self.types = list(dict.fromkeys(self.vehicles))
         self.pairs = [paired(own, ahead) for own, ahead in zip(self.vehicles, self.vehicles[-1:] + self.vehicles[:-1])]
-        speed = model["leader"]["speed"][-1]["value"] if model["leader"]["speed"] else 0.0
-        self.speed = mpf(model["sample_period"]) * mpf(speed)
+        self.speed = speed_of(model)
         self.lossy = any(link.q for own in self.types for link in own.links)
         self.undetermined = 0
         self.grid = self.known = (None,)

@@ -128,6 +128,18 @@ def leader_positions(model, loop, steps):
     return loop.filtered(reference)
 
 
+def place_at_start(parts, table):
+    """Puts the moments of all initial positions into a table of zeros."""
+    columns = [[mpf(0)] * len(table.means) for _ in parts]
+    for i, part in enumerate(parts):
+        part.begin(columns[i], columns[i - 1] if i else [mpf(0)] * len(table.means))
+    for part, column in zip(parts, columns):
+        if part.initial["mean"] or part.initial["variance"]:
+            whole = np.array([fixed(x) for x in column], dtype=object)
+            table.means = table.means + (fixed(part.initial["mean"]) * whole >> BITS)
+            table.covariance += fixed(part.initial["variance"]) * (np.outer(whole, whole) >> BITS) >> BITS
+
+
 def moments(model, followers, steps):
     """Means and variances of zeta_i(k), i = 1, ..., followers, k = 0, ..., steps - 1, each as a list per follower."""
     parts, start, loops = [], 0, {}
@@ -137,14 +149,7 @@ def moments(model, followers, steps):
         parts.append(Follower(vehicle, loop, start))
         start = parts[-1].end
     table = Table(start)
-    columns = [[mpf(0)] * start for _ in parts]
-    for i, part in enumerate(parts):
-        part.begin(columns[i], columns[i - 1] if i else [mpf(0)] * start)
-    for part, column in zip(parts, columns):
-        if part.initial["mean"] or part.initial["variance"]:
-            whole = np.array([fixed(x) for x in column], dtype=object)
-            table.means = table.means + (fixed(part.initial["mean"]) * whole >> BITS)
-            table.covariance += fixed(part.initial["variance"]) * (np.outer(whole, whole) >> BITS) >> BITS
+    place_at_start(parts, table)
     leader = leader_positions(model, loop_of(link_reference.merged(model, {})), steps)
     means, variances = [[] for _ in parts], [[] for _ in parts]
     for k in range(steps):

@@ -47,17 +47,26 @@ def solved(gains, given):
     return [long(x) for x in mp.lu_solve(matrix, mp.matrix([mpf(str(x)) for x in given]))]
 
 
+def pattern_of(model):
+    """The vehicles of one repetition of the string."""
+    names = model.get("string", ["default"])
+    return link_reference.vehicles_of(model, 1 if set(names) == {"default"} else len(names))
+
+
+def speed_of(model):
+    """The leader's last speed, in metres per step."""
+    last = model["leader"]["speed"][-1]["value"] if model["leader"]["speed"] else 0.0
+    return mpf(model["sample_period"]) * mpf(last)
+
+
 class String:
     """One pattern of a model's string."""
 
     def __init__(self, model):
-        names = model.get("string", ["default"])
-        vehicles = link_reference.vehicles_of(model, 1 if set(names) == {"default"} else len(names))
-        self.followers = [made(vehicle) for vehicle in vehicles]
+        self.followers = [made(vehicle) for vehicle in pattern_of(model)]
         self.kinds = list(dict.fromkeys(self.followers))
         self.order = [self.kinds.index(f) for f in self.followers]
-        last = model["leader"]["speed"][-1]["value"] if model["leader"]["speed"] else 0.0
-        self.speed = mpf(model["sample_period"]) * mpf(last)
+        self.speed = speed_of(model)
         self.lossy = any(f.q for f in self.kinds)
         self.undetermined = max(f.undetermined for f in self.kinds)
 

@@ -15,7 +15,7 @@ PEAK = 1e-9       # relative
 BORDER = 1e-7     # distance of probes from borders: headways and mean bursts relative, loss probabilities absolute
 LATE = 1e-9       # relative, of a table's last step and the stationary value
 MOST_BURSTY = 3   # vehicles of a pattern with losses in bursts, for the time of the audit
-MOST_STEPS = 4000, 400  # of a late step; behind losses in bursts
+MOST_STEPS = 4000, 400  # steps of a table that is compared with stationary values: in general, and behind losses in bursts
 
 
 def string_of(model):
