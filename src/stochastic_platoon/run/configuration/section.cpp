@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 #include <cmath>
-#include <locale>
-#include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/run/io/printable.hpp"
+#include "stochastic_platoon/run/configuration/yaml_value.hpp"
 
 namespace platoon {
 
@@ -16,87 +13,8 @@ namespace {
 
 constexpr char kUtf8[] = "UTF-8 without a zero byte";
 
-std::string whole_text(const YAML::Node& node) {
-  if (!node || node.IsNull()) return "(nothing)";
-  if (node.IsScalar()) return node.Scalar().empty() ? "(empty)" : node.Scalar();
-  YAML::Emitter emitter;
-  emitter << YAML::Flow << node;
-  return emitter.c_str();
-}
-
-// The text of a file must not control the terminal that shows it.
-std::string on_one_line(const std::string& text) {
-  std::string line;
-  for (const char c : text) {
-    const bool space = c == ' ' || c == '\n';
-    if (!space || line.empty() || line.back() != ' ') line += space ? ' ' : c;
-  }
-  return printable(line);
-}
-
-std::string shown(const YAML::Node& node) {
-  return on_one_line(shortened(whole_text(node)));
-}
-
-// The whole text as a number, in the C locale; nullopt for any other text, including "nan" and "inf".
-std::optional<double> parsed_number(const YAML::Node& node) {
-  if (!node.IsScalar()) return std::nullopt;
-  std::istringstream stream(node.Scalar());
-  stream.imbue(std::locale::classic());
-  double value;
-  if (!(stream >> value) || !std::isfinite(value)) return std::nullopt;
-  return (stream >> std::ws).eof() ? std::optional<double>(value) : std::nullopt;
-}
-
-// An integer; 1e9 is accepted too.
-std::optional<std::int64_t> parsed_integer(const YAML::Node& node) {
-  if (!node.IsScalar()) return std::nullopt;
-  std::istringstream stream(node.Scalar());
-  stream.imbue(std::locale::classic());
-  std::int64_t value;
-  if (stream >> value && (stream >> std::ws).eof()) return value;
-  if (node.Scalar().find_first_of("eE") == std::string::npos) return std::nullopt;
-  const std::optional<double> number = parsed_number(node);
-  constexpr double kEveryWholeNumberBelow = 9007199254740992.0;
-  if (!number || std::abs(*number) >= kEveryWholeNumberBelow || *number != std::floor(*number)) return std::nullopt;
-  return static_cast<std::int64_t>(*number);
-}
-
-std::optional<Eigen::VectorXd> parsed_numbers(const YAML::Node& node) {
-  if (!node.IsSequence() || node.size() == 0) return std::nullopt;
-  Eigen::VectorXd values(static_cast<Eigen::Index>(node.size()));
-  for (std::size_t i = 0; i < node.size(); ++i) {
-    const std::optional<double> value = parsed_number(node[i]);
-    if (!value) return std::nullopt;
-    values(static_cast<Eigen::Index>(i)) = *value;
-  }
-  return values;
-}
-
-// Texts become part of JSON, which must be UTF-8, and of names of files.
-bool is_text(const std::string& text) {
-  if (text.find('\0') != std::string::npos) return false;  // the system ends names there
-  try {
-    nlohmann::json(text).dump();
-    return true;
-  } catch (const nlohmann::json::type_error&) {
-    return false;
-  }
-}
-
-bool is_digits(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-}
-
 constexpr char kDecimalPoint[] = ", with a decimal point in place of the comma",
                kWholeWithPoint[] = "one number, with a decimal point in place of the comma";
-
-bool has_decimal_comma(const YAML::Node& node) {
-  std::string text = node.IsScalar() ? node.Scalar() : "";
-  const std::size_t comma = text.find(',');
-  if (comma != std::string::npos) text[comma] = '.';
-  return comma != std::string::npos && number_in(text);
-}
 
 std::string at_most(double most) {
   return formatted("at most %g in magnitude", most);
