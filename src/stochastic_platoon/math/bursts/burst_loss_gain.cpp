@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t kFewestNodes = 128, kMostNodes = std::size_t{1} << 18;
 constexpr std::size_t kMostKernelNodes = 3000;
-constexpr double kManyNodes = 4096.0;  // equally spaced
+constexpr double kManyNodes = 4096.0;   // equally spaced
+constexpr double kMostRounding = 1e-4;  // change of a value on nodes that resolve every pole
 using SpectralValues = std::function<std::vector<double>(const BurstSpectra&)>;
 
 std::vector<std::complex<double>> memories_of(const BurstVehicle& vehicle) {
@@ -83,7 +84,8 @@ double resolving_nodes(const BurstPattern& pattern, bool endless) {
 /// Whether twice as many nodes gain nothing. On resolving nodes a change is rounding, which long bursts and the border
 /// of stability magnify.
 bool has_settled(double change, double before, bool resolved) {
-  return change <= 1e-12 || is_converged(change, before) || (resolved && change <= 1e-4 && change >= 0.1 * before);
+  return change <= 1e-12 || is_converged(change, before) ||
+         (resolved && change <= kMostRounding && change >= 0.1 * before);
 }
 
 /// The loss gain, on the correct side of 1; near 1 to kShare of its distance from 1.
@@ -126,12 +128,11 @@ double loss_gain_for_sign(const BurstPattern& pattern) {
 /// values(spectra) on the nodes of a quadrature, refined until they settle; none if that takes too many nodes.
 std::optional<std::vector<double>> settled_on_few(const BurstPattern& pattern, std::optional<std::size_t> followers,
                                                   const SpectralValues& values) {
-  constexpr double kRounding = 1e-4;  // as in has_settled(): the first nodes resolve every pole
   std::vector<double> coarse;
   double before = kInfinity;
   for (int refinement = 0;; ++refinement) {
     const Quadrature rule = resolving_quadrature(pattern, followers, refinement);
-    if (rule.node.size() > kMostKernelNodes && before <= kRounding) return coarse;
+    if (rule.node.size() > kMostKernelNodes && before <= kMostRounding) return coarse;
     if (rule.node.size() > kMostKernelNodes) return std::nullopt;
     std::vector<double> fine = values(BurstSpectra(pattern, rule));
     const double change = refinement > 0 ? largest_change(coarse, fine) : kInfinity;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "stochastic_platoon/math/numerics/complex_product.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/memory_weights.hpp"
 
@@ -13,15 +14,6 @@ namespace platoon {
 namespace {
 
 using DoubleComplex = std::complex<double>;
-
-/// a b, and its real part, without the checks of std::complex for infinities.
-DoubleComplex product(DoubleComplex a, DoubleComplex b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
-
-double real_product(DoubleComplex a, DoubleComplex b) {
-  return a.real() * b.real() - a.imag() * b.imag();
-}
 
 }  // namespace
 

@@ -15,8 +15,8 @@ namespace platoon {
 class BurstVehicle {
 public:
   /// `known`: the same vehicle with another headway or other losses; it saves the search for zeros that do not depend
-  /// on the headway. Throws std::invalid_argument for a vehicle with feed-forward, and as BurstLink does unless
-  /// `loss_feedback()` is 1 or more.
+  /// on the headway. `before`: as of LinkedVehicle. Throws std::invalid_argument for a vehicle with feed-forward, and
+  /// as BurstLink does unless `loss_feedback()` is 1 or more.
   explicit BurstVehicle(const VehicleModel& vehicle, const BurstVehicle* known = nullptr,
                         const VehicleModel* before = nullptr);
 

@@ -13,13 +13,16 @@ namespace {
 
 void require_chain(const LossModel& loss) {
   if (loss.trace || loss.by_distance)
-    throw std::invalid_argument("ages of a link: its losses must be independent or in bursts or by a chain");
+    throw std::invalid_argument("ages of a link: its losses must be independent, in bursts or by a chain");
 }
 
-/// Runs of losses of a chain by its states: the lost modes one step later are x Pi_ll.
+/// Runs of losses of a chain: with its states, the lost modes one step later are x Pi_ll; without, Pi_ll is the number
+/// b.
 class LossRuns {
 public:
-  explicit LossRuns(const LossModel& loss) {
+  explicit LossRuns(const LossModel& loss) : loss_(loss) {
+    require_chain(loss);
+    if (!loss.markov) return;
     const LossChain chain(loss);
     const Eigen::Index arrived = chain.arrived(), lost = chain.lost();
     stays_ = chain.transition().bottomRightCorner(lost, lost);
@@ -27,11 +30,23 @@ public:
     begins_ = chain.stationary().head(arrived).transpose() * chain.transition().topRightCorner(arrived, lost);
   }
 
-  double all_lost(std::int64_t n) const { return (lost_ * power(n - 1)).sum(); }  ///< n >= 1 steps in a row
-  double age(std::int64_t n) const { return (begins_ * power(n - 1)).sum(); }     ///< P(n), n >= 1
+  /// Probability that n >= 1 steps in a row lose.
+  double all_lost(std::int64_t n) const {
+    if (loss_.markov) return (lost_ * power(n - 1)).sum();
+    return loss_.probability * std::pow(loss_.after_loss(), static_cast<double>(n - 1));
+  }
+
+  /// P(n).
+  double age(std::int64_t n) const {
+    const double arrival = 1.0 - loss_.probability;
+    if (n == 0) return arrival;
+    if (loss_.markov) return (begins_ * power(n - 1)).sum();
+    return arrival * loss_.after_arrival() * std::pow(loss_.after_loss(), static_cast<double>(n - 1));
+  }
 
   /// Sum of all_lost(1), all_lost(2), ...
   double mean_age() const {
+    if (!loss_.markov) return loss_.probability * loss_.mean_burst.value_or(loss_.independent_burst());
     const Eigen::Index n = stays_.rows();
     return (Eigen::MatrixXd::Identity(n, n) - stays_).transpose().partialPivLu().solve(lost_.transpose()).sum();
   }
@@ -45,54 +60,39 @@ private:
     return result;
   }
 
+  const LossModel& loss_;
   Eigen::MatrixXd stays_;             ///< Pi_ll
   Eigen::RowVectorXd lost_, begins_;  ///< lost modes at any step, and at the first loss behind an arrival
 };
 
-/// P(n).
-double stationary(const LossModel& loss, std::int64_t n) {
-  const double arrival = 1.0 - loss.probability;
-  if (n == 0) return arrival;
-  if (loss.markov) return LossRuns(loss).age(n);
-  return arrival * loss.after_arrival() * std::pow(loss.after_loss(), static_cast<double>(n - 1));
-}
-
-/// Probability that n >= 1 steps in a row lose.
-double all_lost(const LossModel& loss, std::int64_t n) {
-  if (loss.markov) return LossRuns(loss).all_lost(n);
-  return loss.probability * std::pow(loss.after_loss(), static_cast<double>(n - 1));
-}
-
 }  // namespace
 
 std::vector<double> age_probabilities(const LossModel& loss) {
-  require_chain(loss);
+  const LossRuns runs(loss);
   constexpr double kRest = 1e-12;
   constexpr std::int64_t kMost = 100000;
-  std::vector<double> probabilities{stationary(loss, 0)};
+  std::vector<double> probabilities{runs.age(0)};
   double rest = loss.probability;  // everything from age n on
   for (std::int64_t n = 1; rest >= kRest && n < kMost; ++n) {
-    probabilities.push_back(stationary(loss, n));
-    rest = loss.markov ? all_lost(loss, n + 1) : rest * loss.after_loss();
+    probabilities.push_back(runs.age(n));
+    rest = loss.markov ? runs.all_lost(n + 1) : rest * loss.after_loss();
   }
   return probabilities;
 }
 
 double mean_age(const LossModel& loss) {
-  require_chain(loss);
-  if (loss.markov) return LossRuns(loss).mean_age();
-  return loss.probability * loss.mean_burst.value_or(loss.independent_burst());
+  return LossRuns(loss).mean_age();
 }
 
 double age_exceeded_with(const LossModel& loss, double rest) {
-  require_chain(loss);
+  const LossRuns runs(loss);
   if (loss.probability <= rest) return 0.0;
   if (loss.markov) {
     std::int64_t most = 1;
-    while (all_lost(loss, most + 1) > rest) most *= 2;
+    while (runs.all_lost(most + 1) > rest) most *= 2;
     for (std::int64_t least = most / 2; most - least > 1;) {
       const std::int64_t middle = least + (most - least) / 2;
-      (all_lost(loss, middle + 1) > rest ? least : most) = middle;
+      (runs.all_lost(middle + 1) > rest ? least : most) = middle;
     }
     return static_cast<double>(most);
   }
@@ -105,10 +105,10 @@ double age_exceeded_with(const LossModel& loss, double rest) {
 }
 
 double expected_age_share(const LossModel& loss, std::int64_t n, std::int64_t steps) {
-  require_chain(loss);
+  const LossRuns runs(loss);
   if (n > steps) return 0.0;
-  const double since_start = n == 0 ? 0.0 : all_lost(loss, n);
-  return (static_cast<double>(steps - n) * stationary(loss, n) + since_start) / static_cast<double>(steps);
+  const double since_start = n == 0 ? 0.0 : runs.all_lost(n);
+  return (static_cast<double>(steps - n) * runs.age(n) + since_start) / static_cast<double>(steps);
 }
 
 // Sends the number of each step over a link that holds: the received value is the step of the latest arrival.

@@ -90,7 +90,6 @@ void PacketLoss::start(std::uint64_t first_realization, std::size_t count, const
   for (AlignedValues& used : used_) used.assign(positions, positions + count);
   chance_.assign(count, loss_.probability);
   newest_ = 0;
-  begun_ = false;
   mode_.assign(modes_ ? count : 0, 0);
   if (!loss_.trace) return;
   const auto entries = static_cast<double>(loss_.trace->size());
@@ -123,7 +122,7 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
     if (loss_.trace) {
       lose_as_recorded(*loss_.trace, guess, size, &entry_[r], positions + r);
     } else if (modes_) {
-      lose_by_modes(uniforms.data(), guess, size, &mode_[r], positions + r);
+      lose_by_modes(step, uniforms.data(), guess, size, &mode_[r], positions + r);
     } else if (loss_.mean_burst || loss_.by_distance) {
       detail::lose(uniforms.data(), guess, loss_.after_loss(), loss_.after_arrival(), size, &chance_[r], positions + r);
     } else {
@@ -132,13 +131,12 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
     if (n > 0) std::copy_n(positions + r, size, &used_[oldest][r]);
   }
   newest_ = oldest;
-  begun_ = true;
 }
 
-void PacketLoss::lose_by_modes(const double* uniforms, const double* predicted, std::size_t size, std::uint8_t* mode,
-                               double* positions) const {
+void PacketLoss::lose_by_modes(std::int64_t step, const double* uniforms, const double* predicted, std::size_t size,
+                               std::uint8_t* mode, double* positions) const {
   for (std::size_t r = 0; r < size; ++r) {
-    mode[r] = begun_ ? modes_->after(mode[r], uniforms[r]) : modes_->first(uniforms[r]);
+    mode[r] = step > 0 ? modes_->after(mode[r], uniforms[r]) : modes_->first(uniforms[r]);
     if (modes_->is_lost(mode[r])) positions[r] = predicted[r];
   }
 }

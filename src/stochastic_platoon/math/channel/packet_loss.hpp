@@ -47,15 +47,14 @@ public:
   void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) override;
 
 private:
-  void lose_by_modes(const double* uniforms, const double* predicted, std::size_t size, std::uint8_t* mode,
-                     double* positions) const;
+  void lose_by_modes(std::int64_t step, const double* uniforms, const double* predicted, std::size_t size,
+                     std::uint8_t* mode, double* positions) const;
 
   LossModel loss_;
   WhiteNoise draws_;
   std::uint32_t receiver_;
   std::vector<AlignedValues> used_;  ///< ring of r(k-1), r(k-2), ... from newest_ on, per realization
   std::size_t newest_ = 0;
-  bool begun_ = false;                ///< whether step 0 has passed
   AlignedValues chance_;              ///< probability of a loss at the next step, per realization
   std::optional<ModeChances> modes_;  ///< of losses by the states of a chain
   std::vector<std::uint8_t> mode_;    ///< of the chain at the latest step, per realization

@@ -17,19 +17,9 @@ bool LossModel::is_independent() const {
 
 namespace {
 
-/// The predictor's registers r(k-1), r(k-2), ... one step later, after an arrival (without the arrived value) and after
-/// a loss.
-struct RegisterMaps {
-  Eigen::MatrixXd arrived, lost;
-
-  explicit RegisterMaps(const std::vector<double>& predictor) {
-    const auto n = static_cast<Eigen::Index>(predictor.size());
-    arrived = Eigen::MatrixXd::Zero(n, n);
-    arrived.diagonal(-1).setOnes();
-    lost = arrived;
-    lost.row(0) = Eigen::Map<const Eigen::RowVectorXd>(predictor.data(), n);
-  }
-};
+Eigen::Map<const Eigen::VectorXd> coefficients(const std::vector<double>& predictor) {
+  return {predictor.data(), static_cast<Eigen::Index>(predictor.size())};
+}
 
 Eigen::MatrixXd squared(const Eigen::MatrixXd& map) {
   return Eigen::kroneckerProduct(map, map);
@@ -40,15 +30,15 @@ Eigen::MatrixXd squared(const Eigen::MatrixXd& map) {
 double second_moment_radius(const LossModel& loss) {
   if (loss.predictor.empty()) return 0.0;
   if (!loss.is_independent()) return spectral_radius(LossChain(loss).second_moments());
-  const RegisterMaps maps(loss.predictor);
   const double q = loss.probability;
-  return spectral_radius((1.0 - q) * squared(maps.arrived) + q * squared(maps.lost));
+  return spectral_radius((1.0 - q) * squared(register_map(coefficients(loss.predictor), false)) +
+                         q * squared(register_map(coefficients(loss.predictor), true)));
 }
 
 double loss_feedback(const LossModel& loss) {
   if (loss.predictor.empty()) return 0.0;
   // Gramian X = sum R R' of the impulse response R = [r(k), r(k-1), ..] of F; L F is c R one step later.
-  Eigen::MatrixXd step = RegisterMaps(loss.predictor).lost;
+  Eigen::MatrixXd step = register_map(coefficients(loss.predictor), true);
   const Eigen::Index n = step.rows();
   const Eigen::VectorXd c = step.row(0).transpose();
   step.row(0) *= loss.probability;
@@ -61,11 +51,12 @@ double loss_feedback(const LossModel& loss) {
 
 double growth(const LossTrace& trace, const std::vector<double>& predictor) {
   if (predictor.empty()) return 0.0;
-  const RegisterMaps maps(predictor);
-  Eigen::MatrixXd product = Eigen::MatrixXd::Identity(maps.lost.rows(), maps.lost.rows());
+  const Eigen::MatrixXd arrived = register_map(coefficients(predictor), false),
+                        lost = register_map(coefficients(predictor), true);
+  Eigen::MatrixXd product = Eigen::MatrixXd::Identity(lost.rows(), lost.rows());
   double exponent = 0.0;
   for (std::size_t k = 0; k < trace.size(); ++k) {
-    product = (trace.is_lost(k) ? maps.lost : maps.arrived) * product;
+    product = (trace.is_lost(k) ? lost : arrived) * product;
     const double size = product.cwiseAbs().maxCoeff();
     if (size == 0.0) return 0.0;
     product /= size;

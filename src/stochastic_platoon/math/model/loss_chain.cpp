@@ -1,39 +1,22 @@
 #include "stochastic_platoon/math/model/loss_chain.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <unsupported/Eigen/KroneckerProduct>
+#include <vector>
 
 #include "stochastic_platoon/math/numerics/eigenvalues.hpp"
+#include "stochastic_platoon/math/numerics/selected.hpp"
 
 namespace platoon {
 
-namespace {
-
-constexpr double kNoMemory = 1e-14;
-
-/// Rows and columns of the modes that occur.
-struct Occurring {
-  std::vector<Eigen::Index> modes;
-
-  Eigen::MatrixXd of(const Eigen::MatrixXd& matrix) const {
-    const auto count = static_cast<Eigen::Index>(modes.size());
-    Eigen::MatrixXd result(count, count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      for (Eigen::Index j = 0; j < count; ++j)
-        result(i, j) = matrix(modes[static_cast<std::size_t>(i)], modes[static_cast<std::size_t>(j)]);
-    }
-    return result;
-  }
-  Eigen::VectorXd of(const Eigen::VectorXd& vector) const {
-    Eigen::VectorXd result(static_cast<Eigen::Index>(modes.size()));
-    for (std::size_t i = 0; i < modes.size(); ++i) result(static_cast<Eigen::Index>(i)) = vector(modes[i]);
-    return result;
-  }
-};
-
-}  // namespace
+Eigen::MatrixXd register_map(const Eigen::VectorXd& predictor, bool lost) {
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(predictor.size(), predictor.size());
+  map.diagonal(-1).setOnes();
+  if (lost) map.row(0) = predictor.transpose();
+  return map;
+}
 
 LossChain::LossChain(const LossModel& loss)
     : predictor_(
@@ -62,63 +45,40 @@ LossChain::LossChain(const LossModel& loss)
     probabilities(to) = in_state(to) * (1.0 - given.probability()(to));
     probabilities(states + to) = in_state(to) * given.probability()(to);
   }
-  Occurring occurring;
+  std::vector<Eigen::Index> occurring;
   arrived_ = 0;
   for (Eigen::Index mode = 0; mode < 2 * states; ++mode) {
     if (!(probabilities(mode) > 0.0)) continue;
-    occurring.modes.push_back(mode);
+    occurring.push_back(mode);
     if (mode < states) ++arrived_;
   }
-  transition_ = occurring.of(all);
-  stationary_ = occurring.of(probabilities);
+  transition_ = selected(all, occurring);
+  stationary_ = selected(probabilities, occurring);
 }
 
-Eigen::MatrixXd LossChain::map(bool lost) const {
-  const Eigen::Index m = registers();
-  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(m, m);
-  map.diagonal(-1).setOnes();
-  if (lost) map.row(0) = predictor_.transpose();
-  return map;
+Eigen::MatrixXd LossChain::moments(const Eigen::MatrixXd& after_arrival, const Eigen::MatrixXd& after_loss) const {
+  const Eigen::Index m = after_loss.rows();
+  Eigen::MatrixXd result(modes() * m, modes() * m);
+  for (Eigen::Index to = 0; to < modes(); ++to) {
+    for (Eigen::Index from = 0; from < modes(); ++from)
+      result.block(to * m, from * m, m, m) = transition_(from, to) * (to < arrived_ ? after_arrival : after_loss);
+  }
+  return result;
 }
 
 Eigen::MatrixXd LossChain::first_moments() const {
-  const Eigen::Index m = registers();
-  const Eigen::MatrixXd maps[] = {map(false), map(true)};
-  Eigen::MatrixXd moments(modes() * m, modes() * m);
-  for (Eigen::Index to = 0; to < modes(); ++to) {
-    for (Eigen::Index from = 0; from < modes(); ++from)
-      moments.block(to * m, from * m, m, m) = transition_(from, to) * maps[to < arrived_ ? 0 : 1];
-  }
-  return moments;
+  return moments(register_map(predictor_, false), register_map(predictor_, true));
 }
 
 Eigen::MatrixXd LossChain::second_moments() const {
-  const Eigen::Index squares = registers() * registers();
-  const Eigen::MatrixXd maps[] = {Eigen::kroneckerProduct(map(false), map(false)).eval(),
-                                  Eigen::kroneckerProduct(map(true), map(true)).eval()};
-  Eigen::MatrixXd moments(modes() * squares, modes() * squares);
-  for (Eigen::Index to = 0; to < modes(); ++to) {
-    for (Eigen::Index from = 0; from < modes(); ++from)
-      moments.block(to * squares, from * squares, squares, squares) =
-          transition_(from, to) * maps[to < arrived_ ? 0 : 1];
-  }
-  return moments;
-}
-
-std::vector<std::complex<double>> LossChain::memories() const {
-  const Eigen::VectorXcd values = eigenvalues(transition_);
-  Eigen::Index one = 0;
-  (values.array() - 1.0).abs().minCoeff(&one);
-  std::vector<std::complex<double>> found;
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    if (i != one && std::abs(values(i)) > kNoMemory) found.push_back(values(i));
-  }
-  return found;
+  const Eigen::MatrixXd arrived = register_map(predictor_, false), lost = register_map(predictor_, true);
+  return moments(Eigen::kroneckerProduct(arrived, arrived).eval(), Eigen::kroneckerProduct(lost, lost).eval());
 }
 
 double LossChain::memory() const {
   double largest = 0.0;
-  for (const std::complex<double>& value : memories()) largest = std::max(largest, std::abs(value));
+  for (const std::complex<double>& value : eigenvalues_beside_one(transition_))
+    largest = std::max(largest, std::abs(value));
   return largest;
 }
 

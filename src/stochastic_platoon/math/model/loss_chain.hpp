@@ -1,12 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <complex>
-#include <vector>
 
 #include "stochastic_platoon/math/model/link_model.hpp"
 
 namespace platoon {
+
+/// A_c: the registers r(k-1), r(k-2), ... of a predictor one step later, after an arrival (without the arrived value)
+/// or after a loss.
+Eigen::MatrixXd register_map(const Eigen::VectorXd& predictor, bool lost);
 
 /// The losses of a link as a stationary Markov chain: n modes, each marked arrived or lost, with transitions Pi and
 /// stationary probabilities pi. Independent losses and bursts have two modes; losses by a chain of states s with loss
@@ -35,14 +37,12 @@ public:
   /// [Pi_ac A_c (x) A_c]: the sums over x x' of each mode, one step later.
   Eigen::MatrixXd second_moments() const;
 
-  /// The eigenvalues of Pi other than 1 and 0.
-  std::vector<std::complex<double>> memories() const;
-
-  /// The largest modulus among them; 0 without any.
+  /// The largest modulus of an eigenvalue of Pi other than 1.
   double memory() const;
 
 private:
-  Eigen::MatrixXd map(bool lost) const;
+  /// [Pi_ac M_c] of a matrix for arrived modes and one for lost ones.
+  Eigen::MatrixXd moments(const Eigen::MatrixXd& after_arrival, const Eigen::MatrixXd& after_loss) const;
 
   Eigen::Index arrived_ = 1;
   Eigen::MatrixXd transition_;

@@ -1,12 +1,13 @@
 #include "stochastic_platoon/math/model/markov_losses.hpp"
 
-#include <algorithm>
+#include <boost/math/constants/constants.hpp>
 #include <cmath>
-#include <numeric>
+#include <complex>
 #include <stdexcept>
 #include <vector>
 
 #include "stochastic_platoon/math/numerics/eigenvalues.hpp"
+#include "stochastic_platoon/math/numerics/selected.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
@@ -93,17 +94,14 @@ void check(const Eigen::MatrixXd& transition, const Eigen::VectorXd& probability
 /// Throws std::invalid_argument if the chain of these states returns only at multiples of a period, or mixes too
 /// slowly for the theory.
 void require_mixing(const Eigen::MatrixXd& transition) {
-  const Eigen::VectorXcd values = eigenvalues(transition);
-  Eigen::Index one = 0;
-  (values.array() - 1.0).abs().minCoeff(&one);
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    if (i == one || std::abs(values(i)) < 1.0 - 1e-7) continue;
+  for (const std::complex<double>& value : eigenvalues_beside_one(transition)) {
+    if (std::abs(value) < 1.0 - 1e-7) continue;
     throw std::invalid_argument(
-        values(i).real() > 0.5
+        value.real() > 0.5
             ? formatted("transition: a chain that leaves a set of states once in %.2g steps: must mix faster",
-                        1.0 / std::abs(1.0 - values(i)))
+                        1.0 / std::abs(1.0 - value))
             : formatted("transition: a chain that returns to its states every %.3g steps: must have no period",
-                        2.0 * 3.141592653589793 / std::abs(std::arg(values(i)))));
+                        2.0 * boost::math::double_constants::pi / std::abs(std::arg(value))));
   }
 }
 
@@ -117,15 +115,10 @@ MarkovLosses::MarkovLosses(const Eigen::MatrixXd& transition, const Eigen::Vecto
   check(transition, probability);
   for (Eigen::Index i = 0; i < transition_.rows(); ++i) transition_.row(i) /= transition_.row(i).sum();
   const States states = recurrent(transition_);
-  const auto count = static_cast<Eigen::Index>(states.size());
-  Eigen::MatrixXd among(count, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    for (Eigen::Index j = 0; j < count; ++j)
-      among(i, j) = transition_(states[static_cast<std::size_t>(i)], states[static_cast<std::size_t>(j)]);
-  }
+  const Eigen::MatrixXd among = selected(transition_, states);
   require_mixing(among);
   const Eigen::VectorXd shares = stationary_of(among);
-  for (Eigen::Index i = 0; i < count; ++i) stationary_(states[static_cast<std::size_t>(i)]) = shares(i);
+  for (std::size_t i = 0; i < states.size(); ++i) stationary_(states[i]) = shares(static_cast<Eigen::Index>(i));
   if (!((stationary_.array() > 0.0) && (probability_.array() < 1.0)).any())
     throw std::invalid_argument("probability: 1 in every state that occurs: must be below 1 in one of them");
 }

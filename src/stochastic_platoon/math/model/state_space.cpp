@@ -71,7 +71,7 @@ Resolvent resolvent(const StateSpace& system) {
   for (const ExactPolynomial& numerator : exact.numerators)
     result.delta_numerators.push_back(rounded_delta(shifted_to_one(numerator)));
   std::vector<ExactPolynomial> states(exact.numerators.size());
-  ExactMatrix term = b;  // of adj(zI - A) B, by descending powers of z
+  ExactMatrix term = b;  // coefficient of adj(zI - A) B, from the highest power of z on
   for (std::size_t k = 1; k < exact.denominator.size(); ++k) {
     for (std::size_t i = 0; i < states.size(); ++i) states[i].push_back(term(static_cast<Eigen::Index>(i), 0));
     term = (a * term + b * exact.denominator[k]).eval();

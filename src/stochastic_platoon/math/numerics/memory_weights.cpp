@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/complex_product.hpp"
+
 namespace platoon {
 
 namespace {
@@ -20,10 +22,6 @@ constexpr std::size_t kNodes = kGaussNodes;
 constexpr double kFar = 2.2;   // distance from a panel's middle [half lengths] beyond which its own weights are exact
 constexpr double kNear = 1.3;  // ellipse about the panel in which the recurrence of Q_l upwards keeps its digits
 using Factors = std::array<DoubleComplex, kNodes>;
-
-DoubleComplex product(DoubleComplex a, DoubleComplex b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
 
 DoubleComplex inverse(DoubleComplex a) {
   return std::conj(a) / std::norm(a);
@@ -106,7 +104,7 @@ std::vector<DoubleComplex> MemoryWeights::at(double w) const {
       DoubleComplex sum = 0.0;
       for (std::size_t l = 0; l < kNodes; ++l) sum += legendre[k][l] * moments[l];
       factors.push_back(beside_pole({decay_, -offset - half * gauss_legendre().node[k]}) -
-                        product({0.0, 1.0 / half}, sum));
+                        product(DoubleComplex(0.0, 1.0 / half), sum));
     }
   }
   return factors;

@@ -13,8 +13,8 @@ namespace {
 
 using DoubleComplex = std::complex<double>;
 
-constexpr double kNoEigenvalue = 1e-14;  // of an eigenvalue
-constexpr double kConditioned = 20.0;    // |left| |right| of an accurate pair of eigenvectors
+constexpr double kVanishing = 1e-14;   // modulus below which an eigenvalue counts as 0
+constexpr double kConditioned = 20.0;  // |left| |right| of an accurate pair of eigenvectors
 
 struct Cluster {
   std::vector<DoubleComplex> values;
@@ -99,7 +99,7 @@ std::vector<ResolventTerm> memory_terms(const Eigen::MatrixXd& transposed) {
       const DoubleComplex value = solver.eigenvalues()(i);
       if (i == one || !is_member(value)) continue;
       conditioned = conditioned && columns.col(i).norm() * rows.row(i).norm() < kConditioned;
-      if (std::abs(value) > kNoEigenvalue) own.push_back({value, columns.col(i), rows.row(i)});
+      if (std::abs(value) > kVanishing) own.push_back({value, columns.col(i), rows.row(i)});
     }
     if (conditioned) {
       terms.insert(terms.end(), own.begin(), own.end());

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+#include "stochastic_platoon/math/numerics/complex_product.hpp"
 
 namespace platoon {
 
@@ -21,10 +22,6 @@ Complex quotient(Complex a, Complex b) {
   return {(a.real() * b.real() + a.imag() * b.imag()) / size, (a.imag() * b.real() - a.real() * b.imag()) / size};
 }
 
-Complex product(Complex a, Complex b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
-
 struct NewtonStep {
   Complex step;       ///< p(s) / p'(s)
   bool rounding;      ///< |p(s)| is within the rounding of its evaluation
@@ -38,7 +35,7 @@ NewtonStep newton_step(const DeltaPolynomial& p, Complex s) {
   const long double length = std::abs(x);
   Complex value = 0.0L;
   Complex slope = 0.0L;
-  long double sum = 0.0L;  // of the moduli of the terms
+  long double sum = 0.0L;  // sum of the moduli of all terms
   for (std::size_t i = 0; i < p.size(); ++i) {
     const long double coefficient = outside ? p[i] : p[p.size() - 1 - i];
     slope = product(slope, x) + value;

@@ -57,10 +57,11 @@ std::size_t settled_followers(const PlatoonModel& model, std::size_t followers, 
   const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
   if (loses && !model.recorded_leader.empty()) return 0;
   const std::int64_t changed = loses && !model.leader.changes().empty() ? model.leader.changes().back().from_step : 0;
+  const SettlingTime time(model);
   std::size_t settled = 0, other = followers + 1;
   while (other - settled > 1) {
     const std::size_t middle = settled + (other - settled) / 2;
-    const std::optional<std::int64_t> settling = settling_steps(model, middle);
+    const std::optional<std::int64_t> settling = time.steps(middle);
     (settling && steps - changed > 2 * *settling ? settled : other) = middle;
   }
   return settled;

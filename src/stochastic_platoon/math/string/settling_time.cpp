@@ -39,19 +39,25 @@ double slowest_radius(const VehicleModel& vehicle) {
 
 }  // namespace
 
-std::optional<std::int64_t> settling_steps(const PlatoonModel& model, std::size_t followers) {
-  const std::vector<VehicleModel> vehicles = pattern(model);
-  double radius = 0.0, delays = 0.0;
-  for (const VehicleModel& vehicle : vehicles) radius = std::max(radius, slowest_radius(vehicle));
-  if (!(radius < 1.0)) return std::nullopt;
+SettlingTime::SettlingTime(const PlatoonModel& model) : vehicles_(pattern(model)) {
+  for (const VehicleModel& vehicle : vehicles_) radius_ = std::max(radius_, slowest_radius(vehicle));
+}
+
+std::optional<std::int64_t> SettlingTime::steps(std::size_t followers) const {
+  if (!(radius_ < 1.0)) return std::nullopt;
+  double delays = 0.0;
   for (std::size_t i = 0; i < followers; ++i) {
-    const VehicleModel& vehicle = vehicles[i % vehicles.size()];
+    const VehicleModel& vehicle = vehicles_[i % vehicles_.size()];
     delays += static_cast<double>(vehicle.loop.realization.order()) +
               static_cast<double>(std::max(vehicle.link.delay, varied_link(vehicle).delay));
   }
   const double n = static_cast<double>(followers), l = std::log(1e6);
-  const double decay = radius > 0.0 ? (n + std::sqrt(2.0 * n * l) + l) / -std::log(radius) : 0.0;
+  const double decay = radius_ > 0.0 ? (n + std::sqrt(2.0 * n * l) + l) / -std::log(radius_) : 0.0;
   return static_cast<std::int64_t>(std::ceil(delays + decay));
+}
+
+std::optional<std::int64_t> settling_steps(const PlatoonModel& model, std::size_t followers) {
+  return SettlingTime(model).steps(followers);
 }
 
 }  // namespace platoon

@@ -3,10 +3,25 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 
 namespace platoon {
+
+/// The time in which the transient of the start decays, for any number of followers: the slowest pole of the string is
+/// found once.
+class SettlingTime {
+public:
+  explicit SettlingTime(const PlatoonModel& model);
+
+  /// settling_steps() of this number of followers.
+  std::optional<std::int64_t> steps(std::size_t followers) const;
+
+private:
+  std::vector<VehicleModel> vehicles_;  ///< one repetition of the string
+  double radius_ = 0.0;                 ///< rho
+};
 
 /// Steps after which the transient of the start has decayed to 1e-6 at follower N; none if a vehicle of the string is
 /// unstable:

@@ -92,7 +92,7 @@ private:
   ProgressDisplay display_;
   bool finished_ = false;
   std::vector<std::size_t> mute_;  ///< vehicles without an input that their follower receives
-  double ask_again_ = 0.0;         ///< [s] earliest time at which the master is asked for them
+  double ask_again_ = 0.0;         ///< [s] the monitor asks the master for mute vehicles no earlier than this
   bool departs_ = false;           ///< whether the leader manoeuvres, as last logged
 
   StatisticsPublisher publisher_;
