@@ -60,7 +60,8 @@ class Surroundings(LaunchTest):
         processes = self.nodes_of(terminal.master) + [live_platoon.process_of("/rosout", terminal.master)]
         with xmlrpc.client.ServerProxy(terminal.master) as master:
             processes.append(master.getPid("/launch_test")[2])
-        for process in [terminal.process.pid] + processes:
+        terminal.process.send_signal(signal.SIGSTOP)  # a living roslaunch would answer the death of a node
+        for process in processes + [terminal.process.pid]:
             os.kill(process, signal.SIGKILL)
         terminal.wait()
         again = self.run_to_the_end(own_master=True, resume="true", **settings)
