@@ -2,24 +2,35 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
-#include "stochastic_platoon/math/links/linked_vehicle.hpp"
+#include "stochastic_platoon/math/links/string_spectra.hpp"
 
 namespace platoon {
 
-/// Stationary theory of a platoon over links with independent losses or none, homogeneous or patterned; `speed` in
-/// metres per step. With < > the mean over the circle, Phi_i the spectrum of y_i about its mean, Phi_0 = 0, and the
-/// notation of LinkedVehicleValue, with sums over the links l of follower i and Psi_l the spectrum of the values sent
-/// over link l, Phi_{i-1} for the position and Phi_{i-1} / |G_{i-1}|^2 for the predecessor's input:
-/// \f[ \sigma_l^2 = \kappa (\langle |(1-L) F|^2 (\Psi_l + N_d) \rangle + \bar e^2), \f]
-/// \f[ \Phi_i = |\hat T|^2 \Phi_{i-1} + \sum_l (p^2 |N F|^2 N_d + |N F|^2 \sigma_l^2), \f]
-/// \f[ P_i = \langle |1 - H \hat T|^2 \Phi_{i-1} + |H|^2 \sum_l (p^2 |N F|^2 N_d + |N F|^2 \sigma_l^2) \rangle, \f]
-/// each with the T, h and links of follower i; ebar = v (c_1 + 2 c_2 + ...) / p at v metres per step for the position.
+/// Stationary theory of a platoon over links of any losses, homogeneous or patterned; `speed` v in metres per step.
+/// With < > the mean over the circle, Phi_i the spectrum of y_i about its mean, Phi_0 = 0, sums over the links l of
+/// follower i with N, T_L, m and the noise N_d of link l (see LinkedVehicleValue), Psi_l the spectrum of the values
+/// sent over it, Phi_{i-1} for the position and Phi_{i-1} / |G_{i-1}|^2 for the predecessor's input, and u, g as in
+/// LossKernel,
+/// \f[ E_i = \sum_l |N|^2 (|T_L|^2 N_d + \langle g(w, \nu) |u|^2 (\Psi_l + N_d) \rangle
+///         + v^2 (c_1 + 2 c_2 + \ldots)^2 g(w, 0)), \f]
+/// \f[ \Phi_i = |\hat T|^2 \Phi_{i-1} + E_i, \qquad
+///     P_i = \langle |1 - H \hat T|^2 \Phi_{i-1} + |H|^2 E_i \rangle. \f]
+/// The last term of E_i is that of the position alone: inputs are 0 at constant speed. For independent losses
+/// g |u|^2 = kappa |F(w)|^2 |(1 - L) F|^2(nu), and the last term is kappa |F|^2 (v (c_1 + 2 c_2 + ...) / p)^2.
 ///
 /// The functions require a mean square stable pattern; those of an endless string, a positive gain_margin(), too.
+/// 1e-12 relative; with bursts of mean length b 1e-15 b, and near the border of stability less in a limit.
 
-/// P_1, ..., P_N [m^2]; infinity where it leaves the range of double. 1e-12 relative.
+/// Visits the followers one after the other with (i, spectrum of the position in front, spectrum that each link adds),
+/// until a visit returns false.
+using SpectraVisitor =
+    std::function<bool(std::size_t follower, const Eigen::ArrayXd& spectrum, const std::vector<Eigen::ArrayXd>& added)>;
+void pass_along(const StringSpectra& spectra, double speed, std::size_t followers, const SpectraVisitor& visit);
+
+/// P_1, ..., P_N [m^2]; infinity where it leaves the range of double.
 std::vector<double> stationary_variances(const LinkedPattern& pattern, double speed, std::size_t followers);
 
 /// The shares of the position and of the predecessor's input in them [m^2], from noise and losses of all vehicles.
@@ -29,10 +40,11 @@ std::vector<std::array<double, 2>> variances_by_input(const LinkedPattern& patte
 /// The limit of the variance [m^2] at each place of the pattern of an endless string.
 std::vector<double> limit_variances(const LinkedPattern& pattern, double speed);
 
-/// The loss gain of an endless string: the spectral radius of the matrix whose entry (j, l) is the contribution of the
-/// variance of w_l, over all repetitions of the pattern, to that of w_j; 0 without losses.
+/// The loss gain of an endless string: the spectral radius of the operator from the drives f_l = |u_l|^2 Psi_l of the
+/// losses of every link l of the pattern to those that they cause at every link, over all repetitions; 0 without
+/// losses. With S the factor from the position in front to what is sent over link j, 1 or 1 / G,
 ///
-///     kappa_j < |(1-L_j) F_j|^2 (product of |T^|^2 between l and j) |T_l F_l|^2 / (1 - prod |T^|^2) >
+///     f_j' = |u_j S_j|^2 sum_l (product of |T^|^2 between l and j) |N_l|^2 < g_l(w, nu) f_l > / (1 - prod |T^|^2)
 double loss_gain(const LinkedPattern& pattern);
 
 /// 1 / loss gain - 1, with the exact sign at less cost; infinite without losses.

@@ -6,24 +6,23 @@
 #include <vector>
 
 #include "stochastic_platoon/math/links/link_filter.hpp"
-#include "stochastic_platoon/math/links/vehicle_pattern.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
 #include "stochastic_platoon/math/response/designed_gain.hpp"
+#include "stochastic_platoon/math/response/pattern_gain.hpp"
 
 namespace platoon {
 
-/// Gains of one input of a follower at one frequency, with F of its link and N from the received value to the own
-/// position (see LinkFilter, DesignedGain; N = T for positions).
+/// Gains of one input of a follower at one frequency, with T_L of its link and N from the received value to the own
+/// position (see LossFilter, DesignedGain; N = T for positions).
 struct InputValue {
-  double loss_gain;   ///< |N F|^2: from the loss noise w
-  double passed;      ///< p^2 |N F|^2: from the noise of the link
-  double innovation;  ///< |(1 - L) F|^2: from the sent value to its prediction error e
-  double noise;       ///< |W|^2 P_d + D^2 / 12 [m^2] or [(m/s^2)^2]
+  double own;     ///< |N|^2: from what the losses of the link scatter
+  double passed;  ///< |N T_L|^2: from the noise of the link
+  double noise;   ///< |W|^2 P_d + D^2 / 12 [m^2] or [(m/s^2)^2]
 };
 
 /// Gains of one follower and the links into it at one frequency, with H = (1 + h) - h / z. T^ leads from the
-/// predecessor's position to the mean of the own: p F z^-m T for one input; with feed-forward Gamma = (G K + F z^-m G /
+/// predecessor's position to the mean of the own: T_L z^-m T for one input; with feed-forward Gamma = (G K + F z^-m G /
 /// G_before) / (H (1 + G K)), each input with the mean effect of its link, G_before the plant of the predecessor.
 struct LinkedVehicleValue {
   double gain;                      ///< |T^|^2
@@ -37,15 +36,18 @@ struct LinkedVehicleValue {
   std::array<InputValue, 2> input;  ///< the position, and the predecessor's input (zero without feed-forward)
 };
 
-/// One follower behind its links with independent losses, on the unit circle, w in rad/sample.
+/// One follower behind its links, on the unit circle, w in rad/sample.
 class LinkedVehicle {
 public:
   /// `known`: the same vehicle with another headway or other links; it saves the search for zeros that do not depend on
-  /// the headway. `before`: its predecessor, if another plant sends the input; null: the same plant. Throws
-  /// std::invalid_argument for losses in bursts.
+  /// the headway. `before`: its predecessor, if another plant sends the input; null: the same plant. Throws as
+  /// LossFilter does.
   explicit LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known = nullptr,
                          const VehicleModel* before = nullptr);
 
+  /// The mean effects of the losses of the links.
+  using MeanEffects = std::array<LossFilter::Value, 2>;
+  LinkedVehicleValue at(const CirclePoint& point, const MeanEffects& effects) const;
   LinkedVehicleValue at(const CirclePoint& point) const;
   LinkedVehicleValue at(double frequency) const { return at(CirclePoint(frequency)); }
 
@@ -58,11 +60,12 @@ public:
   ZerosAtZero zeros_at_zero() const;
 
   double spectral_radius() const { return spectral_radius_; }  ///< rho(A)
-  double loss_feedback() const;                                ///< the largest of its links; infinite: an F is unstable
+  double loss_feedback() const;                                ///< the largest of its links
 
   /// The links of the position and, with feed-forward, of the predecessor's input.
   const std::vector<LinkFilter>& links() const { return links_; }
   bool has_losses() const;
+  bool has_memory() const;  ///< of the losses of a link
 
   /// Mean lag of the received position at constant speed [steps]. Inputs are 0 there.
   double lag() const { return links_.front().lag(); }
@@ -78,9 +81,11 @@ private:
     CirclePolynomial numerator, denominator;
   };
   RatedFactor designed_factor(const LinkedVehicle* known, bool behind_other) const;
-  std::complex<long double> designed_response(const CirclePoint& point,
-                                              const std::array<LinkFilter::Value, 2>& of_links,
+  std::complex<long double> designed_response(const CirclePoint& point, const MeanEffects& effects,
                                               LinkedVehicleValue& value) const;
+  std::complex<long double> given_response(const CirclePoint& point, const LossFilter::Value& effect,
+                                           LinkedVehicleValue& value) const;
+  int complement_zeros() const;
   int feed_forward_zeros() const;
 
   VehicleModel vehicle_;
@@ -88,10 +93,9 @@ private:
   double spectral_radius_;
   Half near_, far_;
   std::optional<DesignedGain> designed_;  ///< of a vehicle by parts
-  CirclePolynomial margin_;               ///< of any other one: |D^|^2 - |N^|^2 over t, about z = 1
+  CirclePolynomial margin_;               ///< of any other one: |D|^2 - |N|^2 over t, about z = 1
   RatedFactor factor_;
+  std::ptrdiff_t loop_zeros_ = 0;  ///< number of its first zeros, which do not come from losses alone
 };
-
-using LinkedPattern = VehiclePattern<LinkedVehicle>;
 
 }  // namespace platoon

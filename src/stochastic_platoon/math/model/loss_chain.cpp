@@ -21,6 +21,7 @@ Eigen::MatrixXd register_map(const Eigen::VectorXd& predictor, bool lost) {
 LossChain::LossChain(const LossModel& loss)
     : predictor_(
           Eigen::Map<const Eigen::VectorXd>(loss.predictor.data(), static_cast<Eigen::Index>(loss.predictor.size()))) {
+  if (loss.predictor.empty()) predictor_ = Eigen::VectorXd::Zero(1);
   if (!loss.markov) {
     const double to_loss = loss.after_arrival(), stays_lost = loss.after_loss();
     transition_.resize(2, 2);

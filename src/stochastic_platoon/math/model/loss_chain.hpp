@@ -29,7 +29,7 @@ public:
 
   const Eigen::MatrixXd& transition() const { return transition_; }  ///< Pi, from row to column
   const Eigen::VectorXd& stationary() const { return stationary_; }  ///< pi
-  const Eigen::VectorXd& predictor() const { return predictor_; }    ///< c_1, ..., c_m
+  const Eigen::VectorXd& predictor() const { return predictor_; }    ///< c_1, ..., c_m; a single 0 for on_loss: zero
 
   /// [Pi_ac A_c]: the sums over x of each mode, one step later.
   Eigen::MatrixXd first_moments() const;

@@ -113,24 +113,17 @@ DesignedGain::Value DesignedGain::at(const CirclePoint& point, const Links& link
   return value;
 }
 
-std::vector<std::complex<long double>> DesignedGain::zeros(const ExactPolynomial& position_registers,
-                                                           const ExactPolynomial& input_registers,
-                                                           long double position_arrival, long double input_arrival,
+std::vector<std::complex<long double>> DesignedGain::zeros(const LossFraction& position, const LossFraction& input,
                                                            const Links& links) const {
-  // T^ G_before / G = (p F_l z^-m G_before K + p' F_l' z^-m' F) / (H (1 + G K)): with G_before K = n / d z^-q the
-  // numerator p R_input z^n n z^(-q - m) + p' R_position z^n' F d z^-m', without the powers of z that both terms share.
-  const auto scaled = [](ExactPolynomial p, const Exact& factor) {
-    for (Exact& coefficient : p) coefficient *= factor;
-    return p;
-  };
-  const auto position_registers_count = static_cast<std::ptrdiff_t>(position_registers.size()) - 1,
-             input_registers_count = static_cast<std::ptrdiff_t>(input_registers.size()) - 1;
-  const ExactPolynomial of_position = scaled(multiply(ahead_numerator_, input_registers), Exact(position_arrival)),
-                        of_input = scaled(multiply(ahead_denominator_, position_registers),
-                                          Exact(feed_forward_) * Exact(input_arrival));
+  // T^ G_before / G = (T_L z^-m G_before K + T_L' z^-m' F) / (H (1 + G K)): with G_before K = n / d z^-q, T_L = z^a N /
+  // D and T_L' = z^b N' / D' the numerator N D' n z^(a - q - m) + N' D F d z^(b - m'), without the powers of z that
+  // both terms share.
   if (feed_forward_ == 0.0L) return platoon::zeros(ahead_numerator_);
+  const ExactPolynomial of_position = multiply(multiply(ahead_numerator_, input.denominator), position.numerator),
+                        of_input = multiply(multiply(ahead_denominator_, position.denominator),
+                                            multiply(input.numerator, {Exact(feed_forward_)}));
   const std::ptrdiff_t behind = static_cast<std::ptrdiff_t>(links.position_delay - links.input_delay) + ahead_delay_ +
-                                input_registers_count - position_registers_count;
+                                input.powers - position.powers;
   return behind >= 0 ? zeros_behind_delay(of_input, static_cast<std::size_t>(behind), of_position)
                      : zeros_behind_delay(of_position, static_cast<std::size_t>(-behind), of_input);
 }

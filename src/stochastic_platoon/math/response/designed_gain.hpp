@@ -12,6 +12,12 @@
 
 namespace platoon {
 
+/// The mean effect of losses on a sequence: T_L = z^powers numerator / denominator, polynomials by powers of s = z - 1.
+struct LossFraction {
+  ExactPolynomial numerator{Exact(1)}, denominator{Exact(1)};
+  std::ptrdiff_t powers = 0;
+};
+
 /// A vehicle on the unit circle from plant G and controller K, with one or two inputs. With W = 1 / (G K) and H =
 /// (1 + h) - h / z, from the received position and, by feed-forward F, from the received input to the own position:
 ///
@@ -27,7 +33,7 @@ public:
   /// feed_forward: F, 0 without a radio. before: the plant G_before.
   DesignedGain(const LoopDesign& design, double headway, double feed_forward, const Plant& before);
 
-  /// The mean effect of the links: 1 / (p F_l) - 1 of each and their delays (see LinkFilter).
+  /// The mean effect of the links: 1 / T_L - 1 of each and their delays (see LinkFilter).
   struct Links {
     std::complex<long double> position_excess, input_excess;
     std::int64_t position_delay = 0, input_delay = 0;
@@ -46,11 +52,10 @@ public:
   };
   Value at(const CirclePoint& point, const Links& links) const;
 
-  /// The zeros s = z - 1 of T^ G_before / G, apart from those at z = 0; the registers z^n / F_l and the p of both links
-  /// as in LinkFilter. Along a string the factors G / G_before cancel.
-  std::vector<std::complex<long double>> zeros(const ExactPolynomial& position_registers,
-                                               const ExactPolynomial& input_registers, long double position_arrival,
-                                               long double input_arrival, const Links& links) const;
+  /// The zeros s = z - 1 of T^ G_before / G, apart from those at z = 0, with these losses and, without effect of their
+  /// excess, these links; without feed-forward those of a T_L = 1. Along a string the factors G / G_before cancel.
+  std::vector<std::complex<long double>> zeros(const LossFraction& position, const LossFraction& input,
+                                               const Links& links) const;
 
   /// Difference of the delays of G and G_before [steps].
   std::int64_t plant_turns() const { return std::abs(delay_ - ahead_delay_); }

@@ -15,8 +15,9 @@ constexpr double kBesideAlternation = 1.001;  // a chain of q = 1/2 with mean bu
 double least_burst(const PlatoonModel& model) {
   double least = 1.0;
   for (const VehicleType& type : model.types) {
-    if (!type.inherited.mean_burst || !type.vehicle.link.loses()) continue;
-    const LossModel& loss = *type.vehicle.link.loss;
+    const LinkModel& link = varied_link(type.vehicle);
+    if (!type.inherited.mean_burst || !link.loses()) continue;
+    const LossModel& loss = *link.loss;
     least = std::max(least, loss.probability == 0.5 ? kBesideAlternation : loss.least_burst());
   }
   return least;
@@ -26,13 +27,11 @@ double least_burst(const PlatoonModel& model) {
 
 std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model) {
   const std::vector<std::string> types = types_with_default(model, &Inherited::mean_burst);
-  if (!model.default_vehicle().link.loses() || model.default_vehicle().link.loss->markov || types.empty() ||
-      has_feed_forward(model))
-    return std::nullopt;
+  const LinkModel& own = varied_link(model.default_vehicle());
+  if (!own.loses() || own.loss->markov || types.empty()) return std::nullopt;
   const double least = least_burst(model);
   CriticalBurst found{least, std::max(kLongest, 2.0 * least), {}, true, types};
-  const VariedMargins margins =
-      varied_margins<BurstPattern>([&model](double burst) { return with_mean_burst(model, burst); }, least);
+  const VariedMargins margins = varied_margins([&model](double burst) { return with_mean_burst(model, burst); }, least);
   const auto is_stable = [&](double burst) { return margins.gain(burst) > 0.0 && margins.losses(burst) > 0.0; };
   found.stable = is_stable(least);
   if (!found.stable) return found;

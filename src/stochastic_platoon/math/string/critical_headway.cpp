@@ -61,8 +61,7 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
   });
   if (!designed || types.empty()) return std::nullopt;
   const double own = model.default_vehicle().headway;
-  const VariedMargins margins = varied_margins(
-      model, [&model](double headway) { return with_headway(model, headway); }, own);
+  const VariedMargins margins = varied_margins([&model](double headway) { return with_headway(model, headway); }, own);
   StableHeadways found = stable_headways(margins.losses, headways_about(own), margins.gain);
   found.types = types;
   return found;

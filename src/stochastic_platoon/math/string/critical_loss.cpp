@@ -27,8 +27,8 @@ PlatoonModel with_loss_in_bursts(PlatoonModel model, double probability) {
   const PlatoonModel given = model;
   model = with_loss(std::move(model), probability);
   for (std::size_t i = 0; i < model.types.size(); ++i) {
-    if (model.types[i].vehicle.link.loss)
-      model.types[i].vehicle.link.loss->mean_burst = given.types[i].vehicle.link.loss->mean_burst;
+    std::optional<LossModel>& loss = varied_link(model.types[i].vehicle).loss;
+    if (loss) loss->mean_burst = varied_link(given.types[i].vehicle).loss->mean_burst;
   }
   return model;
 }
@@ -37,8 +37,9 @@ PlatoonModel with_loss_in_bursts(PlatoonModel model, double probability) {
 double largest_probability(const PlatoonModel& model) {
   double largest = 0.99;
   for (const VehicleType& type : model.types) {
-    if (!type.inherited.loss_probability || !type.vehicle.link.loss->mean_burst) continue;
-    const double burst = *type.vehicle.link.loss->mean_burst;
+    const std::optional<LossModel>& loss = varied_link(type.vehicle).loss;
+    if (!type.inherited.loss_probability || !loss->mean_burst) continue;
+    const double burst = *loss->mean_burst;
     largest = std::min(largest, burst > 1.0 ? burst / (1.0 + burst) : 0.499);
   }
   return largest;
@@ -63,7 +64,6 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   const auto place = std::lower_bound(samples.begin(), samples.end(), own);
   if (place != samples.end() && *place != own) samples.insert(place, own);
   const VariedMargins margins = varied_margins(
-      model,
       [&](double probability) {
         return bursts ? with_loss_in_bursts(model, probability) : with_loss(model, probability);
       },

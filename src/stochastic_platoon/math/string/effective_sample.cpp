@@ -9,7 +9,7 @@
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
-#include "stochastic_platoon/math/links/linked_vehicle.hpp"
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 

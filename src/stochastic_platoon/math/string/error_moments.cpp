@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "stochastic_platoon/math/bursts/burst_moments.hpp"
-#include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
+#include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/links/linked_moments.hpp"
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/links/linked_responses.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/response/loop_filter.hpp"
@@ -139,7 +139,7 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
 }
 
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
-  if (has_bursts(model)) return burst_error_moments(model, followers, steps);
+  if (has_bursts(model)) return chain_error_moments(model, followers, steps);
   const ClosedLoop& loop = model.default_vehicle().loop;
   const bool in_double = is_papers(model) && model.recorded_leader.empty() && has_digits_in_double(loop);
   if (!in_double || followers < 1 || steps < 1) return linked_error_moments(model, followers, steps);

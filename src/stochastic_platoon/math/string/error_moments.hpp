@@ -20,7 +20,7 @@ namespace platoon {
 /// The standstill distance cancels.
 ///
 /// These sums, in double, serve the paper's platoon with loops that plant and controller form without slow poles; the
-/// published digests contain their bits. linked_error_moments() serves all others, burst_error_moments() losses in
+/// published digests contain their bits. linked_error_moments() serves all others, chain_error_moments() losses in
 /// bursts. The error is 1e-12 of the largest term for a mean, and 1e-12 relative for a variance. O(followers steps)
 /// time, O(steps) memory beyond the result. Holds for unstable loops too, within the range of double.
 ///

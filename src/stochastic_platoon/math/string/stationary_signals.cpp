@@ -4,9 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/links/pattern_spectra.hpp"
+#include "stochastic_platoon/math/links/settled_spectra.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
-#include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
@@ -23,48 +22,45 @@ std::vector<Signals> requested_signals(const PlatoonModel& model, const std::vec
   return signals;
 }
 
-/// The spectrum of a signal behind a predecessor with this spectrum, for a vehicle of this type that adds `added`.
-Eigen::ArrayXd spectrum_of(const Signal& signal, const PatternSpectra& spectra, std::size_t type,
+/// The spectrum of a signal of a follower behind a predecessor with this spectrum that adds `added`.
+Eigen::ArrayXd spectrum_of(const Signal& signal, const StringSpectra& spectra, std::size_t follower,
                            const Eigen::ArrayXd& before, const Eigen::ArrayXd& added) {
-  if (signal.relative) return spectra.of_gap[type] * before + added;
-  Eigen::ArrayXd spectrum = spectra.gain[type] * before + added;
-  for (int n = 0; n < signal.order; ++n) spectrum *= 2.0 * spectra.from_one;
+  if (signal.relative) return spectra[follower].of_gap * before + added;
+  Eigen::ArrayXd spectrum = spectra[follower].gain * before + added;
+  for (int n = 0; n < signal.order; ++n) spectrum *= 2.0 * spectra.from_one();
   return signal.factor * signal.factor * spectrum;
 }
 
-void append_moments(const Signals& signals, const PatternSpectra& spectra, std::size_t type,
+void append_moments(const Signals& signals, const StringSpectra& spectra, std::size_t follower,
                     const Eigen::ArrayXd& before, const Eigen::ArrayXd& added, std::vector<double>& values) {
   for (const Signal& signal : signals) {
-    const Eigen::ArrayXd spectrum = spectrum_of(signal, spectra, type, before, added);
-    for (const double value : {spectra.mean(spectrum), 2.0 * spectra.mean(spectra.from_one * spectrum)})
+    const Eigen::ArrayXd spectrum = spectrum_of(signal, spectra, follower, before, added);
+    for (const double value : {spectra.mean(spectrum), 2.0 * spectra.mean(spectra.from_one() * spectrum)})
       values.push_back(std::isnan(value) ? kInfinity : value);
   }
 }
 
 /// Variance and change of every signal of one follower after the other.
-std::vector<double> moments_by(const PatternSpectra& spectra, const LinkedPattern& pattern,
-                               const std::vector<Signals>& signals) {
+std::vector<double> moments_by(const StringSpectra& spectra, const std::vector<Signals>& signals) {
   std::vector<double> values;
-  Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.weight.size());
+  Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.nodes());
   for (std::size_t i = 0; i < signals.size(); ++i) {
-    const std::size_t type = pattern.type(i);
-    const Eigen::ArrayXd added = spectra.added_by_noise(type);
-    append_moments(signals[i], spectra, type, spectrum, added, values);
-    spectrum = spectra.gain[type] * spectrum + added;
+    const Eigen::ArrayXd added = spectra[i].added_by_noise();
+    append_moments(signals[i], spectra, i, spectrum, added, values);
+    spectrum = spectra[i].gain * spectrum + added;
   }
   return values;
 }
 
 /// The same at each place of the pattern of an endless string.
-std::vector<double> limit_moments_by(const PatternSpectra& spectra, const LinkedPattern& pattern,
-                                     const std::vector<Signals>& signals) {
+std::vector<double> limit_moments_by(const StringSpectra& spectra, const std::vector<Signals>& signals) {
   std::vector<Eigen::ArrayXd> added;
-  for (std::size_t j = 0; j < pattern.size(); ++j) added.push_back(spectra.added_by_noise(pattern.type(j)));
+  for (std::size_t j = 0; j < spectra.size(); ++j) added.push_back(spectra[j].added_by_noise());
   std::vector<double> values;
   Eigen::ArrayXd spectrum = spectra.in_front(added, spectra.pattern_margin());
-  for (std::size_t j = 0; j < pattern.size(); ++j) {
-    append_moments(signals[j], spectra, pattern.type(j), spectrum, added[j], values);
-    spectrum = spectra.gain[pattern.type(j)] * spectrum + added[j];
+  for (std::size_t j = 0; j < spectra.size(); ++j) {
+    append_moments(signals[j], spectra, j, spectrum, added[j], values);
+    spectrum = spectra[j].gain * spectrum + added[j];
   }
   return values;
 }
@@ -115,14 +111,13 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
     for (StationarySignal& signal : result) signal.followers = {none, none, none};
     return result;
   }
-  const PatternGain gain = pattern.gain();
-  const std::vector<double> values = refined(
-      [&](int refinement) { return moments_by(PatternSpectra(pattern, gain, false, refinement), pattern, signals); });
+  const std::vector<double> values =
+      settled_values(pattern, followers, [&](const StringSpectra& spectra) { return moments_by(spectra, signals); });
   for (std::size_t s = 0; s < names.size(); ++s)
     result[s].followers = moments_of(means_of(model, signals, s, 0), values, s, names.size());
   if (!string_stable) return result;
   // Limits that do not exist are left out: their poles at w = 0 would keep the quadrature from settling.
-  const int zeros = gain.zeros() - pattern.zeros_at_zero().noise;
+  const int zeros = pattern.gain().zeros() - pattern.zeros_at_zero().noise;
   const std::size_t m = pattern.size();
   std::vector<Signals> endless = requested_signals(model, names, 2 * m);
   endless.erase(endless.begin(), endless.begin() + static_cast<std::ptrdiff_t>(m));  // behind no leader
@@ -135,8 +130,8 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
   for (std::size_t j = 0; j < m; ++j) {
     for (const std::size_t s : bounded) kept[j].push_back(endless[j][s]);
   }
-  const std::vector<double> limits = refined(
-      [&](int refinement) { return limit_moments_by(PatternSpectra(pattern, gain, true, refinement), pattern, kept); });
+  const std::vector<double> limits = settled_values(
+      pattern, std::nullopt, [&](const StringSpectra& spectra) { return limit_moments_by(spectra, kept); });
   for (std::size_t index = 0; index < bounded.size(); ++index)
     result[bounded[index]].limit = moments_of(means_of(model, kept, index, m), limits, index, bounded.size());
   return result;

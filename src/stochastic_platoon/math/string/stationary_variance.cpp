@@ -1,7 +1,7 @@
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
+#include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/string/string_pattern.hpp"
 
 namespace platoon {
 
@@ -23,10 +23,9 @@ double metres_per_step(const PlatoonModel& model) {
 
 std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers) {
   require_followers(followers);
-  return with_pattern(model, [&](const auto& pattern) {
-    if (!pattern.mean_square_stable()) return std::vector<double>(followers, kNaN);
-    return stationary_variances(pattern, metres_per_step(model), followers);
-  });
+  const LinkedPattern pattern(model);
+  if (!pattern.mean_square_stable()) return std::vector<double>(followers, kNaN);
+  return stationary_variances(pattern, metres_per_step(model), followers);
 }
 
 std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers) {
@@ -38,12 +37,11 @@ std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonMo
 
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers) {
   require_followers(followers);
-  return with_pattern(model, [&](const auto& pattern) {
-    std::vector<double> means(followers, kNaN);
-    if (!pattern.mean_square_stable()) return means;
-    for (std::size_t i = 0; i < followers; ++i) means[i] = metres_per_step(model) * pattern[i].lag();
-    return means;
-  });
+  const LinkedPattern pattern(model);
+  std::vector<double> means(followers, kNaN);
+  if (!pattern.mean_square_stable()) return means;
+  for (std::size_t i = 0; i < followers; ++i) means[i] = metres_per_step(model) * pattern[i].lag();
+  return means;
 }
 
 }  // namespace platoon

@@ -9,8 +9,8 @@
 namespace platoon {
 
 /// Stationary means and variances of the tracking errors of followers 1, ..., N. NaN throughout if the platoon is not
-/// mean square stable. All functions throw std::invalid_argument unless followers >= 1, and for losses in bursts
-/// without theory: see no_burst_theory().
+/// mean square stable. All functions throw std::invalid_argument unless followers >= 1, and for a model
+/// without theory: see no_theory().
 
 /// Variances P_1, ..., P_N [m^2]; in the paper's platoon, by corollary cor:stationary_all and eq. (pzeta),
 /// \f[ P_1 = \|H T\|_2^2 P_d, \qquad P_i = P_{i-1} + \|S T^{i-1}\|_2^2 P_d, \f]

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <vector>
 
+#include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
-#include "stochastic_platoon/math/string/string_pattern.hpp"
 
 namespace platoon {
 
 namespace {
 
-/// The differences between the verdicts of both kinds of patterns.
+/// What differs in verdicts with a memory of losses.
 struct Wording {
   const char* losses;
   std::string growth;  ///< of predictions from predictions
@@ -20,16 +20,12 @@ struct Wording {
 };
 
 Wording wording(const LinkedPattern& pattern) {
-  return {"losses",
-          "p q ||L F||^2 = " + beside_one(pattern.loss_feedback()) +
-              " is not below 1, so that predictions from predictions grow",
-          1e-12};
-}
-
-Wording wording(const BurstPattern& pattern) {
+  const std::string growth = beside_one(pattern.loss_feedback());
+  if (!pattern.has_memory())
+    return {"losses", "p q ||L F||^2 = " + growth + " is not below 1, so that predictions from predictions grow",
+            1e-12};
   return {"losses in bursts",
-          "the second moments of predictions from predictions grow by " + beside_one(pattern.loss_feedback()) +
-              " a step, which is not below 1",
+          "the second moments of predictions from predictions grow by " + growth + " a step, which is not below 1",
           1e-11};
 }
 
@@ -85,8 +81,7 @@ bool judge_losses(double loss_gain, const Wording& words, StringStability& verdi
 }
 
 /// Judges a mean square stable string.
-template <class Pattern>
-void judge(const Pattern& pattern, double speed, StringStability& verdict) {
+void judge(const LinkedPattern& pattern, double speed, StringStability& verdict) {
   const std::string name = gain_name(pattern.types.front().vehicle(), pattern.size());
   const PatternGain gain = pattern.gain();
   if (!judge_gain(gain, name, verdict)) return;
@@ -114,19 +109,18 @@ void judge(const Pattern& pattern, double speed, StringStability& verdict) {
 }  // namespace
 
 StringStability string_stability(const PlatoonModel& model) {
-  return with_pattern(model, [&model](const auto& pattern) {
-    StringStability verdict;
-    verdict.spectral_radius = pattern.spectral_radius();
-    verdict.mean_square_stable = pattern.mean_square_stable();
-    if (verdict.mean_square_stable) {
-      judge(pattern, metres_per_step(model), verdict);
-    } else if (verdict.spectral_radius >= 1.0) {
-      verdict.reason = "not mean square stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is not below 1";
-    } else {
-      verdict.reason = "not mean square stable: " + wording(pattern).growth;
-    }
-    return verdict;
-  });
+  const LinkedPattern pattern(model);
+  StringStability verdict;
+  verdict.spectral_radius = pattern.spectral_radius();
+  verdict.mean_square_stable = pattern.mean_square_stable();
+  if (verdict.mean_square_stable) {
+    judge(pattern, metres_per_step(model), verdict);
+  } else if (verdict.spectral_radius >= 1.0) {
+    verdict.reason = "not mean square stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is not below 1";
+  } else {
+    verdict.reason = "not mean square stable: " + wording(pattern).growth;
+  }
+  return verdict;
 }
 
 }  // namespace platoon

@@ -40,7 +40,7 @@ struct StringStability {
 /// stable platoon. One exceptional kind satisfies |T| < 1 for all w > 0 but is not string stable: if 1 - |T|^2 is
 /// flatter at w = 0 than |S|^2 (order w^6 over w^4), the variances grow without limit.
 ///
-/// Throws std::invalid_argument for losses in bursts without theory: see no_burst_theory().
+/// Throws std::invalid_argument for a model without theory: see no_theory().
 StringStability string_stability(const PlatoonModel& model);
 
 }  // namespace platoon

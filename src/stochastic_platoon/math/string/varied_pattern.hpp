@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/stable_intervals.hpp"
-#include "stochastic_platoon/math/string/string_pattern.hpp"
 
 namespace platoon {
 
@@ -18,21 +18,20 @@ struct VariedMargins {
 
 /// `model_at`: the platoon at a value; `known`: a value with a loop. A value without a loop of double integral action
 /// counts as unstable. The pattern at the last value is kept, as both margins need it.
-template <class Pattern>
-VariedMargins varied_margins(std::function<PlatoonModel(double)> model_at, double known) {
+inline VariedMargins varied_margins(std::function<PlatoonModel(double)> model_at, double known) {
   struct Varied {
     std::function<PlatoonModel(double)> model_at;
-    Pattern known, last;
+    LinkedPattern known, last;
     double value = std::numeric_limits<double>::quiet_NaN();  // of `last`
   };
-  const Pattern pattern(model_at(known));
+  const LinkedPattern pattern(model_at(known));
   const auto varied = std::make_shared<Varied>(Varied{std::move(model_at), pattern, {}});
-  const auto margin = [varied](double (*of)(const Pattern&)) {
+  const auto margin = [varied](double (*of)(const LinkedPattern&)) {
     return [varied, of](double value) {
       try {
         if (value != varied->value) {
           varied->value = std::numeric_limits<double>::quiet_NaN();
-          varied->last = Pattern(varied->model_at(value), varied->known);
+          varied->last = LinkedPattern(varied->model_at(value), varied->known);
           varied->value = value;
         }
         return of(varied->last);
@@ -41,15 +40,8 @@ VariedMargins varied_margins(std::function<PlatoonModel(double)> model_at, doubl
       }
     };
   };
-  return {margin([](const Pattern& found) { return found.gain_margin(); }),
-          margin([](const Pattern& found) { return loss_margin(found); })};
-}
-
-/// The margins by the theory that the platoon's links need.
-inline VariedMargins varied_margins(const PlatoonModel& model, std::function<PlatoonModel(double)> model_at,
-                                    double known) {
-  return has_bursts(model) ? varied_margins<BurstPattern>(std::move(model_at), known)
-                           : varied_margins<LinkedPattern>(std::move(model_at), known);
+  return {margin([](const LinkedPattern& found) { return found.gain_margin(); }),
+          margin([](const LinkedPattern& found) { return loss_margin(found); })};
 }
 
 }  // namespace platoon

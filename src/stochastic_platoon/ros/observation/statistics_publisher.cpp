@@ -24,7 +24,7 @@ constexpr double kPeriod = 1.0;  // [s] for an ensemble; an endless run publishe
 // [from, to, from, to, ...]; empty if there are none or none are known.
 std::vector<double> flat_stable_headways(const PlatoonModel& model) {
   std::vector<double> flat;
-  if (reason_without_theory(model)) return flat;
+  if (no_theory(model)) return flat;
   if (const std::optional<StableHeadways> headways = stable_headways(model)) {
     for (const HeadwayInterval& of : headways->intervals) flat.insert(flat.end(), {of.from, of.to});
   }

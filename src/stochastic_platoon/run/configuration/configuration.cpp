@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stochastic_platoon/math/bursts/burst_moments.hpp"
-#include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
+#include "stochastic_platoon/math/links/chain_moments.hpp"
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
@@ -31,10 +31,6 @@ bool has_independent_losses(const PlatoonModel& model) {
   return any_link(model, [](const LinkModel& link) { return link.loses() && link.loss->is_independent(); });
 }
 
-bool has_burst_theory(const PlatoonModel& model) {
-  return has_bursts(model) && !no_burst_theory(model);
-}
-
 void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, std::vector<std::string>& problems) {
   const double most =
       std::floor(std::sqrt(kMostLossResponses / static_cast<double>(std::max<std::int64_t>(run.steps, 1))));
@@ -53,8 +49,9 @@ void choose_steps(const PlatoonModel& model, RunOptions& run) {
   const double seconds = static_cast<double>(model.recorded_leader.size()) * model.sample_period;
   run.steps = chosen_steps(run, model.sample_period, std::max(seconds, kChosenSeconds));
   const auto followers = static_cast<double>(run.followers);
-  if (has_burst_theory(model)) {
-    run.steps = std::min(run.steps, static_cast<std::int64_t>(std::sqrt(0.2 * kMostBurstCells / followers)));
+  if (has_bursts(model) && !no_theory(model)) {
+    run.steps = std::min(run.steps, static_cast<std::int64_t>(
+                                        std::sqrt(0.2) * static_cast<double>(most_chain_steps(model, run.followers))));
   } else if (has_independent_losses(model)) {
     run.steps = std::min(run.steps, static_cast<std::int64_t>(kMostLossResponses / (followers * followers)));
   }

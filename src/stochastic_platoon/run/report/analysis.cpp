@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stochastic_platoon/math/bursts/burst_moments.hpp"
-#include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
+#include "stochastic_platoon/math/links/chain_moments.hpp"
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/contradictions.hpp"
@@ -78,19 +78,18 @@ std::string burst_line(const PlatoonModel& model, const Analysis& analysis) {
          "\n";
 }
 
-// Throws ConfigurationError unless the theory of this run can be computed. `has_burst_moments`: losses in bursts have a
-// theory.
-void check_run(RunOptions run, const SignalRequest& signals, bool has_burst_moments) {
+// Throws ConfigurationError unless the theory of this run can be computed. `most_steps`: of losses in bursts.
+void check_run(RunOptions run, const SignalRequest& signals, std::optional<std::int64_t> most_steps) {
   if (run.averaging() == Averaging::over_time) throw ConfigurationError({"steps: 0: must be at least 1 here"});
   run.signals = signals.names;
   if (run.burn_in > 0 && !run.has_amplification()) {
     throw ConfigurationError({formatted("burn-in: %lld: must go with --signals speed, and be at most steps - 2 = %lld",
                                         static_cast<long long>(run.burn_in), static_cast<long long>(run.steps - 2))});
   }
-  if (has_burst_moments && !has_feasible_burst_moments(run.followers, run.steps)) {
+  if (most_steps && run.steps > *most_steps) {
     throw ConfigurationError(
-        {formatted("steps: %lld: must be at most %.0f with losses in bursts, and followers x steps^2 at most %.0e",
-                   static_cast<long long>(run.steps), kMostBurstSteps, kMostBurstCells)});
+        {formatted("steps: %lld: must be at most %lld with losses in bursts and %zu followers",
+                   static_cast<long long>(run.steps), static_cast<long long>(*most_steps), run.followers)});
   }
 }
 
@@ -101,8 +100,10 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   const std::size_t followers = configuration.run.followers;
   const std::int64_t steps = configuration.run.steps;
   Analysis analysis{};
-  analysis.without_theory = reason_without_theory(model);
-  check_run(configuration.run, signals, !analysis.without_theory && has_bursts(model));
+  analysis.without_theory = no_theory(model);
+  std::optional<std::int64_t> most_steps;
+  if (!analysis.without_theory && has_bursts(model)) most_steps = most_chain_steps(model, followers);
+  check_run(configuration.run, signals, most_steps);
   analysis.signals.request = signals;
   const VehicleModel& own = model.default_vehicle();
   analysis.integral_defect = integral_defect(own.loop, own.headway);

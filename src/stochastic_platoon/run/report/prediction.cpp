@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "stochastic_platoon/math/bursts/burst_moments.hpp"
-#include "stochastic_platoon/math/bursts/burst_vehicle.hpp"
+#include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/links/linked_moments.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
@@ -18,10 +17,6 @@
 #include "stochastic_platoon/run/report/json_value.hpp"
 
 namespace platoon {
-
-std::optional<std::string> reason_without_theory(const PlatoonModel& model) {
-  return has_bursts(model) ? no_burst_theory(model) : std::nullopt;
-}
 
 namespace {
 
@@ -97,9 +92,9 @@ std::string contradiction_line(const std::string& contradiction) {
 
 Prediction predict(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
-  if (const auto reason = reason_without_theory(configuration.model)) return no_prediction(configuration, *reason);
+  if (const auto reason = no_theory(configuration.model)) return no_prediction(configuration, *reason);
   const bool in_bursts = has_bursts(configuration.model);
-  if (in_bursts && run.steps > 0 && !has_feasible_burst_moments(run.followers, run.steps)) {
+  if (in_bursts && run.steps > 0 && run.steps > most_chain_steps(configuration.model, run.followers)) {
     return no_prediction(configuration,
                          formatted("the exact moments of losses in bursts take the square of the %lld steps",
                                    static_cast<long long>(run.steps)));

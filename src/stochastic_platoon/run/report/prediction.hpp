@@ -5,15 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/string/effective_sample.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 
 namespace platoon {
-
-/// The reason why a platoon's errors have no theory; none if it has one.
-std::optional<std::string> reason_without_theory(const PlatoonModel& model);
 
 /// For files and messages: "exact" or "none".
 inline const char* name_of_theory(bool exists) {

@@ -18,8 +18,7 @@ StringStability stability_of(const PlatoonModel& model) {
   const bool exists = !any_link(model, [](const LinkModel& link) {
     return link.loss && link.loss->mean_burst && !(*link.loss->mean_burst >= link.loss->least_burst());
   });
-  const std::optional<std::string> reason =
-      exists ? reason_without_theory(model) : "no chain of losses has so short bursts";
+  const std::optional<std::string> reason = exists ? no_theory(model) : "no chain of losses has so short bursts";
   if (!reason) return string_stability(model);
   StringStability unknown;
   unknown.spectral_radius = kNaN;
@@ -48,7 +47,7 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
   if (!model.default_vehicle().design && !(axes.headways.empty() && axes.gains.empty())) {
     throw std::invalid_argument("closed_loop: given: must be plant and controller for a stability map over headways");
   }
-  if (const auto reason = reason_without_theory(model))
+  if (const auto reason = no_theory(model))
     throw std::invalid_argument("mean_burst: no stability map without a theory: " + *reason);
   const std::optional<LossModel>& own_loss = varied_link(model.default_vehicle()).loss;
   if (own_loss && own_loss->markov && !(axes.losses.empty() && axes.bursts.empty()))

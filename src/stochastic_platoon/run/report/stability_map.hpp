@@ -27,7 +27,7 @@ struct MapAxes {
 /// Stability at every combination. Losses in bursts keep their mean burst where the map does not vary it; a
 /// combination of probability and mean burst for which no Markov chain exists is undecided. Throws
 /// std::invalid_argument for a value that the model file does not allow, where there is no theory (see
-/// no_burst_theory()), and for headways or gains if the closed loop was given directly.
+/// no_theory()), and for headways or gains if the closed loop was given directly.
 std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& axes);
 
 /// JSON for programs; missing values are null.

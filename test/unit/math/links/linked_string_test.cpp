@@ -160,7 +160,6 @@ TEST(LinkedString, MayHaveAnyDelay) {
 TEST(LinkedTheory, RejectsModelsWithoutTheory) {
   PlatoonModel bursts = lossy_platoon({0.1, {}, {1.0}});
   bursts.default_vehicle().link.loss->mean_burst = 3.0;
-  EXPECT_THROW(LinkedPattern{bursts}, std::invalid_argument);
   EXPECT_THROW(linked_error_moments(bursts, 2, 5), std::invalid_argument);
   EXPECT_THROW(stationary_variances(lossy_platoon({0.1, {}, {1.0}}), 0), std::invalid_argument);
   EXPECT_THROW(linked_error_moments(lossy_platoon({0.1, {}, {1.0}}), 0, 5), std::invalid_argument);

@@ -6,7 +6,7 @@
 #include <functional>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/links/linked_vehicle.hpp"
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/math/example_loops.hpp"
 

@@ -56,28 +56,21 @@ TEST_F(RecordedLosses, AreReplacedByAGivenProbability) {
   const PlatoonModel model = with("channel: {loss: {runs: 3 1, on_loss: hold}}\n", {{"loss", "0.2"}}).model;
   EXPECT_FALSE(model.default_vehicle().link.loss->trace);
   EXPECT_EQ(model.default_vehicle().link.loss->probability, 0.2);
-  EXPECT_FALSE(reason_without_theory(model));
+  EXPECT_FALSE(no_theory(model));
 }
 
 TEST_F(RecordedLosses, HaveATheoryOnlyIfNothingIsLost) {
-  EXPECT_EQ(reason_without_theory(with("channel: {loss: {runs: 7 3}}\n").model),
+  EXPECT_EQ(no_theory(with("channel: {loss: {runs: 7 3}}\n").model),
             "losses follow a recorded trace, of loss probability 0.3 and mean burst 3 (random losses with these two "
             "have a theory)");
-  // Bursts have no theory in a string with radios, and strict alternation has none at all.
-  const std::string inputs =
-      "inputs:\n  - {signal: position, channel: {loss: {runs: 7 3}}}\n"
-      "  - {signal: input, noise_variance: 0.01, channel: {delay: 1}}\n";
-  const PlatoonModel with_radio = model_of(kCarText + "noise_variance: 0.1\n" + inputs);
-  EXPECT_EQ(reason_without_theory(with_radio),
-            "losses follow a recorded trace, of loss probability 0.3 and mean burst 3 (independent losses of this "
-            "probability have a theory)");
-  EXPECT_EQ(reason_without_theory(with("channel: {loss: {runs: 1 1}}\n").model),
+  // Strict alternation has none at all.
+  EXPECT_EQ(no_theory(with("channel: {loss: {runs: 1 1}}\n").model),
             "losses follow a recorded trace, of loss probability 0.5 and mean burst 1 (independent losses of this "
             "probability have a theory)");
-  EXPECT_EQ(reason_without_theory(with("channel: {loss: {probability: 0.5, mean_burst: 1}}\n").model),
+  EXPECT_EQ(no_theory(with("channel: {loss: {probability: 0.5, mean_burst: 1}}\n").model),
             "losses and arrivals alternate (mean_burst: 1 at a probability of 0.5), so that no variance settles");
   const PlatoonModel ones = with("channel: {loss: {runs: '7'}}\n").model;
-  EXPECT_FALSE(reason_without_theory(ones));
+  EXPECT_FALSE(no_theory(ones));
   EXPECT_TRUE(is_papers(ones));
 }
 

@@ -16,21 +16,17 @@ struct SequenceMoments {
   ExtendedMatrix covariance;
 };
 
-/// Moments of the positions that a vehicle uses, and their covariance at step k (row) with the predecessor's at step l
-/// >= k.
-struct Received {
-  SequenceMoments own;
-  ExtendedMatrix with_sent;
-};
-
-/// The recursion over the steps of one link with losses: see burst_error_moments(). A state has n entries, the
+/// The recursion over the steps of one link with losses: see chain_error_moments(). A state has n entries, the
 /// registers, for each mode of the chain.
 class LossRecursion {
 public:
   explicit LossRecursion(const LossModel& loss);
 
-  /// From the moments of the arriving positions, and their covariance with the sent ones.
-  Received operator()(const SequenceMoments& arriving, const ExtendedMatrix& with_sent) const;
+  /// The moments of the values that the vehicle uses, from those of the arriving values.
+  SequenceMoments operator()(const SequenceMoments& arriving) const;
+
+  /// Each column passed by the link on average.
+  ExtendedMatrix on_average(const ExtendedMatrix& columns) const;
 
 private:
   using Matrix = ExtendedMatrix;

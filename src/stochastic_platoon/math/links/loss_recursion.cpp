@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/bursts/loss_recursion.hpp"
+#include "stochastic_platoon/math/links/loss_recursion.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -28,22 +28,21 @@ LossRecursion::LossRecursion(const LossModel& loss) {
   before_.resize(static_cast<std::size_t>(modes_ * n_));
 }
 
-Received LossRecursion::operator()(const SequenceMoments& arriving, const Matrix& with_sent) const {
+SequenceMoments LossRecursion::operator()(const SequenceMoments& arriving) const {
   const Eigen::Index count = arriving.mean.size();
   const Vector innovation = innovations(arriving.mean);
   const std::vector<Matrix> later_modes = powers(count);
   Matrix mean = Matrix::Zero(modes_ * n_, 1);
   Vector received_mean = Vector::Zero(count);
-  Matrix cross = started(arriving.covariance.row(0)), sent = started(with_sent.row(0));
+  Matrix cross = started(arriving.covariance.row(0));
   std::vector<Matrix> squares;
   for (Eigen::Index c = 0; c < modes_; ++c)
     squares.push_back(Matrix::Constant(n_, n_, stationary_(c) * arriving.covariance(0, 0)));
-  Received received{{arriving.mean, Matrix(count, count)}, Matrix::Zero(count, count)};
+  SequenceMoments received{arriving.mean, Matrix(count, count)};
   for (Eigen::Index k = 0; k < count; ++k) {
     check_interruption();
     if (k > 0) {
       advance(cross, k);
-      advance(sent, k);
       advance(mean, 0);
       advance_squares(squares);
       for (Eigen::Index c = 0; c < modes_; ++c) {
@@ -52,7 +51,6 @@ Received LossRecursion::operator()(const SequenceMoments& arriving, const Matrix
         if (c < arrived_) {
           add_driven(cross.col(k).segment(first, n_), stationary_(c) * arriving.covariance(k, k), square);
           cross.row(first) += stationary_(c) * arriving.covariance.row(k);
-          sent.row(first) += stationary_(c) * with_sent.row(k);
         } else {
           add_driven(-innovation(k) * mean.col(0).segment(first, n_), stationary_(c) * innovation(k) * innovation(k),
                      square);
@@ -61,15 +59,27 @@ Received LossRecursion::operator()(const SequenceMoments& arriving, const Matrix
       }
     }
     received_mean(k) = received_of(mean.col(0));
-    for (Eigen::Index l = k; l < count; ++l) received.with_sent(k, l) = received_of(sent.col(l));
     Matrix later(modes_ * n_, 1);
     for (Eigen::Index c = 0; c < modes_; ++c)
       later.middleRows(c * n_, n_) = squares[static_cast<std::size_t>(c)].col(0);
-    add_later(k, later, mean, cross, innovation, later_modes, received.own.covariance);
+    add_later(k, later, mean, cross, innovation, later_modes, received.covariance);
   }
-  received.own.covariance -= (received_mean * received_mean.transpose()).eval();
-  received.own.mean += received_mean;
+  received.covariance -= (received_mean * received_mean.transpose()).eval();
+  received.mean += received_mean;
   return received;
+}
+
+ExtendedMatrix LossRecursion::on_average(const Matrix& columns) const {
+  Matrix state = started(columns.row(0)), passed(columns.rows(), columns.cols());
+  for (Eigen::Index k = 0; k < columns.rows(); ++k) {
+    check_interruption();
+    if (k > 0) {
+      advance(state, 0);
+      for (Eigen::Index c = 0; c < arrived_; ++c) state.row(c * n_) += stationary_(c) * columns.row(k);
+    }
+    for (Eigen::Index column = 0; column < columns.cols(); ++column) passed(k, column) = received_of(state.col(column));
+  }
+  return passed;
 }
 
 // u(k); positions before step -1 are that of step -1.

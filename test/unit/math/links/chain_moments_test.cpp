@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/bursts/burst_moments.hpp"
+#include "stochastic_platoon/math/links/chain_moments.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include "stochastic_platoon/math/links/linked_moments.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "unit/math/radio_cars.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {
@@ -18,7 +19,7 @@ PlatoonModel with_bursts(double probability, double mean_burst, const std::vecto
   return model;
 }
 
-TEST(BurstMoments, OfIndependentLossesEqualThoseOfTheirTheory) {
+TEST(ChainMoments, OfIndependentLossesEqualThoseOfTheirTheory) {
   PlatoonModel model = with_bursts(0.2, 1.25, {1.5, -0.8, 0.3});
   VehicleModel truck = paper_platoon(4.0).default_vehicle();
   truck.link.loss = LossModel{0.3, {}, {1.0}};
@@ -29,16 +30,32 @@ TEST(BurstMoments, OfIndependentLossesEqualThoseOfTheirTheory) {
   model.types.push_back({"truck", truck});
   model.types.push_back({"plain", paper_platoon(3.6).default_vehicle()});
   model.string = {0, 1, 2, 0};
-  const ErrorMoments expected = linked_error_moments(model, 6, 60), found = burst_error_moments(model, 6, 60);
+  const ErrorMoments expected = linked_error_moments(model, 6, 60), found = chain_error_moments(model, 6, 60);
   for (std::size_t c = 0; c < expected.mean.size(); ++c) {
     EXPECT_NEAR(found.mean[c], expected.mean[c], 1e-12) << c;
     EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-11 * expected.variance[c]) << c;
   }
 }
 
-TEST(BurstMoments, SettleAtTheStationaryValues) {
+TEST(ChainMoments, OfIndependentLossesOfInputsEqualThoseOfTheirTheory) {
+  for (const std::vector<double>& predictor : {std::vector<double>{1.0}, {}, {1.5, -0.8, 0.3}}) {
+    PlatoonModel model = radio_platoon(0.5, 0.01, 0.04, 3);
+    add_trucks(model, 0.25, 0.213, 0.9);
+    lose_inputs(model, 0.3, predictor);
+    model.default_vehicle().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+    model.default_vehicle().feed_forward->link.quantisation_step = 0.3;
+    model.default_vehicle().initial_position = {-1.0, 2.0};
+    const ErrorMoments expected = linked_error_moments(model, 6, 60), found = chain_error_moments(model, 6, 60);
+    for (std::size_t c = 0; c < expected.mean.size(); ++c) {
+      EXPECT_NEAR(found.mean[c], expected.mean[c], 1e-12) << c;
+      EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-11 * expected.variance[c]) << c;
+    }
+  }
+}
+
+TEST(ChainMoments, SettleAtTheStationaryValues) {
   for (const PlatoonModel& model : {with_bursts(0.1, 2.0, {1.0}), with_bursts(0.1, 1.5, {2.0, -1.0})}) {
-    const ErrorMoments moments = burst_error_moments(model, 4, 400);
+    const ErrorMoments moments = chain_error_moments(model, 4, 400);
     const std::vector<double> variance = stationary_variances(model, 4), mean = stationary_means(model, 4);
     for (std::size_t i = 1; i <= 4; ++i) {
       EXPECT_NEAR(moments.variance_at(i, 399) / variance[i - 1], 1.0, 1e-10);
@@ -48,22 +65,19 @@ TEST(BurstMoments, SettleAtTheStationaryValues) {
 }
 
 // One lost position of a vehicle at rest: the first step of the chain has its stationary probability.
-TEST(BurstMoments, BeginWithTheStationaryChain) {
+TEST(ChainMoments, BeginWithTheStationaryChain) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().link.loss = LossModel{0.3, 4.0, {1.0}};
-  const ErrorMoments moments = burst_error_moments(model, 1, 2);
+  const ErrorMoments moments = chain_error_moments(model, 1, 2);
   EXPECT_EQ(moments.variance_at(1, 0), 0.0);
   PlatoonModel without = paper_platoon();
   EXPECT_NEAR(moments.variance_at(1, 1), 0.7 * error_moments(without, 1, 2).variance_at(1, 1), 1e-14);
 }
 
-TEST(BurstMoments, RejectModelsWithoutTheory) {
+TEST(ChainMoments, RejectRunsWithoutSteps) {
   const PlatoonModel model = with_bursts(0.1, 2.0, {1.0});
-  EXPECT_THROW(burst_error_moments(model, 0, 5), std::invalid_argument);
-  EXPECT_THROW(burst_error_moments(model, 1, 0), std::invalid_argument);
-  PlatoonModel radio = model;
-  radio.default_vehicle().feed_forward = FeedForward();
-  EXPECT_THROW(burst_error_moments(radio, 1, 5), std::invalid_argument);
+  EXPECT_THROW(chain_error_moments(model, 0, 5), std::invalid_argument);
+  EXPECT_THROW(chain_error_moments(model, 1, 0), std::invalid_argument);
 }
 
 }  // namespace

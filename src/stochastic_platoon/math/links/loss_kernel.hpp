@@ -6,6 +6,7 @@
 
 #include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/response/attenuation.hpp"
+#include "stochastic_platoon/math/response/designed_gain.hpp"
 
 namespace platoon {
 
@@ -30,11 +31,11 @@ namespace platoon {
 /// for the eigenvalues lambda_m of Pi' other than 1, with right and left eigenvectors v_m and u_m, u_m' v_m = 1: the
 /// memory of the chain. A platoon that moves v metres per step drives the registers by -v (c_1 + 2 c_2 + ...) at every
 /// loss, which acts like a drive at frequency 0.
-class BurstLink {
+class LossKernel {
 public:
-  /// Throws std::invalid_argument for a loss without predictor, a loss probability of 0, losses that alternate with
-  /// arrivals (lambda = -1), and predictions whose variance does not settle.
-  explicit BurstLink(const LossModel& loss);
+  /// Without predictor, u = 1: a lost value is 0. Throws std::invalid_argument for a loss probability of 0, losses that
+  /// alternate with arrivals (lambda = -1), and predictions whose variance does not settle.
+  explicit LossKernel(const LossModel& loss);
 
   struct Value {
     std::complex<double> surprise;   ///< u
@@ -45,9 +46,8 @@ public:
     Eigen::VectorXcd remembered;     ///< b at nu
     Eigen::VectorXcd mirrored;       ///< b at -nu
 
-    /// T_L, and 1 - |T_L|^2 without cancellation.
-    std::complex<double> passed() const { return 1.0 - surprise * deviation; }
-    double margin() const { return 2.0 * (surprise * deviation).real() - std::norm(surprise * deviation); }
+    /// 1 - T_L, without cancellation.
+    std::complex<double> missing() const { return surprise * deviation; }
   };
   Value at(double frequency) const;
 
@@ -65,15 +65,19 @@ public:
   /// Mean lag of a signal that grows steadily [steps].
   double lag() const { return slope_ * at(0.0).deviation.real(); }
 
-  /// Poles and zeros of T_L.
+  /// Poles and zeros of T_L, and T_L in a hundred digits.
   const GainFactor& factor() const { return factor_; }
+  LossFraction fraction() const;
 
 private:
+  template <class Scalar>
+  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> inverse() const;
   void find_memories();
   Eigen::Index block(Eigen::Index mode) const { return mode * chain_.registers(); }
 
   LossChain chain_;
   double slope_ = 0.0;
+  bool forgets_ = false;        ///< a lost value is 0
   Eigen::MatrixXd transition_;  ///< [Pi_ac A_c]
   Eigen::MatrixXd even_, odd_;  ///< from b to Q e for the drives b e' + e b' and b e' - e b', of all lost modes
   Eigen::VectorXd own_;         ///< Q e for the drives pi_c e e'

@@ -1,10 +1,12 @@
-#include "stochastic_platoon/math/bursts/burst_link.hpp"
+#include "stochastic_platoon/math/links/loss_kernel.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
+#include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
 #include "stochastic_platoon/math/numerics/resolvent_terms.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
@@ -21,7 +23,6 @@ using DoubleComplex = std::complex<double>;
 void require_theory(const LossModel& loss) {
   if (!(loss.probability > 0.0 && loss.probability < 1.0))
     throw std::invalid_argument(formatted("loss probability: %g: must be above 0 and below 1", loss.probability));
-  if (loss.predictor.empty()) throw std::invalid_argument("on_loss: zero: must be a predictor of positions");
   if (loss.alternates())
     throw std::invalid_argument(
         formatted("mean_burst: %g: must be above 1 for a probability of 0.5, as losses then alternate with arrivals",
@@ -40,10 +41,11 @@ std::vector<std::complex<long double>> shifted_eigenvalues(const Eigen::MatrixXd
 
 }  // namespace
 
-BurstLink::BurstLink(const LossModel& loss) : chain_(loss) {
+LossKernel::LossKernel(const LossModel& loss) : chain_(loss) {
   require_theory(loss);
   const Eigen::Index m = chain_.registers(), modes = chain_.modes(), arrived = chain_.arrived(), lost = chain_.lost();
   for (Eigen::Index j = 0; j < m; ++j) slope_ += static_cast<double>(j + 1) * chain_.predictor()(j);
+  forgets_ = loss.predictor.empty();
   transition_ = chain_.first_moments();
 
   // Q of each drive; the row or column of Q_c next to e is at place (i, c) of a drive.
@@ -76,18 +78,45 @@ BurstLink::BurstLink(const LossModel& loss) : chain_(loss) {
     if (!(own_(c * m) > 0.0)) reject_growth();
   }
 
-  factor_.poles = shifted_eigenvalues(transition_);
-  // The mean of r is zero if s takes away what the registers give.
-  Eigen::RowVectorXd given = Eigen::RowVectorXd::Zero(modes * m);
-  for (Eigen::Index c = 0; c < modes; ++c) given += transition_.row(block(c));
-  const Eigen::VectorXd arrivals = chain_.stationary().head(arrived);
-  Eigen::MatrixXd inverse = transition_;
-  for (Eigen::Index c = 0; c < arrived; ++c) inverse.row(block(c)) -= arrivals(c) / arrivals.sum() * given;
-  factor_.zeros = shifted_eigenvalues(inverse);
+  factor_ = {shifted_eigenvalues(transition_), shifted_eigenvalues(inverse<double>())};
   find_memories();
 }
 
-void BurstLink::find_memories() {
+// The mean of r is zero if s takes away what the registers give.
+template <class Scalar>
+Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> LossKernel::inverse() const {
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  Matrix result = transition_.cast<Scalar>(), given = Matrix::Zero(1, result.cols());
+  Scalar arrivals(0);
+  for (Eigen::Index c = 0; c < chain_.modes(); ++c) given += result.row(block(c));
+  for (Eigen::Index c = 0; c < chain_.arrived(); ++c) arrivals += Scalar(chain_.stationary()(c));
+  for (Eigen::Index c = 0; c < chain_.arrived(); ++c)
+    result.row(block(c)) -= given * Scalar(Scalar(chain_.stationary()(c)) / arrivals);
+  return result;
+}
+
+LossFraction LossKernel::fraction() const {
+  constexpr double kZero = 1e-80;  // of a coefficient of a hundred digits
+  const auto polynomial = [](const ExactMatrix& matrix) {
+    return exact_resolvent(matrix, ExactMatrix::Zero(1, matrix.cols())).denominator;
+  };
+  LossFraction found{polynomial(inverse<Exact>()), polynomial(transition_.cast<Exact>()), 0};
+  const auto without_zeros_at_origin = [kZero](ExactPolynomial& p) {
+    std::ptrdiff_t count = 0;
+    for (; p.size() > 1 && abs(p.back()) < kZero; ++count) p.pop_back();
+    return count;
+  };
+  found.powers = without_zeros_at_origin(found.numerator);
+  found.powers -= without_zeros_at_origin(found.denominator);
+  Exact arrivals(0);
+  for (Eigen::Index c = 0; c < chain_.arrived(); ++c) arrivals += Exact(chain_.stationary()(c));
+  for (Exact& coefficient : found.numerator) coefficient *= arrivals;
+  found.numerator = shifted_to_one(std::move(found.numerator));
+  found.denominator = shifted_to_one(std::move(found.denominator));
+  return found;
+}
+
+void LossKernel::find_memories() {
   const Eigen::Index modes = chain_.modes();
   for (const ResolventTerm& term : memory_terms(chain_.transition().transpose())) {
     for (Eigen::Index k = 0; k < term.left.cols(); ++k) {
@@ -100,7 +129,7 @@ void BurstLink::find_memories() {
   }
 }
 
-BurstLink::Value BurstLink::at(double frequency) const {
+LossKernel::Value LossKernel::at(double frequency) const {
   const Eigen::Index m = chain_.registers(), size = transition_.rows(), modes = chain_.modes(), drives = even_.rows();
   const DoubleComplex back = std::polar(1.0, -frequency);
   const Eigen::PartialPivLU<Eigen::MatrixXcd> inverse(Eigen::MatrixXcd::Identity(size, size) - back * transition_);
@@ -108,7 +137,7 @@ BurstLink::Value BurstLink::at(double frequency) const {
   for (Eigen::Index c = 0; c < modes; ++c) output(block(c)) = 1.0;
   for (Eigen::Index c = chain_.arrived(); c < modes; ++c) drive(block(c)) = chain_.stationary()(c);
   Value value;
-  value.surprise = 0.0;
+  value.surprise = forgets_ ? 1.0 : 0.0;
   for (Eigen::Index j = 0; j < m; ++j) {  // 1 - e^{-j x} = 2 sin(x/2) (sin(x/2) + j cos(x/2))
     const double half = 0.5 * static_cast<double>(j + 1) * frequency, sine = std::sin(half);
     value.surprise += 2.0 * chain_.predictor()(j) * sine * DoubleComplex(sine, std::cos(half));
@@ -130,7 +159,7 @@ BurstLink::Value BurstLink::at(double frequency) const {
   return value;
 }
 
-double BurstLink::kernel(const Value& outward, double w, const Value& inward, double nu) const {
+double LossKernel::kernel(const Value& outward, double w, const Value& inward, double nu) const {
   DoubleComplex sum = outward.outward.cwiseProduct(inward.scattered).sum();
   for (std::size_t m = 0; m < memories_.size(); ++m) {
     const auto i = static_cast<Eigen::Index>(m);

@@ -1,0 +1,121 @@
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+
+namespace platoon {
+
+namespace {
+
+// " (...)": the random losses that have a theory in place of the recorded ones; empty if none have.
+std::string theory_of_random_losses(PlatoonModel model) {
+  const auto change = [&model](const auto& changed) {
+    for (VehicleType& type : model.types) {
+      for (LinkModel* link :
+           {&type.vehicle.link, type.vehicle.feed_forward ? &type.vehicle.feed_forward->link : nullptr}) {
+        if (link != nullptr && link->loss && link->loss->trace) changed(*link->loss);
+      }
+    }
+  };
+  PlatoonModel recorded = model;
+  change([](LossModel& loss) { loss.trace.reset(); });
+  if (!no_theory(model)) return " (random losses with these two have a theory)";
+  model = std::move(recorded);
+  change([](LossModel& loss) {
+    loss.trace.reset();
+    loss.mean_burst.reset();
+  });
+  return no_theory(model) ? "" : " (independent losses of this probability have a theory)";
+}
+
+}  // namespace
+
+bool has_bursts(const PlatoonModel& model) {
+  return any_link(model, [](const LinkModel& link) { return link.loss && !link.loss->is_independent(); });
+}
+
+std::optional<std::string> no_theory(const PlatoonModel& model) {
+  if (depends_on_gap(model)) return "losses depend on the gap";
+  const LossModel* recorded = nullptr;
+  any_link(model, [&](const LinkModel& link) {
+    if (link.loses() && link.loss->trace) recorded = &*link.loss;
+    return recorded != nullptr;
+  });
+  if (recorded != nullptr)
+    return formatted("losses follow a recorded trace, of loss probability %.6g and mean burst %.6g",
+                     recorded->probability, *recorded->mean_burst) +
+           theory_of_random_losses(model);
+  if (any_link(model, [](const LinkModel& link) { return link.loses() && link.loss->alternates(); }))
+    return "losses and arrivals alternate (mean_burst: 1 at a probability of 0.5), so that no variance settles";
+  return std::nullopt;
+}
+
+LinkedPattern::LinkedPattern(const PlatoonModel& model, const LinkedPattern& known) {
+  if (const std::optional<std::string> reason = no_theory(model))
+    throw std::invalid_argument("loss: no theory, as " + *reason);
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> place;  // (model type, that of the predecessor)
+  const std::vector<std::size_t> model_types = type_order(model);
+  const bool sends = has_feed_forward(model);
+  for (std::size_t j = 0, before = model_types.back(); j < model_types.size(); before = model_types[j++]) {
+    const VehicleModel &vehicle = model.types[model_types[j]].vehicle, &predecessor = model.types[before].vehicle;
+    const bool unlike = sends && !(predecessor.design->plant == vehicle.design->plant);
+    const auto inserted = place.emplace(std::make_pair(model_types[j], unlike ? before : model_types[j]), types.size());
+    if (inserted.second) {
+      const LinkedVehicle* const same = types.size() < known.types.size() ? &known.types[types.size()] : nullptr;
+      types.push_back(same != nullptr && same->is_of(vehicle)
+                          ? *same
+                          : LinkedVehicle(vehicle, same, unlike ? &predecessor : nullptr));
+    }
+    order.push_back(inserted.first->second);
+  }
+}
+
+PatternGain LinkedPattern::gain() const {
+  std::vector<RatedFactor> factors;
+  for (std::size_t type = 0; type < types.size(); ++type) {
+    factors.push_back(types[type].factor());
+    factors.back().factor.count = static_cast<long double>(std::count(order.begin(), order.end(), type));
+  }
+  return PatternGain(std::move(factors));
+}
+
+ZerosAtZero LinkedPattern::zeros_at_zero() const {
+  ZerosAtZero least{ZerosAtZero::kNone, ZerosAtZero::kNone, has_losses() ? 0 : ZerosAtZero::kNone};
+  for (const LinkedVehicle& vehicle : types) {
+    const ZerosAtZero zeros = vehicle.zeros_at_zero();
+    least.complement = std::min(least.complement, zeros.complement);
+    least.innovation = std::min(least.innovation, zeros.innovation);
+    least.noise = std::min(least.noise, zeros.noise);
+  }
+  if (least.noise == ZerosAtZero::kNone) least.noise = 0;  // as for any noise, however small
+  return least;
+}
+
+bool LinkedPattern::grows_at_zero(const PatternGain& pattern_gain) const {
+  const ZerosAtZero zeros = zeros_at_zero();
+  return pattern_gain.zeros() > std::min(zeros.complement, zeros.innovation) + zeros.noise;
+}
+
+double LinkedPattern::gain_margin() const {
+  if (!mean_square_stable()) return std::max(-1.0, 1.0 - std::max(spectral_radius(), loss_feedback()));
+  const PatternGain pattern_gain = gain();
+  const double least = pattern_gain.least(PatternGain::kSignAccuracy).value;
+  return least > 0.0 && grows_at_zero(pattern_gain) ? 0.0 : least;
+}
+
+double LinkedPattern::largest(double (LinkedVehicle::*figure)() const) const {
+  double found = 0.0;
+  for (const LinkedVehicle& vehicle : types) found = std::max(found, (vehicle.*figure)());
+  return found;
+}
+
+bool LinkedPattern::any(bool (LinkedVehicle::*condition)() const) const {
+  return std::any_of(types.begin(), types.end(),
+                     [condition](const LinkedVehicle& vehicle) { return (vehicle.*condition)(); });
+}
+
+}  // namespace platoon

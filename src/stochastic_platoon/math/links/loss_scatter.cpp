@@ -1,0 +1,147 @@
+#include "stochastic_platoon/math/links/loss_scatter.hpp"
+
+#include <boost/math/constants/constants.hpp>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/complex_product.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/numerics/memory_weights.hpp"
+
+namespace platoon {
+
+namespace {
+
+using DoubleComplex = std::complex<double>;
+
+Quadrature equal_nodes(std::size_t count) {
+  const std::size_t half = count / 2;
+  Quadrature rule;
+  rule.weight.assign(half, 1.0 / static_cast<double>(half));
+  for (std::size_t k = 0; k < half; ++k)
+    rule.node.push_back(boost::math::double_constants::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(half));
+  return rule;
+}
+
+}  // namespace
+
+SpectralNodes::SpectralNodes(std::size_t number) : SpectralNodes(equal_nodes(number)) {
+  equally_spaced = true;
+}
+
+SpectralNodes::SpectralNodes(Quadrature quadrature)
+    : rule(std::move(quadrature)),
+      equally_spaced(false),
+      weight(Eigen::Map<const Eigen::ArrayXd>(rule.weight.data(), count())) {
+  for (const double w : rule.node) points.emplace_back(w);
+}
+
+LossScatter::LossScatter(const LossFilter& losses, const SpectralNodes& nodes)
+    : weight_(nodes.weight), moving_(nodes.count()), innovation_(nodes.count()) {
+  if (losses.kernel() != nullptr) {
+    add_chain(*losses.kernel(), nodes);
+    return;
+  }
+  const double ebar = losses.mean_innovation();
+  returned_.resize(nodes.count());
+  for (Eigen::Index k = 0; k < nodes.count(); ++k) {
+    const CirclePoint& point = nodes.points[static_cast<std::size_t>(k)];
+    effects_.push_back(losses.at(point));
+    const LossFilter::RankOne values = losses.rank_one(point);
+    innovation_(k) = values.innovation;
+    returned_(k) = losses.loss_factor() * values.returned;
+  }
+  moving_ = ebar * ebar * returned_;
+}
+
+void LossScatter::add_chain(const LossKernel& kernel, const SpectralNodes& nodes) {
+  memories_ = kernel.memories();
+  itself_ = kernel.itself();
+  const auto memories = static_cast<Eigen::Index>(memories_.size());
+  for (Eigen::MatrixXcd* values : {&recalling_, &remembered_, &mirrored_}) values->resize(nodes.count(), memories);
+  outward_.resize(nodes.count(), itself_.size());
+  scattered_.resize(itself_.size(), nodes.count());
+  const LossKernel::Value constant = kernel.at(0.0);
+  for (Eigen::Index k = 0; k < nodes.count(); ++k) {
+    check_interruption();
+    const double w = nodes.rule.node[static_cast<std::size_t>(k)];
+    const LossKernel::Value value = kernel.at(w);
+    effects_.push_back(LossFilter::Value::of_missing(value.missing()));
+    innovation_(k) = std::norm(value.surprise);
+    moving_(k) = kernel.slope() * kernel.slope() * kernel.kernel(value, w, constant, 0.0);
+    recalling_.row(k) = value.recalling.transpose();
+    remembered_.row(k) = value.remembered.transpose();
+    mirrored_.row(k) = value.mirrored.transpose();
+    outward_.row(k) = 2.0 * value.outward.real().transpose();
+    scattered_.col(k) = value.scattered.real();
+  }
+  if (!nodes.equally_spaced && !memories_.empty()) add_memory(nodes);
+}
+
+void LossScatter::add_memory(const SpectralNodes& nodes) {
+  const std::vector<double>& node = nodes.rule.node;
+  const Eigen::Index count = nodes.count(), terms = recalling_.cols();
+  kernel_ = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index first = 0, end = 0; first < terms; first = end) {  // terms of one lambda share its weights
+    const DoubleComplex value = memories_[static_cast<std::size_t>(first)];
+    while (end < terms && memories_[static_cast<std::size_t>(end)] == value) ++end;
+    const MemoryWeights memory(nodes.rule, value), mirrored(nodes.rule, std::conj(value));
+    for (Eigen::Index r = 0; r < count; ++r) {
+      const std::vector<DoubleComplex> ahead = memory.at(node[static_cast<std::size_t>(r)]),
+                                       behind = mirrored.at(-node[static_cast<std::size_t>(r)]);
+      for (Eigen::Index c = 0; c < count; ++c) {
+        DoubleComplex at_node = 0.0, at_mirror = 0.0;
+        for (Eigen::Index m = first; m < end; ++m) {
+          at_node += product(recalling_(r, m), remembered_(c, m));
+          at_mirror += product(recalling_(r, m), mirrored_(c, m));
+        }
+        const auto k = static_cast<std::size_t>(c);
+        kernel_(c, r) += real_product(at_node, ahead[k]) + real_product(at_mirror, std::conj(behind[k]));
+      }
+    }
+  }
+}
+
+// < b_m(nu) driven(nu) y_m / (1 - y_m) >_nu: on equally spaced nodes a circular convolution with the powers of
+// lambda_m.
+Eigen::ArrayXd LossScatter::recalled(const Eigen::ArrayXd& driven) const {
+  const Eigen::Index half = driven.size(), n = 2 * half;
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(half);
+  Eigen::VectorXcd values(n), lags(n);
+  for (std::size_t m = 0; m < memories_.size(); ++m) {
+    const auto column = static_cast<Eigen::Index>(m);
+    values.head(half) = (remembered_.col(column).array() * driven).matrix();
+    values.tail(half) = (mirrored_.col(column).array() * driven).matrix().reverse();
+    fft_.inv(lags, values);
+    DoubleComplex power = std::pow(memories_[m], static_cast<double>(n));
+    const DoubleComplex all = 1.0 - power;
+    for (Eigen::Index t = 0; t < n; ++t) {
+      lags(t) *= power / all;
+      power = t == 0 ? memories_[m] : power * memories_[m];
+    }
+    fft_.fwd(values, lags);
+    sum += 2.0 * (recalling_.col(column).array() * values.head(half).array()).real();
+  }
+  return sum;
+}
+
+Eigen::MatrixXd LossScatter::drives(const Eigen::Ref<const Eigen::MatrixXd>& sent) const {
+  if (returned_.size() > 0) return (innovation_ * weight_).matrix().transpose() * sent;
+  return sent.array().colwise() * innovation_;
+}
+
+Eigen::MatrixXd LossScatter::operator()(const Eigen::Ref<const Eigen::MatrixXd>& drives) const {
+  if (returned_.size() > 0) return returned_.matrix() * drives;
+  const Eigen::MatrixXd weighted = drives.array().colwise() * weight_, inward = scattered_ * weighted;
+  Eigen::MatrixXd result = outward_ * inward;
+  result.rowwise() -= itself_ * inward;
+  if (kernel_.size() > 0) {
+    result.noalias() += kernel_.transpose() * weighted;
+  } else if (!memories_.empty()) {
+    for (Eigen::Index j = 0; j < drives.cols(); ++j) result.col(j) += recalled(drives.col(j)).matrix();
+  }
+  return result;
+}
+
+}  // namespace platoon
