@@ -8,23 +8,10 @@ import unittest
 import numpy as np
 
 import link_reference
+from link_reference import chain_of
 from link_models import COLOUR, LOOPS, AnalyzeTest, model_of
 
 PREDICTORS = ("hold", "hold", "extrapolate", [1.2, -0.3, 0.1])
-
-
-def chain_of(loss):
-    """Transitions from the row's mode to the column's, the stationary probabilities, and which modes are lost: those of a
-    chain of states are arrived in each state and lost in each."""
-    if "markov" in loss:
-        p, lost = np.array(loss["markov"]["transition"], float), np.array(loss["markov"]["probability"], float)
-        pi = link_reference.stationary(p)
-        return (np.vstack([np.hstack([p * (1.0 - lost), p * lost])] * 2), np.concatenate([pi * (1.0 - lost), pi * lost]),
-                np.repeat([False, True], len(p)))
-    q = loss["probability"]
-    b = loss.get("mean_burst", 1.0 / (1.0 - q))
-    return (np.array([[1.0 - q / (1.0 - q) / b, q / (1.0 - q) / b], [1.0 / b, 1.0 - 1.0 / b]]), np.array([1.0 - q, q]),
-            np.array([False, True]))
 
 
 def registers_of(loss):

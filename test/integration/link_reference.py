@@ -49,7 +49,7 @@ def vehicles_of(model, followers):
 
 
 def predictor_of(loss):
-    return {"hold": [1.0], "extrapolate": [2.0, -1.0]}.get(loss["on_loss"], loss["on_loss"]) if isinstance(
+    return {"hold": [1.0], "extrapolate": [2.0, -1.0], "zero": []}.get(loss["on_loss"], loss["on_loss"]) if isinstance(
         loss["on_loss"], str) else loss["on_loss"]
 
 
@@ -64,6 +64,20 @@ def loss_probability(loss):
     if "markov" not in loss:
         return loss["probability"]
     return float(stationary(loss["markov"]["transition"]) @ np.array(loss["markov"]["probability"]))
+
+
+def chain_of(loss):
+    """Transitions from the row's mode to the column's, the stationary probabilities, and which modes are lost: those of a
+    chain of states are arrived in each state and lost in each."""
+    if "markov" in loss:
+        p, lost = np.array(loss["markov"]["transition"], float), np.array(loss["markov"]["probability"], float)
+        pi = stationary(p)
+        return (np.vstack([np.hstack([p * (1.0 - lost), p * lost])] * 2), np.concatenate([pi * (1.0 - lost), pi * lost]),
+                np.repeat([False, True], len(p)))
+    q = loss["probability"]
+    b = loss.get("mean_burst", 1.0 / (1.0 - q))
+    return (np.array([[1.0 - q / (1.0 - q) / b, q / (1.0 - q) / b], [1.0 / b, 1.0 - 1.0 / b]]), np.array([1.0 - q, q]),
+            np.array([False, True]))
 
 
 class Part:

@@ -7,9 +7,43 @@ import numpy as np
 from mpmath import mp
 
 from audit.sampled import pulse_transfer
+from link_reference import chain_of, predictor_of
 
 LONG, COMPLEX = np.longdouble, np.clongdouble
 FOLLOWERS, STEPS = 20, 40
+
+
+def drawn_chain(draw):
+    """Losses in bursts, or by a chain of two to four states; of any predictor but zero."""
+    on_loss = draw.choice(["hold", "hold", "extrapolate", [1.2, -0.2]])
+    if draw.random() < 0.5:
+        q = draw.uniform(0.02, 0.25)
+        return {"probability": q, "mean_burst": draw.uniform(1.05, 4.0), "on_loss": on_loss}
+    states = draw.randint(2, 4)
+    rows = [[draw.gammavariate(0.7, 1.0) for _ in range(states)] for _ in range(states)]
+    return {"markov": {"transition": [[x / sum(row) for x in row] for row in rows],
+                       "probability": [draw.uniform(0.0, 0.4) for _ in range(states)]}, "on_loss": on_loss}
+
+
+def drawn_with_chains(draw):
+    """A car whose radio, and in half of all models whose radar, loses by a chain."""
+    model = drawn(draw)
+    for link in model["inputs"][draw.randrange(2):]:
+        link.setdefault("channel", {})["loss"] = drawn_chain(draw)
+    if draw.random() < 0.3:
+        model["inputs"][1]["channel"]["loss"]["on_loss"] = "zero"
+    return model
+
+
+def drawn_quick(draw):
+    """One whose start decays within 1000 steps."""
+    model = drawn_with_chains(draw)
+    model["sample_period"] = 0.1
+    model["plant"]["input_delay"] = 0.0
+    model["controller"] = {"kp": draw.uniform(0.4, 0.5), "kd": draw.uniform(1.0, 1.2), "headway_filter": True}
+    model["time_headway_seconds"] = draw.uniform(0.5, 1.0)
+    model["leader"] = {"speed": [{"from_step": 0, "value": 0.0}]}
+    return model
 
 
 def drawn(draw):
@@ -45,9 +79,9 @@ class Car:
         self.radar, self.radio = model["inputs"][0]["noise_variance"], model["inputs"][1]["noise_variance"]
         self.gain, channel = LONG(model["inputs"][1]["gain"]), model["inputs"][1]["channel"]
         self.delay = channel["delay"]
-        loss = channel.get("loss", {"probability": 0.0, "on_loss": "hold"})
-        self.q = loss["probability"]
-        self.predictor = {"hold": [1.0], "extrapolate": [2.0, -1.0], "zero": []}[loss["on_loss"]]
+        self.losses = [link.get("channel", {}).get("loss") for link in model["inputs"]]
+        self.predictors = [predictor_of(loss) if loss else [] for loss in self.losses]
+        self.q, self.predictor = self.losses[1]["probability"] if self.losses[1] and "probability" in self.losses[1] else 0.0, self.predictors[1]
 
 
 def trimmed(numerator, denominator):
@@ -124,33 +158,30 @@ def stationary(car, cuts):
 
 class Dense:
     """Means and second moments of a string behind its leader. State: for each vehicle the last y and u, e and h y; for each radio
-    the delayed inputs and the values used before."""
+    the delayed inputs; for each link the values used before. In every mode of the chains of losses."""
 
     def __init__(self, car, followers):
         self.car, self.followers, order = car, followers, len(car.denominator) - 1
         self.places, count = {}, 0
         for i in range(self.followers + 1):
-            for name, size in [("y", order + 1), ("u", order + 1), ("e", 1), ("line", car.delay), ("used", 2)]:
+            for name, size in [("y", order + 1), ("u", order + 1), ("e", 1), ("line", car.delay), (("used", 0), 2), (("used", 1), 2)]:
                 self.places[i, name] = slice(count, count + size)
                 count += size
         self.count = count
 
     def step(self, state, received, noise, lost):
-        """States (columns) at step k + 1; `received`: the virtual leader's position at step k."""
+        """States (columns) at step k + 1; `received`: the virtual leader's position at step k; `lost`: per follower and link."""
         car, now, after = self.car, self.places, state.copy()
         ratio = (len(car.denominator) - len(car.numerator))
         for i in range(self.followers + 1):
             y, u = state[now[i, "y"]], state[now[i, "u"]]  # y(k), y(k-1), ...; u(k-1), u(k-2), ...
-            position = received if i == 0 else state[now[i - 1, "y"]][0] + noise[2 * i - 2]
+            position = received if i == 0 else self.used(state, after, i, 0, state[now[i - 1, "y"]][0] + noise[2 * i - 2], lost)
             e = position - y[0] - car.h * (y[0] - y[1])
             command = car.kp * e + car.kd * (e - state[now[i, "e"]][0]) / LONG(car.period)
             if i > 0:
                 line = np.concatenate([[state[now[i - 1, "u"]][0] + noise[2 * i - 1]], state[now[i, "line"]][:-1]])
-                used = state[now[i, "used"]]
-                predicted = sum((LONG(c) * used[j] for j, c in enumerate(car.predictor)), 0 * e)
-                value = predicted if lost[i - 1] else line[car.delay - 1]
-                command = command + car.gain * value
-                after[now[i, "line"]], after[now[i, "used"]] = line, np.concatenate([[value], used[:-1]])
+                command = command + car.gain * self.used(state, after, i, 1, line[car.delay - 1], lost)
+                after[now[i, "line"]] = line
             own = (command + car.h * u[0]) / (1 + car.h) if car.filtered else command
             inputs = np.concatenate([[own], u])
             # y(k+1) = -a_1 y(k) - ... + b_j u(k + 1 - ratio - j)
@@ -160,6 +191,15 @@ class Dense:
             after[now[i, "u"]], after[now[i, "e"]] = inputs[:-1], e
         return after
 
+    def used(self, state, after, i, link, arriving, lost):
+        """What follower i uses of a link; its registers move on."""
+        place = self.places[i, ("used", link)]
+        before = state[place]
+        value = sum((LONG(c) * before[j] for j, c in enumerate(self.car.predictors[link])), 0 * arriving) \
+            if lost[i - 1][link] else arriving
+        after[place] = np.concatenate([[value], before[:-1]])
+        return value
+
     def error(self, i):
         """The row that gives zeta_i."""
         row = np.zeros(self.count, LONG)
@@ -168,34 +208,48 @@ class Dense:
         row[self.places[i, "y"].start + 1] += self.car.h
         return row
 
-    def matrices(self):
-        """For every pattern of losses: its probability, and one step as matrix, leader's column and noises' columns."""
-        zero, sources = np.zeros(2 * self.followers, LONG), 2 * self.followers
-        for lost in itertools.product([False, True] if self.car.q > 0 else [False], repeat=self.followers):
-            a = self.step(np.eye(self.count, dtype=LONG), np.zeros(self.count, LONG), np.zeros((sources, self.count), LONG), lost)
-            b = np.column_stack([self.step(np.zeros((self.count, 1), LONG), np.zeros(1, LONG), column[:, None], lost)
-                                 for column in np.eye(sources, dtype=LONG)])
-            r = self.step(np.zeros((self.count, 1), LONG), np.ones(1, LONG), zero[:, None], lost)
-            probability = np.prod([self.car.q if x else 1 - self.car.q for x in lost])
-            yield LONG(probability), a, b, r[:, 0]
+    def chains(self):
+        """The modes of all links together: transitions, stationary probabilities, and per mode the lost links of each follower."""
+        chains = [chain_of(loss) if loss else (np.ones((1, 1)), np.ones(1), [False]) for loss in self.car.losses] * self.followers
+        modes = list(itertools.product(*(range(len(pi)) for _, pi, _ in chains)))
+        stationary = np.array([np.prod([LONG(pi[c]) for (_, pi, _), c in zip(chains, mode)]) for mode in modes])
+        step = np.array([[np.prod([LONG(p[a, c]) for (p, _, _), a, c in zip(chains, one, other)]) for other in modes] for one in modes])
+        lost = [[bool(of[c]) for (_, _, of), c in zip(chains, mode)] for mode in modes]
+        return step, stationary, [tuple(zip(of[::2], of[1::2])) for of in lost]
 
-    def tables(self, speed):
-        car, matrices = self.car, list(self.matrices())
-        noise = np.diag(np.array([car.radar, car.radio] * self.followers, LONG))
-        mean, second = np.zeros(self.count, LONG), np.zeros((self.count, self.count), LONG)
-        means, variances = np.zeros((self.followers, STEPS)), np.zeros((self.followers, STEPS))
-        for k in range(-1, STEPS - 1):
-            position = LONG(max(k, 0) * speed * car.period)
-            step_mean, step_second = 0 * mean, 0 * second
-            for probability, a, b, r in matrices if k >= 0 else matrices[:1]:  # at step -1 nothing is lost
-                weight = probability if k >= 0 else LONG(1)
-                moved = a @ mean + r * position
-                covariance = a @ (second - np.outer(mean, mean)) @ a.T + (b @ noise @ b.T if k >= 0 else 0)
-                step_mean = step_mean + weight * moved
-                step_second = step_second + weight * (covariance + np.outer(moved, moved))
-            mean, second = step_mean, step_second
+    def matrices(self, lost):
+        """One step: matrix, noises' columns, leader's column."""
+        zero, sources = np.zeros(2 * self.followers, LONG), 2 * self.followers
+        a = self.step(np.eye(self.count, dtype=LONG), np.zeros(self.count, LONG), np.zeros((sources, self.count), LONG), lost)
+        b = np.column_stack([self.step(np.zeros((self.count, 1), LONG), np.zeros(1, LONG), column[:, None], lost)
+                             for column in np.eye(sources, dtype=LONG)])
+        r = self.step(np.zeros((self.count, 1), LONG), np.ones(1, LONG), zero[:, None], lost)
+        return a, b, r[:, 0]
+
+    def tables(self, speed, steps=STEPS, number=LONG):
+        """Mean and variance of every error, in numbers of this type."""
+        car = self.car
+        step, stationary, lost = self.chains()
+        known = {of: [x.astype(number) for x in self.matrices(of)] for of in set(lost) | {((False, False),) * self.followers}}
+        noise = np.diag(np.array([car.radar, car.radio] * self.followers, number))
+        step, stationary = step.astype(number), stationary.astype(number)
+        first, second = np.zeros((len(lost), self.count), number), np.zeros((len(lost), self.count, self.count), number)
+        means, variances = np.zeros((self.followers, steps)), np.zeros((self.followers, steps))
+        for k in range(-1, steps - 1):
+            position = number(max(k, 0) * speed * car.period)
+            if k >= 0:  # at step -1 nothing is lost, and nothing disturbs
+                first = step.T @ first
+                second = (step.T @ second.reshape(len(lost), -1)).reshape(second.shape)
+            for c, of in enumerate(lost):
+                a, b, r = known[of if k >= 0 else ((False, False),) * self.followers]
+                drive, moved = r * position, a @ first[c]
+                cross = np.outer(moved, drive)
+                second[c] = a @ second[c] @ a.T + cross + cross.T + stationary[c] * (
+                    np.outer(drive, drive) + (b @ noise @ b.T if k >= 0 else 0))
+                first[c] = moved + stationary[c] * drive
+            mean, whole = first.sum(axis=0), second.sum(axis=0)
             for i in range(1, self.followers + 1):
-                row = self.error(i)
+                row = self.error(i).astype(number)
                 means[i - 1, k + 1] = row @ mean
-                variances[i - 1, k + 1] = row @ second @ row - (row @ mean) ** 2
+                variances[i - 1, k + 1] = row @ whole @ row - (row @ mean) ** 2
         return means, variances

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Compares analyze with independent computations for random cars with radar and radio: stationary variances, their shares, the limit
 and the verdict with Gamma at many frequencies in extended precision, and mean and variance of every step with the second moments of
-the whole string, over all patterns of lost inputs with their probabilities.
+the whole string, in all modes of the chains that its links lose by.
 
 radio_theory_test.py [ANALYZE] [--models M] [--seed SEED]
 """
@@ -10,11 +10,11 @@ import random
 
 import numpy as np
 
-from radio_reference import FOLLOWERS, STEPS, Car, Dense, drawn, stationary
+from radio_reference import FOLLOWERS, STEPS, Car, Dense, drawn, drawn_quick, drawn_with_chains, stationary
 from random_models import analysis_of, parsed
 
 DENSE_FOLLOWERS = 3
-CLOSE = 1e-9
+CLOSE, CLOSE_OF_CHAINS = 1e-9, 1e-10
 
 
 def check(name, model, found):
@@ -42,6 +42,29 @@ def check(name, model, found):
     return worst
 
 
+def difference(found, expected):
+    """The largest one of variances, relative."""
+    positive = expected > 1e-12 * np.max(expected)
+    return np.max(abs(np.array(found)[positive] / expected[positive] - 1))
+
+
+def check_chains(name, model, found, followers):
+    """Every step of a car whose links lose by chains, in all their modes."""
+    means, variances = Dense(Car(model), followers).tables(20.0)
+    worst = np.max(abs(np.array(found["mean"]) - means)) / np.max(abs(means))
+    worst = max(worst, difference(found["variance"], variances))
+    assert worst <= CLOSE_OF_CHAINS, "%s: differs by %.2g, relative" % (name, worst)
+    return worst
+
+
+def check_stationary(name, model, found, followers):
+    variances = Dense(Car(model), followers).tables(0.0, 1200, np.float64)[1]
+    assert np.max(abs(variances[:, 1000] / variances[:, -1] - 1)) < CLOSE_OF_CHAINS / 100, name + ": must settle within 1000 steps"
+    worst = difference(found["stationary_variance"], variances[:, -1])
+    assert worst <= CLOSE_OF_CHAINS, "%s: differs by %.2g, relative" % (name, worst)
+    return worst
+
+
 def main():
     arguments = parsed(__doc__, 6)
     worst, stable = 0.0, 0
@@ -52,6 +75,14 @@ def main():
         if found:
             worst = max(worst, check(name, model, found))
             stable += bool(found["string_stable"])
+    for kind, drawn_one, check_one in (("chain", drawn_with_chains, check_chains), ("quick", drawn_quick, check_stationary)):
+        for number in range(arguments.models):
+            name = "%s-%d-%d" % (kind, arguments.seed, number)
+            draw = random.Random(name)
+            model, followers = drawn_one(draw), 1 + number % 2
+            found = analysis_of(arguments.analyze, name, model, followers=followers, steps=STEPS)
+            if found:
+                print(name, "%.2g" % check_one(name, model, found, followers))
     print("%d models, %d of them string stable: largest difference %.2g, relative" % (arguments.models, stable, worst))
     assert 0 < stable < arguments.models, "both verdicts must occur"
 

@@ -21,7 +21,7 @@ def parsed(description, models):
 
 
 def analysis_of(analyze, name, model, **options):
-    """The JSON of the program analyze for a model; None if its gains make the loop unstable."""
+    """The JSON of the program analyze for a model; None if its loop or its predictions are unstable."""
     with tempfile.TemporaryDirectory() as folder:
         file, result = os.path.join(folder, "model.yaml"), os.path.join(folder, "result.json")
         with open(file, "w") as stream:
@@ -29,7 +29,7 @@ def analysis_of(analyze, name, model, **options):
         words = ["--{}={}".format(option.replace("_", "-"), value) for option, value in options.items()]
         done = subprocess.run([analyze, "--model", file, "--json", result] + words, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               universal_newlines=True)
-        if done.returncode != 0 and "rho(A)" in done.stderr:
+        if done.returncode != 0 and any(words in done.stderr for words in ("rho(A)", "variance grows")):
             return None
         assert done.returncode == 0, "%s: %s\n%s" % (name, done.stderr, json.dumps(model))
         with open(result) as stream:

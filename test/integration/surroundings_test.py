@@ -50,7 +50,8 @@ class Surroundings(LaunchTest):
                               "the nodes to end")
         settings, second = dict(followers=2, steps=20, realizations=100), self.path("second")
         summary = self.completed(self.launch(master=master, output=second, **settings), second)
-        self.assertLessEqual(summary["attempts"], live_platoon.UNDISTURBED)
+        # The master still names the dead nodes to the new ones: the channel may hear the leader's first message too late.
+        self.assertLessEqual(summary["attempts"], 1 + live_platoon.UNDISTURBED)
         self.assert_bits(second, **settings)
 
     def test_a_run_whose_launch_was_killed_with_its_monitor_is_gone_on_with_at_once(self):

@@ -7,7 +7,7 @@ from mpmath import mpf
 
 import link_reference
 from audit import received_strings, string_theory, tables
-from audit.paper import DECAY, LIMIT, STATIONARY
+from audit.paper import DECAY, LIMIT
 
 FOLLOWERS, STEPS = 20, 100
 LOSS_GAIN = 1e-9  # relative
@@ -44,14 +44,14 @@ def check_stationary(name, model, string, found, findings, analysed):
         return
     variances, means, shares = string.stationary(len(found["stationary_variance"]))
     for i, (ours, theirs) in enumerate(zip(variances, found["stationary_variance"])):
-        findings.compare("stationary variance", ours, theirs, STATIONARY * ours, name, " of %d" % (i + 1))
+        findings.compare("stationary variance", ours, theirs, tables.accuracy(model) * ours, name, " of %d" % (i + 1))
     largest = max(abs(x) for x in means)
     for i, (ours, theirs) in enumerate(zip(means, found["stationary_mean"])):
-        findings.compare("stationary mean", ours, theirs, tables.MEAN * 10 * largest, name, " of %d" % (i + 1))
+        findings.compare("stationary mean", ours, theirs, tables.accuracy(model) * largest, name, " of %d" % (i + 1))
     if found["stationary_variance_by_input"]:
         for i, rows in enumerate(zip(*found["stationary_variance_by_input"])):
             for ours, theirs in zip(shares[i], rows):
-                findings.compare("share of an input", ours, theirs, STATIONARY * variances[i], name, " of %d" % (i + 1))
+                findings.compare("share of an input", ours, theirs, tables.accuracy(model) * variances[i], name, " of %d" % (i + 1))
     if tables.is_received(model):
         check_late(name, model, string, variances, findings, analysed)
 
