@@ -22,7 +22,7 @@ namespace platoon {
 /// g |u|^2 = kappa |F(w)|^2 |(1 - L) F|^2(nu), and the last term is kappa |F|^2 (v (c_1 + 2 c_2 + ...) / p)^2.
 ///
 /// The functions require a mean square stable pattern; those of an endless string, a positive gain_margin(), too.
-/// 1e-12 relative; with bursts of mean length b 1e-15 b, and near the border of stability less in a limit.
+/// 1e-12 relative; with bursts of mean length b 1e-14 b, and near the border of stability less in a limit.
 
 /// Visits the followers one after the other with (i, spectrum of the position in front, spectrum that each link adds),
 /// until a visit returns false.

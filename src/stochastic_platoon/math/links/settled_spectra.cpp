@@ -83,25 +83,17 @@ private:
   std::optional<std::size_t> factors_;
 };
 
-/// Distance of the vehicles' and chains' poles from the unit circle.
-double least_decay(const LinkedPattern& pattern) {
+/// Distance from the unit circle of the poles of the vehicles and chains, and of the margin of an endless string.
+double least_decay(const LinkedPattern& pattern, bool endless) {
   double width = 1.0;
   for (const LinkedVehicle& vehicle : pattern.types) {
     double radius = std::max(vehicle.spectral_radius(), std::sqrt(vehicle.loss_feedback()));
     for (const std::complex<double>& memory : memories_of(vehicle)) radius = std::max(radius, std::abs(memory));
     width = std::min(width, 1.0 - radius);
   }
-  return width;
-}
-
-/// Number of equally spaced nodes that resolve every vehicle and chain to the last digit, and the margin of an endless
-/// string.
-double resolving_nodes(const LinkedPattern& pattern, bool endless) {
-  constexpr double kDigits = 40.0;  // -ln of the last digit
-  double width = least_decay(pattern);
-  if (!endless) return kDigits / width;
+  if (!endless) return width;
   for (const std::complex<double>& w : pattern.gain().margin_frequencies()) width = std::min(width, std::abs(w.imag()));
-  return kDigits / width;
+  return width;
 }
 
 /// Whether twice as many nodes gain nothing. On resolving nodes a change is rounding, which long bursts and the border
@@ -143,7 +135,8 @@ std::optional<double> by_equal_nodes(const LinkedPattern& pattern, std::size_t m
   constexpr double kDigits = 5.0;  // -ln of the second digit
   const auto on = [&](std::size_t nodes) { return value(StringSpectra(pattern, SpectralNodes(nodes))); };
   std::size_t nodes = first_nodes(pattern);
-  while (nodes < most && static_cast<double>(2 * nodes) * least_decay(pattern) <= kDigits) nodes *= 2;
+  const double width = least_decay(pattern, true);
+  while (nodes < most && static_cast<double>(2 * nodes) * width <= kDigits) nodes *= 2;
   if (nodes >= most) return std::nullopt;
   for (double coarse = on(nodes); nodes < most;) {
     nodes *= 2;
@@ -159,7 +152,8 @@ std::optional<double> by_equal_nodes(const LinkedPattern& pattern, std::size_t m
 std::vector<double> settled_values(const LinkedPattern& pattern, std::optional<std::size_t> followers,
                                    const SpectralValues& values) {
   if (!pattern.has_memory()) return settled_without_memory(pattern, followers, values);
-  const double resolving = resolving_nodes(pattern, !followers);
+  constexpr double kDigits = 40.0;  // -ln of the last digit
+  const double resolving = kDigits / least_decay(pattern, !followers);
   if (resolving > kManyNodes) {
     if (const std::optional<std::vector<double>> found = settled_on_few(pattern, followers, values)) return *found;
   }

@@ -141,6 +141,31 @@ TEST(CriticalHeadway, OfAdaptiveCruiseControlHasAClosedForm) {
   EXPECT_NEAR(0.01 * expected, 3.15728, 1e-5);
 }
 
+// Just above the border of abs(T) < 1 the losses alone decide: their gain has a peak at w = 0 whose width goes to zero.
+TEST(CriticalHeadway, OfBurstsIsNotThatOfTheGain) {
+  const Eigen::VectorXd plant =
+      (Eigen::VectorXd(5) << 1.0, -2.91357421875, 2.937535345554352, -1.1343480348587036, 0.1103869080543518)
+          .finished();
+  const LoopDesign design{TransferFunction(Polynomial::Ones(1), plant),
+                          TransferFunction(Eigen::Vector2d(0.0016083567953037066, -0.0008418184819265871),
+                                           Eigen::Vector3d(1.0, 1.041748046875, 0.2533121109008789))};
+  VehicleModel vehicle{close_loop(design, 40.0), 40.0};
+  vehicle.design = design;
+  vehicle.noise_variance = 2.4;
+  vehicle.link.loss = LossModel{0.491785172125041, 2.8857295051526712, {1.0}};
+  const std::optional<StableHeadways> headways = stable_headways({vehicle, LeaderProfile({{0, 6.75}}, 0.125), 0.125});
+  ASSERT_TRUE(headways && !headways->intervals.empty());
+  const double border = headways->intervals.front().from;
+  const auto loss_gain_at = [&](double headway) {
+    VehicleModel at = vehicle;
+    at.headway = headway;
+    at.loop = close_loop(design, headway);
+    return *string_stability({at, LeaderProfile({{0, 6.75}}, 0.125), 0.125}).loss_gain;
+  };
+  EXPECT_GT(loss_gain_at(border * (1.0 - 1e-9)), 1.0);
+  EXPECT_LT(loss_gain_at(border * (1.0 + 1e-9)), 1.0);
+}
+
 TEST(CriticalHeadway, NeverContradictsTheVerdictAtAGivenHeadway) {
   const HeadwayLaw laws[] = {paper_loop, fixed_gain(0.3), cancelling};
   for (const HeadwayLaw& law : laws) {
