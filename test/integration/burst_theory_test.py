@@ -221,16 +221,6 @@ class Analyze(AnalyzeTest):
         self.assertEqual([point["mean_burst"] for point in points], [1.0, 2.0, 3.0] * 2)
         self.assertEqual([point["string_stable"] for point in points], [True, True, False, None, None, False])
 
-    def test_says_why_a_radio_that_loses_in_bursts_has_no_theory(self):
-        inputs = [{"signal": "position", "from": "predecessor", "noise_variance": 0.01},
-                  {"signal": "input", "from": "predecessor", "noise_variance": 0.01,
-                   "channel": {"delay": 1, "loss": {"probability": 0.1, "mean_burst": 3.0, "on_loss": "hold"}}}]
-        model = model_of(3, inputs=inputs)
-        del model["channel"], model["noise_variance"]
-        theory = self.analyze(model, 2, 5)
-        self.assertEqual(theory["theory"], "none")
-        self.assertNotIn("variance", theory)
-
 
 if __name__ == "__main__":
     unittest.main()

@@ -127,7 +127,7 @@ class RadioPlatoon(LinkedPlatoon):
             received[-1] = max(k, 0) * 20.0 * self.model["sample_period"]
             if k == 0:
                 noise[:, :-1] = np.eye(sources)
-            state = dense.step(state, received, noise, [False] * FOLLOWERS)
+            state = dense.step(state, received, noise, [(False, False)] * FOLLOWERS)
             rows[:, k + 2] = [state[dense.places[i, "y"]][0] for i in range(FOLLOWERS + 1)]
         return rows[:, :, -1], [([self.car.radar, self.car.radio][j % 2], True, rows[:, :, j]) for j in range(sources)]
 
