@@ -82,16 +82,6 @@ TEST_F(PredictionTest, OfLossesInBurstsIsExactWithoutAVerdict) {
   EXPECT_EQ(over_time.warning, "");
 }
 
-TEST_F(PredictionTest, DoesNotExistForARadioWithLossesInBursts) {
-  FeedForward radio;
-  radio.link.delay = 1;
-  radio.link.loss = LossModel{0.1, 2.0, {1.0}};
-  configuration_.model.default_vehicle().feed_forward = radio;
-  const Prediction prediction = predict(configuration_);
-  EXPECT_FALSE(prediction.has_theory());
-  EXPECT_EQ(prediction.stability.reason, "none, as losses come in bursts in a string with radios");
-}
-
 TEST_F(PredictionTest, DoesNotExistBehindAnExternalVehicle) {
   configuration_.run.external = {1};
   const Prediction prediction = predict(configuration_);
