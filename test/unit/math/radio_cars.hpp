@@ -4,21 +4,27 @@
 
 namespace platoon {
 
-/// Cooperative adaptive cruise control (config/cacc.yaml) with a headway in seconds and this radio; noise of the radar
-/// [m^2] and of the radio [(m/s^2)^2].
-inline PlatoonModel radio_platoon(double headway_seconds, double radar, double radio, std::int64_t radio_delay = 2,
-                                  double input_delay = 0.2) {
-  constexpr double kPeriod = 0.01;
-  LoopDesign design{{car_with_actuator_lag(0.1, input_delay), kPeriod}, {ControllerGains{0.2, 0.7, 0.0}, kPeriod}};
+/// Cooperative adaptive cruise control with a headway filter.
+inline PlatoonModel radio_platoon_of(LoopDesign design, double headway, double radar, double radio,
+                                     std::int64_t radio_delay, double period) {
   design.headway_filter = true;
   design.in_radio_string = true;
-  const double headway = headway_seconds / kPeriod;
   VehicleModel vehicle{close_loop(design, headway), headway};
   vehicle.design = design;
   vehicle.noise_variance = radar;
   vehicle.feed_forward = FeedForward{1.0, radio, {}};
   vehicle.feed_forward->link.delay = radio_delay;
-  return {vehicle, LeaderProfile({{0, 20.0}}, kPeriod), kPeriod};
+  return {vehicle, LeaderProfile({{0, 20.0}}, period), period};
+}
+
+/// Cooperative adaptive cruise control (config/cacc.yaml) with a headway in seconds and this radio; noise of the radar
+/// [m^2] and of the radio [(m/s^2)^2].
+inline PlatoonModel radio_platoon(double headway_seconds, double radar, double radio, std::int64_t radio_delay = 2,
+                                  double input_delay = 0.2) {
+  constexpr double kPeriod = 0.01;
+  return radio_platoon_of(
+      {{car_with_actuator_lag(0.1, input_delay), kPeriod}, {ControllerGains{0.2, 0.7, 0.0}, kPeriod}},
+      headway_seconds / kPeriod, radar, radio, radio_delay, kPeriod);
 }
 
 /// The radio loses inputs.

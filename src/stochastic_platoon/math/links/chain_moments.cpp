@@ -83,7 +83,7 @@ public:
   SequenceMoments behind(const SequenceMoments& predecessor, ErrorMoments& moments) const {
     const Eigen::Index links = static_cast<Eigen::Index>(wires_.size());
     SequenceMoments used{Vector(links * count_), Matrix(links * count_, links * count_)};
-    Matrix with_position(links * count_, count_);  // of the predecessor
+    Matrix with_position(links * count_, count_);  // covariance of what is used with the predecessor's position
     for (Eigen::Index l = 0; l < links; ++l) {
       const Wire& wire = wires_[static_cast<std::size_t>(l)];
       const SequenceMoments of_wire =
@@ -175,9 +175,9 @@ ErrorMoments chain_error_moments(const PlatoonModel& model, std::size_t follower
   return moments;
 }
 
-std::int64_t most_chain_steps(const PlatoonModel& model, std::size_t followers) {
+std::int64_t most_chain_steps(const PlatoonModel& model, std::size_t followers, double share_of_time) {
   constexpr double kMostCells = 1e8, kMostSteps = 2000.0;  // followers x steps^2, and steps
-  const double most = std::min(kMostSteps, std::sqrt(kMostCells / static_cast<double>(followers)));
+  const double most = std::min(kMostSteps, std::sqrt(share_of_time * kMostCells / static_cast<double>(followers)));
   return static_cast<std::int64_t>(has_feed_forward(model) ? most / 2.0 : most);
 }
 

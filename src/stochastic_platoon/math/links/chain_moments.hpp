@@ -30,8 +30,8 @@ namespace platoon {
 /// std::invalid_argument unless followers >= 1 and steps >= 1, and if a loop has no equilibrium.
 ErrorMoments chain_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
-/// Most steps of chain_error_moments() for this number of followers: about half a minute, and some matrices of 2000 x
-/// 2000 numbers. Half as many in a string with radios.
-std::int64_t most_chain_steps(const PlatoonModel& model, std::size_t followers);
+/// Most steps of chain_error_moments() for this number of followers: half a minute or this share of it, and some
+/// matrices of 2000 x 2000 numbers. Half as many in a string with radios.
+std::int64_t most_chain_steps(const PlatoonModel& model, std::size_t followers, double share_of_time = 1.0);
 
 }  // namespace platoon

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
@@ -24,8 +25,10 @@ CirclePolynomial moduli(CirclePolynomial p) {
   return p;
 }
 
-std::vector<LinkFilter> filters_of(const VehicleModel& vehicle, const std::vector<LinkFilter>& known) {
-  const auto same = [&known](std::size_t link) { return link < known.size() ? &known[link] : nullptr; };
+std::vector<LinkFilter> filters_of(const VehicleModel& vehicle, const LinkedVehicle* known) {
+  const auto same = [known](std::size_t link) {
+    return known != nullptr && link < known->links().size() ? &known->links()[link] : nullptr;
+  };
   std::vector<LinkFilter> links{LinkFilter(vehicle.link, vehicle.noise_variance, same(0))};
   if (vehicle.feed_forward)
     links.emplace_back(vehicle.feed_forward->link, vehicle.feed_forward->noise_variance, same(1));
@@ -39,9 +42,9 @@ InputValue input_value(const LinkFilter& link, const CirclePoint& point, Complex
 }  // namespace
 
 LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known, const VehicleModel* before)
-    : vehicle_(vehicle),
-      links_(filters_of(vehicle, known == nullptr ? std::vector<LinkFilter>() : known->links_)),
-      spectral_radius_(platoon::spectral_radius(vehicle.loop)) {
+    : vehicle_(vehicle), links_(filters_of(vehicle, known)), spectral_radius_(platoon::spectral_radius(vehicle.loop)) {
+  if (vehicle.feed_forward && !vehicle.loop.parts)
+    throw std::invalid_argument("inputs: a radio: must be absent for a vehicle without plant and controller");
   if (vehicle.loop.parts)
     designed_.emplace(*vehicle.design, vehicle.headway, vehicle.feed_forward ? vehicle.feed_forward->gain : 0.0,
                       before != nullptr ? before->design->plant : vehicle.design->plant);

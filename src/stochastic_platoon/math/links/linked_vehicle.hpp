@@ -41,7 +41,7 @@ class LinkedVehicle {
 public:
   /// `known`: the same vehicle with another headway or other links; it saves the search for zeros that do not depend on
   /// the headway. `before`: its predecessor, if another plant sends the input; null: the same plant. Throws as
-  /// LossFilter does.
+  /// LossFilter does, and std::invalid_argument for a radio of a vehicle that is not computed part by part.
   explicit LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known = nullptr,
                          const VehicleModel* before = nullptr);
 

@@ -50,8 +50,7 @@ void choose_steps(const PlatoonModel& model, RunOptions& run) {
   run.steps = chosen_steps(run, model.sample_period, std::max(seconds, kChosenSeconds));
   const auto followers = static_cast<double>(run.followers);
   if (has_bursts(model) && !no_theory(model)) {
-    run.steps = std::min(run.steps, static_cast<std::int64_t>(
-                                        std::sqrt(0.2) * static_cast<double>(most_chain_steps(model, run.followers))));
+    run.steps = std::min(run.steps, most_chain_steps(model, run.followers, 0.2));
   } else if (has_independent_losses(model)) {
     run.steps = std::min(run.steps, static_cast<std::int64_t>(kMostLossResponses / (followers * followers)));
   }

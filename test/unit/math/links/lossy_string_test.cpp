@@ -107,14 +107,6 @@ TEST(LossyString, HasTheVariancesOfTheDenseState) {
   EXPECT_NEAR(*string_stability(lossy_platoon({0.2, 3.0, {1.0}})).loss_gain, 0.426077, 5e-7);
 }
 
-LossModel by_states(const Eigen::MatrixXd& transition, const Eigen::VectorXd& probability,
-                    const std::vector<double>& predictor) {
-  LossModel loss{0.0, {}, predictor};
-  loss.markov = std::make_shared<MarkovLosses>(transition, probability);
-  loss.probability = loss.markov->loss_probability();
-  return loss;
-}
-
 /// The independent losses of all links as those of a chain with one state.
 PlatoonModel by_chains(PlatoonModel model) {
   for (VehicleType& type : model.types) {
@@ -179,16 +171,10 @@ TEST(LossyString, OfIndependentLossesOfInputsIsThatOfChains) {
 
 /// Cooperative adaptive cruise control whose radio loses like this.
 PlatoonModel lossy_radios(const LossModel& loss) {
-  LoopDesign design{{car_with_actuator_lag(0.3, 0.0), 0.1}, {ControllerGains{0.5, 1.2, 0.0}, 0.1}};
-  design.headway_filter = true;
-  design.in_radio_string = true;
-  VehicleModel vehicle{close_loop(design, 6.0), 6.0};
-  vehicle.design = design;
-  vehicle.noise_variance = 0.01;
-  vehicle.feed_forward = FeedForward{1.0, 0.04, {}};
-  vehicle.feed_forward->link.delay = 1;
-  vehicle.feed_forward->link.loss = loss;
-  return {vehicle, LeaderProfile({{0, 20.0}}, 0.1), 0.1};
+  PlatoonModel model = radio_platoon_of({{car_with_actuator_lag(0.3, 0.0), 0.1}, {ControllerGains{0.5, 1.2, 0.0}, 0.1}},
+                                        6.0, 0.01, 0.04, 1, 0.1);
+  model.default_vehicle().feed_forward->link.loss = loss;
+  return model;
 }
 
 // Reference: an independent program.
@@ -221,7 +207,7 @@ TEST(LossyString, GrowsAlongTheStringExactlyIfTheLossGainIsAboveOne) {
 }
 
 // Reference: an independent program in extended precision, on panels that resolve the chain. The limit is the variance
-// of a string whose loss gain is within 2 / b of 1, which costs digits.
+// of a string whose loss gain is within 2 / b of 1, and digits are lost there.
 TEST(LossyString, HasTheVariancesOfAnIndependentProgramForLongBurstsAndRareLosses) {
   struct Case {
     double probability, mean_burst, first, twentieth, limit, accuracy, accuracy_of_limit;
@@ -299,6 +285,9 @@ TEST(LossyString, HasNoStationaryVarianceIfPredictionsGrow) {
 }
 
 TEST(LossyString, RejectsModelsWithoutTheory) {
+  PlatoonModel radio = lossy_platoon({0.1, 2.0, {1.0}});  // by its closed loop alone
+  radio.default_vehicle().feed_forward = FeedForward();
+  EXPECT_THROW(string_stability(radio), std::invalid_argument);
   EXPECT_THROW(stationary_variances(lossy_platoon({0.1, 2.0, {1.0}}), 0), std::invalid_argument);
   EXPECT_THROW(string_stability(lossy_platoon({0.5, 1.0, {1.0}})), std::invalid_argument);
 }

@@ -55,6 +55,8 @@ TEST_F(ConfigurationTest, TheDefaultStepsAreTenSecondsOfDriving) {
   EXPECT_EQ(steps("0.001", {{"followers", "10000"}}), 2000) << "of 20,000,000 cells";
   EXPECT_EQ(steps("0.001", {{"followers", "2000"}, {"loss", "0.1"}}), 2500) << "of 1e10 responses to losses";
   EXPECT_EQ(steps("1e-6", {{"realizations", "70368744177664"}}), 3120) << "of 2^63 positions";
+  EXPECT_EQ(steps("0.001", {{"loss", "0.1"}, {"mean_burst", "2"}}), 1000) << "a fifth of 1e8 cells of bursts";
+  EXPECT_EQ(steps("0.001", {{"loss", "0.1"}, {"mean_burst", "2"}, {"followers", "2"}}), 2000) << "the most of bursts";
 }
 
 TEST_F(ConfigurationTest, TheBurnInOfAnEndlessRunIsItsSettlingTime) {
