@@ -2,7 +2,6 @@
 """analyze for losses in bursts, against dense computations without code of the package: first and second moments of the whole
 string's state in every mode of its chains, and for verdicts the kernel of one link, summed over the lags of the chain."""
 
-import itertools
 import unittest
 
 import numpy as np
@@ -77,15 +76,13 @@ def dense_moments(model, followers, steps):
     """As link_reference.moments(), in every mode of the chains. Relative to the run without losses and noise, to keep the
     numbers small."""
     system = link_reference.System(model, followers)
-    chains = [chain_of(vehicle["channel"]["loss"]) for vehicle in link_reference.vehicles_of(model, followers)]
-    modes = list(itertools.product(*(range(len(pi)) for _, pi, _ in chains)))
-    stationary = np.array([np.prod([pi[c] for (_, pi, _), c in zip(chains, mode)]) for mode in modes])
-    step = np.array([[np.prod([p[a, c] for (p, _, _), a, c in zip(chains, before, after)]) for after in modes] for before in modes])
+    modes, stationary, step, lost = link_reference.joint_chain(
+        [vehicle["channel"]["loss"] for vehicle in link_reference.vehicles_of(model, followers)])
     maps = []
-    for mode in modes:
+    for of_mode in lost:
         m = system.m.copy()
-        for (_, _, lost), c, part, gain, innovation in zip(chains, mode, system.parts, system.gains, system.innovations):
-            m += ((0.0 if lost[c] else 1.0) - (1.0 - part.q)) * np.outer(gain, innovation)
+        for is_lost, part, gain, innovation in zip(of_mode, system.parts, system.gains, system.innovations):
+            m += ((0.0 if is_lost else 1.0) - (1.0 - part.q)) * np.outer(gain, innovation)
         maps.append(m)
     without_losses = system.m + sum(part.q * np.outer(gain, innovation)
                                     for part, gain, innovation in zip(system.parts, system.gains, system.innovations))

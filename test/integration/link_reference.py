@@ -4,6 +4,8 @@ Propagates mean and covariance of the whole string's state (every vehicle, every
 A model is the dictionary of the model file.
 """
 
+import itertools
+
 import numpy as np
 
 
@@ -78,6 +80,16 @@ def chain_of(loss):
     b = loss.get("mean_burst", 1.0 / (1.0 - q))
     return (np.array([[1.0 - q / (1.0 - q) / b, q / (1.0 - q) / b], [1.0 / b, 1.0 - 1.0 / b]]), np.array([1.0 - q, q]),
             np.array([False, True]))
+
+
+def joint_chain(losses, number=float):
+    """The modes of several links together: one tuple of modes per joint mode, its stationary probability, the transitions, and
+    per joint mode which links lose."""
+    chains = [chain_of(loss) if loss else (np.ones((1, 1)), np.ones(1), [False]) for loss in losses]
+    modes = list(itertools.product(*(range(len(pi)) for _, pi, _ in chains)))
+    stationary = np.array([np.prod([number(pi[c]) for (_, pi, _), c in zip(chains, mode)]) for mode in modes])
+    step = np.array([[np.prod([number(p[a, c]) for (p, _, _), a, c in zip(chains, before, after)]) for after in modes] for before in modes])
+    return modes, stationary, step, [[bool(lost[c]) for (_, _, lost), c in zip(chains, mode)] for mode in modes]
 
 
 class Part:

@@ -1,13 +1,11 @@
 """Random cars with radar and radio, and their theory, without code of the package: stationary values by Gamma at many frequencies in extended
 precision, means and variances of every step by the second moments of the whole string."""
 
-import itertools
-
 import numpy as np
 from mpmath import mp
 
 from audit.sampled import pulse_transfer
-from link_reference import chain_of, predictor_of
+from link_reference import joint_chain, predictor_of
 
 LONG, COMPLEX = np.longdouble, np.clongdouble
 FOLLOWERS, STEPS = 20, 40
@@ -36,7 +34,7 @@ def drawn_with_chains(draw):
 
 
 def drawn_quick(draw):
-    """One whose start decays within 1000 steps."""
+    """One whose start decays within 700 steps."""
     model = drawn_with_chains(draw)
     model["sample_period"] = 0.1
     model["plant"]["input_delay"] = 0.0
@@ -208,15 +206,6 @@ class Dense:
         row[self.places[i, "y"].start + 1] += self.car.h
         return row
 
-    def chains(self):
-        """The modes of all links together: transitions, stationary probabilities, and per mode the lost links of each follower."""
-        chains = [chain_of(loss) if loss else (np.ones((1, 1)), np.ones(1), [False]) for loss in self.car.losses] * self.followers
-        modes = list(itertools.product(*(range(len(pi)) for _, pi, _ in chains)))
-        stationary = np.array([np.prod([LONG(pi[c]) for (_, pi, _), c in zip(chains, mode)]) for mode in modes])
-        step = np.array([[np.prod([LONG(p[a, c]) for (p, _, _), a, c in zip(chains, one, other)]) for other in modes] for one in modes])
-        lost = [[bool(of[c]) for (_, _, of), c in zip(chains, mode)] for mode in modes]
-        return step, stationary, [tuple(zip(of[::2], of[1::2])) for of in lost]
-
     def matrices(self, lost):
         """One step: matrix, noises' columns, leader's column."""
         zero, sources = np.zeros(2 * self.followers, LONG), 2 * self.followers
@@ -226,17 +215,17 @@ class Dense:
         r = self.step(np.zeros((self.count, 1), LONG), np.ones(1, LONG), zero[:, None], lost)
         return a, b, r[:, 0]
 
-    def tables(self, speed, steps=STEPS, number=LONG):
-        """Mean and variance of every error, in numbers of this type."""
+    def tables(self, speed, steps=STEPS):
+        """Mean and variance of every error."""
         car = self.car
-        step, stationary, lost = self.chains()
-        known = {of: [x.astype(number) for x in self.matrices(of)] for of in set(lost) | {((False, False),) * self.followers}}
-        noise = np.diag(np.array([car.radar, car.radio] * self.followers, number))
-        step, stationary = step.astype(number), stationary.astype(number)
-        first, second = np.zeros((len(lost), self.count), number), np.zeros((len(lost), self.count, self.count), number)
+        _, stationary, step, links = joint_chain(car.losses * self.followers, LONG)
+        lost = [tuple(zip(of[::2], of[1::2])) for of in links]  # per follower and link
+        known = {of: self.matrices(of) for of in set(lost) | {((False, False),) * self.followers}}
+        noise = np.diag(np.array([car.radar, car.radio] * self.followers, LONG))
+        first, second = np.zeros((len(lost), self.count), LONG), np.zeros((len(lost), self.count, self.count), LONG)
         means, variances = np.zeros((self.followers, steps)), np.zeros((self.followers, steps))
         for k in range(-1, steps - 1):
-            position = number(max(k, 0) * speed * car.period)
+            position = LONG(max(k, 0) * speed * car.period)
             if k >= 0:  # at step -1 nothing is lost, and nothing disturbs
                 first = step.T @ first
                 second = (step.T @ second.reshape(len(lost), -1)).reshape(second.shape)
@@ -249,7 +238,7 @@ class Dense:
                 first[c] = moved + stationary[c] * drive
             mean, whole = first.sum(axis=0), second.sum(axis=0)
             for i in range(1, self.followers + 1):
-                row = self.error(i).astype(number)
+                row = self.error(i)
                 means[i - 1, k + 1] = row @ mean
                 variances[i - 1, k + 1] = row @ whole @ row - (row @ mean) ** 2
         return means, variances

@@ -9,7 +9,7 @@ from audit import burst_moments, received_moments, second_moments
 
 MEAN = 1e-13      # relative to the larger of the largest mean and the largest displacement per step times 1 + headway
 VARIANCE = 1e-12  # relative, per cell
-OF_BURST = 1e-14  # of the mean burst, if that is more: terms of the kernel cancel
+OF_BURST = 1e-14  # times the mean burst, where that is more than VARIANCE: terms of the kernel cancel
 
 
 def accuracy(model):

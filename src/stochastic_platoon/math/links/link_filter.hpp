@@ -34,7 +34,7 @@ public:
   std::int64_t delay() const { return link_.delay; }
 
   /// Mean lag of a signal that grows steadily [steps].
-  double lag() const { return static_cast<double>(link_.delay) + (has_losses() ? losses_->lag() : 0.0); }
+  double lag() const { return static_cast<double>(link_.delay) + losses_->lag(); }
 
   /// Multiplicity of z = 1 as a zero of the noise; ZerosAtZero::kNone without noise.
   int noise_zeros() const;

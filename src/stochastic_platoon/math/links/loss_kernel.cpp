@@ -96,7 +96,7 @@ Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> LossKernel::inverse() cons
 }
 
 LossFraction LossKernel::fraction() const {
-  constexpr double kZero = 1e-80;  // of a coefficient of a hundred digits
+  constexpr double kZero = 1e-80;  // smaller coefficients are rounding of a hundred digits
   const auto polynomial = [](const ExactMatrix& matrix) {
     return exact_resolvent(matrix, ExactMatrix::Zero(1, matrix.cols())).denominator;
   };

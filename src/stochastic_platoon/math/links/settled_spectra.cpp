@@ -19,6 +19,8 @@ constexpr double kManyNodes = 4096.0;       // equally spaced
 constexpr double kMostRounding = 1e-4;      // change of a value on nodes that resolve every pole
 constexpr std::int64_t kResolvedDelay = 8;  // [steps], largest delay whose z^m the longest panels resolve
 
+using Frequencies = std::vector<std::complex<double>>;
+
 std::vector<std::complex<double>> memories_of(const LinkedVehicle& vehicle) {
   std::vector<std::complex<double>> found;
   for (const LinkFilter& link : vehicle.links()) {
@@ -48,17 +50,19 @@ std::size_t first_nodes(const LinkedPattern& pattern) {
   return nodes;
 }
 
+/// The margin_frequencies() of an endless string; none for a number of followers.
+Frequencies margin_of(const LinkedPattern& pattern, std::optional<std::size_t> followers) {
+  return followers ? Frequencies() : pattern.gain().margin_frequencies();
+}
+
 /// Quadratures that resolve the vehicles and either the margin of an endless string or the peaks of the gain, which
 /// narrow along the string, of a number of followers.
 class ResolvingQuadrature {
 public:
-  ResolvingQuadrature(const LinkedPattern& pattern, std::optional<std::size_t> followers) {
-    const PatternGain gain = pattern.gain();
-    if (followers) {
-      peaks_ = gain.maxima();
-    } else {
-      singular_ = gain.margin_frequencies();
-    }
+  /// `margin`: the margin_of() the same.
+  ResolvingQuadrature(const LinkedPattern& pattern, std::optional<std::size_t> followers, const Frequencies& margin)
+      : singular_(margin) {
+    if (followers) peaks_ = pattern.gain().maxima();
     // Towards w = 0 the spectra narrow along the string; the panels must narrow too if delays oscillate.
     if (followers || longest_delay(pattern, true) > kResolvedDelay) peaks_.push_back(0.0);
     for (const LinkedVehicle& vehicle : pattern.types) {
@@ -78,21 +82,20 @@ public:
   }
 
 private:
-  std::vector<std::complex<double>> singular_;
+  Frequencies singular_;
   std::vector<double> peaks_;
   std::optional<std::size_t> factors_;
 };
 
-/// Distance from the unit circle of the poles of the vehicles and chains, and of the margin of an endless string.
-double least_decay(const LinkedPattern& pattern, bool endless) {
+/// Distance from the unit circle of the poles of the vehicles and chains, and of this margin.
+double least_decay(const LinkedPattern& pattern, const Frequencies& margin) {
   double width = 1.0;
   for (const LinkedVehicle& vehicle : pattern.types) {
     double radius = std::max(vehicle.spectral_radius(), std::sqrt(vehicle.loss_feedback()));
     for (const std::complex<double>& memory : memories_of(vehicle)) radius = std::max(radius, std::abs(memory));
     width = std::min(width, 1.0 - radius);
   }
-  if (!endless) return width;
-  for (const std::complex<double>& w : pattern.gain().margin_frequencies()) width = std::min(width, std::abs(w.imag()));
+  for (const std::complex<double>& w : margin) width = std::min(width, std::abs(w.imag()));
   return width;
 }
 
@@ -105,8 +108,8 @@ bool has_settled(double change, double before, bool resolved) {
 
 /// values(spectra) on the nodes of a quadrature, refined until they settle; none if that takes too many nodes.
 std::optional<std::vector<double>> settled_on_few(const LinkedPattern& pattern, std::optional<std::size_t> followers,
-                                                  const SpectralValues& values) {
-  const ResolvingQuadrature quadrature(pattern, followers);
+                                                  const Frequencies& margin, const SpectralValues& values) {
+  const ResolvingQuadrature quadrature(pattern, followers, margin);
   std::vector<double> coarse;
   double before = kInfinity;
   for (int refinement = 0;; ++refinement) {
@@ -124,18 +127,18 @@ std::optional<std::vector<double>> settled_on_few(const LinkedPattern& pattern, 
 
 std::vector<double> settled_without_memory(const LinkedPattern& pattern, std::optional<std::size_t> followers,
                                            const SpectralValues& values) {
-  const ResolvingQuadrature quadrature(pattern, followers);
+  const ResolvingQuadrature quadrature(pattern, followers, margin_of(pattern, followers));
   return refined([&](int refinement) { return values(StringSpectra(pattern, SpectralNodes(quadrature(refinement)))); });
 }
 
 /// The value with the number of equally spaced nodes doubled until they resolve the poles to two digits and decide its
 /// side of 1; none if `most` nodes do not suffice.
-std::optional<double> by_equal_nodes(const LinkedPattern& pattern, std::size_t most,
+std::optional<double> by_equal_nodes(const LinkedPattern& pattern, const Frequencies& margin, std::size_t most,
                                      const std::function<double(const StringSpectra&)>& value) {
   constexpr double kDigits = 5.0;  // -ln of the second digit
   const auto on = [&](std::size_t nodes) { return value(StringSpectra(pattern, SpectralNodes(nodes))); };
   std::size_t nodes = first_nodes(pattern);
-  const double width = least_decay(pattern, true);
+  const double width = least_decay(pattern, margin);
   while (nodes < most && static_cast<double>(2 * nodes) * width <= kDigits) nodes *= 2;
   if (nodes >= most) return std::nullopt;
   for (double coarse = on(nodes); nodes < most;) {
@@ -153,9 +156,11 @@ std::vector<double> settled_values(const LinkedPattern& pattern, std::optional<s
                                    const SpectralValues& values) {
   if (!pattern.has_memory()) return settled_without_memory(pattern, followers, values);
   constexpr double kDigits = 40.0;  // -ln of the last digit
-  const double resolving = kDigits / least_decay(pattern, !followers);
+  const Frequencies margin = margin_of(pattern, followers);
+  const double resolving = kDigits / least_decay(pattern, margin);
   if (resolving > kManyNodes) {
-    if (const std::optional<std::vector<double>> found = settled_on_few(pattern, followers, values)) return *found;
+    if (const std::optional<std::vector<double>> found = settled_on_few(pattern, followers, margin, values))
+      return *found;
   }
   std::size_t nodes = first_nodes(pattern);
   std::vector<double> coarse = values(StringSpectra(pattern, SpectralNodes(nodes)));
@@ -171,19 +176,21 @@ std::vector<double> settled_values(const LinkedPattern& pattern, std::optional<s
 }
 
 double settled_beside_one(const LinkedPattern& pattern, const std::function<double(const StringSpectra&)>& value) {
-  constexpr double kDoubt = 1e-7;  // of a quadrature without refinement, mostly below 1e-11
+  constexpr double kDoubt = 1e-7;  // error allowed to a quadrature without refinement; mostly it is below 1e-11
   const bool memory = pattern.has_memory();
+  const Frequencies margin = margin_of(pattern, std::nullopt);
   if (memory) {
-    if (const std::optional<double> found = by_equal_nodes(pattern, 2 * first_nodes(pattern), value)) return *found;
+    const std::size_t most = 2 * first_nodes(pattern);
+    if (const std::optional<double> found = by_equal_nodes(pattern, margin, most, value)) return *found;
   }
-  const ResolvingQuadrature quadrature(pattern, std::nullopt);
+  const ResolvingQuadrature quadrature(pattern, std::nullopt, margin);
   for (const int refinement : {0, 1}) {
     SpectralNodes nodes(quadrature(refinement));
     if (memory && static_cast<std::size_t>(nodes.count()) > kMostKernelNodes) break;
     const double found = value(StringSpectra(pattern, std::move(nodes)));
     if (refinement > 0 || std::abs(found - 1.0) > kDoubt) return found;
   }
-  return by_equal_nodes(pattern, kMostNodes, value).value_or(1.0);
+  return by_equal_nodes(pattern, margin, kMostNodes, value).value_or(1.0);
 }
 
 }  // namespace platoon

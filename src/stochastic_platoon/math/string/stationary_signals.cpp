@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/links/settled_spectra.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
@@ -43,12 +44,10 @@ void append_moments(const Signals& signals, const StringSpectra& spectra, std::s
 /// Variance and change of every signal of one follower after the other.
 std::vector<double> moments_by(const StringSpectra& spectra, const std::vector<Signals>& signals) {
   std::vector<double> values;
-  Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.nodes());
-  for (std::size_t i = 0; i < signals.size(); ++i) {
-    const Eigen::ArrayXd added = spectra[i].added_by_noise();
-    append_moments(signals[i], spectra, i, spectrum, added, values);
-    spectrum = spectra[i].gain * spectrum + added;
-  }
+  pass_along(spectra, 0.0, signals.size(), [&](std::size_t i, const Eigen::ArrayXd& spectrum, const auto&) {
+    append_moments(signals[i], spectra, i, spectrum, spectra[i].added_by_noise(), values);
+    return true;
+  });
   return values;
 }
 

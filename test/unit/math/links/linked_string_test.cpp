@@ -103,15 +103,21 @@ TEST(LinkedString, GrowsForAFlatGainBehindADelay) {
   EXPECT_GT(late, early) << "they grow like N^(1/4)";
 }
 
+/// A platoon of finite responses b that lose positions independently and extrapolate.
+PlatoonModel extrapolating_platoon(const Eigen::VectorXd& b, double loss) {
+  PlatoonModel model = paper_platoon(3.0);
+  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(b.size(), b.size());
+  shift.diagonal(1).setOnes();
+  model.default_vehicle().loop = closed_loop_from(StateSpace(shift, b, Eigen::VectorXd::Unit(b.size(), 0).transpose()));
+  model.default_vehicle().link.loss = LossModel{loss, {}, {2.0, -1.0}};
+  return model;
+}
+
 // With extrapolation abs(1 - L)^2 vanishes like w^4, too: the losses add no more than the string attenuates.
 TEST(LinkedString, HasALimitForAFlatGainBehindExtrapolation) {
-  PlatoonModel model = paper_platoon(3.0);
-  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(5, 5);
-  shift.diagonal(1).setOnes();
   Eigen::VectorXd b(5);
   b << -0.075, 0.3526315789473684, 0.4447368421052632, 0.3526315789473684, -0.075;
-  model.default_vehicle().loop = closed_loop_from(StateSpace(shift, b, Eigen::VectorXd::Unit(5, 0).transpose()));
-  model.default_vehicle().link.loss = LossModel{0.05, {}, {2.0, -1.0}};
+  const PlatoonModel model = extrapolating_platoon(b, 0.05);
   const LinkedPattern pattern(model);
   ASSERT_EQ(pattern.gain().zeros(), 2);
   EXPECT_EQ(pattern[0].zeros_at_zero().innovation, 2);
@@ -127,13 +133,9 @@ TEST(LinkedString, HasALimitForAFlatGainBehindExtrapolation) {
 
 // The model's own probability is the largest stable one, but for rounding.
 TEST(StableLosses, ContainTheOwnOneOfAStringStableModelAtItsBorder) {
-  PlatoonModel model = paper_platoon(3.0);
-  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(5, 5);
-  shift.diagonal(1).setOnes();
   Eigen::VectorXd b(5);
   b << -0.01318359375, 0.16881066927792915, 0.6887458489441417, 0.16881066927792915, -0.01318359375;
-  model.default_vehicle().loop = closed_loop_from(StateSpace(shift, b, Eigen::VectorXd::Unit(5, 0).transpose()));
-  model.default_vehicle().link.loss = LossModel{0.10400390625, {}, {2.0, -1.0}};
+  const PlatoonModel model = extrapolating_platoon(b, 0.10400390625);
   ASSERT_TRUE(string_stability(model).string_stable);
   const std::optional<StableLosses> losses = stable_losses(model);
   ASSERT_TRUE(losses && losses->critical);
