@@ -72,12 +72,13 @@ class Surroundings(LaunchTest):
     def test_a_node_that_comes_back_at_the_address_it_had_is_connected_to(self):
         shim, port = self.path("forced_port.so"), self.path("port")
         subprocess.run(["cc", "-shared", "-fPIC", "-o", shim, os.path.join(os.path.dirname(__file__), "forced_port.c"), "-ldl"], check=True)
-        settings = dict(followers=2, steps=20, realizations=10000)
+        # The platoon moves for 27 s at this rate, so that no machine completes the run before the last node is killed.
+        settings = dict(followers=2, steps=20, realizations=40000)
         terminal = self.launch(environment=dict(os.environ, ROS_HOSTNAME="localhost", LD_PRELOAD=shim, FORCED_PORT=port),
                                batch=100, rate=300, stall_timeout=0.5, **settings)
         for name in ("vehicle_0", "vehicle_1", "channel", "monitor"):
-            shown = len(re.findall("/10000 realizations", terminal.text()))
-            live_platoon.wait_for(lambda: len(re.findall("/10000 realizations", terminal.text())) > shown, "the platoon to move")
+            shown = len(re.findall("/40000 realizations", terminal.text()))
+            live_platoon.wait_for(lambda: len(re.findall("/40000 realizations", terminal.text())) > shown, "the platoon to move")
             with xmlrpc.client.ServerProxy(terminal.master) as master:
                 address = master.lookupNode("/launch_test", "/platoon/" + name)[2]
             with open(port, "w") as file:
