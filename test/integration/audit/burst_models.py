@@ -52,4 +52,15 @@ def burst_string(draw):
     return lengthened(draw, string_of(draw, model, types, draw.choice([1, 2, 2, 3])), seems_stable)
 
 
-KINDS = [burst, burst_string]
+def burst_extrapolated(draw):
+    """Rare long bursts in which predictions grow steadily: powers of the mean burst, not to be lost as differences of larger ones."""
+    model = calm(draw)
+    while model:
+        loss = {"probability": math.exp(draw.uniform(math.log(1e-16), math.log(1e-9))),
+                "mean_burst": math.exp(draw.uniform(math.log(300), math.log(30000))), "on_loss": "extrapolate"}
+        if Link({"loss": dict(loss, mean_burst=1.1 * loss["mean_burst"])}, 0).settles():
+            return lengthened(draw, dict(model, channel=dict(channel(draw), loss=loss)), seems_stable)
+    return None
+
+
+KINDS = [burst, burst_string, burst_extrapolated]

@@ -47,17 +47,20 @@ LossKernel::LossKernel(const LossModel& loss) : chain_(loss) {
   for (Eigen::Index j = 0; j < m; ++j) slope_ += static_cast<double>(j + 1) * chain_.predictor()(j);
   forgets_ = loss.predictor.empty();
   transition_ = chain_.first_moments();
+  entry_ = chain_.differences().col(0);
 
-  // Q of each drive; the row or column of Q_c next to e is at place (i, c) of a drive.
+  // V Q V' of each drive; the row or column of V Q_c V' next to V e is at place (i, c) of a drive.
   const Eigen::Index squares = m * m, drives = lost * m;
   Eigen::MatrixXd driven = Eigen::MatrixXd::Zero(modes * squares, 2 * drives);
   for (Eigen::Index c = 0; c < lost; ++c) {
     const Eigen::Index square = (arrived + c) * squares;
     for (Eigen::Index i = 0; i < m; ++i) {
-      driven(square + i, c * m + i) += 1.0;
-      driven(square + i * m, c * m + i) += 1.0;
-      driven(square + i, drives + c * m + i) += 1.0;
-      driven(square + i * m, drives + c * m + i) -= 1.0;
+      for (Eigen::Index k = 0; k < m; ++k) {
+        driven(square + k * m + i, c * m + i) += entry_(k);
+        driven(square + i * m + k, c * m + i) += entry_(k);
+        driven(square + k * m + i, drives + c * m + i) += entry_(k);
+        driven(square + i * m + k, drives + c * m + i) -= entry_(k);
+      }
     }
   }
   const Eigen::MatrixXd solved = (Eigen::MatrixXd::Identity(modes * squares, modes * squares) - chain_.second_moments())
@@ -70,7 +73,8 @@ LossKernel::LossKernel(const LossModel& loss) : chain_(loss) {
     even_.middleRows(c * m, m) = solved.block((arrived + c) * squares, 0, m, drives);
     odd_.middleRows(c * m, m) = solved.block((arrived + c) * squares, drives, m, drives);
   }
-  for (Eigen::Index c = 0; c < lost; ++c) own_ += 0.5 * chain_.stationary()(arrived + c) * even_.col(c * m);
+  for (Eigen::Index c = 0; c < lost; ++c)
+    own_ += 0.5 * chain_.stationary()(arrived + c) * even_.middleCols(c * m, m) * entry_;
   itself_ = Eigen::RowVectorXd::Zero(modes * m);
   for (Eigen::Index c = arrived; c < modes; ++c) itself_(block(c)) = 1.0;
   // A radius of 1 that rounds to less has this effect.
@@ -90,8 +94,10 @@ Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> LossKernel::inverse() cons
   Scalar arrivals(0);
   for (Eigen::Index c = 0; c < chain_.modes(); ++c) given += result.row(block(c));
   for (Eigen::Index c = 0; c < chain_.arrived(); ++c) arrivals += Scalar(chain_.stationary()(c));
-  for (Eigen::Index c = 0; c < chain_.arrived(); ++c)
-    result.row(block(c)) -= given * Scalar(Scalar(chain_.stationary()(c)) / arrivals);
+  for (Eigen::Index c = 0; c < chain_.arrived(); ++c) {
+    const Scalar share = Scalar(chain_.stationary()(c)) / arrivals;
+    for (Eigen::Index i = 0; i < chain_.registers(); ++i) result.row(block(c) + i) -= given * Scalar(share * entry_(i));
+  }
   return result;
 }
 
@@ -135,7 +141,7 @@ LossKernel::Value LossKernel::at(double frequency) const {
   const Eigen::PartialPivLU<Eigen::MatrixXcd> inverse(Eigen::MatrixXcd::Identity(size, size) - back * transition_);
   Eigen::VectorXcd output = Eigen::VectorXcd::Zero(size), drive = Eigen::VectorXcd::Zero(size);
   for (Eigen::Index c = 0; c < modes; ++c) output(block(c)) = 1.0;
-  for (Eigen::Index c = chain_.arrived(); c < modes; ++c) drive(block(c)) = chain_.stationary()(c);
+  for (Eigen::Index c = chain_.arrived(); c < modes; ++c) drive.segment(block(c), m) = chain_.stationary()(c) * entry_;
   Value value;
   value.surprise = forgets_ ? 1.0 : 0.0;
   for (Eigen::Index j = 0; j < m; ++j) {  // 1 - e^{-j x} = 2 sin(x/2) (sin(x/2) + j cos(x/2))
@@ -150,7 +156,7 @@ LossKernel::Value LossKernel::at(double frequency) const {
   value.scattered.tail(drives) += even_ * crossed.real() + DoubleComplex(0.0, 1.0) * (odd_ * crossed.imag()) + own_;
   Eigen::VectorXcd lost = Eigen::VectorXcd::Zero(modes), innovation(modes);
   for (Eigen::Index c = 0; c < modes; ++c) {
-    if (c >= chain_.arrived()) lost(c) = value.outward(block(c));
+    if (c >= chain_.arrived()) lost(c) = value.outward.segment(block(c), m).cwiseProduct(entry_).sum();
     innovation(c) = std::conj(d(block(c))) - chain_.stationary()(c) * std::conj(value.deviation);
   }
   value.recalling = right_.transpose() * lost;

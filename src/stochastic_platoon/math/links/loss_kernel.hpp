@@ -77,8 +77,10 @@ private:
 
   LossChain chain_;
   double slope_ = 0.0;
-  bool forgets_ = false;        ///< a lost value is 0
+  bool forgets_ = false;  ///< a lost value is 0
+  // In the coordinates LossChain::differences(), where e' stays the output of r:
   Eigen::MatrixXd transition_;  ///< [Pi_ac A_c]
+  Eigen::VectorXd entry_;       ///< e as the input of the drives
   Eigen::MatrixXd even_, odd_;  ///< from b to Q e for the drives b e' + e b' and b e' - e b', of all lost modes
   Eigen::VectorXd own_;         ///< Q e for the drives pi_c e e'
   Eigen::RowVectorXd itself_;

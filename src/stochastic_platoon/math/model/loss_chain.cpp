@@ -67,12 +67,27 @@ Eigen::MatrixXd LossChain::moments(const Eigen::MatrixXd& after_arrival, const E
   return result;
 }
 
+Eigen::MatrixXd LossChain::differences() const {
+  constexpr Eigen::Index kHighestOrder = 3;  // beyond, the inverse has large entries
+  Eigen::MatrixXd result = Eigen::MatrixXd::Identity(registers(), registers());
+  for (Eigen::Index order = 1; order <= kHighestOrder; ++order) {
+    for (Eigen::Index i = registers() - 1; i >= order; --i) result.row(i) = (result.row(i - 1) - result.row(i)).eval();
+  }
+  return result;
+}
+
+Eigen::MatrixXd LossChain::in_differences(bool lost) const {
+  const Eigen::MatrixXd coordinates = differences();
+  return coordinates * register_map(predictor_, lost) *
+         coordinates.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(registers(), registers()));
+}
+
 Eigen::MatrixXd LossChain::first_moments() const {
-  return moments(register_map(predictor_, false), register_map(predictor_, true));
+  return moments(in_differences(false), in_differences(true));
 }
 
 Eigen::MatrixXd LossChain::second_moments() const {
-  const Eigen::MatrixXd arrived = register_map(predictor_, false), lost = register_map(predictor_, true);
+  const Eigen::MatrixXd arrived = in_differences(false), lost = in_differences(true);
   return moments(Eigen::kroneckerProduct(arrived, arrived).eval(), Eigen::kroneckerProduct(lost, lost).eval());
 }
 

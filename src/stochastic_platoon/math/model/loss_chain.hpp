@@ -31,18 +31,25 @@ public:
   const Eigen::VectorXd& stationary() const { return stationary_; }  ///< pi
   const Eigen::VectorXd& predictor() const { return predictor_; }    ///< c_1, ..., c_m; a single 0 for on_loss: zero
 
-  /// [Pi_ac A_c]: the sums over x of each mode, one step later.
+  /// Coordinates V x of the registers: row i takes the difference of order min(i, 3) of values that end at lag i, so
+  /// that the first entry is r(k). Predictions that continue a steady motion or acceleration grow like powers of the
+  /// number of losses; with these coordinates nothing cancels while they grow.
+  Eigen::MatrixXd differences() const;
+
+  /// [Pi_ac V A_c V^{-1}]: the sums over V x of each mode, one step later.
   Eigen::MatrixXd first_moments() const;
 
-  /// [Pi_ac A_c (x) A_c]: the sums over x x' of each mode, one step later.
+  /// [Pi_ac (V A_c V^{-1}) (x) (V A_c V^{-1})]: the sums over V x x' V' of each mode, one step later.
   Eigen::MatrixXd second_moments() const;
+
+  /// [Pi_ac M_c] of a matrix M_c for arrived modes and one for lost ones.
+  Eigen::MatrixXd moments(const Eigen::MatrixXd& after_arrival, const Eigen::MatrixXd& after_loss) const;
 
   /// The largest modulus of an eigenvalue of Pi other than 1.
   double memory() const;
 
 private:
-  /// [Pi_ac M_c] of a matrix for arrived modes and one for lost ones.
-  Eigen::MatrixXd moments(const Eigen::MatrixXd& after_arrival, const Eigen::MatrixXd& after_loss) const;
+  Eigen::MatrixXd in_differences(bool lost) const;  ///< V A_c V^{-1} after an arrival or a loss
 
   Eigen::Index arrived_ = 1;
   Eigen::MatrixXd transition_;
