@@ -1,14 +1,13 @@
 #include "stochastic_platoon/math/links/loss_kernel.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
-#include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
 #include "stochastic_platoon/math/numerics/resolvent_terms.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/numerics/zeros.hpp"
 
 namespace platoon {
 
@@ -28,15 +27,6 @@ void require_theory(const LossModel& loss) {
         formatted("mean_burst: %g: must be above 1 for a probability of 0.5, as losses then alternate with arrivals",
                   *loss.mean_burst));
   if (!(second_moment_radius(loss) < 1.0)) reject_growth();
-}
-
-/// The eigenvalues less 1.
-std::vector<std::complex<long double>> shifted_eigenvalues(const Eigen::MatrixXd& matrix) {
-  const Eigen::VectorXcd values = matrix.eigenvalues();
-  std::vector<std::complex<long double>> shifted;
-  for (Eigen::Index i = 0; i < values.size(); ++i)
-    shifted.emplace_back(static_cast<long double>(values(i).real()) - 1.0L, values(i).imag());
-  return shifted;
 }
 
 }  // namespace
@@ -82,21 +72,18 @@ LossKernel::LossKernel(const LossModel& loss) : chain_(loss) {
     if (!(own_(c * m) > 0.0)) reject_growth();
   }
 
-  factor_ = {shifted_eigenvalues(transition_), shifted_eigenvalues(inverse<double>())};
+  const LossFraction mean = fraction();
+  factor_ = {zeros(mean.denominator), zeros(mean.numerator)};
   find_memories();
 }
 
 // The mean of r is zero if s takes away what the registers give.
-template <class Scalar>
-Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> LossKernel::inverse() const {
-  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  Matrix result = transition_.cast<Scalar>(), given = Matrix::Zero(1, result.cols());
-  Scalar arrivals(0);
+ExactMatrix LossKernel::inverse(const Exact& arrivals) const {
+  ExactMatrix result = transition_.cast<Exact>(), given = ExactMatrix::Zero(1, result.cols());
   for (Eigen::Index c = 0; c < chain_.modes(); ++c) given += result.row(block(c));
-  for (Eigen::Index c = 0; c < chain_.arrived(); ++c) arrivals += Scalar(chain_.stationary()(c));
   for (Eigen::Index c = 0; c < chain_.arrived(); ++c) {
-    const Scalar share = Scalar(chain_.stationary()(c)) / arrivals;
-    for (Eigen::Index i = 0; i < chain_.registers(); ++i) result.row(block(c) + i) -= given * Scalar(share * entry_(i));
+    const Exact share = Exact(chain_.stationary()(c)) / arrivals;
+    for (Eigen::Index i = 0; i < chain_.registers(); ++i) result.row(block(c) + i) -= given * Exact(share * entry_(i));
   }
   return result;
 }
@@ -106,7 +93,9 @@ LossFraction LossKernel::fraction() const {
   const auto polynomial = [](const ExactMatrix& matrix) {
     return exact_resolvent(matrix, ExactMatrix::Zero(1, matrix.cols())).denominator;
   };
-  LossFraction found{polynomial(inverse<Exact>()), polynomial(transition_.cast<Exact>()), 0};
+  Exact arrivals(0);
+  for (Eigen::Index c = 0; c < chain_.arrived(); ++c) arrivals += Exact(chain_.stationary()(c));
+  LossFraction found{polynomial(inverse(arrivals)), polynomial(transition_.cast<Exact>()), 0};
   const auto without_zeros_at_origin = [kZero](ExactPolynomial& p) {
     std::ptrdiff_t count = 0;
     for (; p.size() > 1 && abs(p.back()) < kZero; ++count) p.pop_back();
@@ -114,8 +103,6 @@ LossFraction LossKernel::fraction() const {
   };
   found.powers = without_zeros_at_origin(found.numerator);
   found.powers -= without_zeros_at_origin(found.denominator);
-  Exact arrivals(0);
-  for (Eigen::Index c = 0; c < chain_.arrived(); ++c) arrivals += Exact(chain_.stationary()(c));
   for (Exact& coefficient : found.numerator) coefficient *= arrivals;
   found.numerator = shifted_to_one(std::move(found.numerator));
   found.denominator = shifted_to_one(std::move(found.denominator));

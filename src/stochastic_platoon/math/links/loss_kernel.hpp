@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/model/loss_chain.hpp"
+#include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
 #include "stochastic_platoon/math/response/attenuation.hpp"
 #include "stochastic_platoon/math/response/designed_gain.hpp"
 
@@ -70,8 +71,7 @@ public:
   LossFraction fraction() const;
 
 private:
-  template <class Scalar>
-  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> inverse() const;
+  ExactMatrix inverse(const Exact& arrivals) const;
   void find_memories();
   Eigen::Index block(Eigen::Index mode) const { return mode * chain_.registers(); }
 
