@@ -35,5 +35,7 @@ void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, p
 int main(int argc, char** argv) {
   return platoon::run_component(
       argc, argv,
-      {"channel", "The links into all followers; records, if the run is recorded. platoon.launch starts it."}, run);
+      {"channel",
+       "The links into all followers; records, if the run is recorded. platoon.launch starts it.\nExample: rosrun stochastic_platoon channel __ns:=platoon"},
+      run);
 }

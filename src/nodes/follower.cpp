@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
       argc, argv,
       {"follower",
        "One follower; platoon.launch and followers.launch start it. Parameters: _index:=I, 1 or more; _kept, whether it is to\n"
-       "outlive launches (true).",
+       "outlive launches (true).\nExample: rosrun stochastic_platoon follower __ns:=platoon __name:=vehicle_3 _index:=3",
        ros::init_options::NoRosout},
       run);
 }

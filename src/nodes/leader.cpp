@@ -14,6 +14,9 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv,
-                                {"leader", "Vehicle 0, the only clock of the platoon. platoon.launch starts it."}, run);
+  return platoon::run_component(
+      argc, argv,
+      {"leader",
+       "Vehicle 0, the only clock of the platoon. platoon.launch starts it.\nExample: rosrun stochastic_platoon leader __ns:=platoon __name:=vehicle_0"},
+      run);
 }

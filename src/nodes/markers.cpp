@@ -12,6 +12,9 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 }  // namespace
 
 int main(int argc, char** argv) {
-  return platoon::run_component(argc, argv,
-                                {"markers", "Draws the platoon in RViz: platoon.launch rviz:=true starts it."}, run);
+  return platoon::run_component(
+      argc, argv,
+      {"markers",
+       "Draws the platoon in RViz: platoon.launch rviz:=true starts it.\nExample: rosrun stochastic_platoon markers __ns:=platoon"},
+      run);
 }

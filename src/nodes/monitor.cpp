@@ -19,6 +19,6 @@ int main(int argc, char** argv) {
   return platoon::run_component(
       argc, argv,
       {"monitor",
-       "Computes and writes the statistics of a run, and names the node that blocks it. platoon.launch starts it."},
+       "Computes and writes the statistics of a run, and names the node that blocks it. platoon.launch starts it.\nExample: rosrun stochastic_platoon monitor __ns:=platoon"},
       run);
 }

@@ -19,6 +19,9 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 
 int main(int argc, char** argv) {
   return platoon::run_component(
-      argc, argv, {"platoon", "The whole platoon in one process. platoon.launch hosting:=one_process starts it.", 0, 0},
+      argc, argv,
+      {"platoon",
+       "The whole platoon in one process. platoon.launch hosting:=one_process starts it.\nExample: rosrun stochastic_platoon platoon __ns:=platoon",
+       0, 0},
       run);
 }

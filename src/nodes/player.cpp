@@ -25,6 +25,6 @@ int main(int argc, char** argv) {
   return platoon::run_component(
       argc, argv,
       {"player",
-       "Plays bags into a monitor; replay.launch starts it. Parameters: _bags:='FILE ...', _unverified, _rate, _start, _pause."},
+       "Plays bags into a monitor; replay.launch starts it. Parameters: _bags:='FILE ...', _unverified, _rate, _start, _pause.\nExample: rosrun stochastic_platoon player __ns:=platoon _bags:=/tmp/run.bag"},
       run);
 }

@@ -3,14 +3,21 @@
 
 #include <stochastic_platoon/Progress.h>
 
+#include <spawn.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdio>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "stochastic_platoon/ros/hosting/run_component.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/ros/transport/sole_publisher.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
 
 namespace {
 
@@ -20,7 +27,7 @@ using stochastic_platoon::Progress;
 class Finished {
 public:
   Finished(const ros::NodeHandle& platoon, const platoon::Configuration& configuration)
-      : run_(platoon::run_identity(configuration)) {
+      : run_(platoon::run_identity(configuration)), stays_(ros::NodeHandle("~").param("stay", false)) {
     const std::string topic = platoon.resolveName(platoon::kProgressTopic);
     for (const std::string& name : configuration.run.receivers())
       receivers_.emplace(name, Receiver{platoon::SolePublisher(topic + " of " + name), false});
@@ -34,7 +41,10 @@ public:
     if (receiver.reporter.admits(event.getConnectionHeaderPtr(), run_)) receiver.finished = message->finished;
     const bool all =
         std::all_of(receivers_.begin(), receivers_.end(), [](const auto& entry) { return entry.second.finished; });
-    if (all && !std::exchange(ended_, true)) platoon::end_launch();
+    if (!all || std::exchange(ended_, true)) return;
+    if (!stays_) return platoon::end_launch();
+    std::printf("The run is complete. Its nodes stay up until Ctrl-C.\n");
+    std::fflush(stdout);
   }
 
 private:
@@ -44,18 +54,40 @@ private:
   };
   std::uint64_t run_;
   std::map<std::string, Receiver> receivers_;
-  bool ended_ = false;
+  bool stays_, ended_ = false;
 };
+
+// Starts `check`, which outlives roslaunch and prints the result when roslaunch has ended: as the last line on the
+// screen.
+void print_result_after(long roslaunch, const std::string& output) {
+  const std::string check = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "check";
+  std::vector<std::string> words{check, output, "--after", std::to_string(roslaunch)};
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  posix_spawnattr_t own_group;  // roslaunch ends the group of each node
+  ::posix_spawnattr_init(&own_group);
+  ::posix_spawnattr_setflags(&own_group, POSIX_SPAWN_SETPGROUP);
+  pid_t process = 0;
+  ::posix_spawn(&process, check.c_str(), nullptr, &own_group, arguments.data(), environ);
+  ::posix_spawnattr_destroy(&own_group);
+}
 
 void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
   Finished finished(platoon, configuration);
   const ros::Subscriber progress = platoon.subscribe(platoon::kProgressTopic, 100, &Finished::receive, &finished);
   superseded.spin();
+  if (const long roslaunch = platoon::roslaunch_process(); !ros::ok() && roslaunch > 0)
+    print_result_after(roslaunch, configuration.run.output);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   return platoon::run_component(
-      argc, argv, {"until_complete", "Ends its launch when the run is complete. platoon.launch starts it."}, run);
+      argc, argv,
+      {"until_complete",
+       "Ends its launch when the run is complete (_stay:=true: leaves it up), and prints the result when the launch has ended.\n"
+       "platoon.launch starts it.\nExample: rosrun stochastic_platoon until_complete __ns:=platoon"},
+      run);
 }

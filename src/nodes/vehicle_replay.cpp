@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
       argc, argv,
       {"vehicle_replay",
        "Replays bags to one live follower and compares its answers; replay.launch drive:=vehicle_I starts it.\n"
-       "Parameters: _bags:='FILE ...', _vehicle:=I, _external, _patience [s], _unverified."},
+       "Parameters: _bags:='FILE ...', _vehicle:=I, _external, _patience [s], _unverified.\n"
+       "Example: rosrun stochastic_platoon vehicle_replay __ns:=platoon _bags:=/tmp/run.bag _vehicle:=3"},
       run);
 }

@@ -17,6 +17,7 @@
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/analysis.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
+#include "stochastic_platoon/run/results/result_check.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/results/trajectories_csv.hpp"
@@ -162,6 +163,10 @@ PYBIND11_MODULE(_platoon, module) {
       return parse_results(read, folder);
     });
     return py::make_tuple(plain_object_of(results.summary), dict_of(std::move(results.tables)));
+  });
+  module.def("check_results", [](const std::string& folder) {
+    const ResultCheck check = unlocked([&] { return check_results(folder); });
+    return py::make_tuple(check.problems, check.passed);
   });
   module.def("read_table", [](const std::string& file) {
     return dict_of(unlocked([&] { return parse_csv(read_file(file, kMostWrittenBytes), file); }));

@@ -3,7 +3,9 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "python/convert.hpp"
 #include "python/interruption.hpp"
@@ -22,12 +24,12 @@ BagSource source_of(std::vector<std::string> files, bool partial, bool unverifie
   return {std::move(files), partial ? Accept::cut : Accept::whole, unverified};
 }
 
-/// The values of one stream: a row per realization and a column per step from -1 on, NaN where the recording has none.
-/// An endless run has one row, which grows.
+/// The values of one stream: a row per realization from `first` to before `end` and a column per step from -1 on, NaN
+/// where the recording has none. An endless run has one row, which grows.
 class StreamTable {
 public:
-  explicit StreamTable(const RunOptions& run)
-      : rows_(run.realizations), columns_(static_cast<std::size_t>(run.steps) + 1), grows_(run.steps == 0) {
+  StreamTable(const RunOptions& run, std::uint64_t first, std::uint64_t end)
+      : first_(first), rows_(end - first), columns_(static_cast<std::size_t>(run.steps) + 1), grows_(run.steps == 0) {
     if (grows_) columns_ = 0;
     values_.assign(rows_ * columns_, std::nan(""));
   }
@@ -35,10 +37,12 @@ public:
   // A restarted attempt sends the same values again.
   void take(const stochastic_platoon::Position& message) {
     const auto column = static_cast<std::size_t>(message.step + 1);
-    const std::size_t first = message.first_realization, count = message.position.size();
-    if (message.step < -1 || first > rows_ || count > rows_ - first || (!grows_ && column >= columns_)) return;
+    if (message.step < -1 || (!grows_ && column >= columns_)) return;
     if (grows_ && column >= values_.size()) values_.resize(column + 1, std::nan(""));
-    for (std::size_t j = 0; j < count; ++j) values_[(first + j) * columns_ + column] = message.position[j];
+    for (std::size_t j = 0; j < message.position.size(); ++j) {
+      const std::uint64_t row = message.first_realization + j - first_;  // wraps below the first one
+      if (row < rows_) values_[row * columns_ + column] = message.position[j];
+    }
   }
 
   py::array_t<double> array() {
@@ -47,32 +51,52 @@ public:
   }
 
 private:
+  std::uint64_t first_;
   std::size_t rows_, columns_;
   bool grows_;
   std::vector<double> values_;
 };
 
-// `stream`: position, predecessor_position, input or predecessor_input.
-StreamTable table_of(const BagSource& source, const std::string& stream, std::size_t vehicle) {
-  const RunOptions run = recorded_platoon(source).configuration.run;
+// A stream of one vehicle: position, predecessor_position, input or predecessor_input.
+using StreamName = std::pair<std::string, std::size_t>;
+
+std::string topic_of(const StreamName& of, const RunOptions& run) {
+  const auto& [stream, vehicle] = of;
   const std::size_t first = stream == "predecessor_position" || stream == "predecessor_input" ? 1 : 0;
   if (vehicle < first || vehicle > run.followers) {
     throw std::out_of_range("vehicle: " + std::to_string(vehicle) + ": must be from " + std::to_string(first) + " to " +
                             std::to_string(run.followers));
   }
-  const PlatoonTopic wanted = parse_topic("/" + vehicle_name(vehicle) + "/" + stream).value();
-  StreamTable table(run);
-  BagStream bags(source,
-                 [&](const PlatoonTopic& topic) { return topic.kind == wanted.kind && topic.vehicle == vehicle; });
-  bool is_empty = true;
+  return "/" + vehicle_name(vehicle) + "/" + stream;
+}
+
+// Tables of these streams, all read at once, with the realizations from `first` to before `end`. Throws
+// std::out_of_range for a stream that is not in the recording.
+std::vector<StreamTable> tables_of(const BagSource& source, const std::vector<StreamName>& streams, std::uint64_t first,
+                                   std::uint64_t end) {
+  const RunOptions run = recorded_platoon(source).configuration.run;
+  end = std::min(end, run.realizations);
+  if (first >= end)
+    throw std::out_of_range("realizations: " + std::to_string(first) + ": must be below " + std::to_string(end));
+  std::map<std::pair<int, std::size_t>, std::size_t> places;
+  const auto key = [](const PlatoonTopic& topic) {
+    return std::pair(static_cast<int>(topic.kind), static_cast<std::size_t>(topic.vehicle));
+  };
+  for (std::size_t at = 0; at < streams.size(); ++at) places[key(parse_topic(topic_of(streams[at], run)).value())] = at;
+  std::vector<StreamTable> tables(streams.size(), StreamTable(run, first, end));
+  std::vector<bool> is_empty(streams.size(), true);
+  BagStream bags(source, [&](const PlatoonTopic& topic) { return places.count(key(topic)) > 0; });
   while (const std::optional<RecordedMessage> recorded = bags.next()) {
-    table.take(*recorded->position());
-    is_empty = false;
+    const std::size_t at = places.at(key(recorded->topic));
+    tables[at].take(*recorded->position());
+    is_empty[at] = false;
   }
-  if (is_empty) {
-    throw std::out_of_range("stream: " + stream + " of " + vehicle_name(vehicle) + ": is not in the recording");
+  const auto missing = static_cast<std::size_t>(std::find(is_empty.begin(), is_empty.end(), true) - is_empty.begin());
+  if (missing < streams.size()) {
+    throw std::out_of_range("stream: " + streams[missing].first + " of " + vehicle_name(streams[missing].second) +
+                            ": is not in the recording");
   }
-  return table;
+  return tables;
 }
 
 py::tuple results_of(const BagSource& source, const std::optional<std::vector<std::string>>& signals) {
@@ -107,10 +131,13 @@ PYBIND11_MODULE(_recordings, module) {
   });
   module.def(
       "values",
-      [](const BagSource& source, const std::string& stream, std::size_t vehicle) {
-        return unlocked([&] { return table_of(source, stream, vehicle); }).array();
+      [](const BagSource& source, const std::vector<StreamName>& streams, std::uint64_t first, std::uint64_t end) {
+        py::list arrays;
+        for (StreamTable& table : unlocked([&] { return tables_of(source, streams, first, end); }))
+          arrays.append(table.array());
+        return arrays;
       },
-      py::arg("source"), py::arg("stream"), py::arg("vehicle"));
+      py::arg("source"), py::arg("streams"), py::arg("first"), py::arg("end"));
   module.def("results", &results_of, py::arg("source"), py::arg("signals"));
 }
 

@@ -57,7 +57,8 @@ std::vector<platoon::MapPoint> map_of(const platoon::PlatoonModel& model, const 
 int main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
-      {"Results of the theory for a platoon",
+      {"Results of the theory for a platoon\n"
+       "Example: analyze --model acc.yaml --headway-seconds 3.5",
        {"model", "followers", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst", "delay", "leader",
         "steps", "burn_in"},
        {{"json", "file for all numbers"},

@@ -57,7 +57,8 @@ bool is_usable(const platoon::BagStatistics& statistics, const platoon::CommandL
 int main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
-      {"bag_statistics BAG...: statistics of a recorded platoon (several bags: a split one)",
+      {"bag_statistics BAG...: statistics of a recorded platoon (several bags: a split one)\n"
+       "Example: bag_statistics /tmp/run.bag --output /tmp/recorded",
        {},
        {{"output", "folder for statistics.csv and summary.json; without it none"},
         {"signals", "signals beside the tracking errors, as in gap,speed; without it those of the recorded run"},

@@ -29,7 +29,8 @@ struct Arguments {
 Arguments parsed(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
-      {"check_vehicle I: drives vehicle I alone through the vehicle contract, a verdict for each clause",
+      {"check_vehicle I: drives vehicle I alone through the vehicle contract, a verdict for each clause\n"
+       "Example: check_vehicle 2 --model acc.yaml",
        {"model", "headway", "headway_seconds"},
        {{"patience", "seconds to wait for an answer (2)"}, {"wait", "seconds to wait for the vehicle (30)"}},
        true});

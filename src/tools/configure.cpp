@@ -177,7 +177,8 @@ int main(int argc, char** argv) {
   for (const platoon::Setting& setting : platoon::settings()) all_settings.insert(setting.name);
   const platoon::CommandLine line = platoon::parse_command_line(
       argc, argv,
-      {"Checks a platoon's configuration and prints it for the parameter server",
+      {"Checks a platoon's configuration and prints it for the parameter server\n"
+       "Example: configure --model acc.yaml --followers 5",
        all_settings,
        {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
         {"ns", "namespace of the platoon, which must be free"},

@@ -12,7 +12,8 @@
 int main(int argc, char** argv) {
   const platoon::CommandLine given =
       platoon::parse_command_line(argc, argv,
-                                  {"merge DIR... --output DIR: the shards of a run, joined to the results of one",
+                                  {"merge DIR... --output DIR: the shards of a run, joined to the results of one\n"
+                                   "Example: merge /tmp/shard-* --output /tmp/whole",
                                    {},
                                    {{"output", "folder for the results"}},
                                    true});

@@ -138,7 +138,8 @@ void write_trajectories(const platoon::Configuration& configuration, const std::
 int main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
-      {"Monte Carlo of the platoon in one process",
+      {"Monte Carlo of the platoon in one process\n"
+       "Example: monte_carlo --model acc.yaml --realizations 1e5 --output /tmp/acc",
        {"model", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst", "delay", "leader", "followers",
         "steps", "realizations", "batch", "seed", "signals", "output", "burn_in"},
        {{"threads", "worker threads (one per core); the result does not depend on it"},

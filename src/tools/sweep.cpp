@@ -75,7 +75,8 @@ void run_task(const platoon::Sweep& sweep, const std::string& text, const platoo
 int main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
-      {"sweep FILE --output DIR: a table of the runs in the file",
+      {"sweep FILE --output DIR: a table of the runs in the file\n"
+       "Example: sweep config/sweeps/headway.yaml --output /tmp/tails --realizations 1e4",
        {"realizations"},
        {{"output", "folder for sweep.csv and checkpoints"},
         {"threads", "worker threads (one per core); the result does not depend on it"},

@@ -17,7 +17,7 @@ PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file
 SETUP = "devel/setup.bash"
 if not os.path.exists(os.path.join(PACKAGE, SETUP)):  # in a catkin workspace: the workspace's setup.bash
     SETUP = os.path.join(os.environ["CMAKE_PREFIX_PATH"].split(":")[0], "setup.bash")
-COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "rosparam", "rosservice", "rostopic", "cmp", "parallel")
+COMMANDS = ("./launch/demo", "./test/run", ".", "roscore", "rosrun", "roslaunch", "rosparam", "rosservice", "rostopic", "cmp", "parallel", "bash", "cmake", "make")
 ORDERS = ("rosparam", "rosservice", "rostopic")  # orders to the platoon of the line before
 NOT_RUN = {"./test/run": "is what runs this test", "./launch/demo": "demo_test.py runs it",
            "./launch/demo live": "demo_test.py runs it",
@@ -45,6 +45,7 @@ SHORTER = (
 # (command that stays up in its own terminal, output that shows that it is up, words of the following lines that need it).
 STANDING = (
     ("roslaunch stochastic_platoon followers.launch", "process[platoon/vehicle_20", "last:="),
+    ("roslaunch stochastic_platoon platoon.launch dashboard:=true", "The run is complete. Its nodes stay up until Ctrl-C.", "no line"),
     ("roscore", "started core service [/rosout]", " 3|external:="),
     ("rosrun stochastic_platoon rospy_follower.py", "", " 3|external:="),
 )
@@ -54,18 +55,23 @@ STAY_UP = "roslaunch stochastic_platoon live.launch"
 FILES = ("README.md", "config/README.md", "launch/README.md", "launch/examples/README.md", "msg/README.md")
 
 
-def command_lines():
-    """The indented lines of the READMEs, without the layout diagram and Python (tutorial_test.py runs it)."""
-    text = ""
-    for name in FILES:
-        with open(os.path.join(PACKAGE, name)) as file:
-            content = re.sub(r"^```python\n.*?^```$", "", file.read(), flags=re.S | re.M)
-        text += re.sub(r"\n## Layout\n.*?\n(To add|## )", r"\n\1", content, flags=re.S) + "\n"
+def command_lines(text):
+    """The indented lines of a text, without its blocks of code."""
+    text = re.sub(r"^```\w*\n.*?^```$", "", text, flags=re.S | re.M)
     lines = [line.strip() for line in text.splitlines() if line.startswith("    ")]
     return [re.sub(r"\s+# .*", "", line) for line in lines]
 
 
-class Readme(unittest.TestCase):
+def text_of(name):
+    with open(os.path.join(PACKAGE, name)) as file:
+        return file.read()
+
+
+class Commands(unittest.TestCase):
+    """Runs command lines as they are typed."""
+
+    shorter = SHORTER
+
     @classmethod
     def setUpClass(cls):
         cls.folder = temporary_folder(cls.addClassCleanup)
@@ -76,7 +82,7 @@ class Readme(unittest.TestCase):
                                PYTHONUNBUFFERED="1")  # otherwise roslaunch buffers its output
 
     def start(self, line):
-        extra = next((extra for begin, extra in SHORTER if line.startswith(begin)), "")
+        extra = next((extra for begin, extra in self.shorter if line.startswith(begin)), "")
         if line == "roscore":
             extra = "-p " + self.environment["ROS_MASTER_URI"].rsplit(":", 1)[1]
         typed = (line + " " + extra).replace("/tmp/", self.folder + "/")
@@ -116,14 +122,12 @@ class Readme(unittest.TestCase):
         except OSError:
             return False
 
-    def test_every_command_line_works_as_typed(self):
-        lines = command_lines()
-        self.assertGreater(len(lines), 15)
+    def type_all(self, lines):
         standing = []
         for line in lines:
             if line in NOT_RUN:
                 continue
-            self.assertIn(line.split()[0], COMMANDS, "a line that is no command: " + line)
+            self.assertTrue(line.startswith(COMMANDS + ("/tmp/",)), "a line that is no command: " + line)
             with self.subTest(line=line):
                 while standing and not re.search(standing[-1][1], line):
                     self.interrupt(standing.pop()[0])
@@ -145,6 +149,13 @@ class Readme(unittest.TestCase):
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGINT)
         process.wait(timeout=live_platoon.DEADLINE)
+
+
+class Readme(Commands):
+    def test_every_command_line_works_as_typed(self):
+        lines = [line for name in FILES for line in command_lines(text_of(name))]
+        self.assertGreater(len(lines), 15)
+        self.type_all(lines)
 
 
 if __name__ == "__main__":

@@ -10,9 +10,9 @@ import unittest
 import live_platoon
 from folder import FolderTest
 
-TOOLS = ["analyze", "bag_statistics", "check_vehicle", "configure", "merge", "monte_carlo", "sweep"]
+TOOLS = ["analyze", "bag_statistics", "check", "check_vehicle", "configure", "merge", "monte_carlo", "sweep"]
 NODES = ["channel", "follower", "leader", "markers", "monitor", "platoon", "player", "until_complete", "vehicle_replay"]
-SCRIPTS = ["dashboard", "odometry_vehicle", "plot", "recorded_drive", "watch"]
+SCRIPTS = ["dashboard", "export", "odometry_vehicle", "plot", "recorded_drive", "report", "watch"]
 
 
 def run(*command):
@@ -142,14 +142,18 @@ class Repeat(FolderTest):
         self.assertIn("holds", done.stdout)
 
 
-@unittest.skipUnless(os.path.exists(live_platoon.executable("monte_carlo") + "_without_avx2"), "needs GCC on x86-64")
+TEST_PROGRAMS = os.environ.get("PLATOON_TEST_PROGRAMS", live_platoon.shared("build", "test", "programs"))
+
+
+@unittest.skipUnless(os.path.exists(os.path.join(TEST_PROGRAMS, "monte_carlo_without_avx2")), "needs GCC on x86-64")
 class VectorWidths(unittest.TestCase):
     """Without AVX-512, and without AVX2 and FMA, the programs use the narrower versions of all vectorised functions."""
 
     def monte_carlo(self, name, *arguments):
         with tempfile.TemporaryDirectory() as folder:
             output = os.path.join(folder, "run")
-            done = subprocess.run([live_platoon.executable(name), "--realizations", "300", "--followers", "7", "--output", output]
+            program = os.path.join(TEST_PROGRAMS, name) if "without" in name else live_platoon.executable(name)
+            done = subprocess.run([program, "--realizations", "300", "--followers", "7", "--output", output]
                                   + list(arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
             self.assertEqual(done.returncode, 0, done.stderr)
             return live_platoon.statistics(output), done.stderr

@@ -2,7 +2,6 @@
 """The tutorial (launch/examples/README.md): its scripts print the numbers of the text and draw its pictures. The Python of this and
 of the first README runs, and each value in a comment is the value of its line."""
 
-import ast
 import glob
 import os
 import re
@@ -15,10 +14,10 @@ import matplotlib.image
 import numpy as np
 import stochastic_platoon as sp
 
+from code_blocks import BLOCK, CodeTest
+
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 EXAMPLES = os.path.join(PACKAGE, "launch", "examples")
-BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
-VALUE = re.compile(r"#\s+(-?\d[\d.]*(?:e-?\d+)?|True|False|\(\d[\d, ]*\))(?:$|[ ,:])")
 DECIMAL = re.compile(r"(?<![\w.])\d+\.\d+")
 # Largest difference of a drawn and a shipped picture, mean over the pixels, from 0 to 1. The reduction to 256 colours causes up to
 # 2e-4, twenty points of another colour 1e-3. Other versions of matplotlib place texts elsewhere.
@@ -135,13 +134,12 @@ class Scripts(unittest.TestCase):
         self.assertEqual((again.returncode, again.stdout), (0, self.runs["tutorial_6_figure.py"].stdout))
 
 
-class CodeBlocks(unittest.TestCase):
+class CodeBlocks(CodeTest):
     def setUp(self):
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder)
         self.addCleanup(os.chdir, os.getcwd())
         os.chdir(self.folder)
-        self.checked = 0
 
     def run_blocks(self, *names):
         """Runs all blocks of a file in one namespace."""
@@ -149,26 +147,6 @@ class CodeBlocks(unittest.TestCase):
         for language, text in BLOCK.findall(text_of(*names)):
             if language == "python":
                 self.run_block(text.replace("/tmp/", self.folder + "/"), session)
-
-    def run_block(self, text, session):
-        lines = text.splitlines()
-        for statement in ast.parse(text).body:
-            with self.subTest(line=lines[statement.lineno - 1]):
-                if not isinstance(statement, ast.Expr):
-                    exec(compile(ast.Module([statement], []), "README.md", "exec"), session)
-                    continue
-                value = eval(compile(ast.Expression(statement.value), "README.md", "eval"), session)
-                stated = VALUE.search(lines[statement.end_lineno - 1])
-                if stated:
-                    self.compare(value, stated[1])
-
-    def compare(self, value, stated):
-        self.checked += 1
-        if re.match(r"[TF(]", stated):
-            self.assertEqual(value, ast.literal_eval(stated))
-        else:
-            decimals = len(stated.partition(".")[2])
-            self.assertLessEqual(abs(value - float(stated)), 0.5000001 * 10.0**-decimals, stated)
 
     def test_those_of_the_tutorial_run_and_have_the_values_of_their_comments(self):
         self.run_blocks("launch", "examples", "README.md")

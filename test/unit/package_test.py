@@ -14,7 +14,7 @@ import xml.etree.ElementTree
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 TOP = {"CHANGELOG.rst", "CMakeLists.txt", "LICENSE", "README.md", "config", "launch", "msg", "package.xml", "src", "test"}  # and dot-files
-OURS = {"plotting", "stochastic_platoon", "watching"}
+OURS = {"plotting", "reporting", "stochastic_platoon", "watching"}
 NAMED_FILE = re.compile(r"(?<![\w/.*-])((?:src|launch|config|msg|test)/[\w/.-]+\.(?:py|cpp|hpp|launch|yaml|md|msg|srv|js|html))\b")
 
 # A constant, an alias or a type at the level of a namespace, as clang-format lays it out.
@@ -109,7 +109,7 @@ class Package(unittest.TestCase):
 
     def test_the_table_of_equations_names_sources_and_tests_that_exist(self):
         """`folder/name` names src/stochastic_platoon/folder/name.* or test/unit/folder/name_test.*; later names of a cell lie beside it."""
-        table = text_of("README.md").split("| paper | source | test |")[1].split("\n\n")[0]
+        table = text_of("src/README.md").split("| paper | source | test |")[1].split("\n\n")[0]
         found = 0
         for row in table.splitlines()[2:]:
             for cell in row.split("|")[2:4]:

@@ -100,6 +100,17 @@ class Gaps(GapTest):
         self.assert_draws("gaps", run)
         self.assert_draws("gaps", run, "--analysis", self.make_collisions(), "--titles", "$h = 3.2$")
 
+    def test_several_runs_are_drawn_beside_each_other_on_one_axis(self):
+        paths = [self.make_gaps("near", bounds=[1e-5, 0.01, 0.2]), self.make_gaps("far", standstill=4.0)]
+        self.assert_draws("gaps", *paths, "--titles", "A", "B")
+        axes = plot.gaps.draw([sp.Results.load(path) for path in paths], [], []).axes
+        self.assertEqual(len(axes), 3)
+        self.assertEqual(axes[0].get_ylim(), axes[1].get_ylim())
+        labels = [text.get_text() for text in axes[2].get_legend().get_texts()]
+        for name in ("near: per realization, measured", "near: per realization, upper bound by theory", "far: none in 200: upper limit"):
+            self.assertIn(name, labels)
+        self.assert_rejects("gaps", *paths, "--analysis", self.make_collisions(), saying=["--analysis: must be one for each of the 2 runs, not 1"])
+
     def test_gaps_without_theory_are_drawn(self):
         self.assert_draws("gaps", self.make_gaps())
 
@@ -111,7 +122,7 @@ class Gaps(GapTest):
 
     def test_a_string_without_collisions_is_drawn_on_a_logarithmic_axis(self):
         run = sp.Results.load(self.make_gaps(standstill=50.0, bounds=[0.0, 1e-300, 1e-200]))
-        axes = plot.gaps.draw(run, None, []).axes[1]
+        axes = plot.gaps.draw([run], [], []).axes[1]
         self.assertEqual(axes.get_yscale(), "log")
         low, high = axes.get_ylim()
         self.assertTrue(1e-4 / 200 <= low < 4.0 / 204 < high <= 2.0)
@@ -119,7 +130,7 @@ class Gaps(GapTest):
     def test_gaps_far_above_0_are_drawn_without_the_line_of_collisions(self):
         for standstill, lowest in ((2.0, False), (5000.0, True)):
             run = sp.Results.load(self.make_gaps("at-{:g}".format(standstill), standstill=standstill))
-            self.assertEqual(plot.gaps.draw(run, None, []).axes[0].get_ylim()[0] > 4000.0, lowest)
+            self.assertEqual(plot.gaps.draw([run], [], []).axes[0].get_ylim()[0] > 4000.0, lowest)
 
     def test_the_file_is_read_in_any_order_of_rows(self):
         text = self.gap_table(*smallest_gaps(3, 30, 200), bounds=[0.1, 0.2, 0.3])
@@ -141,10 +152,13 @@ class Gaps(GapTest):
         low, high = plot.gaps.interval(np.array([3.0, 0.0]), np.array([100.0, 100.0]))
         np.testing.assert_allclose([low[0], high[0]], (0.05 + 2.0 * np.sqrt(0.000391) * np.array([-1.0, 1.0])) / 1.04)
         self.assertAlmostEqual(high[1], 4.0 / 104.0)
+        for count in range(1, 3000):  # no bar has a negative length
+            low, high = plot.gaps.interval(np.array([count, 0.0]), np.array([count, count]))
+            self.assertTrue(high[0] >= 1.0 and low[1] <= 0.0, count)
 
     def test_the_worst_gap_is_named_and_marked(self):
         run = sp.Results.load(self.make_gaps(realizations=1000))
-        axes = plot.gaps.draw(run, None, []).axes[0]
+        axes = plot.gaps.draw([run], [], []).axes[0]
         gaps = run.gaps
         worst = int(np.argmin(gaps.smallest_gap))
         self.assertIn("{:.3g} m: follower {}, realization {:.0f}, step {:.0f}".format(
@@ -199,6 +213,16 @@ class Trajectories(GapTest):
         np.testing.assert_array_equal(near["gap"], realization["gap"][:, 81:122])
         words = "smallest gap {} m, follower {}".format(plot.style.signed(np.nanmin(near["gap"])), plot.trajectories.nearest(near["gap"])[0])
         self.assertIn(words, plot.trajectories.draw(near, [])._suptitle.get_text())
+
+    def test_the_title_of_a_window_names_the_smallest_gap_of_the_realization_if_that_is_elsewhere(self):
+        realization = sp.Trajectories.load(self.make_trajectories(steps=200))
+        worst, at = plot.trajectories.nearest(realization["gap"])
+        step = int(realization.steps[at])
+        self.assertNotIn("window", plot.trajectories.draw(realization, [], step)._suptitle.get_text())
+        title = plot.trajectories.draw(realization, [], (step + 100) % 200)._suptitle.get_text()
+        self.assertIn("smallest gap in this window ", title)
+        self.assertIn("smallest gap of the realization {} m, follower {}, {:.4g} s (step {})".format(
+            plot.style.signed(realization["gap"][worst, at]), worst, realization.seconds[at], step), title)
 
     def test_the_worst_pair_is_drawn_in_any_string(self):
         self.assertEqual(list(plot.trajectories.drawn(4, 2)), [0, 1, 2, 3])

@@ -95,6 +95,29 @@ class Figures(PlotTest):
         code, printed, _ = self.run_plot("gain", self.make_analysis(), "--output", self.output + ".png")
         self.assertEqual((code, printed.split()[0]), (0, self.output + ".png"))
 
+    def test_an_output_that_ends_in_pdf_is_one_pdf(self):
+        self.assertEqual(self.run_plot("errors", self.make_run(), "--output", self.path("x.pdf")), (0, self.path("x.pdf") + "\n", ""))
+        self.assertEqual(self.read("x.pdf")[:5], b"%PDF-")
+        self.assertEqual([name for name in os.listdir(self.folder) if name.startswith("x")], ["x.pdf"])
+
+    def test_a_chosen_width_is_that_of_the_figure_and_narrow_figures_have_their_panels_below_each_other(self):
+        self.addCleanup(plot.style.apply)
+        runs = [sp.Results.load(self.make_run(name)) for name in "ab"]
+        for width, columns in ((180.0, 2), (88.0, 1)):
+            plot.style.apply(width)
+            figure = plot.tracking_errors.draw(runs, [])
+            self.assertAlmostEqual(25.4 * figure.get_figwidth(), width)
+            figure.canvas.draw()
+            self.assertEqual(len({round(axes.get_position().x0, 3) for axes in figure.axes[:4]}), columns)
+        self.assert_rejects("errors", self.path("a"), "--width", "3.5", saying=["--width: 3.5: must be from 40 to 400 mm"])
+
+    def test_curves_are_over_seconds_if_the_run_has_a_sample_period(self):
+        run = self.make_run(configuration={"model": {"sample_period": 0.1}})
+        axes = plot.tracking_errors.draw([sp.Results.load(run)], []).axes[1]
+        self.assertEqual(axes.get_xlabel(), "time [s]")
+        np.testing.assert_allclose(axes.lines[0].get_xdata(), 0.1 * np.arange(4))
+        self.assertEqual(plot.tracking_errors.draw([sp.Results.load(self.make_run("other"))], []).axes[1].get_xlabel(), "step $k$")
+
     def test_a_point_in_the_output_is_no_extension(self):
         _, printed, _ = self.run_plot("gain", self.make_analysis(), "--output", self.output + "-h3.2")
         self.assertEqual(printed.split()[0], self.output + "-h3.2.png")

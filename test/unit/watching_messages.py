@@ -30,7 +30,7 @@ def configuration(followers=3, steps=4, **model):
 def overview(followers=3, step=(0, 1, 2, 3), **changes):
     cells = [float(10 * i + j) for i in range(1, followers + 1) for j in range(len(step))]
     of = dict(run=1, attempt=1, manoeuvre=False, counted_from=0, realizations=100, time_average=False, complete=False, wall_seconds=1.5, theory="exact", string_stable=True, undecided=False,
-              reason="string stable: because", limit_variance=2.5, stationary_variance=[2.0] * followers, step=list(step),
+              reason="string stable: because", warnings=[], limit_variance=2.5, stationary_variance=[2.0] * followers, step=list(step),
               mean=[0.1 * c for c in cells], variance=cells, stable_headways=[0.5, 1.0, 2.8, 320.0], theoretical_mean=[0.0] * len(cells), theoretical_variance=[c + 1 for c in cells],
               standard_error=[0.5] * followers, variance_score=[-1.0] * followers, max_abs_z_mean=1.5, max_abs_z_variance=2.5,
               plausible_z=4.0, realizations_needed=NAN, smallest_gap=[], smallest_gap_realization=[], smallest_gap_step=[], collisions=[],

@@ -14,7 +14,7 @@ the texts of the tools. The messages of this package's topics are in stochastic_
 from ._platoon import version as __version__
 from .model import Configuration, Model, Vehicle, shipped_file
 from .recording import Recording
-from .results import Results
+from .results import Results, check
 from .simulation import Trajectories, UnsavedResults, monte_carlo, trajectories
 from .sweeps import Sweep
 from .tables import Ages, Amplification, Gaps, Moments
@@ -22,6 +22,6 @@ from .theory import Analysis, StabilityMap, analyze, stability_map
 
 __all__ = [
     "__version__", "Ages", "Amplification", "Analysis", "Configuration", "Gaps", "Model", "Moments", "Recording", "Results",
-    "StabilityMap", "Sweep", "Trajectories", "UnsavedResults", "Vehicle", "analyze", "monte_carlo", "shipped_file", "stability_map",
+    "StabilityMap", "Sweep", "Trajectories", "UnsavedResults", "Vehicle", "analyze", "check", "monte_carlo", "shipped_file", "stability_map",
     "trajectories",
 ]

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Iterable, List, Optional, Union
+from typing import TYPE_CHECKING, Iterable, Iterator, List, Optional, Tuple, Union
+
+import numpy as np
 
 from .model import Configuration, Model, PathLike, checked_vehicle
 from .results import Results
-from .simulation import listed
+from .simulation import Trajectories, listed
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from ._recordings import Source
@@ -39,9 +40,48 @@ class Recording:
         return self.configuration.model
 
     def _values(self, stream: str, vehicle: int) -> NDArray[np.float64]:
+        return self._streams([(stream, checked_vehicle(vehicle))], 0, self.configuration.run["realizations"])[0]
+
+    def _streams(self, streams: List[Tuple[str, int]], first: int, end: int) -> List[NDArray[np.float64]]:
+        """Several streams of vehicles, read at once, of the realizations from `first` to before `end`."""
         from . import _recordings
 
-        return _recordings.values(self._source, stream, checked_vehicle(vehicle))
+        return _recordings.values(self._source, streams, first, end)
+
+    def trajectories(self, first: int = 0, count: int = 1) -> Iterator[Trajectories]:
+        """All vehicles in `count` realizations, from `first` on, with the quantities of trajectories.csv that follow from the recorded
+        positions. Raises IndexError for realizations that the recording does not have."""
+        model, run = self.model, self.configuration.run
+        followers, total = run["followers"], run["realizations"]
+        if not 0 <= first < total:
+            raise IndexError("realization: {}: must be from 0 to {}".format(first, total - 1))
+        vehicles = [model.vehicle(i) for i in range(followers + 1)]
+        end = min(first + count, total)
+        positions = self._streams([("position", i) for i in range(followers + 1)], first, end)
+        received = self._streams([("predecessor_position", i) for i in range(1, followers + 1)], first, end)
+        period = model.sample_period
+        steps = np.arange(-1.0, positions[0].shape[1] - 1.0)
+        seconds = np.array([float("{:.10g}".format(step * period)) for step in steps])
+        for row in range(end - first):
+            quantities = {name: np.full((followers + 1, steps.size), np.nan) for name in Trajectories.QUANTITIES}
+            y = quantities["position"]
+            for i, table in enumerate(positions):
+                y[i] = table[row, :steps.size]
+            for i, table in enumerate(received, 1):
+                quantities["received_position"][i] = table[row, :steps.size]
+            moved = np.diff(y, axis=1, prepend=y[:, :1])
+            for i in range(1, followers + 1):
+                apart, own = y[i - 1] - y[i], vehicles[i]
+                quantities["gap"][i] = apart - vehicles[i - 1].vehicle_length
+                quantities["tracking_error"][i] = apart - own.standstill_distance - own.time_headway * moved[i]
+            rate = moved
+            for order, name in enumerate(("speed", "acceleration", "jerk"), 1):
+                quantities[name][:] = rate / period ** order
+                rate = np.diff(rate, axis=1, prepend=0.0)
+            for name in ("gap", "tracking_error", "speed", "acceleration", "jerk"):
+                quantities[name][:, 0] = np.nan  # signals begin at step 0
+            name = "realization {}".format(first + row)
+            yield Trajectories(steps, seconds, quantities, self.files[0], name)
 
     def positions(self, vehicle: int) -> NDArray[np.float64]:
         """y_i(k) [m], shape (realizations, steps + 1), from step -1 on; NaN where the recording has none. Raises IndexError for a

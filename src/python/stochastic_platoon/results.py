@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional
 
 import numpy as np
 
@@ -14,6 +14,12 @@ from .tables import Ages, Amplification, Columns, Gaps, Grid, Moments, Table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+def check(folder: PathLike) -> List[str]:
+    """The reasons why the run in a folder is not complete, undamaged and in agreement with its theory, as the program `check` prints
+    them; empty if it is. Raises ValueError or OSError if there are no results that this version can read."""
+    return _platoon.check_results(os.fspath(folder))[0]
 
 
 class Results:

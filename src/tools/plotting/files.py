@@ -1,36 +1,49 @@
-"""The files of a figure: PNG and SVG."""
+"""The files of a figure: PNG and SVG, or PDF."""
 
 from __future__ import annotations
 
 import io
 import os
-from typing import Dict, List
+from typing import Dict, List, Sequence, Tuple
 
 from matplotlib.figure import Figure
 
 KINDS = ("png", "svg")
 
 
-def require_writable(stem: str) -> None:
+def target_of(output: str) -> Tuple[str, Sequence[str]]:
+    """The path without extension, and the kinds of files: PDF alone if the extension asks for it."""
+    stem, extension = os.path.splitext(output)
+    if extension == ".pdf":
+        return stem, ("pdf",)
+    return (stem if extension[1:] in KINDS else output), KINDS
+
+
+def require_writable(stem: str, kinds: Sequence[str] = KINDS) -> None:
     """Raises ValueError if no figure can be written there, before any work is done."""
     folder = os.path.dirname(stem) or "."
     if not os.path.isdir(folder):
         raise ValueError("{}: no such folder to write to".format(folder))
     if not os.path.basename(stem):
         raise ValueError("--output: {!r} must be a path to a file, without extension".format(stem))
-    for kind in KINDS:
+    for kind in kinds:
         if os.path.isdir(stem + "." + kind):
             raise ValueError("{}.{}: is a folder, no figure can be written there".format(stem, kind))
 
 
-def save(figure: Figure, stem: str) -> List[str]:
-    """Writes stem.png and stem.svg, each completely or not at all; returns their paths."""
+def content(figure: Figure, kind: str) -> bytes:
+    """The figure as a file. Without a date, equal inputs give equal files."""
+    dateless = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=kind, metadata=dateless.get(kind))
+    return buffer.getvalue()
+
+
+def save(figure: Figure, stem: str, kinds: Sequence[str] = KINDS) -> List[str]:
+    """Writes stem.png and stem.svg, or stem.pdf, each completely or not at all; returns their paths."""
     contents = {}
-    for kind in KINDS:
-        buffer = io.BytesIO()
-        # Without a date, equal inputs give equal files.
-        figure.savefig(buffer, format=kind, **({"metadata": {"Date": None}} if kind == "svg" else {}))
-        contents[stem + "." + kind] = buffer.getvalue()
+    for kind in kinds:
+        contents[stem + "." + kind] = content(figure, kind)
     write_all(contents)
     return list(contents)
 

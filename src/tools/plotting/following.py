@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Sequence
 
 import numpy as np
 import stochastic_platoon as sp
@@ -19,7 +19,8 @@ def results_of(configuration: Dict[str, Any], overview: Any) -> sp.Results:
     """The present state of a run, at the steps of the monitor's overview."""
     followers, steps = configuration["followers"], np.array(overview.step, float)
     verdict = overview.string_stable if overview.theory == "exact" and not overview.undecided else None
-    summary = {"followers": followers, "realizations": overview.realizations, "seed": configuration["seed"], "complete": overview.complete,
+    summary = {"followers": followers, "realizations": overview.realizations, "seed": configuration["seed"],
+               "configuration": {"model": {"sample_period": configuration["sample_period"]}}, "complete": overview.complete,
                "time_average": overview.time_average, "standard_error_of_variance": list(overview.standard_error),
                "theory": {"spectral_radius": None, "string_stable": verdict}}
     table: Dict[str, Any] = {"vehicle": np.repeat(np.arange(1.0, followers + 1), steps.size), "step": np.tile(steps, followers),
@@ -28,7 +29,7 @@ def results_of(configuration: Dict[str, Any], overview: Any) -> sp.Results:
     return sp.Results(summary, {"statistics": table}, "h = {:g}".format(configuration["headway"]))
 
 
-def follow(namespace: str, draw: Callable[[List[sp.Results]], Figure], stem: str) -> None:
+def follow(namespace: str, draw: Callable[[List[sp.Results]], Figure], stem: str, kinds: Sequence[str]) -> None:
     """Redraws draw([results]) until the run is complete or the ROS master is gone. Raises ValueError without a master."""
     try:
         import rosgraph
@@ -45,7 +46,7 @@ def follow(namespace: str, draw: Callable[[List[sp.Results]], Figure], stem: str
         with state.lock:
             configuration, overview = state.configuration, state.overview
         if configuration and overview is not None and overview is not drawn and np.isfinite(overview.variance).any():
-            paths = files.save(draw([results_of(configuration, overview)]), stem)
+            paths = files.save(draw([results_of(configuration, overview)]), stem, kinds)
             if drawn is None:
                 print("\n".join(paths), flush=True)
             drawn = overview

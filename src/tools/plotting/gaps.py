@@ -1,8 +1,8 @@
-"""The smallest gaps of a run: their distribution per follower, and the probability of a collision along the string."""
+"""The smallest gaps of runs: their distribution per follower, and the probability of a collision along the string."""
 
 from __future__ import annotations
 
-from typing import Optional, Sequence, Tuple
+from typing import NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 import stochastic_platoon as sp
@@ -13,9 +13,9 @@ from plotting import style
 from plotting.values import Array, require_same_platoon
 
 BANDS = ((0.01, 0.99, "#c6dbef"), (0.25, 0.75, "#6baed6"))  # quantiles of the realizations, and their colour
-PER_STEP = style.PALETTE[3]
 SAFE = style.PALETTE[2]
 BAR = 0.72  # width of a bar
+WIDE_LINE = 72  # characters per line of a title
 SPARSE = 10  # a curve with at most this many points has a dot on each
 DEEPEST = 1e-4  # the axis of probabilities reaches this far below one realization
 
@@ -38,29 +38,58 @@ def interval(events: Array, count: Array) -> Tuple[Array, Array]:
     share = events / count
     middle = (share + 0.5 * z ** 2 / count) / (1.0 + z ** 2 / count)
     half = z * np.sqrt(share * (1.0 - share) / count + 0.25 * (z / count) ** 2) / (1.0 + z ** 2 / count)
-    return middle - half, middle + half
+    return np.minimum(middle - half, share), np.maximum(middle + half, share)  # despite rounding
 
 
-def draw(run: sp.Results, analysis: Optional[sp.Analysis], titles: Sequence[str]) -> Figure:
-    """Draws a run, and the probability per step of an analysis."""
-    name, = style.names_of(titles, [run])
-    gaps = run.gaps
-    if not np.isfinite(gaps.smallest_gap).all():
-        raise ValueError("{}: the smallest gap is not finite: no realization is complete".format(run.path))
-    if analysis is not None:
+def draw(runs: Sequence[sp.Results], analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
+    """Draws runs, one panel each, and beside them their probabilities, with the probability per step of their analyses."""
+    names = style.names_of(titles, runs)
+    if analyses and len(analyses) != len(runs):
+        raise ValueError("--analysis: must be one for each of the {} runs, not {}".format(len(runs), len(analyses)))
+    for run in runs:
+        if not np.isfinite(run.gaps.smallest_gap).all():
+            raise ValueError("{}: the smallest gap is not finite: no realization is complete".format(run.path))
+    for run, analysis in zip(runs, analyses):
         require_same_platoon(run, analysis, analysis.numbers("collision.probability").size)
-    figure, axes = style.new_figure(1, 2, 11.4, 5.0)
-    smallest, chances = axes[0]
-    smallest.set_title("(a) {}, {}\n{}, seed {}{}\n{}".format(
-        name, style.verdict(run.string_stable), style.counted(realizations_of(gaps)), run.seed,
-        "" if run.complete else ", incomplete run", worst_in_words(gaps)))
-    chances.set_title("(b) probability of a collision\nmeasured with $\\pm${} standard errors".format(style.SHOWN_ERRORS))
-    draw_distribution(smallest, gaps)
-    draw_probabilities(chances, gaps, analysis)
-    for axis in (smallest, chances):
-        style.follower_axis(axis, run.followers)
+    columns = len(runs) + 1
+    figure, axes = style.new_figure(1, columns, 5.7 * columns, 5.0)
+    chances = axes[0, -1]
+    for column, (run, name) in enumerate(zip(runs, names)):
+        axes[0, column].set_title(style.column_title(column, columns, "{}, {}\n{}, seed {}{}\n{}".format(
+            name, style.verdict(run.string_stable), style.counted(realizations_of(run.gaps)), run.seed,
+            "" if run.complete else ", incomplete run", worst_in_words(run)), WIDE_LINE))
+        draw_distribution(axes[0, column], run.gaps)
+        looks = LOOKS if len(runs) == 1 else Looks(style.colour(column), style.colour(column), style.colour(column), style.marker(column))
+        draw_probabilities(chances, run.gaps, analyses[column] if analyses else None, looks, "" if len(runs) == 1 else name + ": ")
+    share_limits(axes[0, :-1])
+    for axis in axes[0, :-1]:
+        style.mark_collisions(axis)
+    limit_probabilities(chances, min(DEEPEST / realizations_of(run.gaps) for run in runs))
+    chances.set_title(style.column_title(columns - 1, columns, "probability of a collision\nmeasured with $\\pm${} standard errors".format(
+        style.SHOWN_ERRORS)))
+    for axis in axes[0]:
+        style.follower_axis(axis, max(run.followers for run in runs))
         style.legend_below(axis)
     return figure
+
+
+class Looks(NamedTuple):
+    """The colours of one run's probabilities, and the marker of its measurement."""
+
+    measured: str
+    bound: str
+    per_step: str
+    marker: str
+
+
+LOOKS = Looks(style.PALETTE[0], style.BOUND, style.PALETTE[3], "o")
+
+
+def share_limits(panels: style.AxesGrid) -> None:
+    """The same vertical axis in all panels."""
+    low, high = (pick(axis.get_ylim()[end] for axis in panels) for end, pick in ((0, min), (1, max)))
+    for axis in panels:
+        axis.set_ylim(low, high)
 
 
 def realizations_of(gaps: sp.Gaps) -> int:
@@ -72,10 +101,12 @@ def worst_of(gaps: sp.Gaps) -> int:
     return int(np.argmin(gaps.smallest_gap))
 
 
-def worst_in_words(gaps: sp.Gaps) -> str:
-    row = worst_of(gaps)
-    return "smallest gap {} m: follower {}, realization {}, step {}".format(
-        style.signed(gaps.smallest_gap[row]), row + 1, style.spaced(int(gaps.realization[row])), int(gaps.step[row]))
+def worst_in_words(run: sp.Results) -> str:
+    gaps, row = run.gaps, worst_of(run.gaps)
+    period, step = style.period_of(run), int(gaps.step[row])
+    at = ", step {}".format(step) if np.isnan(period) else ", {:.4g} s (step {})".format(step * period, step)
+    return "smallest gap {} m: follower {}, realization {}{}".format(
+        style.signed(gaps.smallest_gap[row]), row + 1, style.spaced(int(gaps.realization[row])), at)
 
 
 def draw_distribution(axes: Axes, gaps: sp.Gaps) -> None:
@@ -99,29 +130,32 @@ def draw_distribution(axes: Axes, gaps: sp.Gaps) -> None:
     axes.plot([worst + 1], [gaps.smallest_gap[worst]], "o", color=style.INK, markersize=9, markerfacecolor="none", markeredgewidth=1.4)
     if np.isfinite(gaps.safe_gap):
         axes.axhline(gaps.safe_gap, color=SAFE, linewidth=1.2, linestyle=style.DASHED, label="safe gap {:g} m".format(gaps.safe_gap))
-    style.mark_collisions(axes)
     axes.set_ylabel("smallest gap of a realization [m]")
 
 
-def draw_probabilities(axes: Axes, gaps: sp.Gaps, analysis: Optional[sp.Analysis]) -> None:
+def draw_probabilities(axes: Axes, gaps: sp.Gaps, analysis: Optional[sp.Analysis], looks: Looks, of: str) -> None:
+    """Draws shares and probabilities of one run; `of` begins their labels."""
     followers = np.arange(1, gaps.count.size + 1)
     dots = "." if followers.size <= SPARSE else ""
     lowest = DEEPEST / realizations_of(gaps)
-    draw_shares(axes, gaps, gaps.collisions, style.PALETTE[0], "o", "per realization, measured")
+    draw_shares(axes, gaps, gaps.collisions, looks.measured, looks.marker, "per realization, measured", of)
     bound = gaps.theoretical_collision_bound
     if (bound >= lowest).any():
-        axes.plot(followers, visible(np.minimum(bound, 1.0)), color=style.BOUND, linewidth=1.3, marker=dots,
-                  label="per realization, upper bound by theory")
-    if np.isfinite(gaps.below_safe_gap).any():
+        axes.plot(followers, visible(np.minimum(bound, 1.0)), color=looks.bound, linewidth=1.3, marker=dots,
+                  label=of + "per realization, upper bound by theory")
+    if not of and np.isfinite(gaps.below_safe_gap).any():
         draw_shares(axes, gaps, gaps.below_safe_gap, SAFE, "s", "gap below {:g} m, measured".format(gaps.safe_gap))
     if analysis is not None:
         probability, limit = analysis.numbers("collision.probability"), analysis.number("collision.limit_probability")
         if (probability >= lowest).any():
-            axes.plot(followers, visible(probability), color=PER_STEP, linewidth=1.3, linestyle="-.", marker=dots,
-                      label="per step, theory")
+            axes.plot(followers, visible(probability), color=looks.per_step, linewidth=1.3, linestyle="-.", marker=dots,
+                      label=of + "per step, theory")
         if limit >= lowest:
-            axes.axhline(limit, color=PER_STEP, linewidth=1.0, linestyle=style.DASHED,
-                         label="per step, endless string: {:.3g}".format(limit))
+            axes.axhline(limit, color=looks.per_step, linewidth=1.0, linestyle=style.DASHED,
+                         label=of + "per step, endless string: {:.3g}".format(limit))
+
+
+def limit_probabilities(axes: Axes, lowest: float) -> None:
     axes.set_yscale("log")
     low, high = axes.get_ylim()
     low = max(low, lowest)
@@ -134,15 +168,15 @@ def visible(probability: Array) -> Array:
     return np.where(probability > 0.0, probability, np.nan)
 
 
-def draw_shares(axes: Axes, gaps: sp.Gaps, events: Array, colour: str, marker: str, label: str) -> None:
-    """Draws the share of the realizations per follower; a triangle is the upper end of the interval where there is no event."""
+def draw_shares(axes: Axes, gaps: sp.Gaps, events: Array, colour: str, marker: str, label: str, of: str = "") -> None:
+    """Draws the share of the realizations per follower; a triangle is the upper end of the interval where there is no event. `of` begins the label."""
     at = style.thinned(gaps.count.size, style.MANY)
     low, high = interval(events[at], gaps.count[at])
     seen = events[at] > 0
     share = events[at] / gaps.count[at]
     if seen.any():
         axes.errorbar(at[seen] + 1, share[seen], yerr=[(share - low)[seen], (high - share)[seen]], fmt=marker, color=colour,
-                      markerfacecolor="white", label=label, zorder=3, **style.POINTS)
+                      markerfacecolor="white", label=of + label, zorder=3, **style.POINTS)
     if not seen.all():
         axes.plot(at[~seen] + 1, high[~seen], "v", color=colour, markerfacecolor="none", markersize=5, alpha=0.7,
-                  label="none in {}: upper limit".format(style.spaced(realizations_of(gaps))))
+                  label=of + "none in {}: upper limit".format(style.spaced(realizations_of(gaps))))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, List, Optional, Protocol, Sequence, Tuple
 
 import matplotlib
 import numpy as np
+import stochastic_platoon as sp
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
@@ -49,16 +50,25 @@ WIDE_RANGE = 1000.0  # curves that differ by more than this factor need a logari
 WIDE_STRING = 30.0  # the same for the variances along a string
 
 
+NARROW = 5.2  # [inch]: a narrower figure has its panels below each other
+WIDTHS = (40.0, 400.0)  # [mm] of a figure
+
+
 class Named(Protocol):
     @property
     def name(self) -> str: ...
 
 
-def apply() -> None:
-    """Sets the style, independent of the user's matplotlib settings."""
+def apply(width: Optional[float] = None) -> None:
+    """Sets the style, independent of the user's matplotlib settings. `width`: of all figures [mm]; each has its own without it.
+    Raises ValueError."""
+    global chosen_width
+    if width is not None and not WIDTHS[0] <= width <= WIDTHS[1]:
+        raise ValueError("--width: {:g}: must be from {:g} to {:g} mm".format(width, *WIDTHS))
+    chosen_width = None if width is None else width / 25.4
     matplotlib.rcdefaults()
     matplotlib.rcParams.update({
-        "figure.dpi": 100, "savefig.dpi": 200, "svg.hashsalt": "platoon",
+        "figure.dpi": 100, "savefig.dpi": 200, "pdf.fonttype": 42, "svg.hashsalt": "platoon",
         "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.labelsize": 9.5,
         "legend.fontsize": 8.5, "xtick.labelsize": 8.5, "ytick.labelsize": 8.5,
         "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": INK, "axes.linewidth": 0.8,
@@ -67,23 +77,50 @@ def apply() -> None:
         "figure.constrained_layout.w_pad": 0.06, "figure.constrained_layout.h_pad": 0.05,
         "hatch.linewidth": 0.6, "hatch.color": "#9a9a9a",
     })
+    if is_narrow():
+        matplotlib.rcParams.update({"font.size": 7.5, "axes.titlesize": 7.5, "axes.labelsize": 7.5, "legend.fontsize": 7, "xtick.labelsize": 7,
+                                    "ytick.labelsize": 7})
+
+
+def is_narrow() -> bool:
+    """Whether the chosen width leaves room for one panel only."""
+    return chosen_width is not None and chosen_width < NARROW
+
+
+chosen_width: Optional[float] = None  # [inch]
 
 
 def new_figure(rows: int, columns: int, width: float, height: float) -> Tuple[Figure, Any]:
-    """A figure and its axes as an array (rows, columns)."""
-    figure = Figure(figsize=(width, height), constrained_layout=True)
-    return figure, figure.subplots(rows, columns, squeeze=False, sharex="col")
+    """A figure and its axes as an array (rows, columns). With a chosen width the panels keep their shape, but those of a narrow
+    figure lie below each other, column by column."""
+    if chosen_width is None or columns == 1 or not is_narrow():
+        wanted = chosen_width or width
+        figure = Figure(figsize=(wanted, height * max(min(wanted / width, 1.0), 0.62)), constrained_layout=True)
+        return figure, figure.subplots(rows, columns, squeeze=False, sharex="col")
+    panel = height / rows * min(1.0, chosen_width / (width / columns))
+    figure = Figure(figsize=(chosen_width, rows * columns * max(panel, 1.9)), constrained_layout=True)
+    return figure, figure.subplots(rows * columns, 1, squeeze=False).reshape(columns, rows).T
 
 
-def column_title(column: int, columns: int, text: str) -> str:
-    """The text in lines that fit a column, with a letter in front if there are several columns."""
+def column_title(column: int, columns: int, text: str, longest: int = LINE) -> str:
+    """The text in lines that fit a column, of at most `longest` characters, with a letter in front if there are several columns."""
     text = "({}) {}".format(chr(ord("a") + column), text) if columns > 1 else text
-    return "\n".join(line if "$" in line.replace("\\$", "") else textwrap.fill(line, LINE)
+    if chosen_width is not None:
+        longest = max(20, min(longest, int(15.0 * chosen_width / (1 if is_narrow() else columns))))
+    return "\n".join(line if "$" in line.replace("\\$", "") else textwrap.fill(line, longest)
                      for line in text.split("\n"))
 
 
 def verdict(string_stable: Optional[bool]) -> str:
     return {None: "no verdict", True: "string stable", False: "not string stable"}[string_stable]
+
+
+def period_of(run: sp.Results) -> float:
+    """T_s [s]; NaN for runs of versions that did not write it."""
+    try:
+        return run.sample_period
+    except ValueError:
+        return float("nan")
 
 
 def follower_ticks(followers: int) -> List[float]:
@@ -171,7 +208,7 @@ def legend_entry(**line: Any) -> Line2D:
 
 def legend_below(axes: Axes, **options: Any) -> None:
     """A legend below the axes, where it hides no data."""
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncol=2, frameon=False, columnspacing=1.6, **options)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncol=1 if is_narrow() else 2, frameon=False, columnspacing=1.6, **options)
 
 
 def mark_collisions(axes: Axes) -> None:

@@ -60,8 +60,9 @@ def draw_over_steps(axes: style.AxesGrid, run: sp.Results, colours: ScalarMappab
     errors = drawable_errors(run)
     draw_curves(axes[0], run, errors.mean, errors.theoretical_mean, colours, "mean of $\\zeta_i(k)$", "m")
     draw_curves(axes[1], run, errors.variance, errors.theoretical_variance, colours, "variance of $\\zeta_i(k)$", "m$^2$")
-    axes[1].set_xlabel("step $k$")
-    axes[1].xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))
+    in_seconds = np.isfinite(style.period_of(run))
+    axes[1].set_xlabel("time [s]" if in_seconds else "step $k$")
+    axes[1].xaxis.set_major_locator(MaxNLocator(nbins=6, integer=not in_seconds))
 
 
 def draw_curves(axes: Axes, run: sp.Results, measured: Array, theory: Array, colours: ScalarMappable, quantity: str, unit: str) -> None:
@@ -72,11 +73,12 @@ def draw_curves(axes: Axes, run: sp.Results, measured: Array, theory: Array, col
         quantity = "|{}|".format(quantity) if unit == "m" else quantity
     axes.set_ylabel("{} [{}]".format(quantity, unit))
     crowded = run.steps.size > CROWDED
+    times = run.steps * style.period_of(run) if np.isfinite(style.period_of(run)) else run.steps
     for i in style.drawn_followers(run.followers):
-        axes.plot(run.steps, measured[i], color=colours.to_rgba(i + 1), linewidth=1.2 if crowded else 2.4,
+        axes.plot(times, measured[i], color=colours.to_rgba(i + 1), linewidth=1.2 if crowded else 2.4,
                   alpha=0.75, solid_capstyle="round", marker="." if run.steps.size == 1 else "",
                   rasterized=crowded)
-        axes.plot(run.steps, theory[i], color=style.INK, linewidth=0.45, zorder=3, rasterized=crowded)
+        axes.plot(times, theory[i], color=style.INK, linewidth=0.45, zorder=3, rasterized=crowded)
     if wide:
         seen = measured[np.isfinite(measured)]
         axes.set_ylim(0.1 * np.percentile(seen, 1), 5.0 * seen.max())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Sequence, Tuple
+from typing import Optional, Sequence, Tuple
 
 import numpy as np
 import stochastic_platoon as sp
@@ -38,9 +38,24 @@ def drawn(vehicles: int, worst: int) -> style.Indices:
     return np.union1d(1 + style.drawn_followers(vehicles - 1), [0, worst - 1, worst])
 
 
-def draw(realization: sp.Trajectories, titles: Sequence[str]) -> Figure:
+def smallest_in_words(whole: sp.Trajectories, shown: sp.Trajectories) -> str:
+    """The smallest gap of the steps that are shown, and that of the realization if it is another."""
+    words = []
+    for of in (shown, whole):
+        gap = drawable(of["gap"])
+        worst, at = nearest(gap)
+        words.append("smallest gap {} m, follower {}, {:.4g} s (step {})".format(
+            style.signed(gap[worst, at]), worst, of.seconds[at], int(of.steps[at])))
+    if words[0] == words[1]:
+        return words[0]
+    return words[0].replace("gap", "gap in this window", 1) + ";\n" + words[1].replace("gap", "gap of the realization", 1)
+
+
+def draw(whole: sp.Trajectories, titles: Sequence[str], step: Optional[int] = None) -> Figure:
+    """Draws the realization, or its part around a step."""
+    realization = whole if step is None else around(whole, step)
     name, = style.names_of(titles, [realization])
-    gap, steps, seconds = drawable(realization["gap"]), realization.steps, realization.seconds
+    gap, seconds = drawable(realization["gap"]), realization.seconds
     if not np.isfinite(gap).any():
         raise ValueError("{}: gap is empty everywhere: nothing to draw".format(realization.path))
     worst, at = nearest(gap)
@@ -57,17 +72,16 @@ def draw(realization: sp.Trajectories, titles: Sequence[str]) -> Figure:
         axis.set_xlim(seconds[0], seconds[-1])
     mark_smallest_gap(axes[0, 0], seconds[at], gap[worst, at])
     few = "" if shown.size == vehicles else ", {} of {} vehicles drawn".format(shown.size, vehicles)
-    figure.suptitle("{}: smallest gap {} m, follower {}, step {} ({:.4g} s){}".format(
-        name, style.signed(gap[worst, at]), worst, int(steps[at]), seconds[at], few), fontsize=9.5)
+    figure.suptitle("{}: {}{}".format(name, smallest_in_words(whole, realization), few), fontsize=9.5)
     if np.setdiff1d(shown, [0, worst - 1, worst]).size:
         style.add_colour_bar(figure, axes, colours, vehicles - 1)
     style.legend_below(axes[1, 0], handles=[
-        style.legend_entry(color=style.INK, linewidth=2.4, label="follower {}: the smallest gap".format(worst)),
+        style.legend_entry(color=style.INK, linewidth=2.4, label="follower {}: the smallest gap shown".format(worst)),
         style.legend_entry(color=style.INK, linewidth=1.3, linestyle=AHEAD,
                            label="{}, ahead of it".format("vehicle {}".format(worst - 1) if worst > 1 else "leader"))])
     style.legend_below(axes[1, 1], handles=[
         style.legend_entry(color=style.BOUND, linewidth=1.2, label="gap 0: below it a collision"),
-        style.legend_entry(color=style.GREY, linewidth=1.0, label="the smallest gap")])
+        style.legend_entry(color=style.GREY, linewidth=1.0, label="the smallest gap shown")])
     return figure
 
 

@@ -204,7 +204,7 @@ class PlatoonState:
         work = len(of.stationary_variance) * (1 if of.time_average else self.configuration["steps"])
         return {**moments,
                 **{name: getattr(of, name) for name in (
-                    "realizations", "time_average", "attempt", "manoeuvre", "complete", "theory", "reason", "wall_seconds")},
+                    "realizations", "time_average", "attempt", "manoeuvre", "complete", "theory", "reason", "warnings", "wall_seconds")},
                 **{name: finite(getattr(of, name)) for name in ("limit_variance", "plausible_z", "realizations_needed")},
                 **{name: numbers(getattr(of, name)) for name in ("standard_error", *GAPS)},
                 "score": numbers(of.variance_score), "max_abs_z": finite(max(scores)) if scores else None,

@@ -47,7 +47,8 @@ def heading(state: Dict[str, Any]) -> List[str]:
     if state["seconds_left"] is not None:
         second += ", {:.0f} s left".format(state["seconds_left"])
     limit = "" if state["limit_variance"] is None else "; limit {:.6g} m^2".format(state["limit_variance"])
-    return [first, "Theory: {}{}".format(state["reason"], limit), second + (", complete" if state["complete"] else "")]
+    return [first, "Theory: {}{}".format(state["reason"], limit), second + (", complete" if state["complete"] else ""),
+            *("Warning: " + warning for warning in state["warnings"])]
 
 
 def smallest_gap(state: Dict[str, Any]) -> List[str]:

@@ -1,4 +1,4 @@
-// The README's "To extend it": a new vehicle, channel and statistic, each in a few lines.
+// The "To extend it" of src/README.md: a new vehicle, channel and statistic, each in a few lines.
 
 #include <gtest/gtest.h>
 

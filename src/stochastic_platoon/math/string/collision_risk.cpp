@@ -60,9 +60,12 @@ CollisionRisk collision_risk(const PlatoonModel& model, const StationarySignal& 
                      std::move(of_followers.rate),
                      collision_bounds(table, steps),
                      std::move(of_followers.required_distance),
+                     0.0,
                      {},
                      {},
                      {}};
+  const double share = probability / static_cast<double>(gap.followers.mean.size());
+  risk.platoon_required_distance = largest(stationary_risk(model, gap.followers, share).required_distance);
   if (!gap.limit) return risk;
   const StationaryRisk endless = stationary_risk(model, *gap.limit, probability);
   risk.limit_probability = largest(endless.probability);

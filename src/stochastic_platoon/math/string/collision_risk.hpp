@@ -15,6 +15,9 @@ struct CollisionRisk {
   std::vector<double> rate;               ///< new collisions per step, stationary: P(g(k-1) >= 0, g(k) < 0)
   std::vector<double> bound;              ///< see collision_bounds()
   std::vector<double> required_distance;  ///< [m] standstill distance at which P(g < 0) has a given value, at least 0
+  /// [m] distance of all followers at which P(g < 0 of any follower) is at most the given value: each one has its N-th
+  /// part
+  double platoon_required_distance;
   std::optional<double> limit_probability, limit_rate, limit_required_distance;
 };
 

@@ -56,6 +56,7 @@ void add_verdict(const Prediction& prediction, Overview& message) {
   message.string_stable = prediction.stability.string_stable;
   message.undecided = prediction.stability.undecided;
   message.reason = prediction.stability.reason + (prediction.warning.empty() ? "" : "; " + prediction.warning);
+  message.warnings = prediction.warnings;
   message.limit_variance = prediction.stability.limit_variance.value_or(kNone);
   message.stationary_variance = prediction.stationary_variance;
 }

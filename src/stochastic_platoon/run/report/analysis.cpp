@@ -13,6 +13,7 @@
 #include "stochastic_platoon/run/report/age_analysis.hpp"
 #include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
+#include "stochastic_platoon/run/report/plausibility.hpp"
 
 namespace platoon {
 
@@ -105,6 +106,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if (!analysis.without_theory && has_bursts(model)) most_steps = most_chain_steps(model, followers);
   check_run(configuration.run, signals, most_steps);
   analysis.signals.request = signals;
+  analysis.warnings = plausibility_warnings(configuration);
   const VehicleModel& own = model.default_vehicle();
   analysis.integral_defect = integral_defect(own.loop, own.headway);
   analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
@@ -145,7 +147,7 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   text += ": ";
   if (analysis.without_theory) {
     return text + "no theory, as " + *analysis.without_theory + ": monte_carlo measures their effect\n" +
-           age_report(model) + report(configuration, analysis.signals);
+           age_report(model) + report(configuration, analysis.signals) + warning_lines(analysis.warnings);
   }
   text += stability.reason + "\n";
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
@@ -191,6 +193,7 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   } else {
     text += "Bounds of Theorem 2: none, as rho(A) is not below 1\n";
   }
+  text += warning_lines(analysis.warnings);
   if (analysis.rounding > 1e-9) {
     text += formatted(
         "Warning: a run keeps a position of 1 m to %.1g m only, as the coefficients of A, B and C lose digits in double. The figures above do not lose them: they hold for the given, rounded numbers\n",
@@ -273,6 +276,7 @@ nlohmann::json to_json(const Configuration& configuration, const Analysis& analy
                              {"noise_variance", own.noise_variance},
                              {"theory", name_of_theory(!analysis.without_theory)},
                              {"rounding", number(analysis.rounding)},
+                             {"warnings", analysis.warnings},
                              {"age_of_information", ages_to_json(configuration.model, configuration.run.followers)}};
   if (!analysis.without_theory) document.update(theory_to_json(configuration, analysis));
   add_to_json(configuration, analysis.signals, document);

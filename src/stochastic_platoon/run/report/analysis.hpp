@@ -36,6 +36,7 @@ struct Analysis {
   double rounding = 0.0;                   ///< [m] error of the vehicles' arithmetic in a position of 1 m
   double integral_defect = 0.0;  ///< deviation from T(1) = 1 and dT/dz(1) = -h: limits the accuracy of verdicts
   std::vector<std::string> contradictions = {};  ///< see contradictions()
+  std::vector<std::string> warnings = {};        ///< see plausibility_warnings()
   SignalAnalysis signals = {};                   ///< of the signals requested
 };
 

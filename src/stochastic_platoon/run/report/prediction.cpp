@@ -15,6 +15,7 @@
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
+#include "stochastic_platoon/run/report/plausibility.hpp"
 
 namespace platoon {
 
@@ -90,7 +91,9 @@ std::string contradiction_line(const std::string& contradiction) {
   return "ERROR: figures of the theory contradict each other: " + contradiction + "; do not use either\n";
 }
 
-Prediction predict(const Configuration& configuration) {
+namespace {
+
+Prediction theory_of(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   if (const auto reason = no_theory(configuration.model)) return no_prediction(configuration, *reason);
   const bool in_bursts = has_bursts(configuration.model);
@@ -127,6 +130,14 @@ Prediction predict(const Configuration& configuration) {
        run.averaging() == Averaging::over_time ? std::vector<double>() : prediction.variance, run.steps});
   prediction.followers_with_theory = run.followers_before_external();
   if (!run.external.empty()) void_behind(run, prediction);
+  return prediction;
+}
+
+}  // namespace
+
+Prediction predict(const Configuration& configuration) {
+  Prediction prediction = theory_of(configuration);
+  prediction.warnings = plausibility_warnings(configuration);
   return prediction;
 }
 

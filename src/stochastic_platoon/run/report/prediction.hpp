@@ -38,6 +38,7 @@ struct Prediction {
   std::vector<SignalMoments> signals = {};
   std::vector<double> collision_bound = {};      ///< see collision_bounds(), one per follower; empty without the gap
   std::vector<std::string> contradictions = {};  ///< see contradictions()
+  std::vector<std::string> warnings = {};        ///< see plausibility_warnings()
   std::string warning = {};  ///< the reason why a run with a theory is not compared with it; empty: none
 
   bool has_theory() const { return followers_with_theory > 0; }

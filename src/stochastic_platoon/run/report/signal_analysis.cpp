@@ -5,6 +5,7 @@
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/section.hpp"
 #include "stochastic_platoon/run/report/figure.hpp"
@@ -27,6 +28,11 @@ std::string along(const std::vector<double>& values, std::optional<double> limit
   return text + figure(limit, unit) + " of an endless string";
 }
 
+// [m/s], at which stationary figures hold.
+double last_speed(const PlatoonModel& model) {
+  return metres_per_step(model) / model.sample_period;
+}
+
 std::string collision_lines(const Configuration& configuration, const SignalAnalysis& analysis) {
   const CollisionRisk& risk = *analysis.collisions;
   const double probability = *analysis.request.collision_probability;
@@ -37,12 +43,17 @@ std::string collision_lines(const Configuration& configuration, const SignalAnal
                     duration(configuration.run.steps, configuration.model).c_str(), *worst,
                     static_cast<std::size_t>(worst - risk.bound.begin()) + 1);
   text += formatted("Required standstill distance for %g per step: ", probability) +
-          along(risk.required_distance, risk.limit_required_distance, "m") + "\n";
+          along(risk.required_distance, risk.limit_required_distance, "m") +
+          formatted("; for any of the %zu followers ", risk.required_distance.size()) +
+          figure(risk.platoon_required_distance, "m") +
+          formatted(", at the leader's last speed, %.6g m/s\n", last_speed(configuration.model));
   return text;
 }
 
-nlohmann::json to_json(const CollisionRisk& risk) {
-  return {{"probability", numbers(risk.probability)},
+nlohmann::json to_json(const PlatoonModel& model, const CollisionRisk& risk) {
+  return {{"speed", last_speed(model)},
+          {"required_standstill_distance_of_platoon", number(risk.platoon_required_distance)},
+          {"probability", numbers(risk.probability)},
           {"rate", numbers(risk.rate)},
           {"bound", numbers(risk.bound)},
           {"limit_probability", number(risk.limit_probability)},
@@ -172,7 +183,7 @@ void add_to_json(const Configuration& configuration, const SignalAnalysis& analy
                                      {"stationary_variance", numbers(signal.followers.variance)},
                                      {"limit_variance", number(signal.limit_variance())}};
   }
-  if (analysis.collisions) document["collision"] = to_json(*analysis.collisions);
+  if (analysis.collisions) document["collision"] = to_json(configuration.model, *analysis.collisions);
 }
 
 }  // namespace platoon

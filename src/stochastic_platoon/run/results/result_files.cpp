@@ -31,8 +31,10 @@ nlohmann::json theory_json(const Prediction& prediction) {
 }
 
 nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
-  if (!agreement) return {{"max_abs_z_mean", nullptr}, {"max_abs_z_variance", nullptr}};
-  return {{"max_abs_z_mean", agreement->max_abs_z_mean}, {"max_abs_z_variance", agreement->max_abs_z_variance}};
+  if (!agreement) return {{"max_abs_z_mean", nullptr}, {"max_abs_z_variance", nullptr}, {"plausible_z", nullptr}};
+  return {{"max_abs_z_mean", agreement->max_abs_z_mean},
+          {"max_abs_z_variance", agreement->max_abs_z_variance},
+          {"plausible_z", agreement->plausible_z}};
 }
 
 // Standard errors of every follower's variance at the last step.
@@ -68,6 +70,7 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
   const double seconds = result.tally.wall_seconds;
   std::optional<double> needed = realizations_needed(run, prediction, result);
   if (needed) needed = std::ceil(*needed);
+  const std::optional<std::string> growth = measured_growth(configuration, prediction, result);
   return {{"version", kVersion},
           {"complete", result.complete},
           {"followers", run.followers},
@@ -87,6 +90,8 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"realizations_needed", number(needed)},
           {"theory", theory_json(prediction)},
           {"contradictions", prediction.contradictions},
+          {"warnings", run_warnings(configuration, prediction, result)},
+          {"measured_growth", growth ? nlohmann::json(*growth) : nlohmann::json()},
           {"warning", prediction.warning.empty() ? nlohmann::json() : nlohmann::json(prediction.warning)}};
 }
 
@@ -191,13 +196,19 @@ nlohmann::json parse_summary(const std::string& text, const std::string& file) {
   return summary;
 }
 
-ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder) {
+ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder,
+                           std::vector<std::string>* problems) {
   ResultTables results{parse_summary(read(kSummary), folder + "/" + kSummary), {}};
   for (const auto& [name, sum] : results.summary["crc32"].items()) {
     if (name == "summary") continue;
-    const std::string table = read(name + ".csv"), table_file = folder + "/" + name + ".csv";
-    require_undamaged(sum == checksum(table), table_file);
-    results.tables[name] = parse_csv(table, table_file);
+    try {
+      const std::string table = read(name + ".csv"), table_file = folder + "/" + name + ".csv";
+      require_undamaged(sum == checksum(table), table_file);
+      results.tables[name] = parse_csv(table, table_file);
+    } catch (const std::exception& error) {
+      if (problems == nullptr) throw;
+      problems->emplace_back(error.what());
+    }
   }
   return results;
 }

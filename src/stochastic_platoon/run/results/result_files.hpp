@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "stochastic_platoon/run/io/csv_table.hpp"
 #include "stochastic_platoon/run/results/run_result.hpp"
@@ -32,7 +33,9 @@ struct ResultTables {  // NOLINT(bugprone-exception-escape): moving a JSON value
 
 /// Reads the files of a result. `read` returns the content of a file by its name; `folder` names them in messages.
 /// Throws std::invalid_argument if a file has changed since it was written, and passes on exceptions of `read`.
-ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder);
+/// `problems`, if given, gets the messages of the tables instead, which are then left out.
+ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder,
+                           std::vector<std::string>* problems = nullptr);
 
 /// Name of summary.json until statistics.csv is written. A folder with this file and statistics.csv, but without
 /// summary.json, is left by a killed write_results().

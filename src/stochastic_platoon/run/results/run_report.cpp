@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/report/plausibility.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
 namespace platoon {
@@ -98,6 +99,7 @@ std::string report(const Configuration& configuration, const Prediction& predict
   const std::optional<double> needed = realizations_needed(run, prediction, result);
   if (!found && needed) text += no_verdict(result.realizations, *needed);
   text += signals_report(configuration, prediction, result);
+  text += warning_lines(run_warnings(configuration, prediction, result));
   if (!prediction.warning.empty()) text += "Warning: " + prediction.warning + ".\n";
   text += "Theory: " + stability.reason + ".\n";
   for (const std::string& contradiction : prediction.contradictions) text += contradiction_line(contradiction);

@@ -6,6 +6,7 @@
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/amplification.hpp"
+#include "stochastic_platoon/run/report/plausibility.hpp"
 #include "stochastic_platoon/run/report/signal_analysis.hpp"
 
 namespace platoon {
@@ -36,6 +37,24 @@ void add_signal_theory(CsvText& csv, const Prediction& prediction, std::size_t s
 std::optional<double> collision_bound(const Prediction& prediction, std::size_t follower) {
   return has_signal_theory(prediction, follower) ? std::optional(prediction.collision_bound[follower - 1])
                                                  : std::nullopt;
+}
+
+std::vector<std::string> run_warnings(const Configuration& configuration, const Prediction& prediction,
+                                      const RunResult& result) {
+  std::vector<std::string> warnings = prediction.warnings;
+  if (!has_normal_errors(configuration.model) && !result.signals.empty()) {
+    std::vector<SignalFigures> measured;
+    for (std::size_t s = 0; s < configuration.run.signals.size(); ++s) {
+      measured.push_back({configuration.run.signals[s], {}, {}});
+      for (const Moments& of : result.signals[s]) {
+        measured.back().mean.push_back(of.known_mean());
+        measured.back().variance.push_back(of.variance());
+      }
+    }
+    const std::vector<std::string> motion = motion_warnings(configuration.model, measured, configuration.run.steps);
+    warnings.insert(warnings.end(), motion.begin(), motion.end());
+  }
+  return warnings;
 }
 
 std::string signals_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {

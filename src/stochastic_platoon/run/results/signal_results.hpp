@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "stochastic_platoon/run/io/csv_text.hpp"
 #include "stochastic_platoon/run/results/run_result.hpp"
@@ -15,6 +16,10 @@ void add_signal_theory(CsvText& csv, const Prediction& prediction, std::size_t s
 
 /// The follower's collision_bounds(); none if the theory does not cover it.
 std::optional<double> collision_bound(const Prediction& prediction, std::size_t follower);
+
+/// The warnings of the prediction, and, where the theory has no signals, those about the measured motion.
+std::vector<std::string> run_warnings(const Configuration& configuration, const Prediction& prediction,
+                                      const RunResult& result);
 
 /// The content of signals.csv: mean and variance of every requested signal for every follower and step, beside the
 /// theory; its columns are empty where there is none.

@@ -26,6 +26,7 @@ export function showHeadline({ configuration, statistics, health }, live) {
     const verdict = !statistics ? "Starting" : stable === null ? (statistics.theory === "exact" ? "Undecided" : "No theory") : stable ? "✓ String stable" : "✗ Not string stable";
     write(at("verdict"), verdict);
     write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : health?.start ?? "The first figures appear when every vehicle runs.");
+    at("warnings").replaceChildren(...(statistics?.warnings ?? []).map(warning => Object.assign(document.createElement("li"), { textContent: `⚠ ${warning}` })));
     document.title = `${verdict.replace(/^. /, "")}, h = ${configuration.headway}`;
   }
   at("verdict").dataset.stable = stable;

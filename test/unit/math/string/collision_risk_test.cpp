@@ -55,6 +55,19 @@ TEST(CollisionRisk, HasTheGivenProbabilityAtTheRequiredDistance) {
   EXPECT_NEAR(*risk_of(at_rest(distance), 1).limit_required_distance, distance, 1e-12);
 }
 
+TEST(CollisionRisk, OfAnyFollowerIsBoundedAtThePlatoonsDistance) {
+  const CollisionRisk risk = risk_of(at_rest(2.0), 20, 1e-3);
+  EXPECT_GT(risk.platoon_required_distance, risk.required_distance.back());
+  double sum = 0.0, largest = 0.0;
+  for (const double probability : risk_of(at_rest(risk.platoon_required_distance), 20).probability) {
+    sum += probability;
+    largest = std::max(largest, probability);
+  }
+  EXPECT_LE(sum, 1e-3);
+  EXPECT_NEAR(largest, 1e-3 / 20.0, 1e-12);
+  EXPECT_EQ(risk_of(at_rest(2.0), 1).platoon_required_distance, risk_of(at_rest(2.0), 1).required_distance[0]);
+}
+
 TEST(CollisionRisk, RequiresNoDistanceOfADrivingPlatoon) {
   PlatoonModel model = paper_platoon(3.2);  // h v T_s = 6.4 m
   EXPECT_EQ(*risk_of(model, 1).limit_required_distance, 0.0);

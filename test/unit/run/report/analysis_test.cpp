@@ -116,9 +116,13 @@ TEST(Analysis, HasTheRequestedSignals) {
   const nlohmann::json& collision = document.at("collision");
   for (const char* key : {"probability", "rate", "bound", "required_standstill_distances"})
     EXPECT_EQ(collision.at(key).size(), 3u) << key;
-  for (const char* key : {"limit_probability", "limit_rate", "required_standstill_distance"})
+  for (const char* key :
+       {"limit_probability", "limit_rate", "required_standstill_distance", "required_standstill_distance_of_platoon"})
     EXPECT_TRUE(collision.at(key).is_number()) << key;
+  EXPECT_EQ(collision.at("speed"), 20.0);
   const std::string text = analyzed.text();
+  EXPECT_TRUE(contains(text, "; for any of the 3 followers "));
+  EXPECT_TRUE(contains(text, "at the leader's last speed, 20 m/s"));
   EXPECT_TRUE(contains(text, "Jerk: stationary variance "));
   EXPECT_TRUE(contains(text, "Required standstill distance for 1e-06 per step: "));
 }

@@ -216,7 +216,7 @@ TEST_F(ReportTest, JudgesAveragesOverTimeOnlyBehindASufficientBurnIn) {
   const RunResult settled = averages_over_time(configuration_, 100000);
   EXPECT_NEAR(settled.moments[0].variance(), 0.0128559, 0.001);
   EXPECT_TRUE(contains(report_of(settled), "Measurement agrees with Lemma 1: over all 2 followers"));
-  EXPECT_FALSE(contains(report_of(settled), "Warning"));
+  EXPECT_FALSE(contains(report_of(settled), "Warning: burn_in"));
 
   configuration_.run.burn_in = 100;
   predict_again();

@@ -1,0 +1,126 @@
+#include "stochastic_platoon/run/report/plausibility.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/signal_moments.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr double kFastest = 60.0, kHardest = 10.0, kReversing = -0.1;  // [m/s], [m/s^2], [m/s]
+constexpr double kShortestHeadway = 0.05, kLongestHeadway = 10.0;      // [s]
+constexpr double kOneInAHundred = 2.58;                                // standard deviations, both tails
+constexpr std::size_t kMostTheory = 100'000;                           // of the theory that is computed for warnings
+
+double fastest_of_leader(const PlatoonModel& model) {
+  double fastest = 0.0;
+  const std::vector<double>& recorded = model.recorded_leader;
+  for (std::size_t k = 1; k < recorded.size(); ++k)
+    fastest = std::max(fastest, std::abs(recorded[k] - recorded[k - 1]) / model.sample_period);
+  if (!recorded.empty()) return fastest;
+  for (const SpeedChange& change : model.leader.changes()) fastest = std::max(fastest, std::abs(change.value));
+  return fastest;
+}
+
+std::string of_type(const PlatoonModel& model, std::size_t type) {
+  return is_homogeneous(model) ? "" : " of " + model.types[type].name;
+}
+
+void add_headways(const PlatoonModel& model, std::vector<std::string>& warnings) {
+  std::vector<std::size_t> types = type_order(model);
+  std::sort(types.begin(), types.end());
+  types.erase(std::unique(types.begin(), types.end()), types.end());
+  for (const std::size_t type : types) {
+    const double headway = model.types[type].vehicle.headway, seconds = headway * model.sample_period;
+    if (seconds >= kShortestHeadway && seconds <= kLongestHeadway) continue;
+    warnings.push_back(formatted("time_headway%s: %.6g s (%.6g sample periods of %g s): cars keep %g s to %g s",
+                                 of_type(model, type).c_str(), seconds, headway, model.sample_period, kShortestHeadway,
+                                 kLongestHeadway));
+  }
+}
+
+void add_standstill(const PlatoonModel& model, std::size_t followers, std::vector<std::string>& warnings) {
+  const std::size_t first = std::min(followers, type_order(model).size() + 1);
+  for (std::size_t i = 1; i <= first; ++i) {
+    const double distance = vehicle(model, i).standstill_distance, length = vehicle(model, i - 1).length;
+    if (distance >= length) continue;
+    warnings.push_back(formatted(
+        "standstill_distance: %g m of follower %zu: below the %g m of vehicle_length ahead of it: standing cars overlap",
+        distance, i, length));
+    return;
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> motion_warnings(const PlatoonModel& model, const std::vector<SignalFigures>& signals,
+                                         std::int64_t steps) {
+  std::vector<std::string> warnings;
+  for (const SignalFigures& signal : signals) {
+    const bool is_speed = signal.name == "speed";
+    if (!is_speed && signal.name != "acceleration") continue;
+    const double allowed = is_speed ? -kReversing : kHardest;
+    std::size_t worst = 0;
+    double largest = allowed;
+    for (std::size_t c = 0; c < signal.mean.size(); ++c) {
+      const double mean = is_speed ? -signal.mean[c] : std::abs(signal.mean[c]);
+      const double reached = mean + kOneInAHundred * std::sqrt(signal.variance[c]);
+      if (!(reached > largest)) continue;
+      largest = reached;
+      worst = c;
+    }
+    if (!(largest > allowed)) continue;
+    const auto width = static_cast<std::size_t>(steps);
+    const auto step = static_cast<std::int64_t>(worst % width);
+    const std::string where = formatted("follower %zu at step %lld (%s)", worst / width + 1,
+                                        static_cast<long long>(step), duration(step, model).c_str());
+    warnings.push_back(
+        is_speed ? formatted("speed: mean - 2.58 sigma = %.3g m/s, of %s: the car reverses", -largest, where.c_str())
+                 : formatted("acceleration: |mean| + 2.58 sigma = %.3g m/s^2, of %s: cars reach %g m/s^2", largest,
+                             where.c_str(), kHardest));
+  }
+  return warnings;
+}
+
+std::string warning_lines(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += "Warning: " + warning + "\n";
+  return text;
+}
+
+std::vector<std::string> plausibility_warnings(const Configuration& configuration) {
+  const PlatoonModel& model = configuration.model;
+  const RunOptions& run = configuration.run;
+  std::vector<std::string> warnings;
+  if (const double speed = fastest_of_leader(model); speed > kFastest) {
+    warnings.push_back(
+        formatted("leader: speed of %.6g m/s (%.6g km/h): cars reach %g m/s", speed, 3.6 * speed, kFastest));
+  }
+  add_headways(model, warnings);
+  add_standstill(model, run.followers, warnings);
+  if (!has_normal_errors(model)) return warnings;
+  const auto usual = static_cast<std::int64_t>(std::clamp(10.0 / model.sample_period, 100.0, 10000.0));
+  const auto recorded = static_cast<std::int64_t>(model.recorded_leader.size());  // of one step more
+  const std::int64_t most = recorded > 1 ? recorded - 1 : static_cast<std::int64_t>(kMostTheory);
+  const std::int64_t steps = std::min(run.steps > 0 ? run.steps : usual, most);
+  const std::size_t followers =
+      std::min(run.followers, std::max<std::size_t>(kMostTheory / static_cast<std::size_t>(steps), 1));
+  try {
+    const std::vector<std::string> names{"speed", "acceleration"};
+    std::vector<SignalFigures> figures;
+    for (SignalMoments& of : signal_moments(model, names, followers, steps))
+      figures.push_back({names[figures.size()], std::move(of.mean), std::move(of.variance)});
+    const std::vector<std::string> motion = motion_warnings(model, figures, steps);
+    warnings.insert(warnings.end(), motion.begin(), motion.end());
+  } catch (const std::invalid_argument&) {
+    // A loop without an equilibrium has no theory of signals.
+  }
+  return warnings;
+}
+
+}  // namespace platoon

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/run/configuration/configuration.hpp"
+
+namespace platoon {
+
+/// A sentence for each property of the platoon that no road vehicle has, with its value and unit; empty if there is
+/// none:
+///
+/// - a speed of the leader above 60 m/s,
+/// - a headway below 0.05 s or above 10 s,
+/// - a standstill distance below the length of the vehicle ahead,
+/// - an acceleration with |mean| + 2.58 sigma above 10 m/s^2 at any step, which one realization in a hundred exceeds,
+/// - a speed with mean - 2.58 sigma below -0.1 m/s: the vehicle reverses.
+///
+/// Accelerations and speeds come from the theory, for as many of the first followers as it takes milliseconds; without
+/// a theory of signals they are left out, see motion_warnings().
+std::vector<std::string> plausibility_warnings(const Configuration& configuration);
+
+/// Mean and variance of a signal at every (i, k), see cell().
+struct SignalFigures {
+  std::string name;  ///< "speed" or "acceleration"; others give no warning
+  std::vector<double> mean, variance;
+};
+
+/// The sentences about accelerations and speeds, for measured or theoretical figures over this number of steps.
+std::vector<std::string> motion_warnings(const PlatoonModel& model, const std::vector<SignalFigures>& signals,
+                                         std::int64_t steps);
+
+/// "Warning: ...", a line for each sentence.
+std::string warning_lines(const std::vector<std::string>& warnings);
+
+}  // namespace platoon

@@ -1,0 +1,166 @@
+#include "stochastic_platoon/run/results/result_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/numerics/special_values.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/signal_moments.hpp"
+#include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
+#include "stochastic_platoon/run/report/json_value.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
+
+namespace platoon {
+
+namespace {
+
+using Column = std::vector<double>;
+
+// Relative difference of theories computed on two machines.
+constexpr double kSameTheory = 1e-6;
+
+const Column& column(const CsvTable& table, const std::string& name) {
+  const auto found = std::find(table.names.begin(), table.names.end(), name);
+  const std::size_t at = static_cast<std::size_t>(found - table.names.begin());
+  const Column* values = found == table.names.end() ? nullptr : std::get_if<Column>(&table.columns[at]);
+  if (values == nullptr) throw std::invalid_argument("statistics.csv: " + name + ": must be a column of numbers");
+  return *values;
+}
+
+// As measured, without fourth moments.
+RunResult result_in(const ResultTables& files, const Configuration& configuration) {
+  const CsvTable& table = files.tables.at("statistics");
+  RunResult result;
+  result.complete = files.summary.at("complete").get<bool>();
+  result.realizations = files.summary.at("realizations").get<std::uint64_t>();
+  result.tally.attempts = files.summary.at("attempts").get<std::uint32_t>();
+  const Column &counts = column(table, "count"), &means = column(table, "mean"), &variances = column(table, "variance"),
+               &steps = column(table, "step");
+  for (std::size_t c = 0; c < counts.size(); ++c) {
+    Moments moments;
+    moments.count = static_cast<std::uint64_t>(counts[c]);
+    moments.mean = means[c];
+    moments.squared_deviations = moments.count > 1 ? variances[c] * (counts[c] - 1.0) : 0.0;
+    result.moments.push_back(moments);
+    result.last_steps.push_back(static_cast<std::int64_t>(steps[c]));
+  }
+  const RunOptions& run = configuration.run;
+  const auto cells = run.followers * static_cast<std::size_t>(run.averaging() == Averaging::over_time ? 1 : run.steps);
+  if (result.moments.size() != cells)
+    throw std::invalid_argument(
+        formatted("statistics.csv: %zu rows: must be %zu, by its followers and steps", result.moments.size(), cells));
+  return result;
+}
+
+bool is_same(double written, double computed, double scale) {
+  if (std::isnan(written) || std::isnan(computed)) return std::isnan(written) && std::isnan(computed);
+  return std::abs(written - computed) <= kSameTheory * std::max(std::abs(computed), scale) || written == computed;
+}
+
+// The first cell whose theory is not that of the recorded model.
+std::optional<std::string> other_theory(const CsvTable& table, const Prediction& prediction) {
+  const Column &means = column(table, "theoretical_mean"), &variances = column(table, "theoretical_variance");
+  for (std::size_t c = 0; c < means.size(); ++c) {
+    const double mean = prediction.mean[c], variance = prediction.variance[c];
+    const double rounding = prediction.rounding.empty() ? 0.0 : prediction.rounding[c] / kSameTheory;
+    if (is_same(means[c], mean, std::sqrt(std::abs(variance)) + rounding) && is_same(variances[c], variance, 0.0))
+      continue;
+    return formatted(
+        "statistics.csv: line %zu: a theoretical mean of %.9g m and variance of %.9g m^2, but the recorded model has %.9g m and %.9g m^2",
+        c + 2, means[c], variances[c], mean, variance);
+  }
+  return std::nullopt;
+}
+
+// Appends a problem if the scores are not plausible.
+void judge(const std::string& source, const Agreement& found, std::vector<std::string>& problems) {
+  if (found.agrees()) return;
+  problems.push_back(formatted(
+      "measurement and theory disagree by %s: largest |z| %.2f for the means and %.2f for the variances: must be at most %.2f",
+      source.c_str(), found.max_abs_z_mean, found.max_abs_z_variance, found.plausible_z));
+}
+
+std::optional<Agreement> recorded_agreement(const nlohmann::json& of) {
+  if (of.at("max_abs_z_variance").is_null()) return std::nullopt;
+  return Agreement{of.at("max_abs_z_mean").get<double>(), of.at("max_abs_z_variance").get<double>(),
+                   of.at("plausible_z").get<double>()};
+}
+
+void check_delivery(const nlohmann::json& summary, const Configuration& configuration,
+                    std::vector<std::string>& problems) {
+  if (!summary.at("complete").get<bool>()) {
+    problems.push_back(configuration.run.averaging() == Averaging::over_time
+                           ? "not complete: the run is endless and was stopped"
+                           : formatted("not complete: %llu of %llu realizations",
+                                       summary.at("realizations").get<unsigned long long>(),
+                                       static_cast<unsigned long long>(configuration.run.realizations)));
+  }
+  if (const auto lost = summary.at("positions_lost").get<long long>(); lost != 0)
+    problems.push_back(formatted("positions lost: %lld: must be 0", lost));
+}
+
+void check_figures(const ResultTables& files, const Configuration& configuration, std::vector<std::string>& problems) {
+  const nlohmann::json& summary = files.summary;
+  const Prediction prediction = predict(configuration);
+  const RunResult result = result_in(files, configuration);
+  if (const auto other = other_theory(files.tables.at("statistics"), prediction)) problems.push_back(*other);
+  if (summary.at("theory").at("string_stable") !=
+      (prediction.has_theory() ? truth(prediction.stability.decision()) : nlohmann::json()))
+    problems.push_back("summary.json: the verdict is not that of the recorded model, which is: " +
+                       prediction.stability.reason);
+  const std::optional<Agreement> recorded = recorded_agreement(summary.at("agreement"));
+  if (recorded) judge("the scores of summary.json", *recorded, problems);
+  std::vector<std::string> contradicting = summary.at("contradictions");
+  std::optional<std::string> growth;
+  if (!summary.at("measured_growth").is_null()) growth = summary.at("measured_growth").get<std::string>();
+  if (has_normal_errors(configuration.model)) {  // else the standard errors need moments that the table lacks
+    if (const auto found = measured_agreement(configuration.run, prediction, result))
+      judge("the table", *found, problems);
+    growth = measured_growth(configuration, prediction, result);
+  }
+  if (contradicting.empty()) contradicting = prediction.contradictions;
+  for (const std::string& text : contradicting)
+    problems.push_back("figures of the theory contradict each other: " + text);
+  if (growth) problems.push_back("measurement and verdict disagree: " + *growth);
+}
+
+std::string passed(const nlohmann::json& summary) {
+  const std::optional<Agreement> found = recorded_agreement(summary.at("agreement"));
+  const nlohmann::json& stable = summary.at("theory").at("string_stable");
+  const char* const verdict = stable.is_null()     ? "no verdict"
+                              : stable.get<bool>() ? "string stable"
+                                                   : "not string stable";
+  return formatted("%s; complete, undamaged, %s: %llu followers, %lld steps, %llu realizations, seed %llu", verdict,
+                   found ? formatted("in agreement (largest |z| %.2f, at most %.2f)",
+                                     std::max(found->max_abs_z_mean, found->max_abs_z_variance), found->plausible_z)
+                               .c_str()
+                         : "not compared with a theory",
+                   summary.at("followers").get<unsigned long long>(), summary.at("steps").get<long long>(),
+                   summary.at("realizations").get<unsigned long long>(), summary.at("seed").get<unsigned long long>());
+}
+
+}  // namespace
+
+ResultCheck check_results(const std::string& folder) {
+  ResultCheck check;
+  const ResultTables files =
+      parse_results([&](const std::string& name) { return read_file(folder + "/" + name, kMostWrittenBytes); }, folder,
+                    &check.problems);
+  const nlohmann::json& summary = files.summary;
+  if (const std::string version = summary.value("version", "(none)"); version != kVersion)
+    throw std::invalid_argument(folder + "/summary.json: version: " + version + ": must be " + kVersion +
+                                ", this program's: use the program of that version");
+  const Configuration configuration = recorded_configuration(summary.at("configuration"));
+  check_delivery(summary, configuration, check.problems);
+  if (files.tables.count("statistics") > 0)
+    check_figures(files, configuration, check.problems);
+  else if (check.problems.empty())
+    check.problems.push_back("statistics.csv: no checksum in summary.json");
+  if (check.problems.empty()) check.passed = passed(summary);
+  return check;
+}
+
+}  // namespace platoon

@@ -1,0 +1,81 @@
+// Judges the results of runs: status 0 if every run is complete, undamaged and in agreement with its theory.
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <limits>
+#include <thread>
+
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/configuration/single_number.hpp"
+#include "stochastic_platoon/run/results/result_check.hpp"
+#include "tools/command_line.hpp"
+
+namespace {
+
+// A process that has ended may remain as a zombie, in state Z.
+bool is_running(std::int64_t process) {
+  std::ifstream stream("/proc/" + std::to_string(process) + "/stat");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::size_t name_end = text.rfind(") ");
+  return name_end != std::string::npos && text[name_end + 2] != 'Z' && text[name_end + 2] != 'X';
+}
+
+// One line if the run passes, or one per problem.
+std::string lines_of(const std::string& folder, bool* passes) {
+  platoon::ResultCheck check;
+  try {
+    check = platoon::check_results(folder);
+  } catch (const std::exception& error) {
+    check.problems.emplace_back(error.what());
+  }
+  *passes = check.problems.empty();
+  std::string text = check.problems.empty() ? folder + ": " + check.passed + "\n" : "";
+  for (const std::string& problem : check.problems) text += folder + ": " + problem + "\n";
+  return text;
+}
+
+// Checks the run before the process ends, and again if its results have changed by then, so that the lines follow the
+// end at once.
+std::string lines_after(const std::string& process, const std::string& folder, bool* passes) {
+  const std::int64_t number = platoon::integer_of("after", process, 1, std::numeric_limits<std::int32_t>::max());
+  std::signal(SIGINT, SIG_IGN);  // Ctrl-C ends that process
+  const auto written = [&folder] {
+    std::error_code none_yet;
+    return std::filesystem::last_write_time(folder + "/summary.json", none_yet);
+  };
+  const auto before = written();
+  std::string text = lines_of(folder, passes);
+  while (is_running(number)) std::this_thread::sleep_for(std::chrono::microseconds(500));
+  return written() == before ? text : lines_of(folder, passes);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const platoon::CommandLine given = platoon::parse_command_line(
+      argc, argv,
+      {"check RUN...: whether the runs in these folders are complete, undamaged and in agreement with their theory.\n"
+       "Status 0 if all are; otherwise 1 and the reasons, one per line\n"
+       "Example: check /tmp/platoon",
+       {},
+       {{"after", "number of a process: prints when it has ended"}},
+       true});
+  try {
+    if (given.words.empty()) throw platoon::ConfigurationError({"RUN: missing: must be the folder of a run"});
+    bool all = true;
+    for (const std::string& folder : given.words) {
+      bool passes = false;
+      std::cout << (given.has("after") ? lines_after(given["after"], folder, &passes) : lines_of(folder, &passes))
+                << std::flush;
+      all = all && passes;
+    }
+    return all ? 0 : 1;
+  } catch (const std::exception& error) {
+    std::cerr << argv[0] << ": " << error.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,191 @@
+"""The page on runs as HTML, with its figures as SVG within it."""
+
+from __future__ import annotations
+
+import hashlib
+import html
+import os
+import re
+from typing import Any, Iterable, Iterator, List, Optional, Sequence, Tuple
+
+import numpy as np
+import stochastic_platoon as sp
+from matplotlib.figure import Figure
+from plotting import amplification, files, gaps, style, tracking_errors
+
+SHOWN_ENDS = 10  # rows of a table at either end of a long string
+LONGEST_VALUE = 160  # characters of a value of the model
+STYLE = """
+body { font: 15px/1.45 "DejaVu Sans", Verdana, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.3rem; margin-top: 2.4rem; border-bottom: 2px solid #222; }
+h3 { font-size: 1.05rem; margin: 1.4rem 0 .4rem; }
+table { border-collapse: collapse; font-size: .86rem; font-variant-numeric: tabular-nums; } caption { text-align: left; padding: .2rem 0; }
+th, td { border-bottom: 1px solid #ccc; padding: .15rem .7rem .15rem 0; text-align: left; vertical-align: top; }
+td.number, th.number { text-align: right; } code { font-size: .95em; overflow-wrap: anywhere; }
+.badge { display: inline-block; padding: .1rem .6rem; border-radius: 4px; font-weight: bold; margin-right: .5rem; }
+.good { background: #d9efe2; color: #0b5a33; } .bad { background: #f8dcd6; color: #8c2008; } .open { background: #e8e8e8; color: #444; }
+.warning { border-left: 4px solid #c05000; padding-left: .7rem; } svg { max-width: 100%; height: auto; }
+.sign td { height: 2.2rem; width: 16rem; border-bottom: 1px solid #222; }
+@media print { body { margin: 0; max-width: none; font-size: 10.5pt; } h2 { break-before: page; } h2:first-of-type { break-before: auto; }
+  figure, tr, .badge { break-inside: avoid; } @page { size: A4; margin: 16mm; } }
+"""
+
+
+def escaped(value: object) -> str:
+    return html.escape(str(value))
+
+
+def number(value: Optional[float], digits: int = 6) -> str:
+    return "–" if value is None or not np.isfinite(value) else "{:.{}g}".format(value, digits).replace("-", "\u2212")
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
+    """A table of escaped cells; all columns but the first are numbers."""
+    classes = ["" if at == 0 else ' class="number"' for at in range(len(head))]
+    lines = ["<table>" + ("<caption>{}</caption>".format(escaped(caption)) if caption else "")]
+    lines.append("<tr>{}</tr>".format("".join("<th{}>{}</th>".format(kind, escaped(cell)) for kind, cell in zip(classes, head))))
+    lines += ["<tr>{}</tr>".format("".join("<td{}>{}</td>".format(kind, escaped(cell)) for kind, cell in zip(classes, row))) for row in rows]
+    return "\n".join(lines) + "\n</table>"
+
+
+def pairs(rows: Iterable[Tuple[str, object]]) -> str:
+    cells = ("<tr><th>{}</th><td>{}</td></tr>".format(escaped(name), escaped(value)) for name, value in rows)
+    return "<table>\n{}\n</table>".format("\n".join(cells))
+
+
+def badge(text: str, kind: str) -> str:
+    return '<span class="badge {}">{}</span>'.format(kind, escaped(text))
+
+
+def warning(text: str) -> str:
+    return '<p class="warning">{}</p>'.format(escaped(text))
+
+
+def flattened(value: Any, path: str = "") -> Iterator[Tuple[str, str]]:
+    """The keys of a model as paths, as Model.replace() takes them, with their values."""
+    if isinstance(value, dict) and value:
+        for key, inner in value.items():
+            yield from flattened(inner, "{}/{}".format(path, key) if path else str(key))
+        return
+    text = str(value)
+    more = " … ({} values)".format(len(value)) if isinstance(value, list) and len(text) > LONGEST_VALUE else ""
+    yield path, text if not more and len(text) <= LONGEST_VALUE else text[:LONGEST_VALUE] + (more or " …")
+
+
+def shown_rows(count: int) -> List[int]:
+    return [row for row in range(count) if count <= 3 * SHOWN_ENDS or row < SHOWN_ENDS or row >= count - SHOWN_ENDS]
+
+
+def svg(figure: Figure, words: str) -> str:
+    """A figure within the page; equal identifiers in two of them have equal content."""
+    drawn = files.content(figure, "svg").decode()
+    return '<figure role="img" aria-label="{}">\n{}\n</figure>'.format(escaped(words), drawn[drawn.index("<svg"):])
+
+
+def verdict(run: sp.Results, problems: Sequence[str]) -> str:
+    theory, agreement = run.summary["theory"], run.summary["agreement"]
+    kinds = {None: "open", True: "good", False: "bad"}
+    parts = [badge(style.verdict(run.string_stable), kinds[run.string_stable])]
+    parts.append(badge("complete, undamaged, in agreement", "good") if not problems and run.max_abs_z is not None
+                 else badge("complete and undamaged, not compared with a theory", "open") if not problems else badge("check failed", "bad"))
+    collisions = collisions_of(run)
+    if collisions is not None:
+        parts.append(badge("collisions: in {} of {} realizations of one follower".format(*collisions), "bad" if collisions[0] else "good"))
+    text = "<p>{}</p>\n<p>Theory: {}.</p>".format("".join(parts), escaped(theory["reason"] or "none"))
+    if run.max_abs_z is not None:
+        text += "\n<p>Measurement and theory: over all followers and steps the largest deviation is {} standard errors of the mean and {} of the " \
+                "variance; chance alone exceeds {} at most once in 1000 runs.</p>".format(
+                    *(number(agreement.get(key), 3) for key in ("max_abs_z_mean", "max_abs_z_variance", "plausible_z")))
+    return "\n".join([text, *("<p>{} {}</p>".format(badge("check", "bad"), escaped(problem)) for problem in problems),
+                      *(warning("Warning: " + sentence) for sentence in warnings_of(run))])
+
+
+def warnings_of(run: sp.Results) -> List[str]:
+    kept = run.summary.get("warning")
+    return [*run.summary.get("warnings", []), *([kept] if kept else [])]
+
+
+def collisions_of(run: sp.Results) -> Optional[Tuple[int, int]]:
+    """The most realizations with a collision of one follower, and all realizations; None without gaps."""
+    if "gaps" not in run.summary["crc32"]:
+        return None
+    return int(run.gaps.collisions.max()), run.realizations
+
+
+def what_was_run(run: sp.Results) -> str:
+    of, period = run.summary, run.sample_period
+    steps = "endless, averages over time up to step {:.0f}".format(run.steps[-1]) if run.time_average else \
+        "{} ({:.6g} s of {:g} s)".format(of["steps"], of["steps"] * period, period)
+    return pairs([("followers", of["followers"]), ("steps", steps), ("realizations", run.realizations), ("seed", run.seed),
+                  ("hosting", of["hosting"]), ("attempts", of["attempts"]), ("positions received", of["positions_received"]),
+                  ("positions lost", of["positions_lost"]), ("date (UTC)", of["date"]), ("machine", of["host"]),
+                  ("version", "stochastic_platoon {}, revision {}".format(of["version"], of["revision"])),
+                  ("command", " ".join(of["command_line"]))])
+
+
+def numbers(run: sp.Results) -> str:
+    errors, spread = run.errors, run.standard_error_of_variance
+    stationary = run.summary["theory"].get("stationary_variance") or [None] * run.followers
+    last = int(run.steps[-1])
+    rows = []
+    for row in shown_rows(run.followers):
+        measured, theory = errors.variance[row, -1], errors.theoretical_variance[row, -1]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            apart = (measured - theory) / spread[row]
+        rows.append([str(row + 1), number(errors.mean[row, -1]), number(errors.theoretical_mean[row, -1]), number(measured),
+                     number(spread[row], 2), number(theory), number(apart, 3), number(stationary[row])])
+    return table(["follower", "mean [m]", "theory [m]", "variance [m²]", "standard error", "theory [m²]", "difference in standard errors",
+                  "stationary variance, theory [m²]"], rows,
+                 "Tracking errors at step {} ({:.6g} s)".format(last, last * run.sample_period))
+
+
+def gap_numbers(run: sp.Results) -> str:
+    of = run.gaps
+    rows = [[str(row + 1), number(of.smallest_gap[row]), "{:.0f}".format(of.realization[row]), number(of.step[row] * run.sample_period),
+             "{:.0f} of {:.0f}".format(of.collisions[row], of.count[row]), number(of.theoretical_collision_bound[row], 3)]
+            for row in shown_rows(run.followers)]
+    return table(["follower", "smallest gap [m]", "in realization", "at [s]", "realizations with a collision", "probability, at most, by theory"],
+                 rows, "Gaps over {} realizations".format(run.realizations))
+
+
+def checksums(run: sp.Results) -> str:
+    rows = []
+    for name in sorted({"summary.json", *(key + ".csv" for key in run.summary["crc32"] if key != "summary")}):
+        with open(os.path.join(run.path, name), "rb") as file:
+            rows.append([name, run.summary["crc32"][name.split(".")[0]], hashlib.sha256(file.read()).hexdigest()])
+    return "<table><tr><th>file</th><th>CRC-32</th><th>SHA-256</th></tr>\n{}\n</table>".format(
+        "\n".join("<tr><td>{}</td><td><code>{}</code></td><td><code>{}</code></td></tr>".format(*row) for row in rows))
+
+
+def section(run: sp.Results, at: int) -> str:
+    parts = ["<h2>{}. {}</h2>".format(at, escaped(run.name)), verdict(run, sp.check(run.path)), "<h3>Figures</h3>",
+             svg(tracking_errors.draw([run], []), "mean and variance of the tracking errors")]
+    if collisions_of(run) is not None:
+        parts.append(svg(gaps.draw([run], [], []), "smallest gaps and collisions"))
+    if "amplification" in run.summary["crc32"]:
+        try:
+            parts.append(svg(amplification.draw([run], []), "amplification of the speed"))
+        except ValueError as error:
+            parts.append("<p>{}</p>".format(escaped(error)))
+    parts += ["<h3>Numbers</h3>", numbers(run)]
+    if collisions_of(run) is not None:
+        parts.append(gap_numbers(run))
+    parts += ["<h3>What was run</h3>", what_was_run(run), "<h3>Model</h3>",
+              pairs(flattened(run.summary["configuration"]["model"])), "<h3>Files</h3>", checksums(run)]
+    return "\n".join(parts)
+
+
+def overview(runs: Sequence[sp.Results]) -> str:
+    rows = [[run.name, style.verdict(run.string_stable), "passed" if not sp.check(run.path) else "failed", str(run.followers),
+             str(run.realizations), number(run.max_abs_z, 3), number(run.errors.variance[-1, -1]),
+             number(run.errors.theoretical_variance[-1, -1])] for run in runs]
+    return table(["run", "verdict", "check", "followers", "realizations", "largest |z|", "variance of the last follower [m²]", "theory [m²]"], rows)
+
+
+def page_of(runs: Sequence[sp.Results], title: str) -> str:
+    sign = '<table class="sign"><tr><th>prepared by</th><td></td><th>date</th><td></td></tr>' \
+           '<tr><th>checked by</th><td></td><th>date</th><td></td></tr></table>'
+    head = '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n'
+    text = "\n".join([head.format(escaped(title), STYLE), "<p>stochastic_platoon {}. Figures: colours measured, thin lines theory.</p>".format(
+        sp.__version__), overview(runs), sign, *(section(run, at) for at, run in enumerate(runs, 1)), "</body>\n</html>\n"])
+    return re.sub(r"[ \t]+\n", "\n", text)

@@ -1,0 +1,261 @@
+#!/usr/bin/python3
+"""check, export and report: the programs that judge and pass on the results of a run."""
+
+import csv
+import html
+import json
+import os
+import re
+import shutil
+import subprocess
+import unittest
+import zlib
+
+import numpy as np
+import stochastic_platoon as sp
+
+import live_platoon
+from folder import FolderTest, temporary_folder
+from recording import DATA, BagTest
+
+SMALL = os.path.join(DATA, "small.bag")
+
+
+def script(name, *arguments):
+    """The finished process of a program in Python."""
+    return subprocess.run([live_platoon.shared("src", "tools", name), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          universal_newlines=True, timeout=4 * live_platoon.DEADLINE)
+
+
+def sign(folder, summary=None):
+    """Writes a summary whose checksums are those of the present tables, as a forger would."""
+    file = os.path.join(folder, "summary.json")
+    with open(file) as stream:
+        summary = summary or json.load(stream)
+    for name in summary["crc32"]:
+        if name != "summary":
+            with open(os.path.join(folder, name + ".csv"), "rb") as stream:
+                summary["crc32"][name] = "{:08x}".format(zlib.crc32(stream.read()))
+    summary["crc32"]["summary"] = "00000000"
+    text = json.dumps(summary, indent=2, sort_keys=True) + "\n"
+    own = "{:08x}".format(zlib.crc32(text.encode()))
+    with open(file, "w") as stream:
+        stream.write(text.replace('"summary": "00000000"', '"summary": "{}"'.format(own)))
+
+
+class RunTest(FolderTest):
+    OPTIONS = dict(followers=3, steps=60, realizations=300, signals="gap,speed")
+
+    @classmethod
+    def setUpClass(cls):
+        cls.whole = os.path.join(temporary_folder(cls.addClassCleanup), "whole")
+        done = live_platoon.tool("monte_carlo", output=cls.whole, **cls.OPTIONS)
+        assert done.returncode == 0, done.stderr
+
+    def setUp(self):
+        super().setUp()
+        self.run_folder = self.path("run")
+        shutil.copytree(self.whole, self.run_folder)
+
+    def change(self, name, old, new):
+        file = os.path.join(self.run_folder, name)
+        with open(file) as stream:
+            text = stream.read()
+        self.assertIn(old, text)
+        with open(file, "w") as stream:
+            stream.write(text.replace(old, new, 1))
+
+    def summary(self):
+        with open(os.path.join(self.run_folder, "summary.json")) as stream:
+            return json.load(stream)
+
+
+class Check(RunTest):
+    def passes(self, *folders):
+        done = live_platoon.tool("check", *folders or [self.run_folder])
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        return done.stdout
+
+    def fails(self, *reasons, folder=None):
+        done = live_platoon.tool("check", folder or self.run_folder)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        lines = done.stdout.splitlines()
+        self.assertEqual(len(lines), len(reasons), done.stdout)
+        for line, reason in zip(lines, reasons):
+            self.assertIn(reason, line)
+
+    def test_a_whole_run_passes_in_one_line(self):
+        self.assertRegex(self.passes(), r"^\S+: string stable; complete, undamaged, in agreement \(largest \|z\| [\d.]+, at most [\d.]+\): "
+                                        r"3 followers, 60 steps, 300 realizations, seed 1\n$")
+        self.assertEqual(len(self.passes(self.run_folder, self.whole).splitlines()), 2)
+        self.assertEqual(sp.check(self.run_folder), [])
+
+    def test_a_summary_that_was_rewritten_with_its_checksum_passes_if_nothing_else_changed(self):
+        sign(self.run_folder)
+        self.passes()
+
+    def test_every_damaged_file_is_named(self):
+        self.change("statistics.csv", "\n1,5,300,", "\n1,5,301,")
+        self.change("gaps.csv", "vehicle", "Vehicle")
+        self.fails("gaps.csv: is not as it was written", "statistics.csv: is not as it was written")
+        self.change("summary.json", '"seed": 1', '"seed": 2')
+        self.fails("summary.json: is not as it was written")
+
+    def test_a_table_that_is_missing_is_named(self):
+        os.remove(os.path.join(self.run_folder, "signals.csv"))
+        self.fails("signals.csv: must be a regular file")
+
+    def test_a_forged_measurement_disagrees_with_the_theory(self):
+        with open(os.path.join(self.run_folder, "statistics.csv")) as stream:
+            rows = list(csv.reader(stream))
+        rows[-1][4] = str(1.6 * float(rows[-1][4]))
+        with open(os.path.join(self.run_folder, "statistics.csv"), "w") as stream:
+            stream.write("".join(",".join(row) + "\n" for row in rows))
+        sign(self.run_folder)
+        self.fails("measurement and theory disagree by the table")
+
+    def test_a_score_beyond_chance_and_a_contradiction_are_named(self):
+        summary = self.summary()
+        summary["agreement"]["max_abs_z_mean"] = 9.5
+        summary["contradictions"] = ["one figure is not the other"]
+        sign(self.run_folder, summary)
+        self.fails("disagree by the scores of summary.json: largest |z| 9.50", "contradict each other: one figure is not the other")
+
+    def test_a_forged_verdict_is_named(self):
+        summary = self.summary()
+        summary["theory"]["string_stable"] = False
+        sign(self.run_folder, summary)
+        self.fails("the verdict is not that of the recorded model")
+
+    def test_an_incomplete_run_is_named(self):
+        summary = self.summary()
+        summary.update(complete=False, realizations=200)
+        sign(self.run_folder, summary)
+        self.fails("not complete: 200 of 300 realizations")
+
+    def test_a_folder_without_results_and_another_version_are_named(self):
+        self.fails("summary.json: must be a regular file", folder=self.folder)
+        summary = self.summary()
+        summary["version"] = "0.1.0"
+        sign(self.run_folder, summary)
+        self.fails("summary.json: version: 0.1.0: must be ")
+
+    def test_a_lossy_run_passes_by_its_own_scores(self):
+        lossy = self.path("lossy")
+        done = live_platoon.tool("monte_carlo", output=lossy, loss=0.1, followers=2, steps=30, realizations=4000)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("complete, undamaged, ", self.passes(lossy))
+
+
+class ExportedRun(BagTest):
+    def test_every_value_is_that_of_the_same_realization_in_process(self):
+        terminal = self.record(followers=3, steps=20, realizations=5, batch=2, hosting="one_process")
+        live_platoon.wait_for(lambda: "complete, undamaged" in terminal.text(), "the result behind the end of roslaunch")
+        self.assertRegex(terminal.text().splitlines()[-1], "^{}: string stable; complete, undamaged".format(self.output))
+        done = script("export", self.bag, "--output", self.path("out"))
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        with open(self.path("out", "trajectories.csv")) as stream:
+            rows = list(csv.DictReader(stream))
+        self.assertEqual(done.stdout, "{}: {} rows\n".format(self.path("out", "trajectories.csv"), 5 * 4 * 21))
+        self.assertEqual(list(rows[0]), ["realization", "vehicle", "step", "seconds", "position", "received_position", "gap", "tracking_error",
+                                         "speed", "acceleration", "jerk"])
+        self.assertEqual(len(rows), 5 * 4 * 21)
+        self.assertEqual([row["seconds"] for row in rows[:3]], ["-0.1", "0", "0.1"])
+        model = sp.Recording(self.bag).model
+        for realization in range(5):
+            of = sp.trajectories(model, realization, realizations=5, followers=3, steps=20)
+            own = [row for row in rows if row["realization"] == str(realization)]
+            for name in ("position", "received_position", "gap", "tracking_error", "speed", "acceleration", "jerk"):
+                found = np.array([float(row[name] or "nan") for row in own]).reshape(4, 21)
+                followers = slice(0 if name == "position" else 1, None)  # only the export has the leader's speed
+                exact = name in ("position", "received_position")
+                known = slice(0, 20) if name == "received_position" else slice(0, 21)  # what arrives at the end moves nobody
+                np.testing.assert_allclose(found[followers, known], of[name][followers, known], rtol=0.0, atol=0.0 if exact else 1e-9, err_msg=name)
+
+
+class Export(FolderTest):
+    def export(self, *arguments, output="out"):
+        return script("export", SMALL, "--output", self.path(output), *arguments)
+
+    def rows(self, output="out"):
+        with open(self.path(output, "trajectories.csv")) as stream:
+            return list(csv.DictReader(stream))
+
+    def test_some_realizations_only(self):
+        self.assertEqual(self.export("--realizations", "2:4").returncode, 0)
+        self.assertEqual({row["realization"] for row in self.rows()}, {"2", "3"})
+        for bad in ("4:2", "0:7", "x"):
+            done = self.export("--realizations", bad, output="bad")
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("--realizations: {}: must be A:B with 0 <= A < B <= 6".format(bad), done.stderr)
+        self.assertFalse(os.path.exists(self.path("bad")))
+
+    def test_nothing_is_overwritten(self):
+        self.assertEqual(self.export().returncode, 0)
+        done = self.export("--realizations", "0:1")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("trajectories.csv: exists and is never overwritten", done.stderr)
+        self.assertEqual(len(self.rows()), 6 * 3 * 6)
+        self.assertEqual(os.listdir(self.path("out")), ["trajectories.csv"])
+
+    def test_a_damaged_bag_is_rejected_and_leaves_no_file(self):
+        with open(SMALL, "rb") as stream:
+            content = bytearray(stream.read())
+        content[len(content) // 2] ^= 1
+        with open(self.path("damaged.bag"), "wb") as stream:
+            stream.write(content)
+        done = script("export", self.path("damaged.bag"), "--output", self.path("out"))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("damaged.bag", done.stderr)
+        self.assertFalse(os.path.exists(self.path("out", "trajectories.csv")))
+
+
+class Report(RunTest):
+    def report(self, *arguments, output="report.html"):
+        return script("report", *arguments, "--output", self.path(output))
+
+    def test_the_page_has_verdict_numbers_figures_and_checksums_and_needs_no_other_file(self):
+        done = self.report(self.run_folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        with open(self.path("report.html"), encoding="utf-8") as stream:
+            page = stream.read()
+        summary = self.summary()
+        for words in ("string stable", "complete, undamaged, in agreement", summary["theory"]["reason"],
+                      summary["revision"], summary["version"], summary["date"], "standard error", "prepared by", "controller/denominator",
+                      *summary["crc32"].values(), *summary["warnings"]):
+            self.assertIn(words, html.unescape(page))
+        self.assertEqual(page.count("<svg"), 3)  # errors, gaps, amplification
+        self.assertEqual(re.findall(r'(?:href|src)="(?!#|data:)[^"]*"', page), [])
+        last = sp.Results.load(self.run_folder)
+        self.assertIn("<td class=\"number\">{:.6g}</td>".format(last.variance[2, -1]), page)
+        self.assertIn("<td class=\"number\">{:.6g}</td>".format(last.theoretical_variance[2, -1]), page)
+
+    def test_a_run_that_fails_its_check_shows_the_reason(self):
+        summary = self.summary()
+        summary["agreement"]["max_abs_z_mean"] = 9.5
+        sign(self.run_folder, summary)
+        self.assertEqual(self.report(self.run_folder, self.whole).returncode, 0)
+        with open(self.path("report.html"), encoding="utf-8") as stream:
+            page = stream.read()
+        self.assertIn("check failed", page)
+        self.assertIn("largest |z| 9.50 for the means", page)
+        self.assertEqual(page.count("<h2>"), 2)
+
+    def test_nothing_is_overwritten_and_bad_names_are_rejected(self):
+        self.write("report.html", "before")
+        for output, reason in (("report.html", "exists and is never overwritten"), ("report.txt", "must end in .html or .pdf"),
+                               ("none/report.html", "no such folder")):
+            done = self.report(self.run_folder, output=output)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(reason, done.stderr)
+
+    @unittest.skipUnless(shutil.which("chromium"), "needs chromium")
+    def test_a_pdf_is_printed(self):
+        done = self.report(self.run_folder, output="report.pdf")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.path("report.pdf"), "rb") as stream:
+            self.assertEqual(stream.read(5), b"%PDF-")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,103 @@
+#include "stochastic_platoon/run/report/plausibility.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/signal_moments.hpp"
+#include "unit/math/radio_cars.hpp"
+#include "unit/messages.hpp"
+#include "unit/paper_run.hpp"
+
+namespace platoon {
+namespace {
+
+class PlausibilityTest : public testing::Test {
+protected:
+  PlausibilityTest() { configuration_.model = radio_platoon(0.5, 1e-6, 1e-6); }  // quiet cars with a headway of 0.5 s
+
+  std::vector<std::string> warnings() const { return plausibility_warnings(configuration_); }
+
+  // The only warning, which contains the texts.
+  void expect_warning(const std::vector<std::string>& texts) const {
+    const std::vector<std::string> found = warnings();
+    ASSERT_EQ(found.size(), 1u) << testing::PrintToString(found);
+    for (const std::string& text : texts) EXPECT_TRUE(contains(found[0], text)) << found[0];
+  }
+
+  VehicleModel& car() { return configuration_.model.default_vehicle(); }
+
+  Configuration configuration_ = paper_run("");
+};
+
+TEST_F(PlausibilityTest, CarsHaveNone) {
+  EXPECT_TRUE(warnings().empty()) << testing::PrintToString(warnings());
+}
+
+TEST_F(PlausibilityTest, AFastLeaderHasOneWithItsSpeedInBothUnits) {
+  configuration_.model.leader = LeaderProfile({{0, 20.0}, {50, 60.0}}, 0.01);
+  EXPECT_TRUE(warnings().empty()) << "60 m/s is allowed";
+  configuration_.model.leader = LeaderProfile({{0, 20.0}, {50, 90.0}}, 0.01);
+  expect_warning({"leader: speed of 90 m/s (324 km/h)", "60 m/s"});
+}
+
+TEST_F(PlausibilityTest, ARecordedDriveIsJudgedByItsPositions) {
+  car().feed_forward.reset();
+  configuration_.model.recorded_leader = {0.0, 0.2, 0.4, 1.1};  // the last step at 70 m/s
+  const std::vector<std::string> found = warnings();
+  ASSERT_FALSE(found.empty());
+  EXPECT_TRUE(contains(found[0], "leader: speed of 70 m/s"));
+}
+
+TEST_F(PlausibilityTest, AHeadwayInTheWrongUnitHasOne) {
+  car().headway = 320.0 / 0.01;
+  EXPECT_TRUE(
+      contains(warnings().at(0), "time_headway: 320 s (32000 sample periods of 0.01 s): cars keep 0.05 s to 10 s"));
+  car().headway = 4.0;
+  EXPECT_TRUE(contains(warnings().at(0), "time_headway: 0.04 s"));
+  car().headway = 5.0;
+  EXPECT_TRUE(warnings().empty());
+}
+
+TEST_F(PlausibilityTest, AStandstillDistanceWithinTheCarAheadHasOne) {
+  car().length = 4.5;
+  car().standstill_distance = 4.5;
+  EXPECT_TRUE(warnings().empty());
+  VehicleType truck{"truck", car(), {}};
+  truck.vehicle.length = 16.5;
+  configuration_.model.types.push_back(truck);
+  configuration_.model.string = {1, 0};
+  configuration_.run.followers = 1;
+  EXPECT_TRUE(warnings().empty()) << "the truck follows the leader, which is a car";
+  configuration_.run.followers = 2;
+  expect_warning({"standstill_distance: 4.5 m of follower 2: below the 16.5 m of vehicle_length"});
+}
+
+TEST_F(PlausibilityTest, TheAccelerationIsThatOfTheWorstStep) {
+  configuration_ = paper_run("");
+  configuration_.run.followers = 20;
+  configuration_.run.steps = 100;
+  const std::vector<std::string> found = warnings();
+  ASSERT_EQ(found.size(), 2u);
+  const SignalMoments acceleration = signal_moments(configuration_.model, {"acceleration"}, 20, 100)[0];
+  double largest = 0.0;
+  for (std::size_t c = 0; c < acceleration.mean.size(); ++c)
+    largest = std::fmax(largest, std::abs(acceleration.mean[c]) + 2.58 * std::sqrt(acceleration.variance[c]));
+  EXPECT_TRUE(contains(found[1], formatted("acceleration: |mean| + 2.58 sigma = %.3g m/s^2, of follower ", largest)))
+      << found[1];
+  EXPECT_TRUE(contains(found[0], "speed: mean - 2.58 sigma = -"));
+  EXPECT_TRUE(contains(found[0], "the car reverses"));
+}
+
+TEST_F(PlausibilityTest, MeasuredMotionIsJudgedLikeThatOfTheTheory) {
+  const PlatoonModel& model = configuration_.model;
+  EXPECT_TRUE(motion_warnings(model, {{"acceleration", {9.9, -5.0}, {0.0, 1.0}}, {"jerk", {1e6}, {0.0}}}, 2).empty());
+  const std::vector<std::string> found = motion_warnings(model, {{"acceleration", {0.0, -8.0}, {0.0, 1.0}}}, 2);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(contains(found[0], "acceleration: |mean| + 2.58 sigma = 10.6 m/s^2, of follower 1 at step 1"));
+  EXPECT_TRUE(motion_warnings(model, {{"speed", {0.0, NAN}, {0.001, 1.0}}}, 2).empty()) << "standing cars with noise";
+}
+
+}  // namespace
+}  // namespace platoon

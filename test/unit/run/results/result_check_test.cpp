@@ -1,0 +1,97 @@
+#include "stochastic_platoon/run/results/result_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include "stochastic_platoon/run/results/result_files.hpp"
+#include "unit/damage.hpp"
+#include "unit/messages.hpp"
+#include "unit/run/results/result_with.hpp"
+
+namespace platoon {
+namespace {
+
+class ResultCheckTest : public ResultTest {
+protected:
+  ResultCheckTest() {
+    configuration_.run.record_compression = "none";
+    configuration_.model.default_vehicle().design = paper_design();
+  }
+
+  std::vector<std::string> problems(const RunResult& result) const {
+    write_results(configuration_, prediction_, result);
+    return check_results(folder_.path()).problems;
+  }
+
+  // The only problem, which contains the text.
+  void expect_problem(const RunResult& result, const std::string& text) const {
+    const std::vector<std::string> found = problems(result);
+    ASSERT_EQ(found.size(), 1u) << ::testing::PrintToString(found);
+    EXPECT_NE(found[0].find(text), std::string::npos) << found[0];
+  }
+};
+
+TEST_F(ResultCheckTest, AWholeRunInAgreementPasses) {
+  EXPECT_TRUE(problems(result()).empty());
+  const std::string passed = check_results(folder_.path()).passed;
+  EXPECT_EQ(passed.find("string stable; complete, undamaged, in agreement (largest |z| 0.5"), 0u) << passed;
+}
+
+TEST_F(ResultCheckTest, AnIncompleteRunDoesNotPass) {
+  RunResult half = result();
+  half.complete = false;
+  half.realizations = 10;
+  half.tally.positions_received /= 2;
+  expect_problem(half, "not complete: 10 of 20 realizations");
+}
+
+TEST_F(ResultCheckTest, LostPositionsAreAProblem) {
+  RunResult lossy = result();
+  --lossy.tally.positions_received;
+  expect_problem(lossy, "positions lost: 1");
+}
+
+TEST_F(ResultCheckTest, AFlippedBitInATableIsAProblem) {
+  write_results(configuration_, prediction_, result());
+  const std::string text = content_of(folder_ / "statistics.csv");
+  folder_.file("statistics.csv", with_flipped_bit(text, 4 * text.size()));
+  const std::vector<std::string> found = check_results(folder_.path()).problems;
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].find("statistics.csv: is not as it was written"), std::string::npos);
+}
+
+TEST_F(ResultCheckTest, AMeasurementFarFromTheTheoryIsAProblemByBothScores) {
+  const std::vector<std::string> found = problems(result(8.0));
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_NE(found[0].find("measurement and theory disagree by the scores of summary.json"), std::string::npos);
+  EXPECT_NE(found[1].find("measurement and theory disagree by the table"), std::string::npos);
+}
+
+TEST_F(ResultCheckTest, AnotherTheoryThanThatOfTheModelIsAProblem) {
+  prediction_.variance[5] *= 1.0 + 1e-5;
+  expect_problem(result(), "line 7: a theoretical mean of");
+}
+
+TEST_F(ResultCheckTest, FiguresThatContradictEachOtherAreAProblem) {
+  prediction_.contradictions = {"one is not the other"};
+  expect_problem(result(), "contradict each other: one is not the other");
+}
+
+TEST_F(ResultCheckTest, MeasuredGrowthOfAStringStablePlatoonIsAProblem) {
+  configuration_.run.steps = 2000;
+  predict_again();
+  RunResult grown = result();
+  Moments& last = grown.moments[2 * 2000 - 1];
+  last.squared_deviations *= 40.0;
+  const std::vector<std::string> found = problems(grown);
+  ASSERT_FALSE(found.empty());
+  EXPECT_NE(found.back().find("measurement and verdict disagree: the measured variance of follower 2"),
+            std::string::npos)
+      << found.back();
+}
+
+TEST_F(ResultCheckTest, WithoutResultsItThrows) {
+  EXPECT_THROW(check_results(folder_.path()), std::exception);
+}
+
+}  // namespace
+}  // namespace platoon
