@@ -5,11 +5,13 @@
 #include <pybind11/stl.h>
 
 #include <exception>
+#include <set>
 #include <thread>
 
 #include "python/convert.hpp"
 #include "python/interruption.hpp"
 #include "python/model.hpp"
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
@@ -29,13 +31,15 @@ namespace {
 
 using Settings = std::map<std::string, std::string>;
 
+// With keys, only these are computed, without a report.
 py::tuple analyze_model(const Model& model, const Settings& settings, const std::string& signals,
-                        const std::string& collision_probability) {
+                        const std::string& collision_probability, const std::set<std::string>& keys) {
   const Configuration configuration = model.configuration(settings);
   const SignalRequest request = signal_request(signals, collision_probability);
   const auto [document, text] = unlocked([&] {
-    const Analysis analysis = analyze(configuration, request);
-    return std::pair(to_json(configuration, analysis), report(configuration, analysis));
+    const Analysis analysis = analyze(
+        configuration, request, [](const char*) {}, keys);
+    return std::pair(to_json(configuration, analysis), keys.empty() ? report(configuration, analysis) : "");
   });
   return py::make_tuple(object_of(document), text);
 }
@@ -43,7 +47,8 @@ py::tuple analyze_model(const Model& model, const Settings& settings, const std:
 py::dict stability_map(const Model& model, const std::vector<double>& headways, const std::vector<double>& gains,
                        const std::vector<double>& losses, const std::vector<double>& bursts) {
   return dict_of(unlocked([&] {
-    return parse_csv(to_csv(stability_map(model.model(), {headways, gains, losses, bursts})), "map");
+    const PlatoonModel& given = model.model();
+    return parse_csv(to_csv(stability_map(given, {headways, gains, losses, bursts}), given.sample_period), "map");
   }));
 }
 
@@ -128,6 +133,18 @@ py::dict vehicle_of(const Model& model, std::size_t index) {
   return object_of(document);
 }
 
+// G(z) of the default vehicle: numerator and denominator by descending powers of z.
+py::tuple plant_of(const Model& model) {
+  const std::optional<LoopDesign>& design = model.model().default_vehicle().design;
+  if (!design) throw std::invalid_argument("closed_loop: given: must be plant and controller");
+  const ExactTransfer& plant = design->plant.exact();
+  const auto coefficients = [](const ExactPolynomial& p, std::ptrdiff_t powers) {
+    const Polynomial rounded_form = rounded(shifted_to_origin(times_power_of_z(p, powers)));
+    return array_of(std::vector<double>(rounded_form.data(), rounded_form.data() + rounded_form.size()));
+  };
+  return py::make_tuple(coefficients(plant.numerator, -plant.delay), coefficients(plant.denominator, plant.delay));
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_platoon, module) {
@@ -151,7 +168,8 @@ PYBIND11_MODULE(_platoon, module) {
     return py::make_tuple(Model::parse(document["model"].dump()), plain_object_of(document["run"]));
   });
   module.def("analyze", &analyze_model, py::arg("model"), py::arg("settings"), py::arg("signals"),
-             py::arg("collision_probability"));
+             py::arg("collision_probability"), py::arg("keys"));
+  module.def("plant", &plant_of, py::arg("model"));
   module.def("stability_map", &stability_map, py::arg("model"), py::arg("headway"), py::arg("gain"), py::arg("loss"),
              py::arg("mean_burst"));
   module.def("monte_carlo", &monte_carlo_of, py::arg("model"), py::arg("settings"), py::arg("threads"),

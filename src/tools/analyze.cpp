@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
     }
     std::cout << platoon::report(configuration, analysis);
     nlohmann::json document = platoon::to_json(configuration, analysis);
-    if (!points.empty()) document["sweep"] = platoon::to_json(points);
+    if (!points.empty()) document["sweep"] = platoon::to_json(points, model.sample_period);
     if (given.has("csv")) platoon::write_atomically(given["csv"], platoon::to_csv(points));
     if (!given.has("csv")) std::cout << platoon::report(points);
     if (given.has("json")) platoon::write_atomically(given["json"], document.dump(1) + "\n");

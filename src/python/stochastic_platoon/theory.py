@@ -136,7 +136,7 @@ def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, s
     """
     settings = run_settings(followers=followers, steps=steps, burn_in=burn_in)
     probability = "" if collision_probability is None else repr(positive("collision_probability", collision_probability))
-    document, report = _platoon.analyze(handle_of(model), settings, listed(signals), probability)
+    document, report = _platoon.analyze(handle_of(model), settings, listed(signals), probability, set())
     return Analysis(document, "analysis", report)
 
 
@@ -152,6 +152,10 @@ class StabilityMap:
     peak_gain: NDArray[np.float64]
     string_stable: NDArray[np.float64]  #: 1, 0, or NaN for no verdict
     loss_gain: NDArray[np.float64]  #: NaN without losses
+    phase_margin: NDArray[np.float64]  #: [deg]; this and the next three: NaN where there is none, and in a map from a file
+    delay_margin: NDArray[np.float64]  #: [s]
+    sensitivity_peak: NDArray[np.float64]
+    critical_delay: NDArray[np.float64]  #: [s], of the radio
     path: str  #: the file, or its substitute in messages
 
     AXES = ("headway", "gain", "loss", "mean_burst")
@@ -175,7 +179,8 @@ class StabilityMap:
         order = np.lexsort((x, y))
         if not np.array_equal(x[order], np.tile(xs, ys.size)) or not np.array_equal(y[order], np.repeat(ys, xs.size)):
             raise ValueError("{}: must hold one row for each point of a grid of {} and {}".format(table.path, over, up))
-        values["loss_gain"] = table.numbers("loss_gain") if "loss_gain" in table.columns else np.full(x.size, np.nan)
+        for name in ("loss_gain", "phase_margin", "delay_margin", "sensitivity_peak", "critical_delay"):
+            values[name] = table.numbers(name) if name in table.columns else np.full(x.size, np.nan)
         return cls(over, xs, up, ys, **{name: value[order].reshape(ys.size, xs.size) for name, value in values.items()}, path=table.path)
 
 

@@ -103,11 +103,28 @@ Attenuation::Attenuation(const std::vector<GainFactor>& factors) {
   for (const GainFactor& factor : factors) {
     add_all(factor.poles, factor.count);
     add_all(factor.zeros, -factor.count);
+    zeros_at_one_ += factor.count * static_cast<long double>(factor.zeros_at_one);
   }
   series_end_ = terms_.empty() ? 1.0L : std::min(0.5L, kSeriesReach / largest);
 }
 
 Attenuation::Value Attenuation::at(long double t) const {
+  Value sum = without_zeros_at_one(t);
+  if (zeros_at_one_ == 0.0L) return sum;
+  return {sum.value - zeros_at_one_ * std::log(t), sum.slope - zeros_at_one_ / t,
+          sum.curvature + zeros_at_one_ / (t * t)};
+}
+
+// -ln t is convex and falls: near t = 0 its value at the end of the piece bounds it, elsewhere its Taylor polynomial.
+Attenuation::Logarithm Attenuation::logarithm(const Piece& piece) const {
+  if (zeros_at_one_ == 0.0L) return {0.0L, 0.0L, 0.0L, 0.0L};
+  const long double c = piece.centre, from = c - piece.radius;
+  if (from <= kSmooth * c) return {-zeros_at_one_ * std::log(c + piece.radius), 0.0L, 0.0L, 0.0L};
+  return {-zeros_at_one_ * std::log(c), -zeros_at_one_ / c, zeros_at_one_ / (c * c),
+          2.0L * zeros_at_one_ / (from * from * from)};
+}
+
+Attenuation::Value Attenuation::without_zeros_at_one(long double t) const {
   Value sum{0.0L, 0.0L, 0.0L};
   if (t < series_end_) {
     for (std::size_t m = kSeriesTerms; m >= 1; --m) {  // of a(t) / t
@@ -139,7 +156,7 @@ Attenuation::Value Attenuation::at(long double t) const {
 
 long double Attenuation::slope(long double t) const {
   if (t < series_end_) return at(t).slope;
-  long double sum = 0.0L;
+  long double sum = zeros_at_one_ == 0.0L ? 0.0L : -zeros_at_one_ / t;
   std::size_t k = 0;
   for (const Group& group : groups_) {
     for (; k < group.end; ++k) {
@@ -156,6 +173,7 @@ long double Attenuation::quotient(long double t, int order) const {
   if (t < series_end_) {
     long double sum = 0.0L;
     for (std::size_t m = kSeriesTerms; m >= static_cast<std::size_t>(order) && m >= 1; --m) sum = sum * t + series_[m];
+    if (zeros_at_one_ > 0.0L) return sum * t - zeros_at_one_ * std::log(t);
     return order == 0 ? sum * t : sum;
   }
   return at(t).value / power_of(std::min(t, 1.0L), order);
@@ -173,8 +191,10 @@ Attenuation::Bounds Attenuation::bounds_by_series(const Piece& piece, int order)
     if (j >= 3.0L) third = third * end + j * (j - 1.0L) * (j - 2.0L) * std::abs(series_[m]);
   }
   const long double cube = piece.radius * piece.radius * piece.radius;
+  const Logarithm zeros = logarithm(piece);
   const QuotientMinimum least =
-      least_quotient(value - third * cube / 6.0L, slope, 2.0L * half_curvature, 1.0L, piece.radius, 0);
+      least_quotient(value + zeros.value - (third + zeros.third) * cube / 6.0L, slope + zeros.slope,
+                     2.0L * half_curvature + zeros.curvature, 1.0L, piece.radius, 0);
   return {least.value, piece.centre + least.x, 8.0L * kRounding * size};
 }
 
@@ -210,8 +230,10 @@ Attenuation::Bounds Attenuation::bounds(const Piece& piece, int order) const {
     third += std::abs(group.weight) * smooth_third;
   }
   const long double cube = piece.radius * piece.radius * piece.radius;
+  const Logarithm zeros = logarithm(piece);
   const QuotientMinimum least =
-      least_quotient(value - third * cube / 6.0L, slope, curvature, piece.centre, piece.radius, order);
+      least_quotient(value + zeros.value - (third + zeros.third) * cube / 6.0L, slope + zeros.slope,
+                     curvature + zeros.curvature, piece.centre, piece.radius, order);
   const long double noise = 8.0L * kRounding * rounding / power_of(std::min(piece.centre, 1.0L), order);
   return {least.value, piece.centre + least.x, noise};
 }
@@ -228,7 +250,8 @@ Attenuation::Minimum Attenuation::least(int order, long double accuracy, int mos
     from *= 2.0L;
   }
   add(0.0L, series_end_);
-  Minimum best{0.0L, quotient(0.0L, order), true};
+  const long double first = zeros_at_one_ > 0.0L ? 2.0L : 0.0L;
+  Minimum best{first, quotient(first, order), true};
   const auto consider = [&](long double t, int power) {
     const long double value = quotient(t, power);
     if (value < best.value) best = {t, value, true};

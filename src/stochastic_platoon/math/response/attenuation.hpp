@@ -11,13 +11,14 @@ struct GainFactor {
   std::vector<std::complex<long double>> poles;
   std::vector<std::complex<long double>> zeros;
   long double count = 1.0L;
+  int zeros_at_one = 0;  ///< further zeros, at z = 1; each adds -ln t to the attenuation
 };
 
 /// The attenuation \f$ a(w) = -\ln \prod_i |T_i(e^{jw})|^{2 n_i} \f$ of a product of factors with T_i(1) = 1, as a
 /// function of t = 1 - cos w in [0, 2]:
 /// \f[ a(t) = \sum_i n_i (\sum_{poles} \ln |1 - u t| - \sum_{zeros} \ln |1 - u t|), \qquad u = -2 (1 + s) / s^2. \f]
 /// The product is never multiplied out, so each vehicle's factor keeps its digits. Poles and zeros at z = 0 have
-/// modulus 1 on the circle and drop out.
+/// modulus 1 on the circle and drop out. With zeros at z = 1, a(t) is infinite at t = 0 and has no order there.
 class Attenuation {
 public:
   explicit Attenuation(const std::vector<GainFactor>& factors);
@@ -61,14 +62,22 @@ private:
   };
   struct Piece;
   struct Bounds;
+  Value without_zeros_at_one(long double t) const;
   Bounds bounds(const Piece& piece, int order) const;
   Bounds bounds_by_series(const Piece& piece, int order) const;
   long double quotient(long double t, int order) const;
+
+  /// Lower bound of -zeros_at_one_ ln t over a piece by value, slope, curvature and third derivative at its centre.
+  struct Logarithm {
+    long double value, slope, curvature, third;
+  };
+  Logarithm logarithm(const Piece& piece) const;
 
   std::vector<Term> terms_;
   std::vector<Group> groups_;        ///< one after the other
   std::vector<long double> series_;  ///< coefficients of a by powers of t
   long double series_end_ = 0.0L;    ///< the series is used for smaller t
+  long double zeros_at_one_ = 0.0L;
 };
 
 }  // namespace platoon

@@ -26,6 +26,15 @@ std::vector<double> samples_of(const HeadwayRange& range) {
   return samples;
 }
 
+/// Whether every longer headway of a stable one is stable: without losses, the headway enters |prod T^| only by the
+/// filters 1 / |H|, which fall at every frequency as it grows, and the poles of their loops do not depend on it.
+bool is_monotone(const PlatoonModel& model) {
+  return !any_link(model, [](const LinkModel& link) { return link.loses(); }) &&
+         std::all_of(model.types.begin(), model.types.end(), [](const VehicleType& type) {
+           return !type.inherited.headway || type.vehicle.design->headway_filter;
+         });
+}
+
 }  // namespace
 
 HeadwayRange headways_about(double headway) {
@@ -62,7 +71,9 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
   if (!designed || types.empty()) return std::nullopt;
   const double own = model.default_vehicle().headway;
   const VariedMargins margins = varied_margins([&model](double headway) { return with_headway(model, headway); }, own);
-  StableHeadways found = stable_headways(margins.losses, headways_about(own), margins.gain);
+  HeadwayRange range = headways_about(own);
+  if (is_monotone(model)) range.samples = 8;  // for the search of the one end
+  StableHeadways found = stable_headways(margins.losses, range, margins.gain);
   found.types = types;
   return found;
 }

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/contradictions.hpp"
+#include "stochastic_platoon/math/string/critical_delay.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/run/report/age_analysis.hpp"
@@ -96,7 +98,8 @@ void check_run(RunOptions run, const SignalRequest& signals, std::optional<std::
 
 }  // namespace
 
-Analysis analyze(const Configuration& configuration, const SignalRequest& signals, const StageObserver& begins) {
+Analysis analyze(const Configuration& configuration, const SignalRequest& signals, const StageObserver& begins,
+                 const std::set<std::string>& keys) {
   const PlatoonModel& model = configuration.model;
   const std::size_t followers = configuration.run.followers;
   const std::int64_t steps = configuration.run.steps;
@@ -109,31 +112,47 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   analysis.warnings = plausibility_warnings(configuration);
   const VehicleModel& own = model.default_vehicle();
   analysis.integral_defect = integral_defect(own.loop, own.headway);
-  analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
+  // Whether one of these keys is needed; announces the stage that computes them.
+  const auto needs = [&](const char* stage, std::initializer_list<const char*> computed) {
+    const bool needed = keys.empty() || std::any_of(computed.begin(), computed.end(),
+                                                    [&keys](const char* key) { return keys.count(key) > 0; });
+    if (needed) begins(stage);
+    return needed;
+  };
+  if (needs("rounding", {"rounding"}))
+    analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
   if (analysis.without_theory) return analysis;
-  begins("verdict");
-  analysis.stability = string_stability(model);
-  begins("stationary variances");
-  analysis.stationary_variance = stationary_variances(model, followers);
-  if (has_feed_forward(model)) analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
-  begins("mean and variance of every step");
-  analysis.moments = error_moments(model, followers, steps);
-  analysis.contradictions =
-      contradictions(model, {analysis.stability, analysis.stationary_variance, analysis.moments.variance, steps});
-  analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
-  begins("bounds");
-  if (is_papers(model)) {
-    if (analysis.stability.mean_square_stable) analysis.bounds = theorem_two_bounds(model, followers, steps);
-  } else {
-    analysis.stationary_mean = stationary_means(model, followers);
+  if (needs("verdict",
+            {"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable", "string_stable", "loss_gain",
+             "limit_variance", "reason", "contradictions", "bounds", "norms", "signals", "collision", "amplification"}))
+    analysis.stability = string_stability(model);
+  if (needs("margins", {"phase_margin", "delay_margin", "sensitivity_peak"}))
+    analysis.robustness.margins = loop_margins(model);
+  if (needs("critical delay", {"critical_delay"})) analysis.robustness.critical_radio_delay = critical_delay(model);
+  if (needs("stationary variances", {"stationary_variance", "contradictions"}))
+    analysis.stationary_variance = stationary_variances(model, followers);
+  if (has_feed_forward(model) && needs("shares by input", {"stationary_variance_by_input"}))
+    analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
+  if (needs("mean and variance of every step", {"mean", "variance", "norms", "contradictions"})) {
+    analysis.moments = error_moments(model, followers, steps);
+    analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
   }
-  begins("stable headways");
-  analysis.headways = stable_headways(model);
-  begins("stable loss probabilities");
-  analysis.losses = stable_losses(model);
-  begins("critical mean burst");
-  analysis.bursts = critical_mean_burst(model);
-  analysis.signals = analyze_signals(configuration, signals, analysis.stability.string_stable, begins);
+  if (needs("contradictions", {"contradictions"}))
+    analysis.contradictions =
+        contradictions(model, {analysis.stability, analysis.stationary_variance, analysis.moments.variance, steps});
+  if (is_papers(model) && needs("bounds", {"bounds", "norms"}) && analysis.stability.mean_square_stable)
+    analysis.bounds = theorem_two_bounds(model, followers, steps);
+  if (!is_papers(model) && needs("stationary means", {"stationary_mean"}))
+    analysis.stationary_mean = stationary_means(model, followers);
+  if (needs("stable headways",
+            {"critical_headway", "critical_headway_seconds", "critical_headway_types", "stable_headways"}))
+    analysis.headways = stable_headways(model);
+  if (needs("stable loss probabilities",
+            {"critical_loss_probability", "critical_loss_types", "stable_loss_probabilities"}))
+    analysis.losses = stable_losses(model);
+  if (needs("critical mean burst", {"critical_mean_burst"})) analysis.bursts = critical_mean_burst(model);
+  if (needs("signals", {"signals", "collision", "amplification"}))
+    analysis.signals = analyze_signals(configuration, signals, analysis.stability.string_stable, begins);
   return analysis;
 }
 
@@ -156,6 +175,7 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
               ? "peak of |T|: none, as the errors do not settle\n"
               : formatted("peak of |%s| = %.9g at w = %.6g rad/sample\n", has_feed_forward(model) ? "Gamma" : "T",
                           stability.peak_gain, stability.peak_frequency);
+  text += report(model, analysis.robustness);
   text += headway_line(model, analysis) + loss_line(model, analysis) + burst_line(model, analysis) + age_report(model);
   const std::vector<double>& stationary = analysis.stationary_variance;
   text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
@@ -219,7 +239,7 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
   const PlatoonModel& model = configuration.model;
   const VehicleModel& own = model.default_vehicle();
   const auto steps = static_cast<std::size_t>(configuration.run.steps);
-  nlohmann::json headways, losses;
+  nlohmann::json headways, losses, by_input, bounds;
   if (analysis.headways) headways = pairs(analysis.headways->intervals);
   if (analysis.losses) losses = pairs(analysis.losses->intervals);
   const std::optional<double> critical = analysis.headways ? analysis.headways->critical : std::nullopt;
@@ -227,14 +247,9 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
                           {"variance_linf", numbers(analysis.norms.variance)},
                           {"mean_bound", number(analysis.bounds ? analysis.bounds->mean_bound : std::nullopt)},
                           {"variance_bound", number(analysis.bounds ? analysis.bounds->variance_bound : std::nullopt)}};
-  nlohmann::json by_input;
-  for (const std::size_t input : {0u, 1u}) {
-    if (analysis.stationary_variance_by_input.empty()) break;
-    by_input.push_back(nlohmann::json::array());
-    for (const std::array<double, 2>& shares : analysis.stationary_variance_by_input)
-      by_input.back().push_back(number(shares[input]));
+  for (const std::array<double, 2>& shares : analysis.stationary_variance_by_input) {
+    for (const std::size_t input : {0u, 1u}) by_input[input].push_back(number(shares[input]));
   }
-  nlohmann::json bounds;
   if (analysis.bounds) {
     bounds = {{"alpha_1", number(analysis.bounds->alpha_1)},
               {"beta_1", number(analysis.bounds->beta_1)},
@@ -243,6 +258,7 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
               {"stated_beta_2", number(analysis.bounds->stated_beta_2)}};
   }
   nlohmann::json document = to_json(analysis.stability);
+  document.update(to_json(analysis.robustness, model.sample_period));
   document.update(
       {{"sample_period", model.sample_period},
        {"transfer",

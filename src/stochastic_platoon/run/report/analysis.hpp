@@ -3,6 +3,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
+#include "stochastic_platoon/run/report/robustness.hpp"
 #include "stochastic_platoon/run/report/signal_analysis.hpp"
 
 namespace platoon {
@@ -26,6 +28,7 @@ struct Analysis {
   std::optional<StableHeadways> headways;    ///< none if the closed loop was given directly: it fits one headway only
   std::optional<StableLosses> losses = {};   ///< none without a loss stage
   std::optional<CriticalBurst> bursts = {};  ///< none without losses, and in a string with radios
+  Robustness robustness = {};                ///< of the loop and of the radio
   std::vector<double> stationary_mean = {};  ///< [m], one per follower, caused by delays and losses
   std::vector<double> stationary_variance;   ///< [m^2], one per follower; NaN if there is none
   /// In a string with radios: the shares of the positions and of the inputs in it, noise and losses.
@@ -42,9 +45,12 @@ struct Analysis {
 
 /// The analysis of a configuration's platoon over its steps. Throws ConfigurationError for an endless run, for a
 /// burn-in without amplification, and for more steps than the theory of losses in bursts can be computed for.
+///
+/// `keys`: keys of the JSON document that are needed; empty: all. A figure is computed only for its own key, and the
+/// values of other keys are then null, empty or missing.
 Analysis analyze(
     const Configuration& configuration, const SignalRequest& signals = {},
-    const StageObserver& begins = [](const char*) {});
+    const StageObserver& begins = [](const char*) {}, const std::set<std::string>& keys = {});
 
 /// Text report: the verdict first, then the reasons.
 std::string report(const Configuration& configuration, const Analysis& analysis);

@@ -73,16 +73,18 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
           points.push_back({headway, gain, stability_of(varied), {}, {}});
           if (varied_link(varied.default_vehicle()).loss) points.back().loss = loss;
           if (!axes.bursts.empty()) points.back().burst = burst;
+          if (!points.back().stability.undecided) points.back().robustness = robustness(varied);
         }
     }
   }
   return points;
 }
 
-nlohmann::json to_json(const std::vector<MapPoint>& points) {
+nlohmann::json to_json(const std::vector<MapPoint>& points, double sample_period) {
   nlohmann::json list = nlohmann::json::array();
   for (const MapPoint& point : points) {
     nlohmann::json document = to_json(point.stability);
+    document.update(to_json(point.robustness, sample_period));
     document.update({{"headway", point.headway},
                      {"gain", number(point.gain)},
                      {"loss", number(point.loss)},
@@ -92,7 +94,7 @@ nlohmann::json to_json(const std::vector<MapPoint>& points) {
   return list;
 }
 
-std::string to_csv(const std::vector<MapPoint>& points) {
+std::string to_csv(const std::vector<MapPoint>& points, std::optional<double> sample_period) {
   const bool lossy = !points.empty() && points.front().loss;
   const bool in_bursts = !points.empty() && points.front().burst;
   CsvText csv("headway,gain");
@@ -101,6 +103,7 @@ std::string to_csv(const std::vector<MapPoint>& points) {
   csv.add("spectral_radius,peak_gain");
   if (lossy) csv.add("loss_gain");
   csv.add("string_stable");
+  if (sample_period) csv.add("phase_margin,delay_margin,sensitivity_peak,critical_delay");
   csv.end_row();
   // A value is missing without a controller or for an unstable vehicle.
   const auto known = [](std::optional<double> value) { return value && std::isnan(*value) ? std::nullopt : value; };
@@ -112,6 +115,11 @@ std::string to_csv(const std::vector<MapPoint>& points) {
     csv.add(known(stability.spectral_radius), known(stability.peak_gain));
     if (lossy) csv.add(known(stability.loss_gain));
     csv.add(stability.undecided ? "" : stability.string_stable ? "1" : "0");
+    const nlohmann::json figures = to_json(point.robustness, sample_period.value_or(kNaN));
+    for (const char* figure : {"phase_margin", "delay_margin", "sensitivity_peak", "critical_delay"}) {
+      const nlohmann::json& value = figures.at(figure);
+      if (sample_period) csv.add(value.is_null() ? std::nullopt : std::optional<double>(value.get<double>()));
+    }
     csv.end_row();
   }
   return csv.text();

@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
+#include "stochastic_platoon/run/report/robustness.hpp"
 
 namespace platoon {
 
@@ -17,6 +18,7 @@ struct MapPoint {
   StringStability stability;
   std::optional<double> loss = {};   ///< loss probability, if the link has a loss stage
   std::optional<double> burst = {};  ///< mean burst, if the map varies it
+  Robustness robustness = {};
 };
 
 /// The values along each axis; an empty list stands for the model's own value.
@@ -30,12 +32,13 @@ struct MapAxes {
 /// no_theory()), and for headways or gains if the closed loop was given directly.
 std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& axes);
 
-/// JSON for programs; missing values are null.
-nlohmann::json to_json(const std::vector<MapPoint>& points);
+/// JSON for programs; missing values are null. `sample_period` [s]: of the margins in seconds.
+nlohmann::json to_json(const std::vector<MapPoint>& points, double sample_period);
 
 /// One row per point: headway,gain,spectral_radius,peak_gain,string_stable; with a loss stage
 /// headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable, and with varied bursts mean_burst after loss.
-std::string to_csv(const std::vector<MapPoint>& points);
+/// With a `sample_period` [s], the figures of the robustness follow, by their names in the JSON.
+std::string to_csv(const std::vector<MapPoint>& points, std::optional<double> sample_period = {});
 
 /// The same as a table for people; "-" for missing values.
 std::string report(const std::vector<MapPoint>& points);

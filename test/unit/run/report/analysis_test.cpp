@@ -60,6 +60,28 @@ TEST(Analysis, HasEveryKeyWithItsShape) {
   EXPECT_NEAR(document.at("critical_headway").get<double>(), 2.8, 1e-9);
 }
 
+TEST(Analysis, ComputesForAKeyAloneWhatTheWholeDocumentHas) {
+  for (const double headway : {3.2, 2.4}) {
+    Analyzed whole(model_at(headway), 3, 10, {{"gap"}, 1e-6});
+    const nlohmann::json document = whole.json();
+    for (const auto& entry : document.items()) {
+      const Analysis alone = analyze(whole.configuration, {{"gap"}, 1e-6}, [](const char*) {}, {entry.key()});
+      EXPECT_EQ(to_json(whole.configuration, alone).at(entry.key()), entry.value()) << entry.key();
+    }
+  }
+}
+
+TEST(Analysis, HasTheMarginsOfTheLoop) {
+  const nlohmann::json document = Analyzed(model_at(3.2), 2, 5).json();
+  const LoopMargins margins = *loop_margins(model_at(3.2));
+  EXPECT_EQ(document.at("phase_margin"), margins.phase);
+  EXPECT_EQ(document.at("delay_margin"), margins.delay * 0.1);
+  EXPECT_EQ(document.at("sensitivity_peak"), margins.sensitivity_peak);
+  EXPECT_TRUE(document.at("critical_delay").is_null()) << "no radio";
+  const nlohmann::json point = to_json(stability_map(model_at(3.2), {{3.2}, {}, {}}), 0.1).at(0);
+  EXPECT_EQ(point.at("phase_margin"), margins.phase);
+}
+
 TEST(Analysis, WarnsIfTheCoefficientsAreTooCoarse) {
   PlatoonModel model = model_at(3.2);
   const StateSpace exact = model.default_vehicle().loop.realization;
