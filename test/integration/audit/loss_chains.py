@@ -101,7 +101,10 @@ class Link:
         if not self.q:
             return self.poles
         if self.white:
-            return self.poles + [mp.sqrt(self.feedback())]
+            shift, predict = np.eye(len(self.c), k=-1), np.eye(len(self.c), k=-1)
+            predict[:1] = [float(x) for x in self.c]
+            growth = float(self.p) * np.kron(shift, shift) + float(self.q) * np.kron(predict, predict)
+            return self.poles + [mp.sqrt(max(abs(np.linalg.eigvals(growth)), default=0.0))]
         return self.poles + [self.mu, 1 - 1 / self.burst]
 
     def response(self):

@@ -58,7 +58,8 @@ def check_stationary(name, model, string, found, findings, analysed):
 
 def check_late(name, model, string, variances, findings, analysed):
     """Compares the table's last step with the stationary variance of the first two followers."""
-    decay = max(abs(z) for z in string.settling())
+    leader = string_of(dict(model, string=["default"]))  # losses amplify its motion, which may settle last
+    decay = max(abs(z) for z in string.settling() + leader.settling())
     steps = int(math.log(1e-14) / math.log(decay) * 2) + 40 if decay < 1 else math.inf
     if steps <= MOST_STEPS["mean_burst" in str(model)]:
         table = analysed(model, "--followers", "2", "--steps", str(steps))["variance"]

@@ -11,26 +11,15 @@ namespace platoon {
 
 namespace {
 
-/// The largest modulus of a pole of 1 / (1 - q L).
-double predictor_radius(const LossModel& loss) {
-  if (loss.predictor.empty()) return 0.0;
-  Polynomial p(static_cast<Eigen::Index>(loss.predictor.size()) + 1);
-  p(0) = 1.0;
-  for (std::size_t j = 0; j < loss.predictor.size(); ++j)
-    p(static_cast<Eigen::Index>(j) + 1) = -loss.probability * loss.predictor[j];
-  return spectral_radius(delta_form(p));
-}
-
-/// A bound of the same for losses with memory, and the memory of their chain.
-double burst_radius(const LossModel& loss) {
+/// A bound of the decay of the predictions, and the memory of the chain.
+double loss_radius(const LossModel& loss) {
   return std::max(std::sqrt(second_moment_radius(loss)), LossChain(loss).memory());
 }
 
 double slowest_radius(const VehicleModel& vehicle) {
   double radius = spectral_radius(vehicle.loop);
   for (const LinkModel* link : links_of(vehicle)) {
-    if (link->loss && link->loss->is_independent()) radius = std::max(radius, predictor_radius(*link->loss));
-    if (link->loses() && !link->loss->is_independent()) radius = std::max(radius, burst_radius(*link->loss));
+    if (link->loses()) radius = std::max(radius, loss_radius(*link->loss));
     if (!link->has_white_noise())
       radius = std::max(radius, spectral_radius(delta_form(link->noise_filter.denominator())));
   }
@@ -40,6 +29,7 @@ double slowest_radius(const VehicleModel& vehicle) {
 }  // namespace
 
 SettlingTime::SettlingTime(const PlatoonModel& model) : vehicles_(pattern(model)) {
+  if (model.recorded_leader.empty()) radius_ = spectral_radius(model.default_vehicle().loop);  // the leader's
   for (const VehicleModel& vehicle : vehicles_) radius_ = std::max(radius_, slowest_radius(vehicle));
 }
 

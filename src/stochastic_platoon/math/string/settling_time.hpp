@@ -27,9 +27,9 @@ private:
 /// unstable:
 /// \f[ k = \sum_i (n_i + m_i) + \frac{N + \sqrt{2 N L} + L}{-\ln \rho}, \qquad L = \ln 10^6, \f]
 /// the quantile of a sum of N exponential delays with the slowest decay (B. Laurent and P. Massart, Ann. Statist. 28,
-/// 2000, lemma 1). rho is the largest modulus of a pole of the closed loops, predictors and noise filters in the
-/// string, n_i the order of loop i, m_i the delay of link i. For losses in bursts it is at least the square root of
-/// their second_moment_radius() and the memory of their LossChain.
+/// 2000, lemma 1). rho is the largest modulus of a pole of the closed loops, the leader's included, and noise filters,
+/// at least the square root of the second_moment_radius() of its losses and the memory of their LossChain; n_i is the
+/// order of loop i, m_i the delay of link i.
 std::optional<std::int64_t> settling_steps(const PlatoonModel& model, std::size_t followers);
 
 }  // namespace platoon

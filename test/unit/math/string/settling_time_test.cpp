@@ -21,7 +21,7 @@ void expect_settled(const PlatoonModel& model, std::size_t followers, const std:
   EXPECT_NEAR(moments.variance.back(), stationary, 1e-5 * stationary) << name << ", " << *steps << " steps";
   double largest = 0.0;
   for (const double mean : moments.mean) largest = std::max(largest, std::abs(mean));
-  EXPECT_LE(std::abs(moments.mean.back()), 1e-5 * largest) << name << ", " << *steps << " steps";
+  EXPECT_NEAR(moments.mean.back(), stationary_means(model, followers).back(), 1e-5 * largest) << name << ", " << *steps << " steps";
 }
 
 TEST(SettlingTime, EndsTheEffectOfTheStart) {
@@ -40,6 +40,23 @@ TEST(SettlingTime, GrowsWithDelaysAndSlowPoles) {
   model.default_vehicle().link.loss = LossModel();
   model.default_vehicle().link.loss->probability = 0.9;
   EXPECT_GT(*settling_steps(model, 20), before + 300) << "a lost position is kept for ten steps on average";
+}
+
+// The second moments of these predictions decay more slowly than their means.
+TEST(SettlingTime, LastsUntilTheSecondMomentsOfPredictionsHaveDecayed) {
+  PlatoonModel model = paper_platoon(8.0);
+  model.default_vehicle().link.loss = LossModel{0.3, std::nullopt, {0.0, 1.6, -0.6}};
+  expect_settled(model, 3, "predictions");
+}
+
+// Losses of a moving platoon add a variance, which settles with the motion of the leader.
+TEST(SettlingTime, LastsUntilASlowLeaderHasSettled) {
+  PlatoonModel model = paper_platoon(40.0);
+  VehicleModel quick = paper_platoon(8.0).default_vehicle();
+  quick.link.loss = LossModel{0.2, std::nullopt, {0.5, 0.5}};
+  model.types.push_back({"quick", quick, {}});
+  model.string = {1};
+  expect_settled(model, 2, "slow leader");
 }
 
 TEST(SettlingTime, DoesNotExistForAnUnstableVehicle) {
