@@ -11,7 +11,7 @@ platoon_packages=(
 )
 platoon_test_packages=(
   catkin-lint chromium chromium-driver doxygen fonts-dejavu-core iproute2 libjs-mathjax munge parallel rviz slurm-wlm xvfb
-  libgtest-dev librandom123-dev librostest-dev mypy python3-mpmath python3-rostest python3-selenium librosbag-dev
+  libgtest-dev librandom123-dev librostest-dev mypy python3-mpmath python3-pandas python3-rostest python3-selenium librosbag-dev
 )
 platoon_debian=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
 # Packages that not every Debian has; without them the tests `installed` and `format` are skipped.

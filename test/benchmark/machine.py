@@ -53,6 +53,9 @@ class Machine:
         while process.poll() is None:
             if watch:
                 watch(process)
+            if "dashboard" in arguments and live_platoon.completed_summary(output):  # the page would stay
+                process.send_signal(signal.SIGINT)
+                process.wait()
             time.sleep(0.02)
         summary = live_platoon.summary_of(output)
         if not summary["complete"] or summary["positions_lost"] != 0:

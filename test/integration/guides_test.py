@@ -2,6 +2,7 @@
 """The guides (launch/guides): every command line works as typed, every block of Python runs with the values of its comments, and every
 other block that names a file in /tmp in its first line becomes this file."""
 
+import importlib.util
 import os
 import re
 import unittest
@@ -12,7 +13,7 @@ import readme_test
 from code_blocks import BLOCK, CodeTest
 
 FOLDER = os.path.join("launch", "guides")
-PART = re.compile(r"^```(\w*)\n(.*?)^```$|^((?:    .*\n)+)", re.M | re.S)
+PART = re.compile(r"^```(\w*)\n(.*?)^```$|^((?:    [^\n]*\n)+)", re.M | re.S)
 NAMED = re.compile(r"(?:#|//|%) (/tmp/\S+)\n")
 # Blocks that no test runs: another program is needed, or the block quotes a file of the package.
 QUOTED = {"matlab", "cpp", "cmake", ""}
@@ -74,11 +75,10 @@ class Guides(readme_test.Commands, CodeTest):
                     lines = []
                     if NAMED.match(block):
                         self.save(block)
+                    elif language == "python" and ("import pandas" not in block or importlib.util.find_spec("pandas")):
+                        self.run_block(block.replace("/tmp/", self.folder + "/"), session)
                     elif language == "python":
-                        try:
-                            self.run_block(block.replace("/tmp/", self.folder + "/"), session)
-                        except SystemExit as needs:
-                            self.assertRegex(str(needs), "^needs: apt install")
+                        print("left out, without pandas: a block of " + name)
                     else:
                         self.fail("a block of {} that names no file".format(language))
                 self.type_all(lines)
