@@ -7,7 +7,7 @@ platoon_packages=(
   libdiagnostic-updater-dev libdiagnostic-msgs-dev libtf2-msgs-dev
   libboost-program-options-dev libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev pybind11-dev python3-dev
   python3-diagnostic-msgs python3-diagnostic-updater python3-geometry-msgs python3-matplotlib python3-nav-msgs python3-numpy
-  python3-rosbag python3-rospy python3-std-msgs python3-std-srvs
+  python3-rosbag python3-rospy python3-scipy python3-std-msgs python3-std-srvs python3-yaml
 )
 platoon_test_packages=(
   catkin-lint chromium chromium-driver doxygen fonts-dejavu-core iproute2 libjs-mathjax munge parallel rviz slurm-wlm xvfb

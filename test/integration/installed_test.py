@@ -73,7 +73,8 @@ class Installed(unittest.TestCase):
         return run(". install/setup.bash; " + command, self.folder, self.inside, **environment)
 
     def test_every_tool_runs(self):
-        for tool in ("analyze", "bag_statistics", "check", "check_vehicle", "configure", "export", "merge", "monte_carlo", "plot", "recorded_drive", "report", "sweep", "watch"):
+        for tool in ("analyze", "bag_statistics", "check", "check_vehicle", "configure", "export", "merge", "monte_carlo", "plot", "recorded_drive",
+                     "report", "sweep", "tune", "watch"):
             self.assertIn("--version", self.installed("rosrun stochastic_platoon {} --help".format(tool)))
             self.assertRegex(self.installed("rosrun stochastic_platoon {} --version".format(tool)),
                              r"^stochastic_platoon [0-9.]+\n$")

@@ -12,7 +12,7 @@ from folder import FolderTest
 
 TOOLS = ["analyze", "bag_statistics", "check", "check_vehicle", "configure", "merge", "monte_carlo", "sweep"]
 NODES = ["channel", "follower", "leader", "markers", "monitor", "platoon", "player", "until_complete", "vehicle_replay"]
-SCRIPTS = ["dashboard", "export", "odometry_vehicle", "plot", "recorded_drive", "report", "watch"]
+SCRIPTS = ["dashboard", "export", "odometry_vehicle", "plot", "recorded_drive", "report", "tune", "watch"]
 
 
 def run(*command):

@@ -165,7 +165,7 @@ class Errors(PlotTest):
 
     def test_programs_without_the_environment_name_the_setup_file(self):
         bare = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-        for name in ("plot", "watch", "dashboard", "recorded_drive"):
+        for name in ("plot", "watch", "dashboard", "recorded_drive", "tune"):
             done = subprocess.run([os.path.join(TOOLS, name), "--version"], env=bare, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                   universal_newlines=True)
             self.assertEqual(done.returncode, 1)

@@ -19,9 +19,10 @@ from .simulation import Trajectories, UnsavedResults, monte_carlo, trajectories
 from .sweeps import Sweep
 from .tables import Ages, Amplification, Gaps, Moments
 from .theory import Analysis, StabilityMap, analyze, stability_map
+from .tuning import Tuning, tune
 
 __all__ = [
     "__version__", "Ages", "Amplification", "Analysis", "Configuration", "Gaps", "Model", "Moments", "Recording", "Results",
-    "StabilityMap", "Sweep", "Trajectories", "UnsavedResults", "Vehicle", "analyze", "check", "monte_carlo", "shipped_file", "stability_map",
-    "trajectories",
+    "StabilityMap", "Sweep", "Trajectories", "Tuning", "UnsavedResults", "Vehicle", "analyze", "check", "monte_carlo", "shipped_file",
+    "stability_map", "trajectories", "tune",
 ]

@@ -1,0 +1,301 @@
+"""Which values of a model's keys make a figure of the theory least, within a box and subject to other figures."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from dataclasses import dataclass, field
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+
+import numpy as np
+
+from .bounds import lower_bound
+from .model import Model, PathLike
+from .simulation import monte_carlo, run_settings
+from .tuning_problem import Array, Condition, Constraint, Figure, Point, Problem, Progress, box_of
+
+FEASIBLE = 1e-7  # relative distance that the search keeps from a bound
+BINDING = 1e-4  # relative distance at which a bound counts as reached
+STEP = 1e-4  # of differences, as a share of the box
+
+
+def search(problem: Problem, starts: Sequence[Array] = ()) -> Point:
+    """The best point: differential evolution over the box, sequential quadratic programming and a simplex from its best points. With
+    `starts`, from these alone."""
+    from scipy import optimize
+
+    size = len(problem.over)
+    places = list(starts)
+    if not places:
+        corners = np.array(np.meshgrid(*[[0.0, 1.0]] * size)).reshape(size, -1).T if size <= 4 else np.empty((0, size))
+        random = np.random.RandomState(1)
+        columns = [(random.permutation(10 * size) + 0.5) / (10 * size) for _ in range(size)]
+        population = np.vstack([np.array(columns).T, 0.002 + 0.996 * corners])
+
+        def evaluated(function: Callable[[Array], float], places: Iterable[Array]) -> List[float]:
+            chosen = list(places)
+            problem.prepare(chosen)
+            return [function(place) for place in chosen]
+
+        problem.prepare(list(corners))
+        optimize.differential_evolution(lambda place: problem.at(place).merit, [(0.0, 1.0)] * size, init=population, maxiter=5 * size,
+                                        tol=1e-3, seed=1, polish=False, updating="deferred", workers=evaluated)
+        ranked = sorted(problem.evaluated.values(), key=lambda point: point.merit)
+        for point in ranked:
+            place = problem.place_of(point.values)
+            if len(places) < 2 and all(np.abs(place - other).max() > 0.1 for other in places):
+                places.append(place)
+    problem.stage = "polish"
+    for place in places:
+        polish(problem, place)
+    before = problem.best()
+    simplex(problem, problem.place_of(before.values), 0.01)
+    if problem.best().merit < before.merit - 1e-7 * abs(before.merit):
+        polish(problem, problem.place_of(problem.best().values))
+    return problem.best()
+
+
+def simplex(problem: Problem, place: Array, size: float) -> None:
+    from scipy import optimize
+
+    # A verdict has no slope: only the simplex finds the border of a region that it bounds.
+    verdicts = any(constraint.wanted is not None for constraint in problem.constraints)
+    corners = np.vstack([place, place + np.diag(np.where(place < 0.5, size, -size))])
+    optimize.minimize(lambda at: problem.at(at).merit, place, method="Nelder-Mead",
+                      options={"initial_simplex": corners, "maxfev": (60 if verdicts else 20) * place.size, "xatol": 1e-7, "fatol": 1e-12})
+
+
+def polish(problem: Problem, place: Array) -> None:
+    """Sequential quadratic programming with central differences inside the box."""
+    from scipy import optimize
+
+    start = problem.at(place)
+    if start.goal is None:
+        return
+    unit = max(abs(float(start.goal)), 1e-12)
+
+    def slope(function: Callable[[Array], Any], at: Array) -> Array:
+        problem.prepare([at] + [place for pair in neighbours(np.clip(at, 0.0, 1.0)) for place in pair])
+        return derivative(function, at)
+
+    def margins(at: Array) -> Array:
+        point = problem.at(at)
+        return np.array([margin - FEASIBLE for constraint, figure in zip(problem.constraints, point.figures) if constraint.wanted is None
+                         for margin in constraint.margins(figure)])
+
+    def goal(at: Array) -> float:
+        point = problem.at(at)
+        broken = any(constraint.wanted is not None and constraint.wanted != figure
+                     for constraint, figure in zip(problem.constraints, point.figures))
+        return 10.0 if point.goal is None or broken else float(point.goal) / unit
+
+    conditions = [] if margins(place).size == 0 else [
+        {"type": "ineq", "fun": margins, "jac": lambda at: slope(margins, at)}]
+    optimize.minimize(goal, place, jac=lambda at: slope(goal, at), method="SLSQP", bounds=[(0.0, 1.0)] * place.size,
+                      constraints=conditions, options={"maxiter": 15, "ftol": 1e-9})
+
+
+def neighbours(place: Array) -> List[Tuple[Array, Array]]:
+    """For each axis the places behind and ahead, inside the unit cube."""
+    steps = STEP * np.eye(place.size)
+    return [(np.maximum(place - step, 0.0), np.minimum(place + step, 1.0)) for step in steps]
+
+
+def derivative(function: Callable[[Array], Any], place: Array) -> Array:
+    """By central differences, one-sided at the faces of the unit cube; the last axis is that of the place."""
+    pairs = enumerate(neighbours(np.clip(place, 0.0, 1.0)))
+    return np.stack([(np.asarray(function(ahead)) - np.asarray(function(behind))) / (ahead[axis] - behind[axis])
+                     for axis, (behind, ahead) in pairs], axis=-1)
+
+
+@dataclass
+class Tuning:
+    """The result of tune()."""
+
+    model: Model  #: the tuned model
+    minimise: str
+    variables: Dict[str, float]
+    goal: float
+    figures: Dict[str, Figure]  #: those of the constraints, at the optimum
+    binding: List[str]  #: the constraints, and the variables at an end of their box
+    sensitivity: Dict[str, float]  #: derivatives of the goal: by each variable, and by each binding constraint's bound
+    bound: Optional[float]  #: no point of the box has a smaller goal; None without a proof
+    bound_reason: str  #: how the bound was found, or why there is none
+    evaluations: int
+    confirmation: Optional[Dict[str, Any]] = None  #: realizations, max_abs_z, agrees and verdict of monte_carlo()
+    front: List[Dict[str, Any]] = field(default_factory=list)  #: the Pareto front: `over`, `against` and `variables` of each point
+    axes: Tuple[str, str] = ("", "")  #: of the front: over, against
+
+    def to_dict(self) -> Dict[str, Any]:
+        """The content of tune.json."""
+        document: Dict[str, Any] = {
+            name: getattr(self, name) for name in ("minimise", "variables", "goal", "figures", "binding", "sensitivity", "bound",
+                                                   "bound_reason", "evaluations", "confirmation")}
+        if self.front:
+            document["pareto"] = {"over": self.axes[0], "against": self.axes[1], "points": self.front}
+        return document
+
+    def save(self, folder: PathLike) -> None:
+        """Writes tune.json and model.yaml into a new or empty folder. Raises FileExistsError if it has one of them."""
+        os.makedirs(folder, exist_ok=True)
+        for name, document in (("model.yaml", self.model.to_dict()), ("tune.json", self.to_dict())):
+            with open(os.path.join(folder, name), "x") as file:
+                file.write(json.dumps(document, indent=1) + "\n")
+
+    @property
+    def report(self) -> str:
+        """The result as text."""
+        lines = ["Least {}: {:.9g}".format(self.minimise, self.goal)]
+        lines += ["  {}: {:.9g}{}".format(key, value, " (at an end of its box)" if key in self.binding else "")
+                  for key, value in self.variables.items()]
+        lines += ["  {}: {}{}".format(name, "{:.9g}".format(value) if isinstance(value, float) else str(value).lower(),
+                                      " (binding)" if name in self.binding else "") for name, value in self.figures.items()]
+        ends = [key for key in self.variables if key in self.binding]
+        if ends:
+            lines.append("The box binds: a smaller goal may lie beyond the end of {}".format(", ".join(ends)))
+        lines += ["Sensitivity: the goal changes by {:.6g} per unit of {}".format(value, name + (" bound" if name in self.figures else ""))
+                  for name, value in self.sensitivity.items()]
+        lines.append("No point of this box reaches less than {:.9g} ({:.3g} % below the goal): {}".format(
+            self.bound, 100.0 * (1.0 - self.bound / self.goal), self.bound_reason) if self.bound is not None else
+            "No lower bound: " + self.bound_reason)
+        if self.confirmation:
+            lines.append("monte_carlo, {realizations} realizations: {verdict}".format(**self.confirmation))
+        return "\n".join(lines) + "\n"
+
+
+def sensitivities(problem: Problem, best: Point) -> Tuple[List[str], Dict[str, float]]:
+    """The binding constraints and variables, and the derivatives of the goal."""
+    place = problem.place_of(best.values)
+    at_end = [key for key, u in zip(problem.over, place) if min(u, 1.0 - u) <= 1e-6]
+    active = [(constraint, k) for constraint, figure in zip(problem.constraints, best.figures) if constraint.wanted is None
+              for k, margin in enumerate(constraint.margins(figure)) if abs(margin) <= BINDING]
+    goal = derivative(lambda at: _number(problem.at(at).goal), place)
+    by_value = derivative(lambda at: np.array(problem.values_at(at)), place).diagonal()
+    result = {key: float(slope / unit) for key, slope, unit in zip(problem.over, goal, by_value) if math.isfinite(slope)}
+    free = [axis for axis, key in enumerate(problem.over) if key not in at_end]
+    if active and free:
+        every = derivative(lambda at: np.array([_number(figure) for figure in problem.at(at).figures]), place)
+        slopes = np.array([every[problem.constraints.index(constraint)] for constraint, _ in active])
+        if np.isfinite(slopes).all() and np.isfinite(goal).all():
+            multipliers = np.linalg.lstsq(slopes[:, free].T, goal[free], rcond=None)[0]
+            result.update({constraint.figure: float(value) for (constraint, _), value in zip(active, multipliers)})
+    return [constraint.figure for constraint, _ in active] + at_end, result
+
+
+def _number(value: Figure) -> float:
+    return math.nan if value is None else float(value)
+
+
+def require_dependence(problem: Problem, best: Point) -> None:
+    """Raises ValueError for variables that change neither the goal nor a constraint."""
+    place = problem.place_of(best.values)
+    idle = []
+    for axis, key in enumerate(problem.over):
+        others = []
+        for u in (0.1, 0.35, 0.6, 0.85):
+            moved = place.copy()
+            moved[axis] = u
+            others.append(problem.at(moved))
+        if all(point.goal == best.goal and point.figures == best.figures for point in others):
+            idle.append("over: {}: neither {} nor a constraint depends on it: must be left out".format(key, problem.minimise))
+    if idle:
+        raise ValueError("\n".join(idle))
+
+
+def require_feasible(problem: Problem, best: Point) -> None:
+    """Raises ValueError if no point satisfies all constraints, with the nearest one."""
+    if best.violation == 0.0:
+        return
+    where = ", ".join("{} {:.6g}".format(key, value) for key, value in zip(problem.over, best.values))
+    broken = ["subject_to: no point found satisfies all constraints; nearest at {}:".format(where)]
+    if best.goal is None:
+        broken.append("{}: does not exist there".format(problem.minimise))
+    for k, constraint in enumerate(problem.constraints):
+        if min(constraint.margins(best.figures[k]) + [0.0]) < 0.0:
+            alone = [point.figures[k] for point in problem.evaluated.values() if point.figures[k] is not None]
+            reached = max(alone, key=lambda value: min(constraint.margins(value) + [0.0])) if alone else None
+            broken.append("{}: {}: {} (nearest of all points: {})".format(constraint.figure, _text(best.figures[k]), constraint, _text(reached)))
+    raise ValueError("\n".join(broken))
+
+
+def _text(value: Figure) -> str:
+    return "none" if value is None else str(value).lower() if isinstance(value, bool) else "{:.9g}".format(value)
+
+
+def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], subject_to: Optional[Mapping[str, Condition]] = None,
+         pareto: Optional[Mapping[str, Any]] = None, followers: int = 20, steps: Optional[int] = None,
+         collision_probability: Optional[float] = None, realizations: int = 1000, bound_seconds: float = 120.0,
+         progress: Progress = lambda stage, evaluations, goal: None) -> Tuning:
+    """The values of the keys `over` at which the figure `minimise` is least.
+
+    `over`: {key of the model: [low, high]}, as {"controller/kp": [0.1, 2.0]}. `minimise`: the path of a figure in the JSON of
+    `analyze`, as "limit_variance" or "stationary_variance/19", or a key of the model. `subject_to`: {figure: true, false, a bound, or
+    [low, high]}; a single number is a lower bound of margins and critical values other than headways, and an upper bound of every
+    other figure. A point where a figure does not exist is infeasible. `pareto`: {"over": figure, "against": figure, "points": n}
+    adds a front. `collision_probability`, `followers` and `steps` as of analyze(). `realizations`: of the confirmation; 0: none.
+    `bound_seconds`: most time for the lower bound; 0: none. The result does not depend on chance.
+
+    Raises ValueError for unknown figures and keys, an empty box, a key that nothing depends on, and constraints that no point
+    satisfies; ImportError without SciPy.
+    """
+    box = box_of(model, over)
+    constraints = [Constraint.of(figure, condition) for figure, condition in (subject_to or {}).items()]
+    probability = "" if collision_probability is None else repr(float(collision_probability))
+    settings = run_settings(followers=followers, steps=steps)
+    problem = Problem(model, minimise, box, constraints, settings, probability, progress)
+    best = search(problem)
+    require_feasible(problem, best)
+    require_dependence(problem, best)
+    binding, slopes = sensitivities(problem, best)
+    best = problem.best()
+    found = problem.model_at(best.values)
+    bound, reason = lower_bound(found, minimise, box, float(best.goal or 0.0), best.values, bound_seconds,
+                                lambda boxes, least: progress("bound", boxes, least))
+    result = Tuning(found, minimise, dict(zip(box, best.values)), _number(best.goal),
+                    dict(zip((constraint.figure for constraint in constraints), best.figures)), binding, slopes, bound, reason,
+                    len(problem.evaluated))
+    if pareto is not None:
+        result.axes, result.front = front_of(problem, pareto)
+    if realizations > 0:
+        progress("monte_carlo", realizations, result.goal)
+        result.confirmation = confirmed(found, realizations, followers, steps)
+    return result
+
+
+def confirmed(model: Model, realizations: int, followers: int, steps: Optional[int]) -> Optional[Dict[str, Any]]:
+    """The scores of a simulation against the theory; None if it is not compared."""
+    results = monte_carlo(model, realizations=realizations, followers=followers, steps=steps)
+    verdicts = [line for line in str(results.report).splitlines() if "the largest |z| is" in line]
+    if results.max_abs_z is None or not verdicts:
+        return None
+    return {"realizations": realizations, "max_abs_z": results.max_abs_z, "agrees": "DISAGREE" not in verdicts[0], "verdict": verdicts[0]}
+
+
+def front_of(problem: Problem, pareto: Mapping[str, Any]) -> Tuple[Tuple[str, str], List[Dict[str, Any]]]:
+    """The least `over` for evenly spaced upper bounds of `against`, between the value of `against` at the least `over` and its own
+    least value. Raises ValueError."""
+    unknown = sorted(set(pareto) - {"over", "against", "points"})
+    points = pareto.get("points", 20)
+    if unknown or not {"over", "against"} <= set(pareto) or isinstance(points, bool) or not isinstance(points, int) or points < 2:
+        raise ValueError("pareto: {!r}: must be over: FIGURE, against: FIGURE, points: 2 or more".format(dict(pareto)))
+    over, against = str(pareto["over"]), str(pareto["against"])
+
+    def solve(goal: str, bounds: List[Constraint], starts: Sequence[Array]) -> Tuple[Problem, Point]:
+        other = Problem(problem.model, goal, problem.over, problem.constraints + bounds, problem.settings, problem.collision_probability,
+                        problem.progress, "front")
+        return other, search(other, starts)
+
+    _, least_against = solve(against, [Constraint(over)], ())
+    ends, least_over = solve(over, [Constraint(against)], ())
+    low, high = _number(least_against.goal), _number(least_over.figures[-1])
+    if least_against.violation or least_over.violation or not low < high:
+        raise ValueError("pareto: {} and {} do not compete in this box: both are least at the same point".format(over, against))
+    front, place = [], ends.place_of(least_over.values)
+    for level in np.linspace(high, low, points):
+        bound = Constraint(against, high=float(level) + 1e-6 * abs(float(level)))
+        _, best = solve(over, [bound], [place, ends.place_of(least_against.values)])
+        if best.violation == 0.0:
+            place = ends.place_of(best.values)
+            front.append({"over": best.goal, "against": best.figures[-1], "variables": dict(zip(problem.over, best.values))})
+    return (over, against), front

@@ -1,0 +1,269 @@
+"""The goal and the constraints of a tuning, as functions of a place in the unit cube."""
+
+from __future__ import annotations
+
+import math
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _platoon
+from .model import Model, handle_of
+
+Array = NDArray[np.float64]
+Figure = Union[float, bool, None]
+Condition = Union[bool, float, Sequence[Optional[float]]]
+Progress = Callable[[str, int, float], None]
+
+#: Figures of which more is better: a single number is their lower bound.
+AT_LEAST = ("phase_margin", "delay_margin", "critical_delay", "critical_loss_probability", "critical_mean_burst")
+SIGNALS = ("gap", "speed", "acceleration", "jerk")
+NEAR = 0.02  # violation up to which the search computes the goal
+WORST = 1e12  # above every goal: an infeasible point
+
+
+def at_path(document: Any, path: str) -> Any:
+    """The value at a path into JSON, "norms/mean_l2/3" or with dots. Raises KeyError. Internal."""
+    for part in path.replace(".", "/").split("/"):
+        if isinstance(document, Mapping) and part in document:
+            document = document[part]
+        elif isinstance(document, (list, np.ndarray)) and part.isdigit() and int(part) < len(document):
+            document = document[int(part)]
+        else:
+            raise KeyError(path)
+    return document
+
+
+def figures_of(document: Any, prefix: str = "") -> List[str]:
+    """The paths of all numbers and truth values of an analysis; lists by their first entry. Internal."""
+    if isinstance(document, Mapping):
+        return [path for key in document for path in figures_of(document[key], prefix + "/" + key if prefix else key)]
+    if isinstance(document, (list, np.ndarray)) and len(document):
+        return figures_of(document[0], prefix + "/0")
+    return [] if isinstance(document, (str, list, np.ndarray)) else [prefix]
+
+
+def whole_number(value: Any) -> Figure:
+    """A figure as Python's own number; None for one that does not exist. Raises ValueError for a list or a text."""
+    if value is None or isinstance(value, (bool, np.bool_)):
+        return None if value is None else bool(value)
+    if isinstance(value, (str, list, dict, np.ndarray)):
+        raise ValueError("must be a single number")
+    return float(value) if math.isfinite(float(value)) else None
+
+
+def model_value(model: Model, path: str) -> Any:
+    """The value of a key of a model. Raises KeyError. Internal."""
+    return model.time_headway_seconds if path == "time_headway_seconds" else at_path(model.to_dict(), path)
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A figure and what it must be: `wanted`, or from `low` to `high`."""
+
+    figure: str
+    low: float = -math.inf
+    high: float = math.inf
+    wanted: Optional[bool] = None
+
+    @classmethod
+    def of(cls, figure: str, condition: Condition) -> Constraint:
+        """Raises ValueError unless the condition is true, false, a bound or a pair of bounds, not empty."""
+        if isinstance(condition, bool):
+            return cls(figure, wanted=condition)
+        try:
+            if isinstance(condition, (int, float)):
+                at_least = figure.split("/")[-1] in AT_LEAST
+                low, high = (float(condition), math.inf) if at_least else (-math.inf, float(condition))
+            else:
+                first, last = condition
+                low = -math.inf if first is None else float(first)
+                high = math.inf if last is None else float(last)
+        except (TypeError, ValueError):
+            low, high = math.nan, math.nan
+        if not low <= high:
+            raise ValueError("subject_to: {}: {!r}: must be true, false, a number, or [low, high] with low <= high".format(
+                figure, condition))
+        return cls(figure, low, high)
+
+    @property
+    def scale(self) -> float:
+        return max([abs(bound) for bound in (self.low, self.high) if math.isfinite(bound)] + [1e-9])
+
+    def margins(self, value: Figure) -> List[float]:
+        """Relative distances to each bound, negative if it is violated."""
+        if self.wanted is not None:
+            return [0.0 if value == self.wanted else -1.0]
+        if value is None:
+            return [-1.0] * (math.isfinite(self.low) + math.isfinite(self.high))
+        return [(value - self.low) / self.scale] * math.isfinite(self.low) + [(self.high - value) / self.scale] * math.isfinite(self.high)
+
+    def __str__(self) -> str:
+        if self.wanted is not None:
+            return "must be {}".format(str(self.wanted).lower())
+        if self.low == -math.inf or self.high == math.inf:
+            return "must be {} {:g}".format(*("at most", self.high) if self.low == -math.inf else ("at least", self.low))
+        return "must be from {:g} to {:g}".format(self.low, self.high)
+
+
+class Point(NamedTuple):
+    """A point of the box and its figures."""
+
+    values: Tuple[float, ...]
+    goal: Figure
+    figures: Tuple[Figure, ...]  #: one per constraint
+    violation: float  #: 0 if all constraints hold and the goal exists
+
+    @property
+    def merit(self) -> float:
+        """The goal, or a number above every goal that grows with the violation."""
+        return float(self.goal or 0.0) if self.violation == 0.0 else WORST * (1.0 + self.violation)
+
+
+@dataclass
+class Problem:
+    """The goal as a function of the place in the unit cube. Values below a decade of range are linear, others logarithmic."""
+
+    model: Model
+    minimise: str
+    over: Dict[str, Tuple[float, float]]
+    constraints: List[Constraint]
+    settings: Dict[str, str]
+    collision_probability: str = ""
+    progress: Progress = lambda stage, evaluations, goal: None
+    stage: str = "search"
+    evaluated: Dict[Tuple[float, ...], Point] = field(default_factory=dict)
+    least: Optional[Point] = None
+    threads: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(os.cpu_count()))
+
+    def __post_init__(self) -> None:
+        paths = [self.minimise] + [constraint.figure for constraint in self.constraints]
+        self.signals = ",".join(name for name in SIGNALS if any(path.replace(".", "/").startswith("signals/" + name) for path in paths))
+        if any(path.startswith("collision") for path in paths) and not self.collision_probability:
+            raise ValueError("collision_probability: missing: must be given for figures of collision")
+        everything = self.analyze(self.model, set())
+        self.of_model = set()
+        problems = []
+        for path in paths:
+            try:
+                at_path(everything, path)
+            except KeyError:
+                try:
+                    model_value(self.model, path)
+                    self.of_model.add(path)
+                    continue
+                except KeyError:
+                    problems.append("{}: no figure of the analysis and no key of the model: must be one of {}".format(
+                        path, ", ".join(sorted(figures_of(everything)))))
+                    continue
+            try:
+                whole_number(at_path(everything, path))
+            except ValueError as error:
+                problems.append("{}: {}: name one of its entries, as {}".format(path, error, (figures_of(at_path(everything, path), path) + ["-"])[0]))
+        if problems:
+            raise ValueError("\n".join(problems))
+        first, *others = (None if path in self.of_model else path.replace(".", "/").split("/")[0] for path in paths)
+        self.goal_key = first
+        self.keys = {key for key in others if key is not None}
+        self.logarithmic = [low > 0.0 and high >= 10.0 * low for low, high in self.over.values()]
+
+    def analyze(self, model: Model, keys: set) -> Dict[str, Any]:  # type: ignore[type-arg]
+        return _platoon.analyze(handle_of(model), self.settings, self.signals, self.collision_probability, keys)[0]
+
+    def values_at(self, place: Array) -> Tuple[float, ...]:
+        """The keys' values at a place of the unit cube; places outside count as their nearest inside."""
+        values = []
+        for u, (low, high), logarithmic in zip(np.clip(place, 0.0, 1.0), self.over.values(), self.logarithmic):
+            value = low * (high / low) ** float(u) if logarithmic else low + float(u) * (high - low)
+            values.append(low if u == 0.0 else high if u == 1.0 else min(max(value, low), high))
+        return tuple(values)
+
+    def place_of(self, values: Sequence[float]) -> Array:
+        return np.array([math.log(value / low) / math.log(high / low) if logarithmic else (value - low) / (high - low)
+                         for value, (low, high), logarithmic in zip(values, self.over.values(), self.logarithmic)])
+
+    def model_at(self, values: Sequence[float], **changes: Any) -> Model:
+        return self.model.replace({**dict(zip(self.over, values)), **changes})
+
+    def at(self, place: Array) -> Point:
+        """The figures at a place; each place is computed once."""
+        values = self.values_at(place)
+        if values not in self.evaluated:
+            self.keep(self.compute(values))
+        return self.evaluated[values]
+
+    def keep(self, point: Point) -> None:
+        self.evaluated[point.values] = point
+        if self.least is None or point.merit < self.least.merit:
+            self.least = point
+        self.progress(self.stage, len(self.evaluated), self.least.merit)
+
+    def prepare(self, places: Sequence[Array]) -> None:
+        """Computes several places at once; the theory runs in threads."""
+        values = [value for value in dict.fromkeys(self.values_at(place) for place in places) if value not in self.evaluated]
+        for point in self.threads.map(self.compute, values):
+            self.keep(point)
+
+    def compute(self, values: Tuple[float, ...]) -> Point:
+        """The constraints first; while the search looks for the region, the goal only where they hold."""
+        missing = (None,) * len(self.constraints)
+        try:
+            model = self.model_at(values)
+            document = self.analyze(model, self.keys) if self.keys else {}
+            figures = tuple(self.value(constraint.figure, model, document) for constraint in self.constraints)
+            violation = 0.0
+            for constraint, figure in zip(self.constraints, figures):
+                violation += sum(max(0.0, -margin) for margin in constraint.margins(figure))
+                if constraint.figure == "string_stable" and figure is not None and figure != constraint.wanted:
+                    violation += max(0.0, float(document.get("peak_gain") or 1.0) - 1.0)
+            if violation > NEAR and self.stage == "search":
+                return Point(values, None, figures, violation)
+            if self.goal_key is not None and self.goal_key not in self.keys:
+                document = self.analyze(model, {self.goal_key})
+            goal = self.value(self.minimise, model, document)
+        except ValueError:
+            return Point(values, None, missing, 2.0 + len(missing) + self.instability(values))
+        return Point(values, goal, figures, violation if goal is not None else violation + 1.0)
+
+    def value(self, path: str, model: Model, document: Mapping[str, Any]) -> Figure:
+        return whole_number(model_value(model, path) if path in self.of_model else at_path(document, path))
+
+    def instability(self, values: Tuple[float, ...]) -> float:
+        """How far a loop that the model file does not allow is from stability, below 1."""
+        try:
+            radius = self.analyze(self.model_at(values, allow_unstable=True), {"spectral_radius"})["spectral_radius"]
+            return 1.0 - 1.0 / max(float(radius), 1.0)
+        except (ValueError, TypeError):
+            return 1.0
+
+    def best(self) -> Point:
+        assert self.least is not None
+        return self.least
+
+
+def box_of(model: Model, over: Mapping[str, Sequence[float]]) -> Dict[str, Tuple[float, float]]:
+    """The box. Raises ValueError with all problems: empty ones, keys that the model does not have."""
+    box, problems = {}, []
+    for key, ends in over.items():
+        try:
+            low, high = (float(end) for end in ends)
+            if not (math.isfinite(low) and math.isfinite(high) and low < high):
+                raise ValueError
+            box[key] = (low, high)
+        except (TypeError, ValueError):
+            problems.append("over: {}: {!r}: must be [low, high], two finite numbers with low < high".format(key, ends))
+            continue
+        try:
+            model.replace({key: low, "allow_unstable": True})
+        except ValueError as error:
+            if "allow_unstable" not in str(error):
+                problems.append("over: {}: {}".format(key, error))
+    if not over:
+        problems.append("over: empty: must name at least one key of the model, as controller/kp: [0.1, 2.0]")
+    if problems:
+        raise ValueError("\n".join(problems))
+    return box

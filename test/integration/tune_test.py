@@ -1,0 +1,186 @@
+#!/usr/bin/python3
+"""Tuning against grids, its bound against the figure at many points, its files and its messages."""
+
+import json
+import math
+import subprocess
+import unittest
+
+import numpy as np
+import stochastic_platoon as sp
+from stochastic_platoon import bounds
+
+import live_platoon
+from folder import FolderTest
+
+TUNE = live_platoon.shared("src", "tools", "tune")
+PAPER_BOX = {"controller/numerator/0": [0.1, 4.0], "controller/denominator/1": [-0.95, 0.95]}
+ACC = {"plant": {"actuator_lag": 0.1}, "controller": {"kp": 1.0, "kd": 1.0, "headway_filter": True}, "time_headway_seconds": 1.0,
+       "sample_period": 0.01, "noise_variance": 0.01, "standstill_distance": 5.0, "initial_position": {"mean": 0.0, "variance": 0.0},
+       "leader": {"speed": [{"from_step": 0, "value": 20.0}]}}
+
+
+def tuned(model, **options):
+    return sp.tune(model, **{"bound_seconds": 0.0, "realizations": 0, **options})
+
+
+def limit_variance(gain, pole):
+    """Of the paper's car at h = 3.2, by a sum over frequencies; None if it is not string stable."""
+    d = np.convolve([1.0, -2.0, 1.0], [1.0, pole])
+    n = gain / 4.2 * np.array([1.0, 0.0])
+    v = np.polyadd(np.append(d, 0.0), np.convolve(n, [4.2, -3.2]))
+    if (np.abs(np.roots(v)) >= 1.0).any():
+        return None
+    w = (np.arange(20000) + 0.5) * math.pi / 20000
+    z = np.exp(1j * w)
+    d, n, v = (np.abs(np.polyval(p, z)) ** 2 for p in (d, n, v))
+    return 0.6 * (np.mean(d / (v - n)) - 1.0) if (v > n).all() else None
+
+
+class Optima(unittest.TestCase):
+    def test_the_papers_gain_and_pole_are_as_good_as_the_best_of_a_grid(self):
+        result = tuned(sp.Model.load(), minimise="limit_variance", over=PAPER_BOX, subject_to={"string_stable": True})
+        gain, pole = result.variables.values()
+        self.assertAlmostEqual(result.goal / limit_variance(gain, pole), 1.0, places=6)
+        grid = [limit_variance(g, p) for g in np.linspace(0.9, 1.1, 21) * gain for p in pole + np.linspace(-0.1, 0.1, 21) if abs(p) < 0.95]
+        coarse = [limit_variance(g, p) for g in np.linspace(0.1, 4.0, 40) for p in np.linspace(-0.95, 0.95, 39)]
+        self.assertLessEqual(result.goal, min(value for value in grid + coarse if value is not None) * (1.0 + 1e-6))
+
+    def test_the_car_of_cacc_keeps_its_phase_margin_at_half_the_headway(self):
+        result = tuned(sp.Model.load("cacc.yaml"), minimise="critical_headway_seconds", subject_to={"phase_margin": [56, 180]},
+                       over={"controller/kp": [0.01, 2.0], "controller/kd": [0.1, 3.0]})
+        self.assertLessEqual(result.goal, 0.141)
+        self.assertGreaterEqual(result.figures["phase_margin"], 56.0)
+        self.assertIn("phase_margin", result.binding)
+        analysis = sp.analyze(result.model)
+        self.assertAlmostEqual(analysis["critical_headway_seconds"], result.goal, places=9)
+        self.assertAlmostEqual(analysis["phase_margin"], result.figures["phase_margin"], places=9)
+
+    def test_the_sensitivity_to_a_bound_is_the_change_of_the_optimum(self):
+        goals = []
+        for bound in (2.49, 2.5, 2.51):
+            result = tuned(sp.Model.load(), minimise="limit_variance", over=PAPER_BOX, subject_to={"string_stable": True, "sensitivity_peak": bound})
+            self.assertIn("sensitivity_peak", result.binding)
+            goals.append(result.goal)
+            if bound == 2.5:
+                slope = result.sensitivity["sensitivity_peak"]
+        self.assertAlmostEqual((goals[2] - goals[0]) / 0.02 / slope, 1.0, delta=0.02)
+
+    def test_the_box_binds_where_more_gain_is_always_better(self):
+        result = tuned(sp.Model.from_dict(ACC), minimise="critical_headway_seconds",
+                       over={"controller/kp": [0.1, 40.0], "controller/kd": [0.1, 15.0]})
+        self.assertLessEqual(result.goal, 0.22)
+        self.assertIn("controller/kp", result.binding)
+        self.assertIn("The box binds", result.report)
+
+    def test_a_key_of_the_model_is_a_goal(self):
+        result = tuned(sp.Model.load("acc.yaml"), minimise="time_headway_seconds", over={"time_headway_seconds": [0.5, 5.0]},
+                       subject_to={"string_stable": True})
+        self.assertAlmostEqual(result.goal, sp.analyze(sp.Model.load("acc.yaml"))["critical_headway_seconds"], delta=1e-5)
+
+    def test_a_front_falls_from_point_to_point(self):
+        result = tuned(sp.Model.load(), minimise="limit_variance", over={"time_headway": [2.9, 6.0], "controller/numerator/0": [0.5, 2.0]},
+                       subject_to={"string_stable": True}, pareto={"over": "limit_variance", "against": "time_headway", "points": 4})
+        self.assertEqual(len(result.front), 4)
+        pairs = [(point["against"], point["over"]) for point in result.front]
+        self.assertEqual(pairs, sorted(pairs, reverse=True, key=lambda pair: pair[0]))
+        self.assertEqual([over for _, over in pairs], sorted(over for _, over in pairs))
+
+
+class LowerBound(unittest.TestCase):
+    def bound_of(self, model, figure, box, goal, optimum):
+        return bounds.lower_bound(model, figure, box, goal, optimum, 60.0, lambda boxes, least: None)
+
+    def test_of_the_limit_variance_is_below_it_and_close(self):
+        result = sp.tune(sp.Model.load(), minimise="limit_variance", over=PAPER_BOX, subject_to={"string_stable": True}, realizations=0)
+        self.assertLess(result.bound, result.goal)
+        self.assertGreater(result.bound, 0.98 * result.goal)
+
+    def test_of_each_figure_is_below_it_at_every_stable_point_of_a_box(self):
+        random = np.random.RandomState(3)
+        boxes = {"paper.yaml": {"controller/numerator/0": (0.5, 2.0), "controller/denominator/1": (-0.5, 0.9)},
+                 "acc.yaml": {"controller/kp": (0.05, 0.5), "controller/kd": (0.3, 1.5)}}
+        for file, whole in boxes.items():
+            model = sp.Model.load(file)
+            for figure in ("limit_variance", "peak_gain", "sensitivity_peak"):
+                for _ in range(10):
+                    at = np.array([random.uniform(*ends) for ends in whole.values()])
+                    size = 0.1 * random.uniform() * np.array([high - low for low, high in whole.values()])
+                    integrand = bounds.Integrand(bounds.Loop(model, list(whole)), figure, at)
+                    bound = integrand.bounds((at - size)[None, :], (at + size)[None, :])[0]
+                    for corner in [at] + [at + size * random.uniform(-1, 1, 2) for _ in range(3)]:
+                        try:
+                            analysis = sp.analyze(model.replace(dict(zip(whole, corner))), followers=1, steps=1)
+                        except ValueError:  # an unstable loop
+                            continue
+                        if analysis.string_stable or (figure != "limit_variance" and analysis[figure] is not None):
+                            self.assertLessEqual(bound, analysis[figure] * (1.0 + 1e-9), (file, figure, corner))
+
+    def test_of_a_tiny_box_is_the_figure_itself(self):
+        for file, box in (("paper.yaml", {"controller/numerator/0": 1.2, "controller/denominator/1": 0.7}),
+                          ("acc.yaml", {"controller/kp": 0.2, "controller/kd": 0.7})):
+            model, at = sp.Model.load(file).replace(box), np.array(list(box.values()))
+            for figure in ("limit_variance", "sensitivity_peak"):
+                integrand = bounds.Integrand(bounds.Loop(model, list(box)), figure, at)
+                bound = integrand.bounds((at - 1e-9)[None, :], (at + 1e-9)[None, :])[0]
+                self.assertAlmostEqual(bound / sp.analyze(model)[figure], 1.0, delta=0.005, msg=(file, figure))
+
+    def test_does_not_exist_where_it_is_not_proved(self):
+        for file, figure, keys in (("cacc.yaml", "limit_variance", ["controller/kp"]), ("paper.yaml", "rounding", ["controller/numerator/0"]),
+                                   ("paper.yaml", "limit_variance", ["time_headway"]), ("lossy.yaml", "limit_variance", ["controller/numerator/0"])):
+            self.assertTrue(bounds.reason_without_bound(sp.Model.load(file), figure, keys), file)
+        self.assertEqual(bounds.reason_without_bound(sp.Model.load(), "limit_variance", list(PAPER_BOX)), "")
+
+
+class Program(FolderTest):
+    def tune(self, text, *options):
+        file = self.write("tuning.yaml", text)
+        return subprocess.run([TUNE, file, "--bound", "0", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              universal_newlines=True)
+
+    SMALL = "minimise: limit_variance\nover: {controller/numerator/0: [1.0, 2.0]}\nrealizations: 200\n"
+
+    def test_the_same_file_gives_the_same_bytes_and_a_model_for_every_program(self):
+        for folder in ("one", "other"):
+            done = self.tune(self.SMALL, "--output", self.path(folder))
+            self.assertEqual(done.returncode, 0, done.stderr)
+        for name in ("tune.json", "model.yaml"):
+            with open(self.path("one", name), "rb") as one, open(self.path("other", name), "rb") as other:
+                self.assertEqual(one.read(), other.read())
+        with open(self.path("one", "tune.json")) as file:
+            found = json.load(file)
+        self.assertLessEqual({"variables", "goal", "binding", "sensitivity", "bound"}, set(found))
+        self.assertIs(found["confirmation"]["agrees"], True)
+        document = self.path("analysis.json")
+        subprocess.run([live_platoon.executable("analyze"), "--model", self.path("one", "model.yaml"), "--json", document], check=True,
+                       stdout=subprocess.DEVNULL)
+        with open(document) as file:
+            self.assertEqual(json.load(file)["limit_variance"], found["goal"])
+        self.assertIn("has results already", self.tune(self.SMALL, "--output", self.path("one")).stderr)
+
+    def test_bad_input_is_named(self):
+        for text, message in (
+                ("minimise: limit_varianc\nover: {controller/numerator/0: [1, 2]}", "limit_varianc: no figure of the analysis and no key of the model: must be one of"),
+                ("minimise: limit_variance\nover: {controller/numerator/0: [2, 1]}", "over: controller/numerator/0: [2, 1]: must be [low, high]"),
+                ("minimise: limit_variance\nover: {}", "over: empty"),
+                ("minimise: limit_variance\nover: {controller/kq: [1, 2]}", "over: controller/kq: "),
+                ("minimise: limit_variance\nover: {controller/numerator/0: [1, 2]}\nsubject: {}", "subject: unknown: must be one of model"),
+                ("minimise: limit_variance\nover: {controller/numerator/0: [1, 2]}\nsubject_to: {phase_margin: [60, 50]}", "phase_margin: [60, 50]: must be true"),
+                ("minimise: variance\nover: {controller/numerator/0: [1, 2]}", "variance: must be a single number"),
+                ("minimise: spectral_radius\nover: {noise_variance: [1, 2]}", "over: noise_variance: neither spectral_radius nor a constraint depends on it"),
+                ("over: {controller/numerator/0: [1, 2]}", "minimise: missing"),
+                ("minimise: [", "must be YAML")):
+            done = self.tune(text)
+            self.assertEqual(done.returncode, 1, text)
+            self.assertIn(message, done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
+
+    def test_constraints_that_exclude_everything_are_named_with_the_nearest_point(self):
+        done = self.tune(self.SMALL + "subject_to: {phase_margin: 89, string_stable: true}")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("subject_to: no point found satisfies all constraints; nearest at controller/numerator/0", done.stderr)
+        self.assertRegex(done.stderr, r"phase_margin: [\d.]+: must be at least 89")
+
+
+if __name__ == "__main__":
+    unittest.main()
