@@ -124,6 +124,29 @@ class Installed(unittest.TestCase):
                               ROS_MASTER_URI="http://localhost:{}".format(port))
         self.assertIn("vehicle_2 keeps the vehicle contract", said)
 
+    def test_another_package_uses_the_mathematics(self):
+        self.installed("cp -r install/share/stochastic_platoon/launch/examples/string_margin margin && "
+                       "cmake -S margin -B margin/build -DPYTHON_EXECUTABLE=/usr/bin/python3 && make -C margin/build")
+        printed = self.installed("margin/build/devel/lib/string_margin/string_margin")
+        self.assertIn("critical headway 2.8000 sample periods", printed)
+        self.assertIn("variance 1.361445 m^2 of follower 1, 2.281824 m^2 of follower 20, 2.292677 m^2 in an endless string", printed)
+
+    @unittest.skipUnless(os.path.exists(os.path.join(build, "CPackConfig.cmake")) and shutil.which("dpkg-deb"), "needs a build of this package alone, on Debian")
+    def test_the_debian_package_has_the_programs_of_users_below_usr(self):
+        printed = run("cpack -G DEB --config {}/CPackConfig.cmake -B $PWD/.cpack -D CPACK_OUTPUT_FILE_PREFIX=$PWD".format(self.build), self.folder)
+        packages = [name for name in os.listdir(self.folder) if name.endswith(".deb")]
+        self.assertEqual(len(packages), 1, printed)
+        run("dpkg-deb -x {} root".format(packages[0]), self.folder)
+        root = os.path.join(self.folder, "root")
+        files = {os.path.relpath(os.path.join(folder, name), root) for folder, _, names in os.walk(root) for name in names}
+        for file in files:
+            self.assertRegex(file, "^usr/(lib|share|include)/")
+        programs = {os.path.basename(file) for file in files if file.startswith("usr/lib/stochastic_platoon/") and os.access(os.path.join(root, file), os.X_OK)}
+        self.assertTrue({"analyze", "check", "export", "monte_carlo", "plot", "report", "leader"} <= programs)
+        self.assertEqual({name for name in programs if "unit" in name or "test" in name or "without" in name}, set())
+        with open(os.path.join(root, "usr/share/stochastic_platoon/cmake/stochastic_platoonConfig.cmake")) as file:
+            self.assertNotIn("/usr/local", file.read())
+
     def test_nothing_is_installed_that_needs_the_sources(self):
         share = os.path.join(self.folder, "install", "share", "stochastic_platoon")
         self.assertEqual(sorted(os.listdir(share + "/launch")),

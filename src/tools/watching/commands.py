@@ -14,6 +14,7 @@ from .state import PlatoonState
 MANOEUVRES = ("brake", "accelerate", "sinusoid", "cruise")
 CHANGES = ("headway", "noise_variance", "loss")
 PATIENCE = 1.0  # [s] until a service must be available
+FASTEST_CAR = 60.0  # [m/s] kFastestCar
 FASTEST = 1000.0  # [m/s] largest speed that a leader accepts (Manoeuvre::kLargestSpeed)
 
 
@@ -74,7 +75,7 @@ class Commands:
         if self.speed.get_num_connections() == 0:
             return False, "no subscriber of {}: the leader is not running, or accepts no speed".format(self.speed.resolved_name)
         self.speed.publish(speed)
-        return True, "speed {:g} m/s".format(speed)
+        return True, "speed {:g} m/s{}".format(speed, "; cars reach {:g} m/s".format(FASTEST_CAR) if abs(speed) > FASTEST_CAR else "")
 
     def call(self, name: str, parameter: Optional[Dict[str, float]] = None) -> Tuple[bool, str]:
         """Calls a service that reads the parameter of the same name, if any."""

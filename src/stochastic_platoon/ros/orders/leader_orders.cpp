@@ -3,9 +3,11 @@
 #include <ros/console.h>
 
 #include <boost/function.hpp>
+#include <cmath>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/report/plausibility.hpp"
 
 namespace platoon {
 
@@ -55,6 +57,10 @@ void LeaderOrders::receive_speed(const std_msgs::Float64::ConstPtr& message) {
   try {
     manoeuvre_().drive_at(speed);
     ROS_INFO_STREAM("the leader drives at " << speed << " m/s");
+    if (std::abs(speed) > kFastestCar) {
+      ROS_WARN_STREAM_THROTTLE(
+          1.0, "leader/speed: " << speed << " m/s (" << 3.6 * speed << " km/h): cars reach " << kFastestCar << " m/s");
+    }
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(1.0, "leader/speed: " << error.what());
   }

@@ -12,10 +12,10 @@ namespace platoon {
 
 namespace {
 
-constexpr double kFastest = 60.0, kHardest = 10.0, kReversing = -0.1;  // [m/s], [m/s^2], [m/s]
-constexpr double kShortestHeadway = 0.05, kLongestHeadway = 10.0;      // [s]
-constexpr double kOneInAHundred = 2.58;                                // standard deviations, both tails
-constexpr std::size_t kMostTheory = 100'000;                           // of the theory that is computed for warnings
+constexpr double kHardest = 10.0, kReversing = -0.1;               // [m/s^2], [m/s]
+constexpr double kShortestHeadway = 0.05, kLongestHeadway = 10.0;  // [s]
+constexpr double kOneInAHundred = 2.58;                            // standard deviations, both tails
+constexpr std::size_t kMostTheory = 100'000;                       // of the theory that is computed for warnings
 
 double fastest_of_leader(const PlatoonModel& model) {
   double fastest = 0.0;
@@ -97,9 +97,9 @@ std::vector<std::string> plausibility_warnings(const Configuration& configuratio
   const PlatoonModel& model = configuration.model;
   const RunOptions& run = configuration.run;
   std::vector<std::string> warnings;
-  if (const double speed = fastest_of_leader(model); speed > kFastest) {
+  if (const double speed = fastest_of_leader(model); speed > kFastestCar) {
     warnings.push_back(
-        formatted("leader: speed of %.6g m/s (%.6g km/h): cars reach %g m/s", speed, 3.6 * speed, kFastest));
+        formatted("leader: speed of %.6g m/s (%.6g km/h): cars reach %g m/s", speed, 3.6 * speed, kFastestCar));
   }
   add_headways(model, warnings);
   add_standstill(model, run.followers, warnings);

@@ -8,6 +8,8 @@
 
 namespace platoon {
 
+constexpr double kFastestCar = 60.0;  ///< [m/s]
+
 /// A sentence for each property of the platoon that no road vehicle has, with its value and unit; empty if there is
 /// none:
 ///
