@@ -38,6 +38,7 @@ class EveryTool(unittest.TestCase):
                 done = run(program, option)
                 self.assertEqual(done.returncode, 0, program)
                 self.assertIn("--version", done.stdout)
+                self.assertRegex(done.stdout, r"Example: (rosrun\s+stochastic_platoon )?\w")
 
     def test_the_help_offers_nothing_that_is_rejected(self):
         text = run(live_platoon.executable("monte_carlo"), "--help").stdout
