@@ -50,7 +50,7 @@ def reason_without_bound(model: Model, figure: str, variables: Sequence[str]) ->
         return "exists for the gains and coefficients of the controller, not for {}".format(", ".join(others))
     channel = document.get("channel", {})
     if not model.is_homogeneous or document.get("inputs") or "closed_loop" in document or any(
-            channel.get(key) for key in ("loss", "delay", "quantisation", "quantiser", "noise_numerator", "noise_denominator", "noise")):
+            channel.get(key) for key in ("loss", "delay", "quantisation_step", "noise_filter")):
         return "exists for one type of vehicle with radar over channels that add white noise only"
     return ""
 
