@@ -294,7 +294,10 @@ def front_of(problem: Problem, pareto: Mapping[str, Any]) -> Tuple[Tuple[str, st
     front, place = [], ends.place_of(least_over.values)
     for level in np.linspace(high, low, points):
         bound = Constraint(against, high=float(level) + 1e-6 * abs(float(level)))
-        _, best = solve(over, [bound], [place, ends.place_of(least_against.values)])
+        for start in (place, ends.place_of(least_against.values)):
+            _, best = solve(over, [bound], [start])
+            if best.violation == 0.0:
+                break
         if best.violation == 0.0:
             place = ends.place_of(best.values)
             front.append({"over": best.goal, "against": best.figures[-1], "variables": dict(zip(problem.over, best.values))})
