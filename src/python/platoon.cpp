@@ -23,6 +23,7 @@
 #include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/results/trajectories_csv.hpp"
+#include "stochastic_platoon/run/scaling/rare_run.hpp"
 #include "stochastic_platoon/run/scaling/whole_run.hpp"
 
 namespace platoon::python {
@@ -52,6 +53,34 @@ py::dict stability_map(const Model& model, const std::vector<double>& headways, 
   }));
 }
 
+/// Settings of a computation that an exception of a callback, or Ctrl-C, stops; it is to be raised at the end.
+struct Supervision {
+  std::exception_ptr raised;
+  ShardSettings how;
+
+  Supervision(unsigned threads, double checkpoint_seconds, const std::function<void(std::uint64_t)>& progress,
+              const std::function<void(std::string)>& warn) {
+    how.threads = threads > 0 ? threads : std::max(std::thread::hardware_concurrency(), 1u);
+    how.checkpoint_seconds = checkpoint_seconds;
+    how.progress = [this, progress](std::uint64_t done) {
+      if (raised) return;
+      const py::gil_scoped_acquire lock;
+      try {
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        progress(done);
+      } catch (...) {
+        raised = std::current_exception();
+      }
+    };
+    how.stop = [this] { return raised != nullptr; };
+    how.stop_seconds = 0.3;
+    how.warn = [warn](const std::string& text) {
+      const py::gil_scoped_acquire lock;
+      warn(text);
+    };
+  }
+};
+
 py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads, double checkpoint_seconds,
                          const std::function<void(std::uint64_t)>& progress,
                          const std::function<void(std::string)>& warn) {
@@ -60,40 +89,34 @@ py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads
   configuration.run.hosting = Hosting::monte_carlo;
   if (configuration.run.averaging() == Averaging::over_time)
     throw ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
-  // An exception of the callback, or Ctrl-C, stops the run and is raised at its end.
-  std::exception_ptr raised;
-  ShardSettings how;
-  how.threads = threads > 0 ? threads : std::max(std::thread::hardware_concurrency(), 1u);
-  how.checkpoint_seconds = checkpoint_seconds;
-  how.progress = [&](std::uint64_t done) {
-    if (raised) return;
-    const py::gil_scoped_acquire lock;
-    try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      progress(done);
-    } catch (...) {
-      raised = std::current_exception();
-    }
-  };
-  how.stop = [&] { return raised != nullptr; };
-  how.stop_seconds = 0.3;
-  how.warn = [&](const std::string& text) {
-    const py::gil_scoped_acquire lock;
-    warn(text);
-  };
+  Supervision supervised(threads, checkpoint_seconds, progress, warn);
   if (!configuration.run.output.empty()) require_writable_folder(configuration.run.output);
   std::string text, unsaved;
   ResultTables tables;
   unlocked([&] {
-    const WholeRun run = compute_run(configuration, how);
+    const WholeRun run = compute_run(configuration, supervised.how);
     unsaved = run.unsaved;
-    if (raised) return;
+    if (supervised.raised) return;
     const auto files = result_files(configuration, run.prediction, run.result);
     tables = parse_results([&](const std::string& name) { return files.at(name); }, "monte_carlo");
     text = report(configuration, run.prediction, run.result);
   });
-  if (raised) std::rethrow_exception(raised);
+  if (supervised.raised) std::rethrow_exception(supervised.raised);
   return py::make_tuple(plain_object_of(tables.summary), dict_of(std::move(tables.tables)), text, unsaved);
+}
+
+py::tuple rare_of(const Model& model, const Settings& settings, const Settings& options, unsigned threads,
+                  double checkpoint_seconds, const std::function<void(std::uint64_t, std::uint64_t)>& progress,
+                  const std::function<void(std::string)>& warn) {
+  Configuration configuration = model.configuration(settings);
+  configuration.run.hosting = Hosting::monte_carlo;
+  const RareOptions given = rare_options(options);
+  const RareRun run = unlocked([&] { return rare_run(configuration, given); });
+  Supervision supervised(
+      threads, checkpoint_seconds, [&](std::uint64_t done) { progress(done, run.samples()); }, warn);
+  const RareResult result = unlocked([&] { return compute_rare(run, supervised.how); });
+  if (supervised.raised) std::rethrow_exception(supervised.raised);
+  return py::make_tuple(plain_object_of(nlohmann::json::parse(result.files.at("rare.json"))), result.report);
 }
 
 // (seconds of the steps, {quantity: positions of vehicles 0, 1, ... in turn, step by step}).
@@ -174,14 +197,20 @@ PYBIND11_MODULE(_platoon, module) {
              py::arg("mean_burst"));
   module.def("monte_carlo", &monte_carlo_of, py::arg("model"), py::arg("settings"), py::arg("threads"),
              py::arg("checkpoint_seconds"), py::arg("progress"), py::arg("warn"));
+  module.def("rare", &rare_of, py::arg("model"), py::arg("settings"), py::arg("options"), py::arg("threads"),
+             py::arg("checkpoint_seconds"), py::arg("progress"), py::arg("warn"));
   module.def("trajectories", &trajectories_of, py::arg("model"), py::arg("settings"), py::arg("realization"));
-  module.def("read_results", [](const std::string& folder) {
-    ResultTables results = unlocked([&] {
-      const auto read = [&](const std::string& name) { return read_file(folder + "/" + name, kMostWrittenBytes); };
-      return parse_results(read, folder);
-    });
-    return py::make_tuple(plain_object_of(results.summary), dict_of(std::move(results.tables)));
-  });
+  const auto read_by = [](const char* summary) {
+    return [summary](const std::string& folder) {
+      ResultTables results = unlocked([&] {
+        const auto read = [&](const std::string& name) { return read_file(folder + "/" + name, kMostWrittenBytes); };
+        return parse_results(read, folder, nullptr, summary);
+      });
+      return py::make_tuple(plain_object_of(results.summary), dict_of(std::move(results.tables)));
+    };
+  };
+  module.def("read_results", read_by("summary.json"));
+  module.def("read_rare", read_by("rare.json"));
   module.def("check_results", [](const std::string& folder) {
     const ResultCheck check = unlocked([&] { return check_results(folder); });
     return py::make_tuple(check.problems, check.passed);

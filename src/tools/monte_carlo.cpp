@@ -2,8 +2,6 @@
 // with the same bits. Writes the same statistics.csv and summary.json, or a shard for merge; --repeat runs a
 // summary.json again. A run that was interrupted or killed continues with the same command.
 
-#include <atomic>
-#include <csignal>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -19,34 +17,15 @@
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
 #include "stochastic_platoon/run/results/trajectories_csv.hpp"
-#include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "stochastic_platoon/run/scaling/whole_run.hpp"
 #include "tools/command_line.hpp"
+#include "tools/long_run.hpp"
 
 namespace {
-
-constexpr int kInterrupted = 130;  // exit status, as the shell's after Ctrl-C
-
-// Ctrl-C or a scheduler's SIGTERM stops the run after the batches that have begun; the same signal again ends the
-// program at once.
-std::atomic<bool> stop_requested{false};
-
-void request_stop(int signal) {
-  stop_requested = true;
-  std::signal(signal, SIG_DFL);
-}
 
 platoon::ProgressDisplay display_of(const platoon::RunOptions& run, std::uint64_t realizations) {
   return {realizations, "realizations", static_cast<double>(run.followers) * static_cast<double>(run.steps),
           "vehicle-steps"};
-}
-
-// Returns whether all realizations are done.
-bool reported(const std::string& name, std::uint64_t done, std::uint64_t of) {
-  if (done < of) {
-    std::cout << name << ": stopped after " << done << " of " << of << " realizations: the same command continues\n";
-  }
-  return done == of;
 }
 
 // Returns whether the run is complete.
@@ -61,29 +40,7 @@ bool run_whole(const platoon::Configuration& configuration, platoon::ShardSettin
   if (!run.unsaved.empty()) throw std::runtime_error(run.unsaved);
   if (run.result.realizations > 0)
     std::cout << "Results: " << configuration.run.output << "/statistics.csv and summary.json\n";
-  return reported("monte_carlo", run.result.realizations, configuration.run.realizations);
-}
-
-// Returns whether the shard is complete.
-bool run_shard(platoon::Configuration configuration, const std::string& text, platoon::ShardSettings settings) {
-  platoon::RunOptions& options = configuration.run;
-  const platoon::ShardRun shard{configuration, platoon::parse_shard(text, options.realizations)};
-  const std::string name = platoon::name_of(shard.shard);
-  // A restarted shard keeps its name, so that it takes over its folder and its lock.
-  options.launch_id = name;
-  const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(options);
-  const platoon::RealizationRange range = shard.range();
-  platoon::ProgressDisplay display = display_of(options, range.size());
-  settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
-  const auto [checkpoint, computed, unsaved] = platoon::compute_shard({configuration, shard.shard}, settings);
-  display.finish();
-  if (!unsaved.empty()) throw std::runtime_error(unsaved);
-  const std::uint64_t done = checkpoint.totals.count();
-  if (done == range.size()) {
-    std::cout << name << ": complete: realizations " << range.first << " to " << range.end - 1 << " of "
-              << options.realizations << ", " << computed << " of them computed now: " << options.output << "\n";
-  }
-  return reported(name, done, range.size());
+  return platoon::reported("monte_carlo", run.result.realizations, configuration.run.realizations);
 }
 
 /// The configuration in the summary of a run, with another output folder. Throws ConfigurationError if it cannot be
@@ -126,10 +83,7 @@ void write_trajectories(const platoon::Configuration& configuration, const std::
   const std::string text = platoon::trajectories_csv(configuration, realization),
                     file = configuration.run.output + "/trajectories.csv";
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-  if (platoon::may_exist(file))
-    throw platoon::ConfigurationError(
-        {"output: " + file + ": exists and is never overwritten: must be another folder"});
-  platoon::write_atomically(file, text);
+  platoon::write_new(file, text);
   std::cout << "Realization " << realization << ": " << file << "\n";
 }
 
@@ -142,9 +96,9 @@ int main(int argc, char** argv) {
        "Example: monte_carlo --model acc.yaml --realizations 1e5 --output /tmp/acc",
        {"model", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst", "delay", "leader", "followers",
         "steps", "realizations", "batch", "seed", "signals", "output", "burn_in"},
-       {{"threads", "worker threads (one per core); the result does not depend on it"},
-        {"shard", "I/N: only part I = 0 .. N - 1 of the realizations, for merge"},
-        {"checkpoint_seconds", "seconds between checkpoints (10), from which the same command continues"},
+       {{"threads", platoon::kThreadsHelp},
+        {"shard", platoon::kShardHelp},
+        {"checkpoint_seconds", platoon::kCheckpointHelp},
         {"repeat", "summary.json of a run: repeats it into another output folder and compares the results"},
         {"only", "number of a realization of the run: with --trajectories, instead of the run"},
         {"trajectories", "writes trajectories.csv: every position, input and signal of that realization"}},
@@ -156,17 +110,9 @@ int main(int argc, char** argv) {
         {"output", "folder for the results"},
         {"burn_in", "steps that amplification.csv leaves out (none)"}}});
   platoon::ignore_file_size_signal();
-  for (const int signal : {SIGINT, SIGTERM}) {
-    if (std::signal(signal, request_stop) == SIG_IGN) std::signal(signal, SIG_IGN);  // a job in the background
-  }
+  platoon::stop_on_signals();
   try {
-    platoon::ShardSettings how;
-    how.threads = platoon::threads_of(given);
-    how.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
-    how.stop = [] { return stop_requested.load(); };
-    if (given.has("checkpoint_seconds"))
-      how.checkpoint_seconds = platoon::number_of(platoon::option_name("checkpoint_seconds"),
-                                                  given["checkpoint_seconds"], platoon::kPositive);
+    const platoon::ShardSettings how = platoon::shard_settings(given);
     std::optional<platoon::RecordedResults> recorded;
     if (given.has("repeat")) recorded = repeated(given["repeat"], given.settings);
     std::map<std::string, std::string> settings = given.settings;
@@ -187,8 +133,11 @@ int main(int argc, char** argv) {
     if (recorded && given.has("shard"))
       throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
     const bool complete =
-        given.has("shard") ? run_shard(configuration, given["shard"], how) : run_whole(configuration, how);
-    if (!complete) return kInterrupted;
+        given.has("shard")
+            ? platoon::run_shard({configuration, platoon::parse_shard(given["shard"], configuration.run.realizations)},
+                                 how, platoon::batch_work(configuration.model, platoon::ensemble_of(configuration.run)))
+            : run_whole(configuration, how);
+    if (!complete) return platoon::kInterrupted;
     if (recorded) require_equal(*recorded, configuration.run.output, given["repeat"]);
     return 0;
   } catch (const std::exception& error) {

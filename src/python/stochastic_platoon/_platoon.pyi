@@ -35,6 +35,16 @@ def monte_carlo(
     progress: Callable[[int], None],
     warn: Callable[[str], None],
 ) -> Tuple[Dict[str, Any], Dict[str, Columns], str, str]: ...
+def rare(
+    model: Model,
+    settings: Dict[str, str],
+    options: Dict[str, str],
+    threads: int,
+    checkpoint_seconds: float,
+    progress: Callable[[int, int], None],
+    warn: Callable[[str], None],
+) -> Tuple[Dict[str, Any], str]: ...
+def read_rare(folder: str) -> Tuple[Dict[str, Any], Dict[str, Columns]]: ...
 def trajectories(
     model: Model, settings: Dict[str, str], realization: int
 ) -> Tuple[NDArray[np.float64], Dict[str, NDArray[np.float64]]]: ...

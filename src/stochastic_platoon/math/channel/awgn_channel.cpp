@@ -17,8 +17,8 @@ void scale_and_add(double value, const double* in, std::size_t size, double* out
 
 }  // namespace detail
 
-AwgnChannel::AwgnChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver)
-    : noise_(seed), deviation_(standard_deviation("noise variance", noise_variance)), receiver_(receiver) {}
+AwgnChannel::AwgnChannel(double noise_variance, const WhiteNoise& noise, std::uint32_t receiver)
+    : noise_(noise), deviation_(standard_deviation("noise variance", noise_variance)), receiver_(receiver) {}
 
 void AwgnChannel::transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,
                            double* received) const {

@@ -12,7 +12,7 @@ namespace platoon {
 class AwgnChannel {
 public:
   /// noise_variance is P_d [m^2], receiver is i >= 1. Throws std::invalid_argument unless P_d is finite and >= 0.
-  AwgnChannel(double noise_variance, std::uint64_t seed, std::uint32_t receiver);
+  AwgnChannel(double noise_variance, const WhiteNoise& noise, std::uint32_t receiver);
 
   /// sent and received: one position per realization first_realization .. first_realization + count - 1 [m].
   void transmit(std::int64_t step, std::uint64_t first_realization, const double* sent, std::size_t count,

@@ -37,9 +37,9 @@ void add_noise(double deviation, const double* noise, std::size_t size, double* 
 
 }  // namespace detail
 
-ColouredNoise::ColouredNoise(double noise_variance, const TransferFunction& filter, std::uint64_t seed,
+ColouredNoise::ColouredNoise(double noise_variance, const TransferFunction& filter, const WhiteNoise& noise,
                              std::uint32_t receiver)
-    : deviation_(standard_deviation("noise variance", noise_variance)), draws_(seed), receiver_(receiver) {
+    : deviation_(standard_deviation("noise variance", noise_variance)), draws_(noise), receiver_(receiver) {
   const Polynomial &n = filter.numerator(), &d = filter.denominator();
   if (n.size() > d.size()) throw std::invalid_argument("noise filter: must be proper: no more zeros than poles");
   const Eigen::Index order = d.size() - 1, lead = d.size() - n.size();

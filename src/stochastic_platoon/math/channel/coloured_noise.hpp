@@ -16,7 +16,7 @@ class ColouredNoise : public LinkStage {
 public:
   /// noise_variance is P_d [m^2], receiver i >= 1. Throws std::invalid_argument unless P_d is finite and >= 0 and W is
   /// proper.
-  ColouredNoise(double noise_variance, const TransferFunction& filter, std::uint64_t seed, std::uint32_t receiver);
+  ColouredNoise(double noise_variance, const TransferFunction& filter, const WhiteNoise& noise, std::uint32_t receiver);
 
   bool keeps_state() const override { return !registers_.empty(); }
   void start(std::uint64_t first_realization, std::size_t count, const double* positions) override;

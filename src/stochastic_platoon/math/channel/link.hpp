@@ -32,10 +32,10 @@ struct LinkEnds {
 class Link {
 public:
   /// receiver is i >= 1. Throws std::invalid_argument if the constructor of a stage does.
-  Link(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver);
+  Link(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver);
 
   /// The radio into vehicle i, which transmits v(k) = u(k-1) of its predecessor (see FeedForward).
-  static Link radio(const PlatoonModel& model, std::uint64_t seed, std::uint32_t receiver);
+  static Link radio(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver);
 
   /// A link of these stages, in this order.
   explicit Link(std::vector<std::unique_ptr<LinkStage>> stages);

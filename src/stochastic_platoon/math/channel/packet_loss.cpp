@@ -77,8 +77,8 @@ std::uint8_t ModeChances::after(std::size_t mode, double uniform) const {
   return found->mode;
 }
 
-PacketLoss::PacketLoss(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver)
-    : loss_(loss), draws_(seed), receiver_(receiver), used_(loss.predictor.size()) {
+PacketLoss::PacketLoss(const LossModel& loss, const WhiteNoise& noise, std::uint32_t receiver)
+    : loss_(loss), draws_(noise), receiver_(receiver), used_(loss.predictor.size()) {
   if (!(loss.probability >= 0.0 && loss.probability < 1.0)) {
     throw std::invalid_argument("loss probability: " + std::to_string(loss.probability) +
                                 ": must be from 0 to below 1");

@@ -38,7 +38,7 @@ private:
 class PacketLoss : public LinkStage {
 public:
   /// receiver is i >= 1. Throws std::invalid_argument unless 0 <= q < 1.
-  PacketLoss(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver);
+  PacketLoss(const LossModel& loss, const WhiteNoise& noise, std::uint32_t receiver);
 
   bool keeps_state() const override { return true; }
   void start(std::uint64_t first_realization, std::size_t count, const double* positions) override;

@@ -23,8 +23,8 @@ void quantise(double step_size, const double* uniforms, std::size_t size, double
 
 }  // namespace detail
 
-Quantiser::Quantiser(double step_size, std::uint64_t seed, std::uint32_t receiver)
-    : step_size_(step_size), draws_(seed), receiver_(receiver) {
+Quantiser::Quantiser(double step_size, const WhiteNoise& noise, std::uint32_t receiver)
+    : step_size_(step_size), draws_(noise), receiver_(receiver) {
   if (step_size > 0.0 && std::isfinite(step_size)) return;
   throw std::invalid_argument("quantisation step: " + std::to_string(step_size) + ": must be finite and > 0 [m]");
 }

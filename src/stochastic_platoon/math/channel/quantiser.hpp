@@ -11,7 +11,7 @@ namespace platoon {
 class Quantiser : public LinkStage {
 public:
   /// step_size is D [m], receiver i >= 1. Throws std::invalid_argument unless D is finite and > 0.
-  Quantiser(double step_size, std::uint64_t seed, std::uint32_t receiver);
+  Quantiser(double step_size, const WhiteNoise& noise, std::uint32_t receiver);
 
   bool keeps_state() const override { return false; }
   void start(std::uint64_t, std::size_t, const double*) override {}

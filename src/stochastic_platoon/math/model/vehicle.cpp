@@ -2,8 +2,8 @@
 
 namespace platoon {
 
-FollowerVehicle::FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index)
-    : noise_(seed), index_(index) {
+FollowerVehicle::FollowerVehicle(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t index)
+    : noise_(noise), index_(index) {
   const VehicleModel& own = vehicle(model, index);
   loop_ = loop_batch(own.loop);
   initial_place_ = own.initial_position.mean + place_in_formation(model, index);

@@ -17,7 +17,7 @@ namespace platoon {
 class FollowerVehicle {
 public:
   /// Throws std::invalid_argument unless the variance of the initial positions is finite and >= 0.
-  FollowerVehicle(const PlatoonModel& model, std::uint64_t seed, std::uint32_t index);
+  FollowerVehicle(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t index);
 
   /// Step -1 of realizations first .. first + count - 1; writes y_i(-1) [m].
   void start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions);

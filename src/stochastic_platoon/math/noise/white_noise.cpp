@@ -203,6 +203,28 @@ void fill_by(detail::TransformWords transform, std::uint64_t seed, DrawName name
   }
 }
 
+// The same for changed draws, run by run of equal or successive origins.
+void fill_changed(detail::TransformWords transform, std::uint64_t seed, const ChangedDraws& changes, DrawName name,
+                  std::uint64_t first_realization, std::size_t count, double* values) {
+  std::array<std::uint64_t, 256> origins;
+  for (std::size_t from = 0; from < count; from += origins.size()) {
+    const std::size_t size = std::min(origins.size(), count - from);
+    double* const here = values + from;
+    changes.origins(name.step, first_realization + from, size, origins.data());
+    for (std::size_t r = 0, end; r < size; r = end) {
+      end = r + 1;
+      if (r > 0 && origins[r] == origins[r - 1]) {
+        here[r] = here[r - 1];
+      } else if (origins[r] == ChangedDraws::kNoNoise) {
+        here[r] = 0.0;
+      } else {
+        while (end < size && origins[end] == origins[end - 1] + 1) ++end;
+        fill_by(transform, seed, name, origins[r], end - r, here + r);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 double standard_deviation(const char* name, double variance) {
@@ -220,12 +242,15 @@ std::string slow_noise() {
 }
 
 void WhiteNoise::fill(DrawName name, std::uint64_t first_realization, std::size_t count, double* normals) const {
-  fill_by(fastest().box_muller, seed_, name, first_realization, count, normals);
+  if (changes_ == nullptr) return fill_by(fastest().box_muller, seed_, name, first_realization, count, normals);
+  fill_changed(fastest().box_muller, seed_, *changes_, name, first_realization, count, normals);
+  changes_->shift(name, first_realization, count, normals);
 }
 
 void WhiteNoise::fill_uniform(DrawName name, std::uint64_t first_realization, std::size_t count,
                               double* uniforms) const {
-  fill_by(fastest().uniform_pairs, seed_, name, first_realization, count, uniforms);
+  if (changes_ == nullptr) return fill_by(fastest().uniform_pairs, seed_, name, first_realization, count, uniforms);
+  fill_changed(fastest().uniform_pairs, seed_, *changes_, name, first_realization, count, uniforms);
 }
 
 }  // namespace platoon

@@ -3,7 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace platoon {
@@ -13,6 +15,7 @@ enum class Purpose : std::uint32_t {
   noise = 0,   ///< channel noise; the vehicle's initial position at step -1
   dither = 1,  ///< dither of a quantiser
   loss = 2,    ///< whether a position arrives
+  choice = 3,  ///< choices of an estimator of rare events
 };
 
 /// Name of one draw: the receiving vehicle, the step and the purpose. Step -1 names the initial position.
@@ -20,6 +23,22 @@ struct DrawName {
   std::uint32_t vehicle;  ///< i >= 1, below 2^24
   std::int64_t step;      ///< k >= -1, below 2^47
   Purpose purpose = Purpose::noise;
+};
+
+/// Changes of draws, by which conditioned and branched realizations are simulated like any others.
+class ChangedDraws {
+public:
+  /// The origin of draws that are 0 before the shift.
+  static constexpr std::uint64_t kNoNoise = ~std::uint64_t{0};
+
+  virtual ~ChangedDraws() = default;
+
+  /// Writes, for realizations first .. first + count - 1, the realizations whose draws they have at this step.
+  virtual void origins(std::int64_t step, std::uint64_t first, std::size_t count, std::uint64_t* origins) const = 0;
+
+  /// Adds the shifts of these realizations to their normal draws.
+  virtual void shift(const DrawName& /*name*/, std::uint64_t /*first*/, std::size_t /*count*/,
+                     double* /*normals*/) const {}
 };
 
 /// Standard normal white noise g(seed, i, k, r) as a pure function of its arguments (paper, assumption d).
@@ -34,7 +53,9 @@ struct DrawName {
 /// Salmon et al., Parallel random numbers: as easy as 1, 2, 3, SC 2011.
 class WhiteNoise {
 public:
-  explicit WhiteNoise(std::uint64_t seed) : seed_(seed) {}
+  /// `changes`: none for the draws as above. A seed alone is white noise, too.
+  WhiteNoise(std::uint64_t seed, std::shared_ptr<const ChangedDraws> changes = nullptr)  // NOLINT
+      : seed_(seed), changes_(std::move(changes)) {}
 
   /// Writes g for realizations first .. first + count - 1 (below 2^48).
   void fill(DrawName name, std::uint64_t first_realization, std::size_t count, double* normals) const;
@@ -44,6 +65,7 @@ public:
 
 private:
   std::uint64_t seed_;
+  std::shared_ptr<const ChangedDraws> changes_;
 };
 
 /// The standard deviation [m] of a variance [m^2]. Throws std::invalid_argument, with the variance's name, unless it is

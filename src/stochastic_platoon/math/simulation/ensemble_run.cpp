@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <future>
+#include <memory>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/interruption.hpp"
@@ -26,11 +27,29 @@ double now() {
 
 }  // namespace
 
-EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range,
-                         EnsembleTotals earlier, double hand_over_seconds)
-    : model_(model),
-      ensemble_(ensemble),
-      cells_(cells_of(model, ensemble)),
+BatchWork batch_work(const PlatoonModel& model, const Ensemble& ensemble) {
+  const auto computation = [model, ensemble]() -> BatchWork::Computation {
+    auto string = std::make_shared<PlatoonString>(model, ensemble.seed, ensemble.followers,
+                                                  steps_before(signals_of(model, ensemble.signals, 1)));
+    return [ensemble, string, cells = cells_of(model, ensemble),
+            signals = signals_of_all(model, ensemble.signals, ensemble.followers)](
+               const RealizationRange& batch, const std::function<void()>& check, EnsembleTotals& own) {
+      BatchTotals totals(batch.first, batch.size(), cells);
+      string->run(batch.first, batch.size(), ensemble.steps,
+                  [&](std::size_t follower, std::int64_t step, const SignalPositions& positions) {
+                    check();
+                    totals.add(follower, step, signals[follower - 1], positions);
+                  });
+      totals.finish();
+      own.add(std::move(totals));
+    };
+  };
+  return {EnsembleTotals(cells_of(model, ensemble)), ensemble.batch, computation};
+}
+
+EnsembleRun::EnsembleRun(BatchWork work, const RealizationRange& range, EnsembleTotals earlier,
+                         double hand_over_seconds)
+    : work_(std::move(work)),
       hand_over_seconds_(hand_over_seconds),
       waiting_(earlier.moments.missing(range)),
       totals_(std::move(earlier)) {
@@ -40,6 +59,10 @@ EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, co
   all_begun_ = waiting_.empty();
 }
 
+EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range,
+                         EnsembleTotals earlier, double hand_over_seconds)
+    : EnsembleRun(batch_work(model, ensemble), range, std::move(earlier), hand_over_seconds) {}
+
 EnsembleRun::EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range)
     : EnsembleRun(model, ensemble, range, EnsembleTotals(cells_of(model, ensemble))) {}
 
@@ -48,7 +71,7 @@ bool EnsembleRun::take(RealizationRange* batch) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (waiting_.empty()) return false;
   RealizationRange& next = waiting_.back();
-  const std::uint64_t multiple = (next.first / ensemble_.batch + 1) * ensemble_.batch;
+  const std::uint64_t multiple = (next.first / work_.batch + 1) * work_.batch;
   *batch = {next.first, std::min(multiple, next.end)};
   next.first = batch->end;
   if (next.size() == 0) waiting_.pop_back();
@@ -60,7 +83,7 @@ bool EnsembleRun::hand_over(EnsembleTotals& own) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::uint64_t count = own.count();
   totals_.merge(own);
-  own = EnsembleTotals(cells_);
+  own = work_.none;
   outstanding_ -= count;
   return outstanding_ == 0 && count > 0;
 }
@@ -68,26 +91,18 @@ bool EnsembleRun::hand_over(EnsembleTotals& own) {
 bool EnsembleRun::work() {
   RealizationRange batch;
   if (!take(&batch)) return false;
-  const std::vector<FollowerSignals> signals = signals_of_all(model_, ensemble_.signals, ensemble_.followers);
-  PlatoonString string(model_, ensemble_.seed, ensemble_.followers, steps_before(signals.front()));
-  EnsembleTotals own(cells_);
+  const BatchWork::Computation compute = work_.computation();
+  EnsembleTotals own = work_.none;
   double handed_over = now();
-  const auto run = [&](BatchTotals& totals) {
-    string.run(batch.first, batch.size(), ensemble_.steps,
-               [&](std::size_t follower, std::int64_t step, const SignalPositions& positions) {
-                 if (abandoned_.load(std::memory_order_relaxed)) throw Interrupted();
-                 totals.add(follower, step, signals[follower - 1], positions);
-               });
+  const std::function<void()> check = [this] {
+    if (abandoned_.load(std::memory_order_relaxed)) throw Interrupted();
   };
   do {
-    BatchTotals totals(batch.first, batch.size(), cells_);
     try {
-      run(totals);
+      compute(batch, check, own);
     } catch (const Interrupted&) {
       return hand_over(own);
     }
-    totals.finish();
-    own.add(std::move(totals));
     done_ += batch.size();
     const bool is_full = own.moments.blocks().size() * own.moments.cells() >= kMostOwnCells;
     if (is_full || now() - handed_over >= hand_over_seconds_) {

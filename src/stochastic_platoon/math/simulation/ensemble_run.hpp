@@ -22,12 +22,27 @@ struct Ensemble {
   std::vector<std::string> signals = {};  ///< in addition to the tracking errors: see signal_kinds()
 };
 
-/// Computes a range of an ensemble's realizations in any number of threads, each of which processes batch after batch.
+/// The computation of batches of realizations, for any number of threads.
+struct BatchWork {
+  EnsembleTotals none;  ///< without realizations
+  std::uint64_t batch;  ///< realizations computed side by side, >= 1
+  /// Adds a batch to the totals. Calls `check` at intervals of milliseconds, and passes its exceptions on.
+  using Computation =
+      std::function<void(const RealizationRange& batch, const std::function<void()>& check, EnsembleTotals& totals)>;
+  std::function<Computation()> computation;  ///< called once in every thread
+};
+
+/// That of a Monte Carlo run.
+BatchWork batch_work(const PlatoonModel& model, const Ensemble& ensemble);
+
+/// Computes a range of realizations in any number of threads, each of which processes batch after batch.
 /// The results do not depend on the threads or on the realizations present at the start.
 class EnsembleRun {
 public:
-  /// Continues from `earlier`, which contains some of the realizations. A thread hands over its results after
-  /// hand_over_seconds [s], or when they reach a size limit; see read().
+  EnsembleRun(BatchWork work, const RealizationRange& range, EnsembleTotals earlier,
+              double hand_over_seconds = std::numeric_limits<double>::infinity());
+  /// A Monte Carlo run that continues from `earlier`, which contains some of the realizations. A thread hands over its
+  /// results after hand_over_seconds [s], or when they reach a size limit; see read().
   EnsembleRun(const PlatoonModel& model, const Ensemble& ensemble, const RealizationRange& range,
               EnsembleTotals earlier, double hand_over_seconds = std::numeric_limits<double>::infinity());
   /// Starts without earlier results.
@@ -61,9 +76,7 @@ private:
   bool take(RealizationRange* batch);
   bool hand_over(EnsembleTotals& own);
 
-  const PlatoonModel model_;
-  const Ensemble ensemble_;
-  const SignalCells cells_;
+  const BatchWork work_;
   const double hand_over_seconds_;
 
   mutable std::mutex mutex_;

@@ -4,7 +4,8 @@
 
 namespace platoon {
 
-PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers, std::size_t before)
+PlatoonString::PlatoonString(const PlatoonModel& model, const WhiteNoise& noise, std::size_t followers,
+                             std::size_t before)
     : leader_(model),
       before_(std::max(before, depends_on_gap(model) ? std::size_t{2} : std::size_t{1})),
       predecessor_(kStepsAtOnce + before_),
@@ -12,10 +13,10 @@ PlatoonString::PlatoonString(const PlatoonModel& model, std::uint64_t seed, std:
       predecessor_inputs_(kStepsAtOnce + 1),
       own_inputs_(kStepsAtOnce + 1) {
   for (std::uint32_t i = 1; i <= followers; ++i) {
-    followers_.emplace_back(model, seed, i);
-    links_.emplace_back(model, seed, i);
+    followers_.emplace_back(model, noise, i);
+    links_.emplace_back(model, noise, i);
     radios_.emplace_back();
-    if (sends_input(model, i - 1, followers)) radios_.back().emplace(Link::radio(model, seed, i));
+    if (sends_input(model, i - 1, followers)) radios_.back().emplace(Link::radio(model, noise, i));
   }
 }
 

@@ -17,7 +17,7 @@ namespace platoon {
 class PlatoonString {
 public:
   /// `before`: number of earlier own positions in every call of the sink, from 1 to Signal::kHighestOrder.
-  PlatoonString(const PlatoonModel& model, std::uint64_t seed, std::size_t followers, std::size_t before = 1);
+  PlatoonString(const PlatoonModel& model, const WhiteNoise& noise, std::size_t followers, std::size_t before = 1);
 
   /// Receives the positions of follower i and its predecessor at step k, from which its signals follow.
   using PositionSink = std::function<void(std::size_t follower, std::int64_t step, const SignalPositions& positions)>;

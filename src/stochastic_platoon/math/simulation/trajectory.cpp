@@ -39,7 +39,7 @@ std::vector<double> values_of(const Signal& signal, const Trajectory& predecesso
 
 }  // namespace
 
-void for_each_trajectory(const PlatoonModel& model, std::uint64_t seed, std::size_t followers, std::int64_t steps,
+void for_each_trajectory(const PlatoonModel& model, const WhiteNoise& noise, std::size_t followers, std::int64_t steps,
                          std::uint64_t realization, const std::vector<std::string>& signals,
                          const std::function<void(const Trajectory&)>& take) {
   const auto count = static_cast<std::size_t>(steps);
@@ -47,10 +47,10 @@ void for_each_trajectory(const PlatoonModel& model, std::uint64_t seed, std::siz
   take(predecessor);
   for (std::uint32_t i = 1; i <= followers; ++i) {
     const bool hears = !predecessor.input.empty(), is_heard = sends_input(model, i, followers);
-    FollowerVehicle follower(model, seed, i);
-    Link link(model, seed, i);
+    FollowerVehicle follower(model, noise, i);
+    Link link(model, noise, i);
     std::optional<Link> radio;
-    if (hears) radio.emplace(Link::radio(model, seed, i));
+    if (hears) radio.emplace(Link::radio(model, noise, i));
     Trajectory of;
     of.position.resize(1);
     follower.start(realization, 1, of.position);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 
 namespace platoon {
 
@@ -22,7 +23,7 @@ struct Trajectory {
 
 /// Calls `take` with vehicles 0 .. followers, in turn, in one realization of a run, bit for bit. `signals`: see
 /// signal_kinds().
-void for_each_trajectory(const PlatoonModel& model, std::uint64_t seed, std::size_t followers, std::int64_t steps,
+void for_each_trajectory(const PlatoonModel& model, const WhiteNoise& noise, std::size_t followers, std::int64_t steps,
                          std::uint64_t realization, const std::vector<std::string>& signals,
                          const std::function<void(const Trajectory&)>& take);
 

@@ -127,6 +127,8 @@ std::size_t place_of_checksum(const std::string& text) {
 
 using Files = std::map<std::string, std::string>;  // contents by name
 
+constexpr char kSummary[] = "summary.json";
+
 Files tables_of(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   Files tables{{"statistics.csv", statistics_csv(configuration, prediction, result)}};
   if (!result.signals.empty()) tables["signals.csv"] = signals_csv(configuration, prediction, result);
@@ -135,14 +137,6 @@ Files tables_of(const Configuration& configuration, const Prediction& prediction
   if (!result.gaps.empty()) tables["gaps.csv"] = gaps_csv(configuration, prediction, result);
   if (std::string ages = ages_csv(configuration, result); !ages.empty()) tables["ages.csv"] = std::move(ages);
   return tables;
-}
-
-std::string summary_text(nlohmann::json summary, const Files& tables) {
-  summary["crc32"] = {{"summary", kNoChecksum}};
-  for (const auto& [name, content] : tables)
-    summary["crc32"][std::filesystem::path(name).stem().string()] = checksum(content);
-  std::string text = summary.dump(2) + "\n";
-  return text.replace(place_of_checksum(text), kNoChecksum.size(), checksum(text));
 }
 
 bool is_whole_summary(const std::string& text) {
@@ -157,9 +151,15 @@ void require_undamaged(bool is_undamaged, const std::string& file) {
   if (!is_undamaged) throw std::invalid_argument(file + ": is not as it was written: damaged, or changed by hand");
 }
 
-constexpr char kSummary[] = "summary.json";
-
 }  // namespace
+
+std::string with_checksums(nlohmann::json summary, const std::map<std::string, std::string>& tables) {
+  summary["crc32"] = {{"summary", kNoChecksum}};
+  for (const auto& [name, content] : tables)
+    summary["crc32"][std::filesystem::path(name).stem().string()] = checksum(content);
+  std::string text = summary.dump(2) + "\n";
+  return text.replace(place_of_checksum(text), kNoChecksum.size(), checksum(text));
+}
 
 std::string unfinished_summary_file(const std::string& output) {
   return output + "/summary.unfinished.json";
@@ -170,7 +170,7 @@ Files result_files(const Configuration& configuration, const Prediction& predict
   nlohmann::json summary = summary_json(configuration, prediction, result);
   summary.update(provenance(configuration));
   if (!result.gaps.empty()) summary["smallest_gap"] = smallest_gap_json(result);
-  std::string text = summary_text(std::move(summary), files);
+  std::string text = with_checksums(std::move(summary), files);
   files[kSummary] = std::move(text);
   return files;
 }
@@ -197,8 +197,8 @@ nlohmann::json parse_summary(const std::string& text, const std::string& file) {
 }
 
 ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder,
-                           std::vector<std::string>* problems) {
-  ResultTables results{parse_summary(read(kSummary), folder + "/" + kSummary), {}};
+                           std::vector<std::string>* problems, const std::string& summary) {
+  ResultTables results{parse_summary(read(summary), folder + "/" + summary), {}};
   for (const auto& [name, sum] : results.summary["crc32"].items()) {
     if (name == "summary") continue;
     try {

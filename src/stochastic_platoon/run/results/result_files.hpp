@@ -21,6 +21,9 @@ void write_results(const Configuration& configuration, const Prediction& predict
 std::map<std::string, std::string> result_files(const Configuration& configuration, const Prediction& prediction,
                                                 const RunResult& result);
 
+/// The text of a summary with the "crc32" of these tables, contents by file name, and of its own.
+std::string with_checksums(nlohmann::json summary, const std::map<std::string, std::string>& tables);
+
 /// Parses a summary.json; `file` names it in messages. Throws std::invalid_argument unless it is as write_results()
 /// wrote it.
 nlohmann::json parse_summary(const std::string& text, const std::string& file);
@@ -33,9 +36,10 @@ struct ResultTables {  // NOLINT(bugprone-exception-escape): moving a JSON value
 
 /// Reads the files of a result. `read` returns the content of a file by its name; `folder` names them in messages.
 /// Throws std::invalid_argument if a file has changed since it was written, and passes on exceptions of `read`.
-/// `problems`, if given, gets the messages of the tables instead, which are then left out.
+/// `problems`, if given, gets the messages of the tables instead, which are then left out. `summary`: the file
+/// with the checksums.
 ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder,
-                           std::vector<std::string>* problems = nullptr);
+                           std::vector<std::string>* problems = nullptr, const std::string& summary = "summary.json");
 
 /// Name of summary.json until statistics.csv is written. A folder with this file and statistics.csv, but without
 /// summary.json, is left by a killed write_results().

@@ -13,7 +13,8 @@
 
 namespace platoon {
 
-TrajectoryColumns trajectory_columns(const Configuration& configuration, std::uint64_t realization) {
+TrajectoryColumns trajectory_columns(const Configuration& configuration, std::uint64_t realization,
+                                     const std::shared_ptr<const ChangedDraws>& changes) {
   const RunOptions& run = configuration.run;
   if (realization >= run.realizations) {
     throw ConfigurationError({"only: " + std::to_string(realization) + ": must be below the " +
@@ -34,7 +35,7 @@ TrajectoryColumns trajectory_columns(const Configuration& configuration, std::ui
     columns.quantities.emplace_back(kind.name, std::vector<double>(size, kNaN));
   }
   std::size_t begin = 0;
-  for_each_trajectory(configuration.model, run.seed, run.followers, run.steps, realization, names,
+  for_each_trajectory(configuration.model, WhiteNoise(run.seed, changes), run.followers, run.steps, realization, names,
                       [&](const Trajectory& of) {
                         std::size_t quantity = 0;
                         const auto add = [&](const std::vector<double>& values, std::size_t first) {
@@ -49,8 +50,9 @@ TrajectoryColumns trajectory_columns(const Configuration& configuration, std::ui
   return columns;
 }
 
-std::string trajectories_csv(const Configuration& configuration, std::uint64_t realization) {
-  const TrajectoryColumns columns = trajectory_columns(configuration, realization);
+std::string trajectories_csv(const Configuration& configuration, std::uint64_t realization,
+                             const std::shared_ptr<const ChangedDraws>& changes) {
+  const TrajectoryColumns columns = trajectory_columns(configuration, realization, changes);
   CsvText csv("vehicle,step,seconds");
   for (const auto& quantity : columns.quantities) csv.add(quantity.first);
   csv.end_row();

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 
 namespace platoon {
@@ -15,10 +17,13 @@ struct TrajectoryColumns {
   std::vector<std::pair<std::string, std::vector<double>>> quantities;
 };
 
-/// One realization of a run. Throws ConfigurationError if the run has no such realization.
-TrajectoryColumns trajectory_columns(const Configuration& configuration, std::uint64_t realization);
+/// One realization of a run, with changed draws if there are any. Throws ConfigurationError if the run has no such
+/// realization.
+TrajectoryColumns trajectory_columns(const Configuration& configuration, std::uint64_t realization,
+                                     const std::shared_ptr<const ChangedDraws>& changes = nullptr);
 
 /// The content of trajectories.csv: the same, with a row per vehicle and step; values that do not exist are empty.
-std::string trajectories_csv(const Configuration& configuration, std::uint64_t realization);
+std::string trajectories_csv(const Configuration& configuration, std::uint64_t realization,
+                             const std::shared_ptr<const ChangedDraws>& changes = nullptr);
 
 }  // namespace platoon

@@ -55,7 +55,7 @@ private:
     const ShardRun run = shard_run_of(found.shard);
     if (!first_) {
       // With the arithmetic of another machine the same model may have another closed loop.
-      const std::string own = identity_differences(found.identity, statistics_identity(run.configuration));
+      const std::string own = identity_differences(found.identity, run.identity());
       if (!own.empty()) return reject(folder, "is of a run that this machine would compute otherwise: " + own);
       first_ = run;
       first_folder_ = folder;
@@ -78,7 +78,7 @@ private:
 
   std::string differences(const Checkpoint& found, const ShardRun& run) const {
     const auto extent = [](const ShardRun& of) {
-      return nlohmann::json{{"shards", of.shard.of}, {"realizations", of.configuration.run.realizations}};
+      return nlohmann::json{{"shards", of.shard.of}, {"realizations", of.samples()}};
     };
     const std::string identities = identity_differences(identity_, found.identity);
     const std::string extents = identity_differences(extent(*first_), extent(run));
@@ -125,23 +125,32 @@ std::string array_indices(const std::vector<std::uint64_t>& ascending) {
   return text;
 }
 
-MergedRun merge(const std::vector<std::string>& folders) {
+MergedShards merge_shards(const std::vector<std::string>& folders) {
   const Inventory inventory(folders);
   inventory.require_all();
-  const Configuration& configuration = inventory.first().configuration;
-  const RunOptions& run = configuration.run;
-  EnsembleTotals totals(cells_of(configuration));
-  Tally tally{positions_expected(run, run.realizations), 1, 0.0, 0};
+  const ShardRun& run = inventory.first();
+  MergedShards merged{run, {}, {positions_expected(run.configuration.run, run.samples()), 1, 0.0, 0}};
   // In ascending order, so that the shards merged so far occupy few blocks.
   for (const auto& place : inventory.places()) {
-    const std::optional<Checkpoint> shard = read_checkpoint(place.second);
+    std::optional<Checkpoint> shard = read_checkpoint(place.second);
     if (!shard) throw std::runtime_error(place.second + ": is gone");
-    totals.merge(shard->totals);
-    tally.wall_seconds += shard->tally.wall_seconds;
+    if (merged.totals.count() == 0) {
+      merged.totals = std::move(shard->totals);
+    } else {
+      merged.totals.merge(shard->totals);
+    }
+    merged.tally.wall_seconds += shard->tally.wall_seconds;
   }
-  if (totals.count() != run.realizations || !totals.moments.missing({0, run.realizations}).empty())
+  if (merged.totals.count() != run.samples() || !merged.totals.moments.missing({0, run.samples()}).empty())
     throw std::runtime_error("a shard has changed while it was read");
-  return {configuration, result_of(configuration, totals, tally)};
+  return merged;
+}
+
+MergedRun merge(const std::vector<std::string>& folders) {
+  const MergedShards merged = merge_shards(folders);
+  if (!merged.run.rare.is_null())
+    throw ConfigurationError({"shards of rare: must be joined by the program of that name: rare DIR... --output DIR"});
+  return {merged.run.configuration, result_of(merged.run.configuration, merged.totals, merged.tally)};
 }
 
 }  // namespace platoon

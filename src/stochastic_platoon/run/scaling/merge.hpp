@@ -7,6 +7,7 @@
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/results/run_result.hpp"
+#include "stochastic_platoon/run/scaling/shard_run.hpp"
 
 namespace platoon {
 
@@ -14,6 +15,13 @@ namespace platoon {
 struct MergedRun {
   Configuration configuration;
   RunResult result;
+};
+
+/// The totals joined from shards.
+struct MergedShards {
+  ShardRun run;  ///< one of them
+  EnsembleTotals totals;
+  Tally tally;
 };
 
 /// "0-2,5": numbers in ascending order, in the format of sbatch --array.
@@ -38,10 +46,13 @@ private:
 };
 
 /// Joins the shards in these folders, in any order, to their run: bit for bit the result of one run.
+MergedRun merge(const std::vector<std::string>& folders);
+
+/// The same for shards of any computation.
 ///
 /// One shard is in memory at a time, beside the sums of the shards before it. Throws IncompleteRun with all problems:
 /// folders without a shard or with a damaged one, incomplete shards, shards of different runs (with their differences),
 /// duplicate shards, and the missing shards.
-MergedRun merge(const std::vector<std::string>& folders);
+MergedShards merge_shards(const std::vector<std::string>& folders);
 
 }  // namespace platoon

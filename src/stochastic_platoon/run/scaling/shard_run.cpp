@@ -25,17 +25,15 @@ void require_same_shard(const Checkpoint& found, const ShardRun& run) {
   if (found.shard.is_null())
     throw ConfigurationError(
         {"output: " + output + ": holds a run of " + extent_of(found) + " and no shard: must be another folder"});
-  const std::string differing = identity_differences(found.identity, statistics_identity(run.configuration));
+  const std::string differing = identity_differences(found.identity, run.identity());
   if (!differing.empty())
     throw ConfigurationError({"output: " + output + ": holds a shard of another run: " + differing});
   const ShardRun there = shard_run_of(found.shard);
-  const std::uint64_t realizations = there.configuration.run.realizations;
-  if (there.shard.index == run.shard.index && there.shard.of == run.shard.of &&
-      realizations == run.configuration.run.realizations)
+  if (there.shard.index == run.shard.index && there.shard.of == run.shard.of && there.samples() == run.samples())
     return;
   throw ConfigurationError({"output: " + output + ": holds " + name_of(there.shard) + " of " +
-                            std::to_string(realizations) + " realizations, and this is " + name_of(run.shard) + " of " +
-                            std::to_string(run.configuration.run.realizations) + ": must be another folder"});
+                            std::to_string(there.samples()) + " realizations, and this is " + name_of(run.shard) +
+                            " of " + std::to_string(run.samples()) + ": must be another folder"});
 }
 
 // The realizations of the shard in the folder; none if the folder is empty, or its content is damaged.
@@ -79,14 +77,28 @@ std::string name_of(const Shard& shard) {
   return "shard " + std::to_string(shard.index) + "/" + std::to_string(shard.of);
 }
 
+std::uint64_t ShardRun::samples() const {
+  return rare.is_null() ? configuration.run.realizations : rare.at("samples").get<std::uint64_t>();
+}
+
+nlohmann::json ShardRun::identity() const {
+  nlohmann::json identity = statistics_identity(configuration);
+  if (!rare.is_null()) identity["rare"] = rare;
+  return identity;
+}
+
 nlohmann::json to_json(const ShardRun& run) {
-  return {{"index", run.shard.index}, {"of", run.shard.of}, {"configuration", to_json(run.configuration)}};
+  nlohmann::json record = {
+      {"index", run.shard.index}, {"of", run.shard.of}, {"configuration", to_json(run.configuration)}};
+  if (!run.rare.is_null()) record["rare"] = run.rare;
+  return record;
 }
 
 ShardRun shard_run_of(const nlohmann::json& record) {
   try {
     ShardRun run{recorded_configuration(record.at("configuration")),
-                 {record.at("index").get<std::uint64_t>(), record.at("of").get<std::uint64_t>()}};
+                 {record.at("index").get<std::uint64_t>(), record.at("of").get<std::uint64_t>()},
+                 record.value("rare", nlohmann::json())};
     run.configuration.run.hosting = Hosting::monte_carlo;
     run.range();  // throws if there is no such shard
     return run;
@@ -109,20 +121,22 @@ Ensemble ensemble_of(const RunOptions& run) {
 }
 
 ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings) {
+  return compute_shard(run, settings, batch_work(run.configuration.model, ensemble_of(run.configuration.run)));
+}
+
+ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings, const BatchWork& computation) {
   const RunOptions& options = run.configuration.run;
   const double began = now();
   const std::optional<Checkpoint> found = held(run, settings);
   const double earlier_seconds = found ? found->tally.wall_seconds : 0.0;
-  EnsembleRun work(run.configuration.model, ensemble_of(options), run.range(),
-                   found ? found->totals : EnsembleTotals(cells_of(run.configuration)), settings.checkpoint_seconds);
+  EnsembleRun work(computation, run.range(), found ? found->totals : computation.none, settings.checkpoint_seconds);
   const std::uint64_t held_before = work.done();
   if (work.is_complete()) return {*found, 0};
   if (!slow_noise().empty()) settings.warn(slow_noise());
   std::uint64_t saved = found ? found->totals.count() : 0;
   const auto checkpoint_of = [&](EnsembleTotals totals) {
     const Tally tally{positions_expected(options, totals.count()), 1, earlier_seconds + now() - began, 0};
-    return Checkpoint{
-        statistics_identity(run.configuration), options.launch_id, tally, std::move(totals), {}, {}, to_json(run)};
+    return Checkpoint{run.identity(), options.launch_id, tally, std::move(totals), {}, {}, to_json(run)};
   };
   const auto write = [&](const EnsembleTotals& totals) {
     // Skip a checkpoint without new realizations: it would count as progress.

@@ -22,11 +22,14 @@ namespace platoon {
 struct ShardRun {
   Configuration configuration;
   Shard shard;
+  nlohmann::json rare = {};  ///< for samples of a RareRun instead of realizations: its identity and `samples`
 
-  RealizationRange range() const { return range_of(shard, configuration.run.realizations); }
+  std::uint64_t samples() const;
+  RealizationRange range() const { return range_of(shard, samples()); }
+  nlohmann::json identity() const;  ///< of the statistics
 };
 
-/// Parses I/N. Throws ConfigurationError.
+/// Parses I/N, given the number of realizations or samples. Throws ConfigurationError.
 Shard parse_shard(const std::string& text, std::uint64_t realizations);
 
 /// "shard 3/64".
@@ -77,5 +80,7 @@ struct ShardResult {
 /// ConfigurationError if the folder belongs to another run or shard, has other content, or cannot be written. If the
 /// shard cannot be written at the end, it is returned with the reason.
 ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings);
+/// The same with another computation than that of a Monte Carlo run.
+ShardResult compute_shard(const ShardRun& run, const ShardSettings& settings, const BatchWork& computation);
 
 }  // namespace platoon

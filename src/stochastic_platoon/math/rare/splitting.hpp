@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/math/rare/rare_event.hpp"
+
+namespace platoon {
+
+/// Probabilities of small gaps of any platoon that can be simulated, by multilevel splitting with fixed levels.
+///
+/// A path that falls below a level for the first time at step k is continued from there by several paths, with the
+/// draws of new realizations from step k on; its state at step k needs no copy, as draws are pure functions of their
+/// names. With n paths per level, of which s_j fall below level j, \f[ P = E \prod_j s_j / n, \f] without bias, as a
+/// pilot run places the levels before the repetitions that count, each about a fifth as probable as the one before.
+/// Paths of one origin have the same gap at step k. Metropolis moves therefore change all their normal draws, g <- rho
+/// g + sqrt(1 - rho^2) g', and their uniform draws (losses, dither) from up to J steps before the crossing on; they are
+/// accepted if the path falls below the level again, in the latter case within J steps. One sample is one repetition;
+/// the scatter of the repetitions gives the standard error. References: P. Del Moral, J. Garnier, Ann. Appl. Probab.
+/// 15, 2005; S.-K. Au, J. Beck, Probab. Eng. Mech. 16, 2001.
+class Splitting : public RareEstimator {
+public:
+  static constexpr std::uint64_t kRepetitions = 20;
+  static constexpr std::uint64_t kLeastRealizations = 10 * kRepetitions;
+  static constexpr std::uint64_t kMostRealizations = kRepetitions << 26;
+
+  /// `realizations`: n per level, of all repetitions. Throws std::invalid_argument unless it is from kLeastRealizations
+  /// to kMostRealizations, if the event always happens to a follower, and if no row reaches its last level.
+  Splitting(const PlatoonModel& model, const RareEvent& event, std::uint64_t realizations);
+
+  /// The logarithm of the pilot's estimate; NaN if it does not reach the last level.
+  double log_scale(std::size_t row) const override { return rows_[row].log_scale; }
+  std::uint64_t samples(std::uint64_t) const override { return kRepetitions; }
+  BatchWork work() const override;
+  std::vector<double> levels(std::size_t row) const override { return rows_[row].levels; }
+  std::string problem(std::size_t row) const override { return rows_[row].problem; }
+
+  /// A path that reaches the last level in the repetition `sample`, by default in the first one that has any.
+  std::shared_ptr<const ChangedDraws> replay(std::size_t row, std::optional<std::uint64_t> sample) const override;
+
+private:
+  struct Row {
+    std::vector<double> levels;  ///< [m], descending; the last is the bound of the event
+    double log_scale = 0.0;
+    std::string problem;
+  };
+  class Paths;
+  using Check = std::function<void()>;
+
+  Row pilot(std::size_t row) const;
+  double weight(std::size_t row, std::uint64_t repetition, const Check& check) const;
+  std::size_t last_follower(std::size_t row) const { return row < event_.followers ? row + 1 : row; }
+
+  PlatoonModel model_;
+  RareEvent event_;
+  std::size_t paths_;  ///< per level of a repetition
+  bool has_uniforms_;  ///< whether links lose or quantise
+  std::vector<Row> rows_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,166 @@
+#include "stochastic_platoon/run/results/rare_results.hpp"
+
+#include <algorithm>
+#include <boost/math/constants/constants.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+
+#include "stochastic_platoon/math/numerics/special_values.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/settling_time.hpp"
+#include "stochastic_platoon/run/io/csv_text.hpp"
+#include "stochastic_platoon/run/report/json_value.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr double kSecondsPerHour = 3600.0;
+constexpr double kUnseen = 1.5;  // samples
+using boost::math::double_constants::ln_ten;
+
+// ln(-ln(1 - P)).
+double log_hazard(double log_probability) {
+  if (log_probability < -30.0) return log_probability;
+  return log_probability < 0.0 ? std::log(-std::log1p(-std::exp(log_probability))) : kNaN;
+}
+
+RareRow row_of(const RareEstimator& estimator, std::size_t row, const Moments& weight, double counted_hours) {
+  RareRow of{"", kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
+  const auto [least, most] = estimator.log_limits(row);
+  if (std::isfinite(most)) of.log_bound = most;
+  if (estimator.log_scale(row) == -std::numeric_limits<double>::infinity()) {
+    of.log_probability = of.log_lower = of.log_upper = of.log_bound = of.log_per_hour = estimator.log_scale(row);
+    of.relative_error = 0.0;
+    return of;
+  }
+  if (!(weight.mean > 0.0)) return of;  // nothing has been reached
+  const auto n = static_cast<double>(weight.count);
+  const double estimate = estimator.log_scale(row) + std::log(weight.mean);
+  const auto limited = [least = least, most = std::min(most, 0.0)](double x) {
+    return std::max(least, std::min(x, most));
+  };
+  of.log_probability = limited(estimate);
+  of.log_per_hour = log_hazard(of.log_probability) - std::log(counted_hours);
+  if (weight.count < 2) return of;
+  of.relative_error = std::sqrt(weight.squared_deviations / (n - 1.0) / n) / weight.mean;
+  const double reach = boost::math::quantile(boost::math::students_t(n - 1.0), 0.975) *
+                       std::sqrt(of.relative_error * of.relative_error + kUnseen * kUnseen / (n * n));
+  of.log_lower = limited(estimate - reach);
+  of.log_upper = limited(estimate + reach);
+  return of;
+}
+
+nlohmann::json number_of_log(double x) {
+  const double value = std::exp(x);
+  return value > 0.0 || x == -std::numeric_limits<double>::infinity() ? number(value) : nlohmann::json();
+}
+
+}  // namespace
+
+std::vector<RareRow> rare_rows(const Configuration& configuration, const RareEstimator& estimator,
+                               const std::vector<Moments>& weights) {
+  const RunOptions& run = configuration.run;
+  const double hours =
+      static_cast<double>(run.steps - run.burn_in) * configuration.model.sample_period / kSecondsPerHour;
+  std::vector<RareRow> rows;
+  for (std::size_t row = 0; row < weights.size(); ++row) {
+    rows.push_back(row_of(estimator, row, weights[row], hours));
+    rows.back().vehicle = row < run.followers ? std::to_string(row + 1) : "any";
+  }
+  return rows;
+}
+
+std::string decimal_of_log(double x) {
+  if (std::isnan(x)) return "";
+  if (x == -std::numeric_limits<double>::infinity()) return "0";
+  if (x > -700.0) return formatted("%.17g", std::exp(x));
+  const double exponent = std::floor(x / ln_ten);
+  return formatted("%.12ge%.0f", std::exp(x - exponent * ln_ten), exponent);
+}
+
+std::string rare_csv(const std::vector<RareRow>& rows) {
+  CsvText csv("vehicle,probability,standard_error,lower,upper,bound,per_hour");
+  csv.end_row();
+  for (const RareRow& of : rows) {
+    csv.add(of.vehicle, decimal_of_log(of.log_probability),
+            decimal_of_log(of.log_probability + std::log(of.relative_error)));
+    csv.add(decimal_of_log(of.log_lower), decimal_of_log(of.log_upper), decimal_of_log(of.log_bound));
+    csv.add(decimal_of_log(of.log_per_hour));
+    csv.end_row();
+  }
+  return csv.text();
+}
+
+std::string rare_json(const Configuration& configuration, const RareOptions& options, std::uint64_t samples,
+                      const std::vector<RareRow>& rows, const nlohmann::json& details) {
+  const RunOptions& run = configuration.run;
+  nlohmann::json document = provenance(configuration);
+  document["method"] = options.method;
+  document["below"] = options.below;
+  document["burn_in"] = run.burn_in;
+  document["samples"] = samples;
+  document["counted_seconds"] = static_cast<double>(run.steps - run.burn_in) * configuration.model.sample_period;
+  const auto settling = settling_steps(configuration.model, run.followers);
+  document["settling_steps"] = settling ? nlohmann::json(*settling) : nlohmann::json();
+  if (options.speed) document["speed"] = *options.speed;
+  for (const RareRow& of : rows) {
+    nlohmann::json entry = {{"vehicle", of.vehicle},
+                            {"probability", number_of_log(of.log_probability)},
+                            {"log10_probability", number(of.log_probability / ln_ten)},
+                            {"relative_error", number(of.relative_error)},
+                            {"standard_error", number_of_log(of.log_probability + std::log(of.relative_error))},
+                            {"lower", number_of_log(of.log_lower)},
+                            {"upper", number_of_log(of.log_upper)},
+                            {"bound", number_of_log(of.log_bound)},
+                            {"per_hour", number_of_log(of.log_per_hour)}};
+    if (options.speed) {
+      const double kilometres_per_hour = 3.6 * *options.speed;
+      entry["per_kilometre"] = number_of_log(of.log_per_hour - std::log(kilometres_per_hour));
+    }
+    document["rows"].push_back(std::move(entry));
+  }
+  document.update(details);
+  return with_checksums(std::move(document), {{"rare.csv", rare_csv(rows)}});
+}
+
+std::string rare_report(const Configuration& configuration, const RareOptions& options, std::uint64_t samples,
+                        const std::vector<RareRow>& rows) {
+  const RunOptions& run = configuration.run;
+  std::string text = formatted(
+      "Probability that a gap is below %g m at one of the steps %lld to %lld (%s); %llu %s\n", options.below,
+      static_cast<long long>(run.burn_in), static_cast<long long>(run.steps - 1),
+      duration(run.steps - run.burn_in, configuration.model).c_str(), static_cast<unsigned long long>(samples),
+      options.method == "condition" ? "conditioned realizations" : "repetitions of a splitting");
+  text += "follower    probability   error [%]   95 % from        to             bound       per hour\n";
+  const auto shown = [](double log_value) {
+    const std::string decimal = decimal_of_log(log_value);
+    const std::size_t exponent = decimal.find('e');
+    if (decimal.empty()) return std::string("-");
+    if (log_value <= -700.0 && exponent != std::string::npos)
+      return formatted("%.4g", std::strtod(decimal.substr(0, exponent).c_str(), nullptr)) + decimal.substr(exponent);
+    return formatted("%.5g", std::exp(log_value));
+  };
+  for (const RareRow& of : rows) {
+    const auto follower = static_cast<std::size_t>(&of - rows.data()) + 1;
+    if (run.followers > 30 && follower > 10 && follower + 10 <= run.followers) continue;
+    text += formatted("%8s %14s %11s %12s %12s %12s %12s\n", of.vehicle.c_str(), shown(of.log_probability).c_str(),
+                      std::isnan(of.relative_error) ? "-" : formatted("%.2g", 100.0 * of.relative_error).c_str(),
+                      shown(of.log_lower).c_str(), shown(of.log_upper).c_str(), shown(of.log_bound).c_str(),
+                      shown(of.log_per_hour).c_str());
+  }
+  const auto settling = settling_steps(configuration.model, run.followers);
+  if (!settling || *settling > run.burn_in) {
+    text +=
+        "per hour includes the start, in which the gaps scatter less: " +
+        (settling ? formatted("its transient takes %lld steps; for a long drive use --burn-in %lld and more steps\n",
+                              static_cast<long long>(*settling), static_cast<long long>(*settling))
+                  : std::string("the start of an unstable loop never ends\n"));
+  }
+  return text;
+}
+
+}  // namespace platoon

@@ -1,0 +1,235 @@
+#include "stochastic_platoon/run/scaling/rare_run.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/rare/conditioned_gaps.hpp"
+#include "stochastic_platoon/math/rare/splitting.hpp"
+#include "stochastic_platoon/run/configuration/single_number.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
+
+namespace platoon {
+
+namespace {
+
+constexpr char kAuto[] = "auto", kCondition[] = "condition", kSplit[] = "split";
+constexpr char kDistance[] = "standstill_distance", kHeadway[] = "time_headway";
+
+void require_no_rare_results(const std::string& output) {
+  if (!may_exist(output + "/rare.csv")) return;
+  throw ConfigurationError(
+      {"output: " + output + ": holds a rare.csv already, which is never overwritten: must be another folder"});
+}
+
+void require_known(const Configuration& configuration, RareOptions& options) {
+  const RunOptions& run = configuration.run;
+  std::vector<std::string> problems;
+  const bool is_normal = has_normal_errors(configuration.model);
+  if (options.method == kAuto) options.method = is_normal ? kCondition : kSplit;
+  if (options.method == kCondition && !is_normal)
+    problems.emplace_back(
+        "method: condition: the gaps are not normal, because a link loses or quantises: must be split or auto");
+  if (run.averaging() == Averaging::over_time) problems.emplace_back("steps: 0: must be at least 1");
+  if (run.averaging() != Averaging::over_time && run.burn_in >= run.steps)
+    problems.push_back(formatted("burn_in: %lld: must be below the %lld steps", static_cast<long long>(run.burn_in),
+                                 static_cast<long long>(run.steps)));
+  if (!run.external.empty()) problems.emplace_back("external: given: must be absent: only the model is simulated");
+  if (!problems.empty()) throw ConfigurationError(problems);
+}
+
+}  // namespace
+
+ShardRun RareRun::shard(const Shard& shard) const {
+  return {configuration,
+          shard,
+          {{"below", options.below},
+           {"burn_in", configuration.run.burn_in},
+           {"method", options.method},
+           {"realizations", configuration.run.realizations},
+           {"samples", samples()}}};
+}
+
+BatchWork RareRun::work() const {
+  BatchWork work = estimator->work();
+  work.computation = [of = estimator, computation = std::move(work.computation)] { return computation(); };
+  return work;
+}
+
+RareOptions rare_options(const std::map<std::string, std::string>& given) {
+  std::vector<std::string> problems;
+  const auto read = [&](const std::string& name, const Allowed& allowed, double none) {
+    const auto found = given.find(name);
+    if (found == given.end()) return none;
+    try {
+      return number_of(name, found->second, allowed);
+    } catch (const ConfigurationError& error) {
+      problems.insert(problems.end(), error.problems().begin(), error.problems().end());
+      return none;
+    }
+  };
+  RareOptions options{read("below", kAnyFinite, 0.0), kAuto, {}};
+  if (const double speed = read("speed", kPositive, 0.0); speed > 0.0) options.speed = speed;
+  if (const auto method = given.find("method"); method != given.end()) options.method = method->second;
+  if (options.method != kAuto && options.method != kCondition && options.method != kSplit)
+    problems.push_back("method: " + shortened(options.method) + ": must be auto, condition or split");
+  if (!problems.empty()) throw ConfigurationError(problems);
+  return options;
+}
+
+RareRun rare_run(const Configuration& configuration, RareOptions options) {
+  require_known(configuration, options);
+  const RunOptions& run = configuration.run;
+  const RareEvent event{run.seed, run.followers, run.steps, options.below, run.burn_in};
+  try {
+    std::shared_ptr<const RareEstimator> estimator;
+    if (options.method == kCondition) {
+      estimator = std::make_shared<ConditionedGaps>(configuration.model, event);
+    } else {
+      estimator = std::make_shared<Splitting>(configuration.model, event, run.realizations);
+    }
+    return {configuration, options, estimator};
+  } catch (const std::invalid_argument& error) {
+    throw ConfigurationError({error.what()});
+  }
+}
+
+RareRun rare_run(const ShardRun& shard) {
+  return rare_run(shard.configuration,
+                  {shard.rare.at("below").get<double>(), shard.rare.at("method").get<std::string>()});
+}
+
+RareResult rare_result(const RareRun& run, const EnsembleTotals& totals) {
+  RareResult result{totals.count()};
+  if (result.samples == 0) return result;
+  result.rows = rare_rows(run.configuration, *run.estimator, totals.moments.totals());
+  nlohmann::json details = nlohmann::json::object();
+  for (std::size_t row = 0; row < result.rows.size(); ++row) {
+    if (const auto levels = run.estimator->levels(row); !levels.empty())
+      details["levels"][result.rows[row].vehicle] = levels;
+    std::string problem = run.estimator->problem(row);
+    if (problem.empty() && std::isnan(result.rows[row].log_probability))
+      problem = "row " + result.rows[row].vehicle + ": no repetition reaches the last level: realizations must be more";
+    if (!problem.empty()) details["problems"][result.rows[row].vehicle] = problem;
+  }
+  result.files = {{"rare.csv", rare_csv(result.rows)},
+                  {"rare.json", rare_json(run.configuration, run.options, result.samples, result.rows, details)}};
+  result.report = rare_report(run.configuration, run.options, result.samples, result.rows);
+  if (details.contains("problems")) {
+    for (const auto& [vehicle, problem] : details["problems"].items())
+      result.report += problem.get<std::string>() + "\n";
+  }
+  return result;
+}
+
+std::optional<RareRequirement> rare_requirement(const std::map<std::string, std::string>& given) {
+  const auto text = [&](const char* name, const char* otherwise) {
+    const auto found = given.find(name);
+    return found == given.end() ? std::string(otherwise) : found->second;
+  };
+  const std::string per = text("per", "run"), over = text("over", kDistance);
+  std::vector<std::string> problems;
+  if (given.count("required") == 0) {
+    for (const char* name : {"per", "over"}) {
+      if (given.count(name) > 0) problems.push_back(std::string(name) + ": given: must be with required");
+    }
+    if (!problems.empty()) throw ConfigurationError(problems);
+    return std::nullopt;
+  }
+  if (per != "run" && per != "hour") problems.push_back("per: " + shortened(per) + ": must be run or hour");
+  if (over != kDistance && over != kHeadway)
+    problems.push_back("over: " + shortened(over) + ": must be " + kDistance + " or " + kHeadway);
+  if (!problems.empty()) throw ConfigurationError(problems);
+  const Allowed probability{"above 0 and below 1", kAboveZero, 1.0, 1.0};
+  return RareRequirement{number_of("required", text("required", ""), probability), per == "hour", over};
+}
+
+double required_value(const RareRequirement& requirement, double start,
+                      const std::function<RareRun(double value)>& estimation, const ShardSettings& settings) {
+  // ln of the figure over ln of the required one; above 0 where the event is no rare one.
+  const auto excess = [&](double value) {
+    std::optional<RareRun> run;
+    try {
+      run = estimation(value);
+    } catch (const ConfigurationError&) {
+      return 1e3;
+    }
+    run->configuration.run.output.clear();
+    const RareResult result = compute_rare(*run, settings);
+    if (settings.stop()) throw Interrupted();
+    const RareRow& any = result.rows.back();
+    const double figure = requirement.per_hour ? any.log_per_hour : any.log_probability;
+    return std::isnan(figure) ? 1e3 : figure - std::log(requirement.probability);
+  };
+  constexpr double kFactor = 1.5, kMost = 100.0;
+  double low = start, high = start;
+  if (excess(start) > 0.0) {
+    while (high < kMost * start && excess(high *= kFactor) > 0.0) low = high;
+  } else {
+    while (low > start / kMost && excess(low /= kFactor) <= 0.0) high = low;
+  }
+  if (high >= kMost * start || low <= start / kMost)
+    throw ConfigurationError({formatted("required: %g: not reached by %s from %g to %g: must be another value",
+                                        requirement.probability, requirement.over.c_str(), low, high)});
+  while (high - low > 1e-3 * high) {
+    const double middle = 0.5 * (low + high);
+    (excess(middle) > 0.0 ? low : high) = middle;
+  }
+  return high;
+}
+
+RareReplay rare_replay(const RareRun& run, const std::string& vehicle, const std::string& only) {
+  const std::size_t followers = run.configuration.run.followers;
+  std::size_t row = followers;
+  if (!vehicle.empty() && vehicle != "any")
+    row = static_cast<std::size_t>(integer_of("vehicle", vehicle, 1, static_cast<std::int64_t>(followers))) - 1;
+  std::optional<std::uint64_t> sample;
+  if (!only.empty())
+    sample = static_cast<std::uint64_t>(integer_of("only", only, 0, static_cast<std::int64_t>(run.samples()) - 1));
+  RareReplay replay{run.options.method == kCondition ? sample.value_or(0) : 0, run.estimator->replay(row, sample)};
+  if (replay.changes == nullptr)
+    throw ConfigurationError({"only: " + (only.empty() ? "(empty)" : only) +
+                              ": no path of this repetition reaches the last level: must be another one"});
+  return replay;
+}
+
+void write_rare(const std::string& output, const RareResult& result) {
+  require_no_rare_results(output);
+  for (const auto& [name, content] : result.files) write_atomically(output + "/" + name, content);
+}
+
+RareResult compute_rare(RareRun run, const ShardSettings& settings) {
+  RunOptions& options = run.configuration.run;
+  const std::string output = options.output;
+  if (output.empty()) {
+    const BatchWork computation = run.work();
+    EnsembleRun work(computation, {0, run.samples()}, computation.none);
+    StopRequest stop(settings);
+    complete(work, settings.threads, [&] {
+      settings.progress(work.done());
+      stop.obey(work);
+    });
+    return rare_result(run, work.release());
+  }
+  // A restarted estimation keeps its name, so that it takes over its folder and its lock.
+  options.launch_id = "rare";
+  const std::unique_ptr<FolderLock> lock = lock_output(options);
+  require_no_rare_results(output);
+  const ShardResult computed = compute_shard(run.shard({0, 1}), settings, run.work());
+  if (!computed.unsaved.empty()) throw std::runtime_error(computed.unsaved);
+  options.launch_id.clear();
+  RareResult result = rare_result(run, computed.checkpoint.totals);
+  if (result.samples < run.samples()) return result;  // its checkpoint continues it
+  write_rare(output, result);
+  std::error_code ignored;
+  std::filesystem::remove(checkpoint_file(output), ignored);
+  std::filesystem::remove(previous_checkpoint_file(output), ignored);
+  return result;
+}
+
+}  // namespace platoon

@@ -1,0 +1,84 @@
+#include "tools/long_run.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <stdexcept>
+
+#include "stochastic_platoon/run/configuration/single_number.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/clock.hpp"
+#include "stochastic_platoon/run/io/progress_display.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
+
+namespace platoon {
+
+namespace {
+
+std::atomic<bool> stopping{false};
+
+void request_stop(int signal) {
+  stopping = true;
+  std::signal(signal, SIG_DFL);
+}
+
+}  // namespace
+
+const char *const kThreadsHelp = "worker threads (one per core); the result does not depend on it",
+                  *const kShardHelp = "I/N: only part I = 0 .. N - 1 of the realizations, for merge",
+                  *const kCheckpointHelp = "seconds between checkpoints (10), from which the same command continues";
+
+void stop_on_signals() {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    if (std::signal(signal, request_stop) == SIG_IGN) std::signal(signal, SIG_IGN);  // a job in the background
+  }
+}
+
+bool stop_requested() {
+  return stopping;
+}
+
+void write_new(const std::string& file, const std::string& text) {
+  if (may_exist(file))
+    throw ConfigurationError({"output: " + file + ": exists and is never overwritten: must be another folder"});
+  write_atomically(file, text);
+}
+
+ShardSettings shard_settings(const CommandLine& given) {
+  ShardSettings how;
+  how.threads = threads_of(given);
+  how.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
+  how.stop = stop_requested;
+  if (given.has("checkpoint_seconds"))
+    how.checkpoint_seconds = number_of(option_name("checkpoint_seconds"), given["checkpoint_seconds"], kPositive);
+  return how;
+}
+
+bool reported(const std::string& name, std::uint64_t done, std::uint64_t of) {
+  if (done < of)
+    std::cout << name << ": stopped after " << done << " of " << of << " realizations: the same command continues\n";
+  return done == of;
+}
+
+bool run_shard(ShardRun run, ShardSettings settings, const BatchWork& computation) {
+  RunOptions& options = run.configuration.run;
+  const std::string name = name_of(run.shard);
+  // A restarted shard keeps its name, so that it takes over its folder and its lock.
+  options.launch_id = name;
+  const std::unique_ptr<FolderLock> lock = lock_output(options);
+  const RealizationRange range = run.range();
+  ProgressDisplay display(range.size(), "realizations",
+                          static_cast<double>(options.followers) * static_cast<double>(options.steps), "vehicle-steps");
+  settings.progress = [&display](std::uint64_t done) { display.update(done, now()); };
+  const auto [checkpoint, computed, unsaved] = compute_shard(run, settings, computation);
+  display.finish();
+  if (!unsaved.empty()) throw std::runtime_error(unsaved);
+  const std::uint64_t done = checkpoint.totals.count();
+  if (done == range.size()) {
+    std::cout << name << ": complete: realizations " << range.first << " to " << range.end - 1 << " of "
+              << run.samples() << ", " << computed << " of them computed now: " << options.output << "\n";
+  }
+  return reported(name, done, range.size());
+}
+
+}  // namespace platoon

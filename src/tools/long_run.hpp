@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+
+#include "stochastic_platoon/run/scaling/shard_run.hpp"
+#include "tools/command_line.hpp"
+
+namespace platoon {
+
+constexpr int kInterrupted = 130;  ///< exit status, as the shell's after Ctrl-C
+
+/// Ctrl-C or a scheduler's SIGTERM stops the run; the same signal again ends the program at once.
+void stop_on_signals();
+
+/// Whether such a signal has arrived.
+bool stop_requested();
+
+/// Writes a file into the locked output folder. Throws ConfigurationError if it exists.
+void write_new(const std::string& file, const std::string& text);
+
+/// The options `threads` and `checkpoint_seconds`, warnings on standard error, and the stop by signals. Throws
+/// ConfigurationError.
+ShardSettings shard_settings(const CommandLine& given);
+
+/// The help of the options that these tools share.
+extern const char *const kThreadsHelp, *const kShardHelp, *const kCheckpointHelp;
+
+/// Prints that a run is incomplete. Returns whether all realizations are done.
+bool reported(const std::string& name, std::uint64_t done, std::uint64_t of);
+
+/// Computes a shard with a display of its progress. Returns whether it is complete.
+bool run_shard(ShardRun run, ShardSettings settings, const BatchWork& computation);
+
+}  // namespace platoon

@@ -1,0 +1,148 @@
+// The probability that a gap falls below a bound during a run, however small: by conditioned realizations or by
+// splitting. Writes rare.csv and rare.json. An estimation that was interrupted or killed continues with the same
+// command.
+
+#include <iostream>
+
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
+#include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/clock.hpp"
+#include "stochastic_platoon/run/io/progress_display.hpp"
+#include "stochastic_platoon/run/results/trajectories_csv.hpp"
+#include "stochastic_platoon/run/scaling/merge.hpp"
+#include "stochastic_platoon/run/scaling/rare_run.hpp"
+#include "tools/command_line.hpp"
+#include "tools/long_run.hpp"
+
+namespace {
+
+// Returns whether the estimation is complete.
+bool run_whole(const platoon::RareRun& run, platoon::ShardSettings settings) {
+  const platoon::RunOptions& options = run.configuration.run;
+  platoon::ProgressDisplay display(run.samples(), "realizations",
+                                   static_cast<double>(options.followers) * static_cast<double>(options.steps),
+                                   "vehicle-steps");
+  settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
+  const platoon::RareResult result = platoon::compute_rare(run, settings);
+  display.finish();
+  const bool complete = platoon::reported("rare", result.samples, run.samples());
+  if (complete) std::cout << result.report << "Results: " << options.output << "/rare.csv and rare.json\n";
+  return complete;
+}
+
+// Writes the trajectories of one sample in place of an estimation.
+void write_trajectories(const platoon::RareRun& run, const std::string& vehicle, const std::string& only) {
+  const platoon::RareReplay replay = platoon::rare_replay(run, vehicle, only);
+  const std::string file = run.configuration.run.output + "/trajectories.csv";
+  const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(run.configuration.run);
+  platoon::write_new(file, platoon::trajectories_csv(run.configuration, replay.realization, replay.changes));
+  std::cout << "A realization with a gap below " << run.options.below << " m: " << file << "\n";
+}
+
+// The configuration with the value of the key that satisfies the requirement.
+platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, const platoon::Configuration& base,
+                                  const platoon::RareOptions& options, const platoon::CommandLine& given) {
+  const auto with = [&](double value) {
+    YAML::Node document = platoon::configuration_document(given.settings);
+    platoon::override_value(document, requirement.over, YAML::Node(platoon::formatted("%.17g", value)));
+    platoon::Configuration changed = platoon::parse_configuration(document);
+    changed.run.hosting = platoon::Hosting::monte_carlo;
+    return changed;
+  };
+  const platoon::VehicleModel& vehicle = base.model.default_vehicle();
+  const double present = requirement.over == "time_headway" ? vehicle.headway : vehicle.standstill_distance;
+  const double value = platoon::required_value(
+      requirement, present > 0.0 ? present : 1.0, [&](double of) { return platoon::rare_run(with(of), options); },
+      platoon::shard_settings(given));
+  std::cout << requirement.over << ": " << value << " for " << requirement.probability << " per "
+            << (requirement.per_hour ? "hour" : "run") << ", any follower\n";
+  return with(value);
+}
+
+void merge_into(const std::vector<std::string>& folders, const std::string& output) {
+  platoon::MergedShards merged = platoon::merge_shards(folders);
+  if (merged.run.rare.is_null())
+    throw platoon::ConfigurationError({"shards of monte_carlo: must be joined by merge DIR... --output DIR"});
+  platoon::RareRun run = platoon::rare_run(merged.run);
+  run.configuration.run.output = output;
+  run.configuration.run.launch_id.clear();
+  const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(run.configuration.run);
+  const platoon::RareResult result = platoon::rare_result(run, merged.totals);
+  platoon::write_rare(output, result);
+  std::cout << result.report << "Results: " << output << "/rare.csv and rare.json\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const platoon::CommandLine given = platoon::parse_command_line(
+      argc, argv,
+      {"Probabilities of small gaps, however small; rare DIR... --output DIR joins the shards of one estimation",
+       {"model", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst", "delay", "leader", "followers",
+        "steps", "realizations", "seed", "output", "burn_in"},
+       {{"below", "a gap below this bound [m] is the event (0)"},
+        {"method",
+         "condition: conditioned realizations, for links with normal errors; split: splitting by levels, for losses and quantisation; auto: by the model (auto)"},
+        {"required",
+         "probability of a small gap of any follower: finds the smallest --over that satisfies it, and estimates there"},
+        {"per", "with --required: run or hour (run)"},
+        {"over", "with --required: standstill_distance or time_headway, of the default vehicle (standstill_distance)"},
+        {"speed", "[m/s]: rare.json also has probabilities per kilometre at this speed"},
+        {"trajectories", "instead of an estimation: writes trajectories.csv of a realization with the event"},
+        {"vehicle", "with --trajectories: the follower whose gap is small, or any (any)"},
+        {"only",
+         "with --trajectories: number of a conditioned realization or of a repetition; without it the most likely realization, or the first repetition"},
+        {"threads", platoon::kThreadsHelp},
+        {"shard", platoon::kShardHelp},
+        {"checkpoint_seconds", platoon::kCheckpointHelp}},
+       true,
+       {"trajectories"},
+       {{"steps", "steps per realization, 1 or more; empty: 10 s of driving, from 100 to 10000 steps"},
+        {"realizations", "realizations per follower, or per level of a splitting (10000)"},
+        {"output", "folder for the results"},
+        {"burn_in", "steps at the start in which a small gap does not count (0)"}}});
+  platoon::ignore_file_size_signal();
+  platoon::stop_on_signals();
+  try {
+    // The pilot of a splitting ends at Ctrl-C, too.
+    const platoon::Interruptible by_signals([] {
+      if (platoon::stop_requested()) throw platoon::Interrupted();
+    });
+    if (given.settings.count("output") == 0) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
+    if (!given.words.empty()) {
+      merge_into(given.words, given.settings.at("output"));
+      return 0;
+    }
+    platoon::Configuration configuration =
+        platoon::parse_configuration(platoon::configuration_document(given.settings));
+    configuration.run.hosting = platoon::Hosting::monte_carlo;
+    const platoon::RareOptions options = platoon::rare_options(given.options);
+    if (const auto requirement = platoon::rare_requirement(given.options))
+      configuration = fulfilling(*requirement, configuration, options, given);
+    const platoon::RareRun run = platoon::rare_run(configuration, options);
+    if (given.has("trajectories")) {
+      write_trajectories(run, given["vehicle"], given["only"]);
+      return 0;
+    }
+    for (const char* name : {"vehicle", "only"}) {
+      if (given.has(name))
+        throw platoon::ConfigurationError({std::string(name) + ": given: must be with --trajectories"});
+    }
+    platoon::ShardSettings how = platoon::shard_settings(given);
+    how.stop_seconds = 0.5;  // a repetition of a splitting may take minutes
+    const bool complete =
+        given.has("shard")
+            ? platoon::run_shard(run.shard(platoon::parse_shard(given["shard"], run.samples())), how, run.work())
+            : run_whole(run, how);
+    return complete ? 0 : platoon::kInterrupted;
+  } catch (const platoon::Interrupted&) {
+    std::cout << "rare: stopped after 0 realizations: the same command begins again\n";
+    return platoon::kInterrupted;
+  } catch (const std::exception& error) {
+    std::cerr << argv[0] << ": " << error.what() << "\n";
+    return 1;
+  }
+}
