@@ -42,6 +42,14 @@ void write_trajectories(const platoon::RareRun& run, const std::string& vehicle,
   std::cout << "A realization with a gap below " << run.options.below << " m: " << file << "\n";
 }
 
+// The estimation; the pilot of a splitting, which may take long, ends at Ctrl-C.
+platoon::RareRun prepared(const platoon::Configuration& configuration, const platoon::RareOptions& options) {
+  const platoon::Interruptible by_signals([] {
+    if (platoon::stop_requested()) throw platoon::Interrupted();
+  });
+  return platoon::rare_run(configuration, options);
+}
+
 // The configuration with the value of the key that satisfies the requirement.
 platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, const platoon::Configuration& base,
                                   const platoon::RareOptions& options, const platoon::CommandLine& given) {
@@ -55,7 +63,7 @@ platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, c
   const platoon::VehicleModel& vehicle = base.model.default_vehicle();
   const double present = requirement.over == "time_headway" ? vehicle.headway : vehicle.standstill_distance;
   const double value = platoon::required_value(
-      requirement, present > 0.0 ? present : 1.0, [&](double of) { return platoon::rare_run(with(of), options); },
+      requirement, present > 0.0 ? present : 1.0, [&](double of) { return prepared(with(of), options); },
       platoon::shard_settings(given));
   std::cout << requirement.over << ": " << value << " for " << requirement.probability << " per "
             << (requirement.per_hour ? "hour" : "run") << ", any follower\n";
@@ -107,10 +115,6 @@ int main(int argc, char** argv) {
   platoon::ignore_file_size_signal();
   platoon::stop_on_signals();
   try {
-    // The pilot of a splitting ends at Ctrl-C, too.
-    const platoon::Interruptible by_signals([] {
-      if (platoon::stop_requested()) throw platoon::Interrupted();
-    });
     if (given.settings.count("output") == 0) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
     if (!given.words.empty()) {
       merge_into(given.words, given.settings.at("output"));
@@ -122,7 +126,7 @@ int main(int argc, char** argv) {
     const platoon::RareOptions options = platoon::rare_options(given.options);
     if (const auto requirement = platoon::rare_requirement(given.options))
       configuration = fulfilling(*requirement, configuration, options, given);
-    const platoon::RareRun run = platoon::rare_run(configuration, options);
+    const platoon::RareRun run = prepared(configuration, options);
     if (given.has("trajectories")) {
       write_trajectories(run, given["vehicle"], given["only"]);
       return 0;
