@@ -26,6 +26,16 @@ DrawName choice_of(std::size_t row, std::size_t number) {
   return {static_cast<std::uint32_t>(row), static_cast<std::int64_t>(number), Purpose::choice};
 }
 
+const RareEvent& require_fitting(const RareEvent& event) {
+  const auto steps = static_cast<double>(event.steps);
+  if (static_cast<double>(event.followers) * steps * steps > kMostCovariances)
+    throw std::invalid_argument(
+        formatted("steps: %lld: must be at most %.0f for %zu followers: covariances are steps^2",
+                  static_cast<long long>(event.steps),
+                  std::sqrt(kMostCovariances / static_cast<double>(event.followers)), event.followers));
+  return event;
+}
+
 void require_rare(const GapLaw& law, const RareEvent& event) {
   bool is_random = false;
   for (std::size_t i = 1; i <= law.followers(); ++i) {
@@ -58,13 +68,7 @@ std::vector<double> bounds_of(const GapLaw& law, const RareEvent& event) {
 }  // namespace
 
 ConditionedGaps::ConditionedGaps(const PlatoonModel& model, const RareEvent& event)
-    : model_(model), event_(event), law_(model, event.followers, event.steps) {
-  const auto steps = static_cast<double>(event.steps);
-  if (static_cast<double>(event.followers) * steps * steps > kMostCovariances)
-    throw std::invalid_argument(
-        formatted("steps: %lld: must be at most %.0f for %zu followers: covariances are steps^2",
-                  static_cast<long long>(event.steps),
-                  std::sqrt(kMostCovariances / static_cast<double>(event.followers)), event.followers));
+    : model_(model), event_(require_fitting(event)), law_(model, event.followers, event.steps) {
   require_rare(law_, event);
   covariances_ = law_.covariances();
   std::vector<double> of_followers;

@@ -11,7 +11,7 @@ namespace {
 using boost::math::double_constants::root_two;
 using boost::math::double_constants::two_pi;
 
-constexpr double kFar = 30.0;  // from here on the asymptotic series has all digits
+constexpr double kSeriesFrom = 30.0;  // from here on the asymptotic series has all digits
 
 // P(x > a) over the density at a: 1/a - 1/a^3 + 3/a^5 - 15/a^7 + ...
 double mills_ratio(double a) {
@@ -27,12 +27,13 @@ double log_density(double a) {
 
 double log_normal_tail(double a) {
   if (a < -1.0) return std::log1p(-0.5 * std::erfc(-a / root_two));
-  if (a < kFar) return std::log(0.5 * std::erfc(a / root_two));
+  if (a < kSeriesFrom) return std::log(0.5 * std::erfc(a / root_two));
   return log_density(a) + std::log(mills_ratio(a));
 }
 
 double normal_tail_quantile(double log_probability) {
-  if (log_probability > -0.5 * kFar * kFar) return root_two * boost::math::erfc_inv(2.0 * std::exp(log_probability));
+  if (log_probability > -0.5 * kSeriesFrom * kSeriesFrom)
+    return root_two * boost::math::erfc_inv(2.0 * std::exp(log_probability));
   double a = std::sqrt(-2.0 * log_probability);
   for (int i = 0; i < 6; ++i) a += (log_normal_tail(a) - log_probability) * mills_ratio(a);  // Newton's method
   return a;
