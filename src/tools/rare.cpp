@@ -88,7 +88,8 @@ void merge_into(const std::vector<std::string>& folders, const std::string& outp
 int main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
-      {"Probabilities of small gaps, however small; rare DIR... --output DIR joins the shards of one estimation",
+      {"Probabilities of small gaps, however small; rare DIR... --output DIR joins the shards of one estimation\n"
+       "Example: rare --model paper_at_rest.yaml --followers 5 --output /tmp/rare",
        {"model", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst", "delay", "leader", "followers",
         "steps", "realizations", "seed", "output", "burn_in"},
        {{"below", "a gap below this bound [m] is the event (0)"},
