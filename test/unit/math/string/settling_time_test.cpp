@@ -21,7 +21,8 @@ void expect_settled(const PlatoonModel& model, std::size_t followers, const std:
   EXPECT_NEAR(moments.variance.back(), stationary, 1e-5 * stationary) << name << ", " << *steps << " steps";
   double largest = 0.0;
   for (const double mean : moments.mean) largest = std::max(largest, std::abs(mean));
-  EXPECT_NEAR(moments.mean.back(), stationary_means(model, followers).back(), 1e-5 * largest) << name << ", " << *steps << " steps";
+  EXPECT_NEAR(moments.mean.back(), stationary_means(model, followers).back(), 1e-5 * largest)
+      << name << ", " << *steps << " steps";
 }
 
 TEST(SettlingTime, EndsTheEffectOfTheStart) {
