@@ -33,7 +33,7 @@ class Rare:
         self.document = document
         try:
             *followers, last = document["rows"]
-            self._figures = {name: np.array([self._number(row[name]) for row in followers]) for name in self.FIGURES}
+            figures = {name: np.array([self._number(row[name]) for row in followers]) for name in self.FIGURES}
             #: the same figures for any follower, by name
             self.any: Dict[str, float] = {name: self._number(last[name]) for name in self.FIGURES}
             #: [m]
@@ -44,6 +44,20 @@ class Rare:
             self.samples = int(document["samples"])
         except (KeyError, TypeError, ValueError):
             raise ValueError("{}: is not what rare wrote".format(path)) from None
+        #: per follower, in one run
+        self.probability: NDArray[np.float64] = figures["probability"]
+        self.log10_probability: NDArray[np.float64] = figures["log10_probability"]
+        #: of the probability
+        self.standard_error: NDArray[np.float64] = figures["standard_error"]
+        #: the standard error over the probability
+        self.relative_error: NDArray[np.float64] = figures["relative_error"]
+        #: the lower and the upper end of the interval of 95 %
+        self.lower: NDArray[np.float64] = figures["lower"]
+        self.upper: NDArray[np.float64] = figures["upper"]
+        #: the upper bound of the theory; NaN without theory
+        self.bound: NDArray[np.float64] = figures["bound"]
+        #: -ln(1 - probability) per hour of the counted steps
+        self.per_hour: NDArray[np.float64] = figures["per_hour"]
 
     @staticmethod
     def _number(value: Optional[float]) -> float:
@@ -59,44 +73,6 @@ class Rare:
     @property
     def followers(self) -> int:
         return int(self.probability.size)
-
-    @property
-    def probability(self) -> NDArray[np.float64]:
-        """Per follower, in one run."""
-        return self._figures["probability"]
-
-    @property
-    def log10_probability(self) -> NDArray[np.float64]:
-        return self._figures["log10_probability"]
-
-    @property
-    def standard_error(self) -> NDArray[np.float64]:
-        """Of the probability."""
-        return self._figures["standard_error"]
-
-    @property
-    def relative_error(self) -> NDArray[np.float64]:
-        """The standard error over the probability."""
-        return self._figures["relative_error"]
-
-    @property
-    def lower(self) -> NDArray[np.float64]:
-        """The lower end of the interval of 95 %."""
-        return self._figures["lower"]
-
-    @property
-    def upper(self) -> NDArray[np.float64]:
-        return self._figures["upper"]
-
-    @property
-    def bound(self) -> NDArray[np.float64]:
-        """The upper bound of the theory; NaN without theory."""
-        return self._figures["bound"]
-
-    @property
-    def per_hour(self) -> NDArray[np.float64]:
-        """-ln(1 - probability) per hour of the counted steps."""
-        return self._figures["per_hour"]
 
     def __repr__(self) -> str:
         return "Rare({!r}: {} followers, gap below {:g} m)".format(self.path, self.followers, self.below)
