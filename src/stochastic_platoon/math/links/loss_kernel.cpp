@@ -72,8 +72,8 @@ LossKernel::LossKernel(const LossModel& loss) : chain_(loss) {
     if (!(own_(c * m) > 0.0)) reject_growth();
   }
 
-  const LossFraction mean = fraction();
-  factor_ = {zeros(mean.denominator), zeros(mean.numerator)};
+  fraction_ = exact_fraction();
+  factor_ = {zeros(fraction_.denominator), zeros(fraction_.numerator)};
   find_memories();
 }
 
@@ -88,7 +88,7 @@ ExactMatrix LossKernel::inverse(const Exact& arrivals) const {
   return result;
 }
 
-LossFraction LossKernel::fraction() const {
+LossFraction LossKernel::exact_fraction() const {
   constexpr double kZero = 1e-80;  // smaller coefficients are rounding of a hundred digits
   const auto polynomial = [](const ExactMatrix& matrix) {
     return exact_resolvent(matrix, ExactMatrix::Zero(1, matrix.cols())).denominator;

@@ -68,10 +68,11 @@ public:
 
   /// Poles and zeros of T_L, and T_L in a hundred digits.
   const GainFactor& factor() const { return factor_; }
-  LossFraction fraction() const;
+  const LossFraction& fraction() const { return fraction_; }
 
 private:
   ExactMatrix inverse(const Exact& arrivals) const;
+  LossFraction exact_fraction() const;
   void find_memories();
   Eigen::Index block(Eigen::Index mode) const { return mode * chain_.registers(); }
 
@@ -86,6 +87,7 @@ private:
   Eigen::RowVectorXd itself_;
   std::vector<std::complex<double>> memories_;
   Eigen::MatrixXcd right_, left_;  ///< v_m in columns, u_m' in rows
+  LossFraction fraction_;
   GainFactor factor_;
 };
 
